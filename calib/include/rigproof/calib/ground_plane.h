@@ -1,0 +1,45 @@
+// The ground (or the board) as a plane in one depth image.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/image.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/rig.h"
+
+namespace rigproof {
+
+/// Depth measurements of one frame as points in the colour camera's frame.
+struct DepthPoints {
+  std::vector<Eigen::Vector3f> points;  ///< [m], z > 0, in the order of the image's rows
+  double points_per_measurement = 1.0;  ///< points that share one independent measurement (correlated noise)
+};
+
+/// Points of a 16-bit depth image on a grid of every `stride` pixels, inside the sensor's range.
+DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int stride);
+
+struct GroundPlaneOptions {
+  /// Largest angle between the plane's normal and the expected up direction, if that is known [rad].
+  double max_tilt_rad = 0.35;
+  /// Inliers lie within this many of the sensor's standard deviations.
+  double inlier_sigmas = 3.0;
+  int min_inliers = 100;
+};
+
+/// A plane or the reason why there is none, in words.
+struct GroundPlaneFit {
+  std::optional<PlaneObservation> plane;
+  std::string reason;
+};
+
+/// PCL RANSAC at a threshold derived from the sensor's noise, then least squares in inverse depth on the inliers
+/// (1/z = a . ray is linear, and Gaussian for stereo), repeated until the inliers settle.
+/// @param up_camera expected up direction in the camera frame, from the rotation axis of the camera's own motion;
+///        absent: the largest plane below the camera is taken and walls are told by the later trajectory check.
+GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noise,
+                                const std::optional<Eigen::Vector3d>& up_camera,
+                                const GroundPlaneOptions& options = {});
+
+}  // namespace rigproof

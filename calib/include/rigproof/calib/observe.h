@@ -1,0 +1,27 @@
+// From a recording to observations: board corners, ground and board planes, odometry at each stop.
+#pragma once
+
+#include <functional>
+
+#include "rigproof/core/observations.h"
+#include "rigproof/core/recording.h"
+
+namespace rigproof {
+
+struct ObserveOptions {
+  int threads = 0;  ///< 0 = all cores
+  /// Frames of different cameras closer in time than this belong to one stop [s].
+  double stop_tolerance_s = 0.02;
+  /// Largest gap between odometry samples across which a frame's pose is interpolated [s].
+  double max_odometry_gap_s = 0.5;
+  bool use_depth = true;
+  /// Called from one thread at a time with (frames done, frames in all); return false to interrupt.
+  std::function<bool(std::size_t, std::size_t)> progress;
+};
+
+/// Reads every image of the recording. What cannot be used becomes an Exclusion with a reason; Error is thrown only
+/// where nothing can be answered (no image at all, odometry that never meets the frames, wrong image size).
+/// The result does not depend on the number of threads.
+Observations observe(const Recording& recording, const ObserveOptions& options = {});
+
+}  // namespace rigproof

@@ -1,0 +1,40 @@
+// The checkerboard: geometry, corner order and its symmetries.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace rigproof {
+
+/// A checkerboard of squares_x by squares_y squares. Its inner corners carry ids in row order:
+/// id = iy * inner_corners_x() + ix, at (ix * square_m, iy * square_m, 0) in the board frame.
+/// The square diagonally outside corner 0 (in the board's -x -y corner) is dark.
+struct Board {
+  std::string type = "checkerboard";
+  int squares_x = 5;
+  int squares_y = 4;
+  double square_m = 0.1;
+
+  int inner_corners_x() const { return squares_x - 1; }
+  int inner_corners_y() const { return squares_y - 1; }
+  int corner_count() const { return inner_corners_x() * inner_corners_y(); }
+  Eigen::Vector3d corner(int id) const {
+    return {square_m * (id % inner_corners_x()), square_m * (id / inner_corners_x()), 0.0};
+  }
+  std::vector<Eigen::Vector3d> corners() const;
+  /// The four outer corners of the squares, in the order (-,-), (+,-), (+,+), (-,+) [board frame, m].
+  std::vector<Eigen::Vector3d> outline() const;
+  /// Centre of the squares [board frame, m].
+  Eigen::Vector3d centre() const;
+  /// True if the square in column ix, row iy (0-based, from the -x -y corner) is dark.
+  static bool is_dark(int ix, int iy) { return (ix + iy) % 2 == 0; }
+  /// True if the board turned by 180 degrees looks the same, so that its first corner cannot be told by colours.
+  bool ambiguous_under_half_turn() const { return (squares_x + squares_y) % 2 == 0; }
+  bool operator==(const Board& other) const {
+    return type == other.type && squares_x == other.squares_x && squares_y == other.squares_y &&
+           square_m == other.square_m;
+  }
+};
+
+}  // namespace rigproof

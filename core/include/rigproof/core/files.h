@@ -1,0 +1,30 @@
+// Files that appear whole or not at all, and reading that a hostile folder cannot abuse.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rigproof {
+
+/// Writes to a temporary name in the same folder, fsyncs, renames, fsyncs the folder. Creates missing folders.
+/// Throws Error that names the file and the cause (full disk, no permission); nothing half-written remains.
+void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
+void write_file_atomically(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes);
+
+/// Reads a regular file of at most max_bytes. Throws Error that names the file.
+std::string read_text_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 64U << 20U);
+std::vector<std::uint8_t> read_binary_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 512U << 20U);
+
+/// SHA-256 as 64 lower-case hexadecimal digits.
+std::string sha256_hex(std::string_view bytes);
+std::string sha256_hex_of_file(const std::filesystem::path& file);
+
+/// folder / relative, after checking that `relative` is neither absolute nor leaves the folder, through ".." or a
+/// symbolic link. Throws Error.
+std::filesystem::path path_inside(const std::filesystem::path& folder, const std::string& relative);
+
+}  // namespace rigproof

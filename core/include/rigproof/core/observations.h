@@ -1,0 +1,81 @@
+// What calibration sees: corners, planes and odometry at each stop of the robot. On disk: observations.json.
+// Kilobytes; may replace the images.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/rig.h"
+
+namespace rigproof {
+
+/// One detected inner corner.
+struct CornerObservation {
+  int id = 0;                                                    ///< Board's corner id
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();               ///< distorted image coordinates
+  Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();  ///< of the detector's fit
+};
+
+/// The board as one camera sees it from one stop.
+struct BoardView {
+  int stop = 0;    ///< index into Observations::stops
+  int camera = 0;  ///< index into Observations::cameras
+  double stamp_s = 0.0;
+  std::string file;  ///< image it came from, for messages
+  std::vector<CornerObservation> corners;
+};
+
+/// A plane seen by the depth sensor, as 1/z = a . (x/z, y/z, 1): the plane is {p : a . p = 1} in camera coordinates.
+/// For the ground at height h below the camera with unit normal n towards the camera, a = -n / h.
+struct PlaneObservation {
+  int stop = 0;
+  int camera = 0;
+  std::string file;
+  Eigen::Vector3d inverse_depth_plane = Eigen::Vector3d::Zero();    ///< a [1/m], colour camera's frame
+  Eigen::Matrix3d covariance_per_m2 = Eigen::Matrix3d::Identity();  ///< of a, with the effective number of points
+  double effective_points = 0.0;
+  int inlier_points = 0;
+  double residual_rms = 0.0;  ///< of the inliers, in units of the sensor's sigma
+};
+
+/// One place where the robot took images, with the odometry there.
+struct Stop {
+  double stamp_s = 0.0;
+  double x_m = 0.0;  ///< odometry: T_odom_robot projected to the ground
+  double y_m = 0.0;
+  double yaw_rad = 0.0;
+  /// Standard deviation of the interpolation between odometry samples; 0 where a sample was met.
+  double interpolation_sigma_m = 0.0;
+};
+
+/// A frame that calibration does not use, and why, in words.
+struct Exclusion {
+  int camera = 0;
+  int stop = -1;  ///< -1: belongs to no stop
+  std::string file;
+  std::string reason;  ///< e.g. "board cut off", "no board", "residual 2.4 px"
+};
+
+struct Observations {
+  std::string source;  ///< where it came from, for people
+  std::string robot_frame = "base_footprint";
+  Board board;
+  std::vector<RigCamera> cameras;
+  OdometryNoise odometry_noise;
+  std::optional<AcceptLimits> accept;
+  std::vector<Stop> stops;                      ///< in the order of driving
+  std::vector<BoardView> board_views;           ///< sorted by (stop, camera)
+  std::vector<PlaneObservation> ground_planes;  ///< sorted by (stop, camera)
+  std::vector<PlaneObservation> board_planes;   ///< depth on the board itself: calibrates the depth scale
+  std::vector<Exclusion> exclusions;
+};
+
+/// Reads observations.json. Throws Error with every problem found.
+Observations load_observations(const std::filesystem::path& file);
+/// Writes observations.json atomically; reading it back gives the same bytes again.
+void save_observations(const Observations& observations, const std::filesystem::path& file);
+
+}  // namespace rigproof

@@ -1,0 +1,74 @@
+// What a calibration method answers. On disk: results/METHOD.yaml.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/observations.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof {
+
+/// The pose of `child` in `parent`, with what is known about it.
+struct EstimatedTransform {
+  std::string parent;
+  std::string child;
+  Rigid3 T_parent_child;
+  /// In the chart of transform_error(): tx ty tz rx ry rz, metres and radians. Absent if the method has none.
+  std::optional<Matrix6d> covariance;
+  /// Degrees of freedom that the data determine, in the same order. A degree that is not observable is absent on
+  /// disk; rotations are then given as roll/pitch/yaw of R = Rz(yaw) Ry(pitch) Rx(roll) of camera's body axes.
+  std::array<bool, 6> observable = {true, true, true, true, true, true};
+
+  bool fully_observable() const;
+};
+
+/// How much of a camera's data a method used.
+struct CameraUse {
+  std::string camera;
+  int used = 0;
+  std::vector<Exclusion> left_out;
+  double reprojection_rms_px = 0.0;  ///< over the frames used
+};
+
+/// A named group of residuals.
+struct ResidualSummary {
+  std::string name;  ///< "corners", "odometry", "ground"
+  std::string unit;  ///< "px", "m", "sigma", ...
+  int count = 0;
+  double rms = 0.0;
+};
+
+enum class ResultStatus {
+  kSolved,
+  kPartial,  ///< some degrees of freedom are refused
+  kRefused,  ///< nothing that was asked for can be answered
+};
+const char* result_status_name(ResultStatus status);
+
+struct Result {
+  std::string method;
+  ResultStatus status = ResultStatus::kRefused;
+  std::vector<std::string> reasons;                  ///< why it is partial or refused, in sentences
+  std::vector<std::string> notes;                    ///< what the user should know, in sentences
+  std::vector<EstimatedTransform> camera_to_robot;   ///< parent robot_frame, child camera
+  std::vector<EstimatedTransform> camera_to_camera;  ///< parent camera j, child camera k, j < k
+  std::vector<CameraUse> use;
+  std::vector<ResidualSummary> residuals;
+  double solve_s = 0.0;  ///< not written to disk: results are byte-identical across runs
+
+  const EstimatedTransform* find(const std::string& parent, const std::string& child) const;
+};
+
+/// Reads a result, ours or the smallest one that somebody else wrote: a list or map of
+/// {parent, child, translation_m, quaternion_xyzw}. Throws Error with every problem found.
+Result load_result(const std::filesystem::path& file);
+/// Writes a result atomically.
+void save_result(const Result& result, const std::filesystem::path& file);
+/// "pose of left in robot".
+std::string sentence_of(const EstimatedTransform& transform);
+
+}  // namespace rigproof

@@ -1,0 +1,91 @@
+// The rig: cameras of a robot, the board they look at, and what the user accepts. On disk: recording/rig.yaml.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/board.h"
+#include "rigproof/core/camera.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof {
+
+/// Standard deviation of one depth pixel as a function of depth.
+struct DepthNoise {
+  enum class Law {
+    kStereo,       ///< sigma of 1/z is constant: sigma_z = z^2 * inverse_depth_sigma_per_m
+    kTimeOfFlight  ///< sigma_z = constant_m + proportional * z
+  };
+  Law law = Law::kStereo;
+  /// s / (f B): sub-pixel disparity noise over focal length times baseline [1/m]. D455 at W = 848: 0.0019.
+  double inverse_depth_sigma_per_m = 0.0019;
+  double constant_m = 0.0;
+  double proportional = 0.0;
+  /// Pixels whose noise is one and the same: side of the square that holds one independent measurement [px].
+  double correlation_px = 1.0;
+  /// Prior of the relative error of the depth scale, one sigma.
+  double scale_sigma = 0.003;
+
+  double sigma_m(double depth_m) const;
+  /// Standard deviation of 1/z at the given depth [1/m].
+  double inverse_depth_sigma(double depth_m) const;
+};
+
+/// The depth stream of an RGB-D camera. Without its own block it is registered to colour: same size, intrinsics,
+/// distortion, nearest resampling.
+struct DepthStream {
+  double unit_m = 0.001;  ///< metres of one count of the 16-bit image
+  double min_m = 0.4;
+  double max_m = 6.0;
+  DepthNoise noise;
+  struct OwnCamera {
+    Camera camera;
+    Rigid3 T_color_depth;
+  };
+  std::optional<OwnCamera> own_camera;
+};
+
+/// One camera as the user describes it.
+struct RigCamera {
+  std::string name;    ///< frame name of the optical frame in results, unique
+  std::string sensor;  ///< preset in models/sensors, e.g. "d455"; may be empty
+  std::string link;    ///< TF link that a result is exported for; may be empty
+  std::string folder;  ///< folder inside the recording, relative
+  Camera camera;
+  std::optional<DepthStream> depth;
+};
+
+/// Limits on the stated uncertainty that the user wants to see met (one sigma).
+struct AcceptLimits {
+  double xy_m = 0.0;
+  double z_m = 0.0;
+  double angle_rad = 0.0;
+};
+
+/// How odometry noise is distributed.
+enum class OdometryModel {
+  kUnknown,       ///< decided from the data
+  kPerPose,       ///< independent on every absolute pose: no drift
+  kPerIncrement,  ///< independent on every increment: drift
+};
+const char* odometry_model_name(OdometryModel model);
+
+/// What the user declares about the odometry; sigmas that are absent are estimated.
+struct OdometryNoise {
+  OdometryModel model = OdometryModel::kUnknown;
+  std::optional<double> sigma_xy_m;
+  std::optional<double> sigma_yaw_rad;
+};
+
+struct Rig {
+  std::string name;
+  std::string robot_frame = "base_footprint";
+  Board board;
+  std::vector<RigCamera> cameras;
+  std::string odometry_file = "odometry.csv";
+  OdometryNoise odometry_noise;
+  std::optional<AcceptLimits> accept;
+};
+
+}  // namespace rigproof

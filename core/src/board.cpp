@@ -1,0 +1,22 @@
+#include "rigproof/core/board.h"
+
+namespace rigproof {
+
+std::vector<Eigen::Vector3d> Board::corners() const {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(static_cast<std::size_t>(corner_count()));
+  for (int id = 0; id < corner_count(); ++id) points.push_back(corner(id));
+  return points;
+}
+
+std::vector<Eigen::Vector3d> Board::outline() const {
+  const double left = -square_m, right = square_m * (squares_x - 1);
+  const double top = -square_m, bottom = square_m * (squares_y - 1);
+  return {{left, top, 0.0}, {right, top, 0.0}, {right, bottom, 0.0}, {left, bottom, 0.0}};
+}
+
+Eigen::Vector3d Board::centre() const {
+  return {0.5 * square_m * (squares_x - 2), 0.5 * square_m * (squares_y - 2), 0.0};
+}
+
+}  // namespace rigproof

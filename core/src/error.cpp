@@ -1,0 +1,33 @@
+#include "rigproof/core/error.h"
+
+namespace rigproof {
+
+std::string Problem::text() const {
+  std::string text = file;
+  if (line > 0) text += (text.empty() ? "line " : ":") + std::to_string(line);
+  for (const std::string& part : {field, value, message}) {
+    if (part.empty()) continue;
+    if (!text.empty()) text += ": ";
+    text += part;
+  }
+  return text;
+}
+
+void Problems::append(const Problems& other) {
+  problems_.insert(problems_.end(), other.problems_.begin(), other.problems_.end());
+}
+
+std::string Problems::text() const {
+  std::string text;
+  for (const Problem& problem : problems_) {
+    if (!text.empty()) text += '\n';
+    text += problem.text();
+  }
+  return text;
+}
+
+void Problems::throw_if_any() const {
+  if (!problems_.empty()) throw Error(text());
+}
+
+}  // namespace rigproof

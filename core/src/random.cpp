@@ -1,0 +1,88 @@
+#include "rigproof/core/random.h"
+
+#include <cmath>
+
+#include "rigproof/core/conventions.h"
+
+namespace rigproof {
+namespace {
+
+// FNV-1a, then the finaliser of SplitMix64: stable on every platform, unlike std::hash.
+std::uint64_t hash_key(std::uint64_t seed, std::string_view purpose) {
+  std::uint64_t h = 14695981039346656037ULL;
+  const auto mix_byte = [&h](std::uint8_t byte) { h = (h ^ byte) * 1099511628211ULL; };
+  for (int shift = 0; shift < 64; shift += 8) mix_byte(static_cast<std::uint8_t>(seed >> shift));
+  for (const char c : purpose) mix_byte(static_cast<std::uint8_t>(c));
+  h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  h = (h ^ (h >> 27)) * 0x94D049BB133111EBULL;
+  return h ^ (h >> 31);
+}
+
+void multiply(std::uint32_t a, std::uint32_t b, std::uint32_t* high, std::uint32_t* low) {
+  const std::uint64_t product = static_cast<std::uint64_t>(a) * b;
+  *high = static_cast<std::uint32_t>(product >> 32);
+  *low = static_cast<std::uint32_t>(product);
+}
+
+}  // namespace
+
+RandomStream::RandomStream(std::uint64_t seed, std::string_view purpose, std::int64_t frame, std::int32_t camera) {
+  const std::uint64_t key = hash_key(seed, purpose);
+  key_[0] = static_cast<std::uint32_t>(key);
+  key_[1] = static_cast<std::uint32_t>(key >> 32);
+  // The first word counts blocks: 2^34 numbers a stream.
+  counter_[0] = 0;
+  counter_[1] = static_cast<std::uint32_t>(camera);
+  counter_[2] = static_cast<std::uint32_t>(frame);
+  counter_[3] = static_cast<std::uint32_t>(static_cast<std::uint64_t>(frame) >> 32);
+}
+
+void RandomStream::refill() {
+  std::uint32_t x[4] = {counter_[0], counter_[1], counter_[2], counter_[3]};
+  std::uint32_t k[2] = {key_[0], key_[1]};
+  for (int round = 0; round < 10; ++round) {
+    std::uint32_t high0, low0, high1, low1;
+    multiply(0xD2511F53U, x[0], &high0, &low0);
+    multiply(0xCD9E8D57U, x[2], &high1, &low1);
+    x[0] = high1 ^ x[1] ^ k[0];
+    x[1] = low1;
+    x[2] = high0 ^ x[3] ^ k[1];
+    x[3] = low0;
+    k[0] += 0x9E3779B9U;
+    k[1] += 0xBB67AE85U;
+  }
+  for (int i = 0; i < 4; ++i) block_[i] = x[i];
+  ++counter_[0];
+  used_ = 0;
+}
+
+std::uint32_t RandomStream::next_u32() {
+  if (used_ == 4) refill();
+  return block_[used_++];
+}
+
+double RandomStream::uniform() {
+  const std::uint64_t high = next_u32(), low = next_u32();
+  return static_cast<double>(((high << 32) | low) >> 11) * 0x1.0p-53;
+}
+
+double RandomStream::normal() {
+  if (has_spare_normal_) {
+    has_spare_normal_ = false;
+    return spare_normal_;
+  }
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+  const double angle = 2.0 * kPi * uniform();
+  spare_normal_ = radius * std::sin(angle);
+  has_spare_normal_ = true;
+  return radius * std::cos(angle);
+}
+
+std::uint32_t RandomStream::below(std::uint32_t count) {
+  const std::uint32_t threshold = static_cast<std::uint32_t>(-count) % count;
+  std::uint32_t value = next_u32();
+  while (value < threshold) value = next_u32();
+  return value % count;
+}
+
+}  // namespace rigproof

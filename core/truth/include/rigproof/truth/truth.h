@@ -1,0 +1,42 @@
+// What only a simulator knows. On disk: truth/truth.yaml. The calibration core neither includes nor links this.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/camera.h"
+#include "rigproof/core/rig.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof {
+
+struct TrueCamera {
+  std::string name;
+  Rigid3 T_robot_camera;
+  Camera camera;                      ///< true intrinsics; the recording may tell others
+  std::optional<double> depth_scale;  ///< measured = scale * true, absent without depth
+};
+
+struct TrueStop {
+  double stamp_s = 0.0;
+  Rigid3 T_world_robot;  ///< all six degrees of freedom
+};
+
+struct Truth {
+  std::string scene;
+  std::uint64_t seed = 0;
+  Board board;  ///< true size
+  Rigid3 T_world_board;
+  std::vector<TrueCamera> cameras;
+  std::vector<TrueStop> stops;
+  OdometryNoise odometry_noise;  ///< with the sigmas that were drawn from
+  double odometry_scale = 1.0;
+  double odometry_yaw_factor = 1.0;
+};
+
+Truth load_truth(const std::filesystem::path& file);
+void save_truth(const Truth& truth, const std::filesystem::path& file);
+
+}  // namespace rigproof

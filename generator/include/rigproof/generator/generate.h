@@ -1,0 +1,48 @@
+// Renders a run: viewpoints, odometry, images, truth.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "rigproof/generator/config.h"
+
+namespace rigproof {
+
+struct GenerateOptions {
+  std::filesystem::path output;  ///< the run's folder
+  int jobs = 0;                  ///< render processes, 0 = one a core
+  bool fresh = false;            ///< delete what is there and start over, instead of resuming
+  int device = -2;               ///< as RenderOptions::device
+  /// (images done, images in all); return false to interrupt. Called from the main process only.
+  std::function<bool(std::size_t, std::size_t)> progress;
+};
+
+/// What --dry-run prints.
+struct GeneratePlan {
+  std::size_t stops = 0;
+  std::size_t images = 0;
+  double expected_mb = 0.0;
+  double expected_minutes = 0.0;
+  std::string coverage;  ///< distances, bearings, cameras per view, in words
+};
+
+struct GenerateReport {
+  std::size_t images = 0;           ///< in the run
+  std::size_t images_rendered = 0;  ///< by this call; the rest was there already
+  std::uint64_t bytes = 0;
+  double seconds = 0.0;
+  bool complete = false;  ///< false: interrupted, resumes
+  std::string gl_renderer;
+  std::string coverage;
+};
+
+GeneratePlan plan_generation(const GenerateConfig& config);
+
+/// Generates or resumes. Byte-identical for one configuration at any number of jobs, interrupted or not.
+/// Throws Error on bad input or environment.
+GenerateReport generate(const GenerateConfig& config, const GenerateOptions& options);
+
+}  // namespace rigproof

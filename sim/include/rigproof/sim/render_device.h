@@ -1,0 +1,20 @@
+// The EGL devices that can render off-screen.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace rigproof {
+
+/// One device as EGL enumerates it, or Mesa's surfaceless platform, which needs no device at all.
+struct RenderDevice {
+  int index = -1;        ///< for --device; -1 = surfaceless Mesa
+  std::string name;      ///< "NVIDIA H100", "llvmpipe", ... ; empty until a context was made
+  std::string drm_file;  ///< "/dev/dri/card0" or empty
+  bool is_software = false;
+};
+
+/// All devices, hardware first. Never throws: without libEGL the list is empty and `problem` says what to install.
+std::vector<RenderDevice> enumerate_render_devices(std::string* problem = nullptr);
+
+}  // namespace rigproof
