@@ -1,0 +1,1 @@
+# list(APPEND calib_sources src/detection/...cpp)
