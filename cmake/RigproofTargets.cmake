@@ -32,7 +32,8 @@ function(rigproof_add_library name)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
-# rigproof_add_test(core SOURCES .. LINK .. LABELS ..) makes the GoogleTest program test_core; ctest sees each case.
+# rigproof_add_test(core SOURCES .. LINK .. LABELS unit) makes the GoogleTest program test_core; ctest sees each case.
+# Tests with the label `unit` are also run under the sanitizers; without LABELS that is what a test is.
 function(rigproof_add_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   set(target test_${name})
@@ -43,6 +44,12 @@ function(rigproof_add_test name)
   rigproof_apply_rules(${target})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
+  endif()
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  if("unit" IN_LIST ARG_LABELS)
+    add_dependencies(unit_tests ${target})
   endif()
   gtest_discover_tests(${target} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST
                        PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
