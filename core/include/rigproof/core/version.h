@@ -1,0 +1,9 @@
+// The version of the tool.
+#pragma once
+
+namespace rigproof {
+
+/// "0.1.0", from CMake's project version.
+const char* version();
+
+}  // namespace rigproof

@@ -1,0 +1,7 @@
+#include "rigproof/core/version.h"
+
+namespace rigproof {
+
+const char* version() { return RIGPROOF_VERSION; }
+
+}  // namespace rigproof
