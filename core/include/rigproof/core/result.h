@@ -56,6 +56,9 @@ struct Result {
   std::vector<std::string> notes;                    ///< what the user should know, in sentences
   std::vector<EstimatedTransform> camera_to_robot;   ///< parent robot_frame, child camera
   std::vector<EstimatedTransform> camera_to_camera;  ///< parent camera j, child camera k, j < k
+  /// Covariance of all of camera_to_robot together, six rows a camera in that order, in the chart of
+  /// transform_error(); 6n x 6n. Absent if the method has none. It also holds what the cameras share (odometry).
+  std::optional<Eigen::MatrixXd> joint_covariance;
   std::vector<CameraUse> use;
   std::vector<ResidualSummary> residuals;
   double solve_s = 0.0;  ///< not written to disk: results are byte-identical across runs
