@@ -1,6 +1,8 @@
 // A MuJoCo world composed of a scene, a robot with its cameras, and a board.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -18,9 +20,39 @@ struct WorldCamera {
   Camera camera;
 };
 
+/// A texture that a scene's MJCF refers to by name: procedural and seeded, or an image file.
+struct SceneTexture {
+  std::string name;                                      ///< as the MJCF's materials call it
+  std::string type;                                      ///< see texture_types() in textures.h, or "file"
+  std::filesystem::path file;                            ///< for type "file"
+  int size_px = 1024;                                    ///< side of the square texture, a power of two
+  double scale = 1.0;                                    ///< size of the features relative to the type's default
+  double contrast = 1.0;                                 ///< strength of the pattern relative to the type's default
+  std::array<double, 3> color = {0.5, 0.5, 0.5};         ///< main colour, 0 to 1
+  std::array<double, 3> second_color = {0.3, 0.3, 0.3};  ///< joints, mortar, stains, ...
+};
+
+/// Free floor of a scene: the rectangle in which a robot may be placed [world frame, m].
+struct FloorArea {
+  double x_min = 0.0, x_max = 0.0, y_min = 0.0, y_max = 0.0;
+};
+
+/// The scene as World::compose needs it. Geoms whose name starts with `floor` are floor; geoms of group 2 are
+/// ceiling, which pictures from above leave out.
+struct SceneDescription {
+  std::filesystem::path mjcf;
+  std::vector<SceneTexture> textures;
+  FloorArea drivable_area;
+  double near_m = 0.2;  ///< nothing nearer than this to a camera is seen; depth resolution depends on it
+  double far_m = 20.0;
+  std::array<double, 3> sky_zenith = {0.5, 0.6, 0.8};
+  std::array<double, 3> sky_horizon = {0.8, 0.85, 0.9};
+  bool shadows = false;  ///< cast by the scene's lights; rendering takes twice as long
+};
+
 struct WorldDescription {
   std::filesystem::path robot_mjcf;  ///< body `robot` whose origin is the robot frame
-  std::filesystem::path scene_mjcf;
+  SceneDescription scene;
   std::uint64_t scene_seed = 0;  ///< of the procedural textures
   std::vector<WorldCamera> cameras;
   Board board;
@@ -50,11 +82,7 @@ class World {
   /// Distance along the ray to the first thing hit that is not the robot, and what it is; infinity if nothing.
   double cast_ray(const Eigen::Vector3d& origin_world, const Eigen::Vector3d& direction_world,
                   ObjectKind* hit = nullptr) const;
-  /// Free floor of the scene: the rectangle in which a robot may be placed [world frame, m].
-  struct Area {
-    double x_min, x_max, y_min, y_max;
-  };
-  Area drivable_area() const;
+  FloorArea drivable_area() const;
 
   const WorldDescription& description() const;
   ObjectKind kind_of_object(int object_id) const;
