@@ -1,0 +1,13 @@
+// Solves empty observations with every method: each must refuse in words.
+#include <cstdio>
+
+#include "rigproof/calib/method.h"
+
+int main() {
+  for (const rigproof::Method* method : rigproof::all_methods()) {
+    const rigproof::Result result = method->solve(rigproof::Observations());
+    if (result.status != rigproof::ResultStatus::kRefused || result.reasons.empty()) return 1;
+    std::printf("%s: %s\n", method->traits().name.c_str(), result.reasons.front().c_str());
+  }
+  return 0;
+}
