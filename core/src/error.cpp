@@ -1,5 +1,8 @@
 #include "rigproof/core/error.h"
 
+#include <algorithm>
+#include <tuple>
+
 namespace rigproof {
 
 std::string Problem::text() const {
@@ -15,6 +18,12 @@ std::string Problem::text() const {
 
 void Problems::append(const Problems& other) {
   problems_.insert(problems_.end(), other.problems_.begin(), other.problems_.end());
+}
+
+void Problems::sort() {
+  std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) {
+    return std::tie(a.file, a.line) < std::tie(b.file, b.line);
+  });
 }
 
 std::string Problems::text() const {

@@ -44,6 +44,8 @@ class Problems {
  public:
   void add(Problem problem) { problems_.push_back(std::move(problem)); }
   void append(const Problems& other);
+  /// Orders them by file and line, as a person goes through them.
+  void sort();
   bool empty() const { return problems_.empty(); }
   const std::vector<Problem>& all() const { return problems_; }
   /// One line a problem.

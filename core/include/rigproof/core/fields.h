@@ -6,20 +6,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "rigproof/core/distribution.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof {
-
-/// Allowed values of a number, both ends included.
-struct NumberRange {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-};
 
 /// Allowed values of a text: one of `choices`, or anything if there is none.
 struct TextChoices {

@@ -1,0 +1,27 @@
+// Finds what ships with the program: presets of rigs, robots, sensors, boards, scenes, and configurations.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rigproof {
+
+/// The folder that holds models/, scenes/ and config/. $RIGPROOF_DATA if it is set; for a program in its build tree
+/// the source tree; else share/rigproof beside the program's bin/ or under the prefix it was configured for.
+/// Throws Error that names every place that was tried.
+std::filesystem::path data_folder();
+
+/// The YAML file of a preset by its name ("d455"), or a file that the user names by a path.
+/// @param kind "rigs", "robots", "sensors", "boards", "scenes" or "config".
+/// An existing file wins over a preset; in config/ a name may carry folders ("budgets/ci").
+/// Throws Error that names the nearest preset and all of them.
+std::filesystem::path find_data_file(const std::string& kind, const std::string& name_or_path);
+
+/// The same for presets alone: a name never reaches a file elsewhere. For names that stand in files.
+std::filesystem::path find_preset(const std::string& kind, const std::string& name);
+
+/// Names of all presets of a kind, sorted.
+std::vector<std::string> list_presets(const std::string& kind);
+
+}  // namespace rigproof

@@ -1,0 +1,119 @@
+#include "rigproof/core/data_path.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_data_folder(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_directory(folder / "models", ignored);
+}
+
+fs::path program_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path() : program.parent_path();
+}
+
+bool starts_with(const fs::path& path, const fs::path& folder) {
+  const auto [in_folder, in_path] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
+  (void)in_path;
+  return in_folder == folder.end();
+}
+
+std::vector<fs::path> candidates() {
+  std::vector<fs::path> folders;
+  const fs::path program = program_folder();
+  if (starts_with(program, RIGPROOF_BUILD_TREE)) folders.emplace_back(RIGPROOF_SOURCE_TREE);
+  if (!program.empty()) folders.push_back(program.parent_path() / "share" / "rigproof");
+  folders.emplace_back(RIGPROOF_INSTALLED_DATA);
+  folders.emplace_back(RIGPROOF_SOURCE_TREE);
+  return folders;
+}
+
+fs::path folder_of_kind(const std::string& kind) {
+  static const std::vector<std::string> kKinds = {"rigs", "robots", "sensors", "boards", "scenes", "config"};
+  if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
+    throw Error("there is no kind of preset \"" + for_message(kind) + "\"; " + suggestion(kind, kKinds));
+  const bool at_top = kind == "scenes" || kind == "config";
+  return at_top ? data_folder() / kind : data_folder() / "models" / kind;
+}
+
+// A folder of its own may hold a preset together with its meshes: scenes/yard/scene.yaml is "yard".
+std::string name_of(const fs::path& file, const fs::path& folder, const std::string& kind) {
+  fs::path relative = file.lexically_relative(folder).replace_extension();
+  const std::string singular = kind.substr(0, kind.size() - 1);
+  if (relative.has_parent_path() && relative.filename() == singular) relative = relative.parent_path();
+  return relative.generic_string();
+}
+
+struct Preset {
+  std::string name;
+  fs::path file;
+};
+
+std::vector<Preset> presets_of(const std::string& kind) {
+  const fs::path folder = folder_of_kind(kind);
+  std::vector<Preset> presets;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (it->path().extension() == ".yaml") presets.push_back({name_of(it->path(), folder, kind), it->path()});
+  std::sort(presets.begin(), presets.end(), [](const Preset& a, const Preset& b) { return a.name < b.name; });
+  return presets;
+}
+
+}  // namespace
+
+fs::path data_folder() {
+  if (const char* chosen = std::getenv("RIGPROOF_DATA"); chosen != nullptr && *chosen != '\0') {
+    if (is_data_folder(chosen)) return chosen;
+    throw Error("RIGPROOF_DATA: " + std::string(chosen) + ": holds no folder models/");
+  }
+  std::vector<std::string> tried;
+  for (const fs::path& folder : candidates()) {
+    if (is_data_folder(folder)) return folder;
+    tried.push_back(folder.string());
+  }
+  throw Error("the program's data (models, scenes, config) were not found; set RIGPROOF_DATA. Tried: " + joined(tried));
+}
+
+fs::path find_preset(const std::string& kind, const std::string& name) {
+  std::vector<std::string> known;
+  for (const Preset& preset : presets_of(kind)) {
+    if (preset.name == name) return preset.file;
+    known.push_back(preset.name);
+  }
+  throw Error("there is no \"" + for_message(name) + "\" among the presets of " + kind + "; " +
+              suggestion(name, known));
+}
+
+fs::path find_data_file(const std::string& kind, const std::string& name_or_path) {
+  std::error_code ignored;
+  if (fs::is_regular_file(name_or_path, ignored)) return name_or_path;
+  const fs::path path(name_or_path);
+  if (path.extension() == ".yaml" || path.extension() == ".yml") {
+    if (path.is_absolute() || path.has_parent_path()) {
+      const fs::path stem = fs::path(path).replace_extension();
+      for (const Preset& preset : presets_of(kind))
+        if (preset.name == stem.generic_string()) return preset.file;
+      throw Error(for_message(name_or_path) + ": no such file");
+    }
+    return find_preset(kind, path.stem().string());
+  }
+  return find_preset(kind, name_or_path);
+}
+
+std::vector<std::string> list_presets(const std::string& kind) {
+  std::vector<std::string> names;
+  for (const Preset& preset : presets_of(kind)) names.push_back(preset.name);
+  return names;
+}
+
+}  // namespace rigproof

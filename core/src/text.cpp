@@ -1,0 +1,103 @@
+#include "rigproof/core/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+namespace rigproof {
+namespace {
+
+// A leading plus is allowed in YAML and CSV, but not by from_chars.
+std::string_view without_plus(std::string_view text) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+') text.remove_prefix(1);
+  return text;
+}
+
+template <typename Number>
+std::optional<Number> parse_whole(std::string_view text) {
+  text = without_plus(text);
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// Damerau-Levenshtein distance (optimal string alignment), case-insensitive: two swapped letters are one slip.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+      const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string number_text(double value) {
+  char buffer[32];
+  const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
+  return std::string(buffer, result.ptr);
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  const std::optional<double> value = parse_whole<double>(text);
+  if (!value || !std::isfinite(*value)) return std::nullopt;
+  return value;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) { return parse_whole<std::int64_t>(text); }
+
+std::string joined(const std::vector<std::string>& words, const std::string& separator) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (!text.empty()) text += separator;
+    text += word;
+  }
+  return text;
+}
+
+std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known) {
+  // Names of hostile length are not compared: the distance costs the product of both lengths.
+  if (name.size() > 256) return std::nullopt;
+  const std::size_t allowed = std::max<std::size_t>(2, name.size() / 3);
+  std::optional<std::string> nearest;
+  std::size_t best = allowed + 1;
+  for (const std::string& candidate : known) {
+    const std::size_t distance = edit_distance(name, candidate);
+    // "lambda" for "odometry_lambda": a part that was left out counts as near, too, but less than a slip.
+    const bool contained = name.size() >= 3 && candidate.find(name) != std::string::npos;
+    const std::size_t rank = contained ? std::min(distance, allowed) : distance;
+    if (rank >= best || rank >= std::max(name.size(), candidate.size())) continue;
+    best = rank;
+    nearest = candidate;
+  }
+  return nearest;
+}
+
+std::string suggestion(std::string_view name, const std::vector<std::string>& known) {
+  const std::optional<std::string> nearest = nearest_name(name, known);
+  const std::string all = known.empty() ? "none is known" : "known: " + joined(known);
+  return nearest ? "did you mean \"" + *nearest + "\"? " + all : all;
+}
+
+std::string for_message(std::string_view text) {
+  constexpr std::size_t kLongest = 80;
+  std::string clean(text.substr(0, kLongest));
+  for (char& c : clean)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  if (text.size() > kLongest) clean += "...";
+  return clean;
+}
+
+}  // namespace rigproof
