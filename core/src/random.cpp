@@ -24,6 +24,40 @@ void multiply(std::uint32_t a, std::uint32_t b, std::uint32_t* high, std::uint32
   *low = static_cast<std::uint32_t>(product);
 }
 
+// Blocks that fill() computes side by side: two keep the multiplier busy (measured: 1.7 ns a word; 2.8 ns with one
+// block, and more with four or vectors).
+constexpr std::size_t kLanes = 2;
+
+// The ten rounds on kLanes consecutive blocks; words[4 * lane + i] is word i of a block.
+void philox_blocks(const std::uint32_t counter[4], const std::uint32_t key[2], std::uint32_t* words) {
+  std::uint32_t x0[kLanes], x1[kLanes], x2[kLanes], x3[kLanes];
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    x0[i] = counter[0] + static_cast<std::uint32_t>(i);
+    x1[i] = counter[1];
+    x2[i] = counter[2];
+    x3[i] = counter[3];
+  }
+  std::uint32_t k0 = key[0], k1 = key[1];
+  for (int round = 0; round < 10; ++round) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const std::uint64_t product0 = static_cast<std::uint64_t>(0xD2511F53U) * x0[i];
+      const std::uint64_t product1 = static_cast<std::uint64_t>(0xCD9E8D57U) * x2[i];
+      x0[i] = static_cast<std::uint32_t>(product1 >> 32) ^ x1[i] ^ k0;
+      x2[i] = static_cast<std::uint32_t>(product0 >> 32) ^ x3[i] ^ k1;
+      x1[i] = static_cast<std::uint32_t>(product1);
+      x3[i] = static_cast<std::uint32_t>(product0);
+    }
+    k0 += 0x9E3779B9U;
+    k1 += 0xBB67AE85U;
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    words[4 * i] = x0[i];
+    words[4 * i + 1] = x1[i];
+    words[4 * i + 2] = x2[i];
+    words[4 * i + 3] = x3[i];
+  }
+}
+
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::string_view purpose, std::int64_t frame, std::int32_t camera) {
@@ -59,6 +93,18 @@ void RandomStream::refill() {
 std::uint32_t RandomStream::next_u32() {
   if (used_ == 4) refill();
   return block_[used_++];
+}
+
+void RandomStream::fill(std::uint32_t* words, std::size_t count) {
+  while (count > 0 && used_ < 4) {
+    *words++ = block_[used_++];
+    --count;
+  }
+  for (; count >= 4 * kLanes; count -= 4 * kLanes, words += 4 * kLanes) {
+    philox_blocks(counter_, key_, words);
+    counter_[0] += static_cast<std::uint32_t>(kLanes);
+  }
+  for (; count > 0; --count) *words++ = next_u32();
 }
 
 double RandomStream::uniform() {
