@@ -1,5 +1,6 @@
 #include "rigproof/core/camera.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
