@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cerrno>
 #include <limits>
+#include <map>
 #include <memory>
 #include <system_error>
 
@@ -94,18 +95,23 @@ void sync_folder_of(const fs::path& file) {
   if (!descriptor.valid() || (::fsync(descriptor.get()) != 0 && errno != EINVAL)) fail(file, "write its folder", errno);
 }
 
-void write_bytes(const fs::path& file, const char* data, std::size_t size) {
+void sync_file(const fs::path& file) {
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!descriptor.valid() || ::fsync(descriptor.get()) != 0) fail(file, "write", errno);
+}
+
+void write_bytes(const fs::path& file, const char* data, std::size_t size, bool sync) {
   create_parent(file);
   const fs::path temporary = temporary_name(file);
   Descriptor descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (!descriptor.valid()) fail(file, "write", errno);
   TemporaryFile guard(temporary);
   write_all(descriptor.get(), data, size, file);
-  if (::fsync(descriptor.get()) != 0) fail(file, "write", errno);
+  if (sync && ::fsync(descriptor.get()) != 0) fail(file, "write", errno);
   if (descriptor.close() != 0) fail(file, "write", errno);
   if (::rename(temporary.c_str(), file.c_str()) != 0) fail(file, "write", errno);
   guard.keep();
-  sync_folder_of(file);
+  if (sync) sync_folder_of(file);
 }
 
 // Opens a regular file for reading and tells its size. O_NONBLOCK: a pipe must not hang the reader.
@@ -189,11 +195,24 @@ bool is_within(const fs::path& folder, const fs::path& path) {
 }  // namespace
 
 void write_file_atomically(const fs::path& file, std::string_view bytes) {
-  write_bytes(file, bytes.data(), bytes.size());
+  write_bytes(file, bytes.data(), bytes.size(), true);
 }
 
 void write_file_atomically(const fs::path& file, const std::vector<std::uint8_t>& bytes) {
-  write_bytes(file, reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  write_bytes(file, reinterpret_cast<const char*>(bytes.data()), bytes.size(), true);
+}
+
+void write_file_atomically_unsynced(const fs::path& file, std::string_view bytes) {
+  write_bytes(file, bytes.data(), bytes.size(), false);
+}
+
+void sync_files(const std::vector<fs::path>& files) {
+  std::map<fs::path, fs::path> one_of_folder;
+  for (const fs::path& file : files) {
+    sync_file(file);
+    one_of_folder[file.parent_path()] = file;
+  }
+  for (const auto& entry : one_of_folder) sync_folder_of(entry.second);
 }
 
 std::string read_text_file(const fs::path& file, std::uintmax_t max_bytes) {

@@ -15,6 +15,12 @@ namespace rigproof {
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 void write_file_atomically(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes);
 
+/// The same without either fsync: whole or not at all while the machine runs. For many files that are written quickly
+/// and made to last together, with sync_files().
+void write_file_atomically_unsynced(const std::filesystem::path& file, std::string_view bytes);
+/// Makes files that were written unsynced, and their folders, last. Throws Error that names the file.
+void sync_files(const std::vector<std::filesystem::path>& files);
+
 /// Reads a regular file of at most max_bytes. Throws Error that names the file.
 std::string read_text_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 64U << 20U);
 std::vector<std::uint8_t> read_binary_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 512U << 20U);
