@@ -38,6 +38,8 @@ class Renderer {
 
   /// Renders the world as it is now. Bit-identical for the same state, driver and options.
   void render(std::size_t camera, RenderedView* view);
+  /// Renders what a camera that belongs to no robot sees, e.g. from above; without the ceiling if asked.
+  void render_from(const Rigid3& T_world_camera, const Camera& camera, bool with_ceiling, RenderedView* view);
   /// The bare passes alone, rendered and read back without resampling: the denominator of throughput benchmarks.
   void render_bare(std::size_t camera);
   /// GL_RENDERER, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)".

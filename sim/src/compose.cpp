@@ -1,0 +1,56 @@
+#include "board_model.h"
+#include "mjcf_text.h"
+#include "rigproof/core/error.h"
+#include "textures.h"
+#include "world_impl.h"
+
+namespace rigproof {
+namespace {
+
+std::string color_text(const std::array<double, 3>& color) { return quoted(numbers({color[0], color[1], color[2]})); }
+
+std::string visual(const SceneDescription& scene) {
+  // extent = 1: MuJoCo multiplies clip planes and the shadow's reach by it.
+  return std::string("<visual>\n  <headlight active=\"0\"/>\n  <quality offsamples=\"0\" shadowsize=\"") +
+         (scene.shadows ? "4096" : "1024") +
+         "\"/>\n  <global offwidth=\"16\" offheight=\"16\"/>\n  <map znear=" + quoted(numbers({scene.near_m})) +
+         " zfar=" + quoted(numbers({scene.far_m})) +
+         " shadowclip=\"9\" shadowscale=\"1\"/>\n</visual>\n<statistic extent=\"1\" center=\"0 0 0\"/>\n";
+}
+
+std::string texture_assets(const SceneDescription& scene) {
+  std::string text =
+      "  <texture name=\"rigproof_sky\" type=\"skybox\" builtin=\"gradient\" width=\"128\" height=\"768\" rgb1=" +
+      color_text(scene.sky_zenith) + " rgb2=" + color_text(scene.sky_horizon) + "/>\n";
+  for (const SceneTexture& texture : scene.textures) {
+    const std::string side = quoted(std::to_string(texture.size_px));
+    text += "  <texture name=" + quoted(texture.name) + " type=\"2d\" builtin=\"flat\" width=" + side +
+            " height=" + side + "/>\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::filesystem::path base_folder(const WorldDescription& description) {
+  const std::filesystem::path& file = description.robot_mjcf.empty() ? description.scene.mjcf : description.robot_mjcf;
+  return std::filesystem::canonical(file).parent_path();
+}
+
+std::string compose_mjcf(const WorldDescription& description) {
+  const SceneDescription& scene = description.scene;
+  const BoardTexture texture = draw_board(description.board, description.board_margin_m);
+  const BoardMjcf board = board_mjcf(description.board, description.board_margin_m, description.board_thickness_m,
+                                     texture, pose_attributes(description.T_world_board));
+  // MuJoCo reads an included file at the main file's folder + its name, absolute or not.
+  const std::filesystem::path folder = base_folder(description);
+  const auto include = [&folder](const std::filesystem::path& file) {
+    if (file.empty()) return std::string();
+    return "<include file=" + quoted(std::filesystem::canonical(file).lexically_relative(folder).string()) + "/>\n";
+  };
+  return "<mujoco model=\"rigproof_world\">\n<compiler autolimits=\"true\"/>\n" + visual(scene) + "<asset>\n" +
+         texture_assets(scene) + board.asset + "</asset>\n" + include(scene.mjcf) + include(description.robot_mjcf) +
+         "<worldbody>\n" + board.body + "</worldbody>\n</mujoco>\n";
+}
+
+}  // namespace rigproof

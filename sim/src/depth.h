@@ -1,0 +1,28 @@
+// Metric depth from the window depth that GL stores.
+#pragma once
+
+#include <cstdint>
+
+#include "mujoco_compat.h"
+#include "rigproof/core/image.h"
+
+namespace rigproof {
+
+/// 24-bit window depths, bottom row first, with 8 bits of stencil below.
+struct WindowDepth {
+  const std::uint32_t* bottom = nullptr;
+  int width = 0;
+  int height = 0;
+
+  const std::uint32_t* row(int y) const { return bottom + static_cast<std::ptrdiff_t>(height - 1 - y) * width; }
+};
+
+/// Every pixel's depth as it is; 0 at the far plane. `depth_m` is resized.
+void convert_depth(const WindowDepth& source, const mujoco::DepthLaw& law, ImageF* depth_m);
+
+/// Depth of a row of pixels at (xs, ys) of the source. 1/z is linear in the picture of a plane, so blending it is exact
+/// on planes; where the neighbours do not lie on one smooth surface the nearest one counts. Outside: 0.
+void sample_depth_row(const WindowDepth& source, const mujoco::DepthLaw& law, const float* xs, const float* ys,
+                      int count, float* depth_m);
+
+}  // namespace rigproof

@@ -1,0 +1,337 @@
+#include "rigproof/sim/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "board_region.h"
+#include "depth.h"
+#include "gl_scene.h"
+#include "lens_map.h"
+#include "rigproof/core/error.h"
+#include "world_impl.h"
+
+namespace rigproof {
+namespace {
+
+// A pinhole with square pixels is what GL draws; anything else is resampled from such a picture.
+bool is_direct(const Camera& camera) { return camera.lens == Lens::kPinhole && camera.fx_px == camera.fy_px; }
+
+void require_usable(const Camera& camera, const std::string& name) {
+  const bool finite = std::isfinite(camera.fx_px) && std::isfinite(camera.fy_px) && std::isfinite(camera.cx_px) &&
+                      std::isfinite(camera.cy_px);
+  if (camera.width_px < 8 || camera.height_px < 8 || !finite || camera.fx_px <= 0.0 || camera.fy_px <= 0.0)
+    throw Error("camera " + name + " cannot be rendered: it needs at least 8x8 px, and fx_px and fy_px above 0");
+}
+
+// Frustum of the pixels of a rectangle of a direct camera, each drawn `factor` times as fine.
+Frustum frustum_of(const Camera& camera, const PixelRect& rect, int factor) {
+  const double f = camera.fx_px;
+  Frustum frustum;
+  frustum.x_min = (rect.x0 - 0.5 - camera.cx_px) / f;
+  frustum.x_max = (rect.x0 + rect.width - 0.5 - camera.cx_px) / f;
+  frustum.y_min = (rect.y0 - 0.5 - camera.cy_px) / f;
+  frustum.y_max = (rect.y0 + rect.height - 0.5 - camera.cy_px) / f;
+  frustum.width = rect.width * factor;
+  frustum.height = rect.height * factor;
+  return frustum;
+}
+
+// A pinhole picture from which another camera's pixels are taken.
+struct Source {
+  double focal_px = 1.0;
+  RayBounds bounds;
+
+  // Whole pixels, with two to spare on every side for blending.
+  Frustum frustum() const {
+    Frustum out;
+    out.width = static_cast<int>(std::ceil((bounds.x_max - bounds.x_min) * focal_px)) + 5;
+    out.height = static_cast<int>(std::ceil((bounds.y_max - bounds.y_min) * focal_px)) + 5;
+    out.x_min = bounds.x_min - 2.5 / focal_px;
+    out.y_min = bounds.y_min - 2.5 / focal_px;
+    out.x_max = out.x_min + out.width / focal_px;
+    out.y_max = out.y_min + out.height / focal_px;
+    return out;
+  }
+};
+
+// Rays of the pixels of a rectangle, `factor` times as fine, as a table of positions in a source picture.
+class RayTable {
+ public:
+  // Fills in rays; returns false where the lens has none at all.
+  bool fill(const LensMap& lens, const PixelRect& rect, int factor) {
+    width_ = rect.width * factor;
+    height_ = rect.height * factor;
+    const auto count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+    xs_.resize(count);
+    ys_.resize(count);
+    line_x_.resize(static_cast<std::size_t>(width_));
+    line_y_.resize(static_cast<std::size_t>(width_));
+    const double step = 1.0 / factor, first = 0.5 * step - 0.5;
+    source_ = Source();
+    RayBounds& bounds = source_.bounds;
+    bounds.x_min = bounds.y_min = std::numeric_limits<double>::infinity();
+    bounds.x_max = bounds.y_max = -bounds.x_min;
+    for (int y = 0; y < height_; ++y) {
+      lens.rays_of_row(rect.y0 + first + y * step, rect.x0 + first, step, width_, line_x_.data(), line_y_.data());
+      for (int x = 0; x < width_; ++x) {
+        const auto i = static_cast<std::size_t>(x);
+        const double ray_x = line_x_[i], ray_y = line_y_[i];
+        row_x(y)[x] = static_cast<float>(ray_x);
+        row_y(y)[x] = static_cast<float>(ray_y);
+        bounds.x_min = std::min(bounds.x_min, ray_x);  // a NaN never wins
+        bounds.x_max = std::max(bounds.x_max, ray_x);
+        bounds.y_min = std::min(bounds.y_min, ray_y);
+        bounds.y_max = std::max(bounds.y_max, ray_y);
+      }
+    }
+    if (!(bounds.x_min <= bounds.x_max)) return false;
+    source_.focal_px = 1.0 / smallest_step();
+    return true;
+  }
+
+  // Turns rays into pixel positions of the source picture.
+  void locate() {
+    const Frustum frustum = source_.frustum();
+    const double f = source_.focal_px;
+    const double shift_x = -frustum.x_min * f - 0.5, shift_y = -frustum.y_min * f - 0.5;
+    for (float& x : xs_) x = static_cast<float>(static_cast<double>(x) * f + shift_x);
+    for (float& y : ys_) y = static_cast<float>(static_cast<double>(y) * f + shift_y);
+  }
+
+  const Source& source() const { return source_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  const float* row_x(int y) const { return xs_.data() + offset(y); }
+  const float* row_y(int y) const { return ys_.data() + offset(y); }
+
+ private:
+  float* row_x(int y) { return xs_.data() + offset(y); }
+  float* row_y(int y) { return ys_.data() + offset(y); }
+  std::ptrdiff_t offset(int y) const { return static_cast<std::ptrdiff_t>(y) * width_; }
+
+  // Densest sampling, over a sparse set of pixels: the source must not be coarser than this.
+  double smallest_step() const {
+    constexpr int kStride = 8;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (int y = 0; y + 1 < height_; y += kStride) {
+      const float *x0 = row_x(y), *y0 = row_y(y), *x1 = row_x(y + 1), *y1 = row_y(y + 1);
+      for (int x = 0; x + 1 < width_; x += kStride) {
+        const float across = std::hypot(x0[x + 1] - x0[x], y0[x + 1] - y0[x]);
+        const float down = std::hypot(x1[x] - x0[x], y1[x] - y0[x]);
+        if (across > 0.0F) smallest = std::min(smallest, static_cast<double>(across));
+        if (down > 0.0F) smallest = std::min(smallest, static_cast<double>(down));
+      }
+    }
+    return smallest;
+  }
+
+  int width_ = 0, height_ = 0;
+  Source source_;
+  std::vector<float> xs_, ys_;
+  std::vector<double> line_x_, line_y_;
+};
+
+// What rendering of one camera prepares once.
+struct CameraPlan {
+  Camera camera;
+  std::unique_ptr<LensMap> lens;  // none for a direct camera
+  RayTable table;                 // of the whole image at 1x
+};
+
+CameraPlan plan_camera(const Camera& camera, const std::string& name) {
+  require_usable(camera, name);
+  CameraPlan plan;
+  plan.camera = camera;
+  if (is_direct(camera)) return plan;
+  try {
+    plan.lens = std::make_unique<LensMap>(camera);
+  } catch (const Error& error) {
+    throw Error("camera " + name + ": " + error.what());
+  }
+  plan.table.fill(*plan.lens, {0, 0, camera.width_px, camera.height_px}, 1);
+  plan.table.locate();
+  return plan;
+}
+
+void resize(int width, int height, int channels, Image8* image) {
+  image->width = width;
+  image->height = height;
+  image->channels = channels;
+  image->pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                       static_cast<std::size_t>(channels));
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  Impl(World& world_in, const RenderOptions& options_in)
+      : world(world_in),
+        options(options_in),
+        gl(world_in, options_in.device),
+        point_spread(options_in.psf_sigma_px),
+        reduction(options_in.psf_sigma_px) {
+    for (const WorldCamera& camera : world.description().cameras)
+      plans.push_back(plan_camera(camera.camera, camera.name));
+  }
+
+  void render(const CameraPlan& plan, const Rigid3& T_world_camera, bool with_ceiling, RenderedView* view);
+  void draw_frame(const CameraPlan& plan, Pass pass);
+  void take_color(const CameraPlan& plan, Image8* color);
+  void take_depth(const CameraPlan& plan, ImageF* depth_m);
+  void take_object_ids(const CameraPlan& plan, Image16* ids);
+  void refine(const CameraPlan& plan, const PixelRect& rect, Image8* color);
+  RgbaView resampled(const RgbaView& source, const RayTable& table);
+  PixelRect region_at_double(const CameraPlan& plan, const Rigid3& T_world_camera) const;
+
+  World& world;
+  RenderOptions options;
+  GlScene gl;
+  PointSpread point_spread;
+  DoubleReduction reduction;
+  std::vector<CameraPlan> plans;
+  RayTable region_table;
+  std::vector<std::uint8_t> resampled_pixels;
+};
+
+PixelRect Renderer::Impl::region_at_double(const CameraPlan& plan, const Rigid3& T_world_camera) const {
+  const Camera& camera = plan.camera;
+  if (options.whole_at_double) return {0, 0, camera.width_px, camera.height_px};
+  if (!options.board_at_double) return {};
+  const WorldDescription& description = world.description();
+  return board_region(camera, T_world_camera.inverse() * description.T_world_board, description.board,
+                      description.board_margin_m);
+}
+
+void Renderer::Impl::draw_frame(const CameraPlan& plan, Pass pass) {
+  const Camera& camera = plan.camera;
+  gl.draw(plan.lens ? plan.table.source().frustum() : frustum_of(camera, {0, 0, camera.width_px, camera.height_px}, 1),
+          pass);
+}
+
+RgbaView Renderer::Impl::resampled(const RgbaView& source, const RayTable& table) {
+  const std::ptrdiff_t row_bytes = static_cast<std::ptrdiff_t>(table.width()) * 4;
+  resampled_pixels.resize(static_cast<std::size_t>(row_bytes * table.height()));
+  for (int y = 0; y < table.height(); ++y)
+    sample_row(source, table.row_x(y), table.row_y(y), table.width(), resampled_pixels.data() + y * row_bytes);
+  return {resampled_pixels.data(), row_bytes, table.width(), table.height()};
+}
+
+void Renderer::Impl::take_color(const CameraPlan& plan, Image8* color) {
+  const RgbaView picture = gl.read_color();
+  point_spread.apply(plan.lens ? resampled(picture, plan.table) : picture, color);
+}
+
+void Renderer::Impl::take_depth(const CameraPlan& plan, ImageF* depth_m) {
+  const std::uint32_t* pixels = gl.read_depth();
+  const Camera& camera = plan.camera;
+  if (!plan.lens) {
+    convert_depth({pixels, camera.width_px, camera.height_px}, gl.depth_law(), depth_m);
+    return;
+  }
+  const Frustum frustum = plan.table.source().frustum();
+  depth_m->width = camera.width_px;
+  depth_m->height = camera.height_px;
+  depth_m->channels = 1;
+  depth_m->pixels.resize(static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px));
+  for (int y = 0; y < camera.height_px; ++y)
+    sample_depth_row({pixels, frustum.width, frustum.height}, gl.depth_law(), plan.table.row_x(y), plan.table.row_y(y),
+                     camera.width_px, depth_m->row(y));
+}
+
+void Renderer::Impl::take_object_ids(const CameraPlan& plan, Image16* ids) {
+  const RgbaView picture = gl.read_color();
+  const Camera& camera = plan.camera;
+  *ids = Image16(camera.width_px, camera.height_px);
+  const std::vector<std::uint16_t>& objects = gl.object_of_segment();
+  for (int y = 0; y < camera.height_px; ++y) {
+    for (int x = 0; x < camera.width_px; ++x) {
+      int source_x = x, source_y = y;
+      if (plan.lens) {
+        const float u = plan.table.row_x(y)[x] + 0.5F, v = plan.table.row_y(y)[x] + 0.5F;
+        if (!(u >= 0.0F && v >= 0.0F)) continue;
+        source_x = static_cast<int>(u);
+        source_y = static_cast<int>(v);
+        if (source_x >= picture.width || source_y >= picture.height) continue;
+      }
+      const std::uint8_t* p = picture.row(source_y) + 4 * source_x;
+      const std::size_t segment = static_cast<std::size_t>(p[0] | (p[1] << 8) | (p[2] << 16));
+      ids->at(x, y) = segment < objects.size() ? objects[segment] : std::uint16_t{0};
+    }
+  }
+}
+
+// Draws a region at 2x, lens and PSF applied there, and puts it into the image.
+void Renderer::Impl::refine(const CameraPlan& plan, const PixelRect& rect, Image8* color) {
+  const int margin = reduction.margin_px();
+  const PixelRect wide = {rect.x0 - margin, rect.y0 - margin, rect.width + 2 * margin, rect.height + 2 * margin};
+  if (!plan.lens) {
+    gl.draw(frustum_of(plan.camera, wide, 2), Pass::kColor);
+    reduction.apply(gl.read_color(), rect, color);
+    return;
+  }
+  if (!region_table.fill(*plan.lens, wide, 2)) return;
+  region_table.locate();
+  gl.draw(region_table.source().frustum(), Pass::kColor);
+  reduction.apply(resampled(gl.read_color(), region_table), rect, color);
+}
+
+void Renderer::Impl::render(const CameraPlan& plan, const Rigid3& T_world_camera, bool with_ceiling,
+                            RenderedView* view) {
+  const Camera& camera = plan.camera;
+  gl.look_from(T_world_camera, with_ceiling);
+  const PixelRect region = options.color ? region_at_double(plan, T_world_camera) : PixelRect();
+  const bool all_at_double = region.width == camera.width_px && region.height == camera.height_px;
+  const bool color_at_single = options.color && !all_at_double;
+  if (color_at_single || options.depth) draw_frame(plan, Pass::kColor);
+  if (color_at_single) take_color(plan, &view->color);
+  if (options.depth) take_depth(plan, &view->depth_m);
+  if (options.color) {
+    resize(camera.width_px, camera.height_px, 3, &view->color);
+    if (!region.empty()) refine(plan, region, &view->color);
+  }
+  if (options.object_ids) {
+    draw_frame(plan, Pass::kObjectIds);
+    take_object_ids(plan, &view->object_ids);
+  }
+}
+
+Renderer::Renderer(World& world, const RenderOptions& options) {
+  if (!(options.psf_sigma_px >= 0.0 && options.psf_sigma_px <= 3.0))
+    throw Error("psf_sigma_px: " + std::to_string(options.psf_sigma_px) + ": allowed are 0 to 3 px");
+  impl_ = std::make_unique<Impl>(world, options);
+}
+Renderer::~Renderer() = default;
+
+void Renderer::render(std::size_t camera, RenderedView* view) {
+  impl_->render(impl_->plans.at(camera), impl_->world.T_world_camera(camera), true, view);
+}
+
+void Renderer::render_from(const Rigid3& T_world_camera, const Camera& camera, bool with_ceiling, RenderedView* view) {
+  impl_->render(plan_camera(camera, "without a name"), T_world_camera, with_ceiling, view);
+}
+
+void Renderer::render_bare(std::size_t camera) {
+  const CameraPlan& plan = impl_->plans.at(camera);
+  GlScene& gl = impl_->gl;
+  const Rigid3 T_world_camera = impl_->world.T_world_camera(camera);
+  gl.look_from(T_world_camera);
+  impl_->draw_frame(plan, Pass::kColor);
+  if (impl_->options.color) gl.read_color();
+  if (impl_->options.depth) gl.read_depth();
+  const PixelRect region = impl_->options.color ? impl_->region_at_double(plan, T_world_camera) : PixelRect();
+  if (!region.empty() && !plan.lens) {
+    gl.draw(frustum_of(plan.camera, region, 2), Pass::kColor);
+    gl.read_color();
+  }
+  if (impl_->options.object_ids) {
+    impl_->draw_frame(plan, Pass::kObjectIds);
+    gl.read_color();
+  }
+}
+
+const std::string& Renderer::gl_renderer() const { return impl_->gl.context().renderer(); }
+const std::string& Renderer::gl_version() const { return impl_->gl.context().version(); }
+
+}  // namespace rigproof

@@ -1,0 +1,171 @@
+#include "rigproof/sim/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "board_model.h"
+#include "mujoco_compat.h"
+#include "rigproof/core/error.h"
+#include "textures.h"
+#include "world_impl.h"
+
+namespace rigproof {
+namespace {
+
+void require_readable(const std::filesystem::path& file, const char* what) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw Error(file.string() + ": there is no such " + what + " (MJCF file)");
+}
+
+void require_sane(const WorldDescription& description) {
+  const SceneDescription& scene = description.scene;
+  require_readable(description.robot_mjcf, "robot");
+  require_readable(scene.mjcf, "scene");
+  if (!(scene.near_m > 0.0 && scene.far_m > scene.near_m))
+    throw Error(scene.mjcf.string() + ": near_m " + std::to_string(scene.near_m) + " and far_m " +
+                std::to_string(scene.far_m) + " must be positive, near before far");
+  if (description.board.squares_x < 2 || description.board.squares_y < 2 || !(description.board.square_m > 0.0))
+    throw Error("the board needs at least 2x2 squares of a positive size");
+  if (!(description.board_margin_m >= 0.0) || !(description.board_thickness_m >= 1e-4))
+    throw Error("the board needs a margin of at least 0 and a thickness of at least 0.0001 m");
+}
+
+// Compiles, and on failure finds out whose file is to blame by leaving the robot out.
+mujoco::ModelPtr compile_world(const WorldDescription& description) {
+  std::string complaint;
+  mujoco::ModelPtr model = mujoco::compile(compose_mjcf(description), base_folder(description), &complaint);
+  if (model) return model;
+  WorldDescription scene_only = description;
+  scene_only.robot_mjcf.clear();
+  std::string scene_complaint;
+  const bool scene_is_good =
+      mujoco::compile(compose_mjcf(scene_only), base_folder(scene_only), &scene_complaint) != nullptr;
+  const std::filesystem::path& culprit = scene_is_good ? description.robot_mjcf : description.scene.mjcf;
+  throw Error(culprit.string() + ": MuJoCo does not accept it: " + (scene_is_good ? complaint : scene_complaint));
+}
+
+void fill_texture(mjModel* model, const std::string& name, const std::vector<std::uint8_t>& rgb) {
+  const int id = mj_name2id(model, mjOBJ_TEXTURE, name.c_str());
+  std::uint8_t* bytes = id < 0 ? nullptr : mujoco::texture_bytes(model, id);
+  if (bytes == nullptr) throw Error("texture " + name + " is not in the compiled model as three channels");
+  std::copy(rgb.begin(), rgb.end(), bytes);
+}
+
+ObjectKind classify(const mjModel* model, int geom, int robot_body) {
+  if (model->body_rootid[model->geom_bodyid[geom]] == robot_body) return ObjectKind::kRobot;
+  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
+  const std::string text = name != nullptr ? name : "";
+  if (text == kBoardName) return ObjectKind::kBoard;
+  return text.rfind("floor", 0) == 0 ? ObjectKind::kFloor : ObjectKind::kScene;
+}
+
+// Finds the robot and prepares what later calls rely on.
+void index_model(World::Impl* impl) {
+  mjModel* model = impl->model.get();
+  const std::string file = impl->description.robot_mjcf.string();
+  impl->robot_body = mj_name2id(model, mjOBJ_BODY, "robot");
+  if (impl->robot_body < 0) throw Error(file + ": it has no body named `robot`, whose origin is the robot frame");
+  const int joint = model->body_jntadr[impl->robot_body];
+  if (joint < 0 || model->jnt_type[joint] != mjJNT_FREE)
+    throw Error(file + ": the body `robot` needs a <freejoint/>, so that it can be placed");
+  impl->robot_position = model->jnt_qposadr[joint];
+  for (int geom = 0; geom < model->ngeom; ++geom) {
+    impl->geom_kinds.push_back(classify(model, geom, impl->robot_body));
+    if (impl->geom_kinds.back() == ObjectKind::kRobot) model->geom_group[geom] = kRobotGroup;
+  }
+  if (std::count(impl->geom_kinds.begin(), impl->geom_kinds.end(), ObjectKind::kFloor) == 0)
+    throw Error(impl->description.scene.mjcf.string() +
+                ": the scene has no floor: at least one geom's name must start with `floor`");
+}
+
+std::string name_of_geom(const mjModel* model, int geom) {
+  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
+  if (name != nullptr) return name;
+  const char* body = mj_id2name(model, mjOBJ_BODY, model->geom_bodyid[geom]);
+  return (body != nullptr ? std::string(body) + " geom " : "geom ") + std::to_string(geom);
+}
+
+}  // namespace
+
+World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+World::~World() = default;
+
+std::unique_ptr<World> World::compose(const WorldDescription& description) {
+  require_sane(description);
+  auto impl = std::make_unique<Impl>();
+  impl->description = description;
+  impl->model = compile_world(description);
+  for (const SceneTexture& texture : description.scene.textures)
+    fill_texture(impl->model.get(), texture.name, draw_texture(texture, description.scene_seed));
+  fill_texture(impl->model.get(), kBoardName, draw_board(description.board, description.board_margin_m).rgb);
+  index_model(impl.get());
+  impl->data.reset(mj_makeData(impl->model.get()));
+  if (!impl->data) throw Error("MuJoCo could not allocate the state of the world");
+  std::unique_ptr<World> world(new World(std::move(impl)));
+  world->place_robot(Rigid3());
+  return world;
+}
+
+void World::place_robot(const Rigid3& T_world_robot) {
+  Impl& w = *impl_;
+  w.T_world_robot = T_world_robot;
+  mjtNum* q = w.data->qpos + w.robot_position;
+  for (int i = 0; i < 3; ++i) q[i] = T_world_robot.translation[i];
+  q[3] = T_world_robot.rotation.w();
+  for (int i = 0; i < 3; ++i) q[4 + i] = T_world_robot.rotation.vec()[i];
+  mj_kinematics(w.model.get(), w.data.get());
+  mj_comPos(w.model.get(), w.data.get());
+  mj_camlight(w.model.get(), w.data.get());
+  w.collisions_are_current = false;
+}
+
+const Rigid3& World::T_world_robot() const { return impl_->T_world_robot; }
+
+Rigid3 World::T_world_camera(std::size_t camera) const {
+  return impl_->T_world_robot * impl_->description.cameras.at(camera).T_robot_camera;
+}
+
+std::vector<std::string> World::collisions() const {
+  Impl& w = *impl_;
+  if (!w.collisions_are_current) mj_collision(w.model.get(), w.data.get());
+  w.collisions_are_current = true;
+  std::set<std::string> names;
+  for (int i = 0; i < w.data->ncon; ++i) {
+    const mjContact& contact = w.data->contact[i];
+    if (contact.dist > 0.0) continue;
+    const auto kind = [&](int geom) { return w.geom_kinds[static_cast<std::size_t>(geom)]; };
+    int other = -1;
+    if (kind(contact.geom1) == ObjectKind::kRobot) other = contact.geom2;
+    if (kind(contact.geom2) == ObjectKind::kRobot) other = contact.geom1;
+    if (other < 0 || kind(other) == ObjectKind::kRobot || kind(other) == ObjectKind::kFloor) continue;
+    names.insert(name_of_geom(w.model.get(), other));
+  }
+  return {names.begin(), names.end()};
+}
+
+double World::cast_ray(const Eigen::Vector3d& origin_world, const Eigen::Vector3d& direction_world,
+                       ObjectKind* hit) const {
+  mjtByte groups[mjNGROUP];
+  for (int i = 0; i < mjNGROUP; ++i) groups[i] = i != kRobotGroup;
+  const Eigen::Vector3d unit = direction_world.normalized();
+  int geom = -1;
+  const double distance =
+      mujoco::cast_ray(impl_->model.get(), impl_->data.get(), origin_world.data(), unit.data(), groups, &geom);
+  if (hit != nullptr) *hit = geom < 0 ? ObjectKind::kNothing : impl_->geom_kinds[static_cast<std::size_t>(geom)];
+  return geom < 0 ? std::numeric_limits<double>::infinity() : distance;
+}
+
+FloorArea World::drivable_area() const { return impl_->description.scene.drivable_area; }
+const WorldDescription& World::description() const { return impl_->description; }
+
+ObjectKind World::kind_of_object(int object_id) const {
+  if (object_id <= 0 || object_id > impl_->model->ngeom) return ObjectKind::kNothing;
+  return impl_->geom_kinds[static_cast<std::size_t>(object_id - 1)];
+}
+
+std::string World::mujoco_version() { return mujoco::version(); }
+
+}  // namespace rigproof
