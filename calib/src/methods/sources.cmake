@@ -1,1 +1,6 @@
-# list(APPEND calib_sources src/methods/...cpp)
+# Board poses, the vertical, the closed-form start, observability, and the MEMROC family.
+list(APPEND calib_sources
+  src/methods/initial_guess.cpp
+  src/methods/observability.cpp
+  src/methods/trajectory_alignment.cpp
+  src/methods/view_poses.cpp)
