@@ -66,7 +66,7 @@ class MapReader {
   bool has(const std::string& key) { return find(key) != nullptr; }
 
   std::optional<double> number(const std::string& key, const NumberRange& range = {});
-  std::optional<std::int64_t> integer(const std::string& key, const NumberRange& range);
+  std::optional<std::int64_t> integer(const std::string& key, const NumberRange& range = {});
   std::optional<bool> boolean(const std::string& key);
   /// Non-empty text; one of `choices` if there are any.
   std::optional<std::string> text(const std::string& key, const std::vector<std::string>& choices = {});

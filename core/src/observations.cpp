@@ -1,0 +1,449 @@
+#include "rigproof/core/observations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "rigproof/core/files.h"
+#include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/text.h"
+
+namespace rigproof {
+namespace {
+
+// Ordered: the order of the cameras is their index.
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t kMaxBytes = 512U << 20U;
+constexpr int kMaxDepth = 12;
+constexpr int kVersion = 1;
+constexpr std::size_t kMaxProblems = 50;
+const char* const kFormat = "rigproof-observations";
+
+// ---------------------------------------------------------------------------------------------------------- writing
+
+// JSON has no -0 that reads back as one.
+std::string number(double value) { return number_text(value + 0.0); }
+std::string text(const std::string& value) { return Json(value).dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+template <typename... Values>
+std::string numbers(const Values&... values) {
+  std::string list;
+  ((list += (list.empty() ? "" : ", ") + number(values)), ...);
+  return "[" + list + "]";
+}
+
+std::string json_of(const YamlTree& tree) {
+  std::string out;
+  const auto separate = [&out] { out += out.empty() ? "" : ", "; };
+  switch (tree.kind) {
+    case YamlTree::Kind::kNull:
+      return "null";
+    case YamlTree::Kind::kScalar:
+      return tree.quoted ? text(tree.scalar) : tree.scalar;
+    case YamlTree::Kind::kSequence:
+      for (const YamlTree& item : tree.items) separate(), out += json_of(item);
+      return "[" + out + "]";
+    case YamlTree::Kind::kMap:
+      for (const auto& [key, value] : tree.entries) separate(), out += text(key) + ": " + json_of(value);
+      return "{" + out + "}";
+  }
+  return "null";
+}
+
+std::string json_of(const CornerObservation& corner) {
+  const Eigen::Matrix2d& c = corner.covariance_px2;
+  return "[" + std::to_string(corner.id) + ", " + number(corner.pixel.x()) + ", " + number(corner.pixel.y()) + ", " +
+         number(c(0, 0)) + ", " + number(c(0, 1)) + ", " + number(c(1, 1)) + "]";
+}
+
+std::string head_of(int stop, int camera) {
+  return "{\"stop\": " + std::to_string(stop) + ", \"camera\": " + std::to_string(camera);
+}
+
+std::string json_of(const BoardView& view) {
+  std::string corners;
+  for (const CornerObservation& corner : view.corners) corners += (corners.empty() ? "" : ", ") + json_of(corner);
+  return head_of(view.stop, view.camera) + ", \"stamp_s\": " + number(view.stamp_s) + ", \"file\": " + text(view.file) +
+         ", \"corners\": [" + corners + "]}";
+}
+
+std::string json_of(const PlaneObservation& plane) {
+  const Eigen::Vector3d& a = plane.inverse_depth_plane;
+  const Eigen::Matrix3d& c = plane.covariance_per_m2;
+  return head_of(plane.stop, plane.camera) + ", \"file\": " + text(plane.file) +
+         ", \"inverse_depth_plane_per_m\": " + numbers(a.x(), a.y(), a.z()) +
+         ", \"covariance_per_m2\": " + numbers(c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)) +
+         ", \"effective_points\": " + number(plane.effective_points) +
+         ", \"inlier_points\": " + std::to_string(plane.inlier_points) +
+         ", \"residual_rms_sigma\": " + number(plane.residual_rms) + "}";
+}
+
+std::string json_of(const Stop& stop) {
+  return "{\"stamp_s\": " + number(stop.stamp_s) + ", \"x_m\": " + number(stop.x_m) + ", \"y_m\": " + number(stop.y_m) +
+         ", \"yaw_rad\": " + number(stop.yaw_rad) +
+         ", \"interpolation_sigma_m\": " + number(stop.interpolation_sigma_m) + "}";
+}
+
+std::string json_of(const Exclusion& exclusion) {
+  return head_of(exclusion.stop, exclusion.camera) + ", \"file\": " + text(exclusion.file) +
+         ", \"reason\": " + text(exclusion.reason) + "}";
+}
+
+// One element a line: readable, and a small change is a small difference.
+template <typename Element>
+std::string list_of(const std::vector<Element>& elements) {
+  std::string lines;
+  for (const Element& element : elements) lines += (lines.empty() ? "\n  " : ",\n  ") + json_of(element);
+  return elements.empty() ? "[]" : "[" + lines + "\n ]";
+}
+
+std::string cameras_of(const std::vector<RigCamera>& cameras) {
+  std::string lines;
+  for (const RigCamera& camera : cameras)
+    lines += (lines.empty() ? "\n  " : ",\n  ") + text(camera.name) + ": " + json_of(tree_of(camera));
+  return "{" + lines + "\n }";
+}
+
+std::string to_json(const Observations& o) {
+  std::string out = "{\"format\": " + text(kFormat) + ", \"version\": " + std::to_string(kVersion);
+  const auto add = [&out](const char* key, const std::string& value) {
+    out += ",\n \"" + std::string(key) + "\": " + value;
+  };
+  add("source", text(o.source));
+  add("robot_frame", text(o.robot_frame));
+  add("board", json_of(tree_of(o.board)));
+  add("odometry_noise", json_of(tree_of(o.odometry_noise)));
+  if (o.accept) add("accept", json_of(tree_of(*o.accept)));
+  add("cameras", cameras_of(o.cameras));
+  add("stops", list_of(o.stops));
+  add("board_views", list_of(o.board_views));
+  add("ground_planes", list_of(o.ground_planes));
+  add("board_planes", list_of(o.board_planes));
+  add("exclusions", list_of(o.exclusions));
+  return out + "}\n";
+}
+
+// ---------------------------------------------------------------------------------------------------------- reading
+
+// Brackets outside of strings; deep nesting would cost memory long before it is refused for its shape.
+void check_depth(const std::string& text, const std::string& file) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+      continue;
+    }
+    if (c == '"') in_string = true;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kMaxDepth) throw Error(file + ": nested deeper than " + std::to_string(kMaxDepth) + " levels");
+  }
+}
+
+// The parts that rig.yaml has, too, go through the same readers.
+YamlTree tree_of_json(const Json& json, const std::string& file) {
+  YamlTree tree;
+  tree.file = file;
+  if (json.is_object()) {
+    tree.kind = YamlTree::Kind::kMap;
+    for (const auto& [key, value] : json.items()) tree.set(key, tree_of_json(value, file));
+  } else if (json.is_array()) {
+    tree.kind = YamlTree::Kind::kSequence;
+    for (const Json& item : json) tree.add(tree_of_json(item, file));
+  } else if (!json.is_null()) {
+    tree.kind = YamlTree::Kind::kScalar;
+    tree.quoted = json.is_string();
+    tree.scalar = json.is_string()         ? json.get<std::string>()
+                  : json.is_number_float() ? number_text(json.get<double>())
+                                           : json.dump();
+  }
+  return tree;
+}
+
+std::string shown(const Json& json) {
+  if (json.is_array()) return "a list of " + std::to_string(json.size());
+  if (json.is_object()) return "a block";
+  return for_message(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+/// Reads the entries of one element of a list; keeps count of what was asked for, to find unknown keys.
+class ElementReader {
+ public:
+  ElementReader(const Json& json, std::string path, const std::string& file, Problems* problems)
+      : json_(json), path_(std::move(path)), file_(file), problems_(problems) {
+    if (!json.is_object()) problem("", json, "must be an object");
+  }
+
+  double number(const char* key, const NumberRange& range = {}) {
+    const Json* value = find(key);
+    return value ? checked(*value, key, range) : 0.0;
+  }
+  int index(const char* key, int low, std::size_t count) {
+    const Json* value = find(key);
+    if (value == nullptr) return 0;
+    const auto high = static_cast<std::int64_t>(count) - 1;
+    if (value->is_number_integer() && *value >= low && *value <= high) return value->get<int>();
+    problem(key, *value, "must be a whole number, " + std::to_string(low) + " to " + std::to_string(high));
+    return 0;
+  }
+  std::string text(const char* key) {
+    const Json* value = find(key);
+    if (value == nullptr) return "";
+    if (value->is_string()) return value->get<std::string>();
+    problem(key, *value, "must be text");
+    return "";
+  }
+  std::vector<double> numbers(const char* key, std::size_t size) {
+    const Json* value = find(key);
+    std::vector<double> list(size, 0.0);
+    if (value == nullptr) return list;
+    if (!value->is_array() || value->size() != size) {
+      problem(key, *value, "must be a list of " + std::to_string(size) + " numbers");
+      return list;
+    }
+    for (std::size_t i = 0; i < size; ++i) list[i] = checked((*value)[i], key, {});
+    return list;
+  }
+  const Json* list(const char* key) {
+    const Json* value = find(key);
+    if (value != nullptr && value->is_array()) return value;
+    if (value != nullptr) problem(key, *value, "must be a list");
+    return nullptr;
+  }
+  double checked(const Json& value, const std::string& key, const NumberRange& range) {
+    if (value.is_number()) {
+      const double number = value.get<double>();
+      if (std::isfinite(number) && number >= range.min && number <= range.max) return number;
+    }
+    const std::string limits = range_text(range);
+    problem(key, value, "must be a finite number" + (limits.empty() ? "" : ", " + limits));
+    return 0.0;
+  }
+  void problem(const std::string& key, const Json& value, const std::string& message) {
+    if (problems_->all().size() < kMaxProblems)
+      problems_->add({file_, 0, key.empty() ? path_ : path_ + "." + key, shown(value), message});
+  }
+  void finish() {
+    if (!json_.is_object() || json_.size() == known_.size()) return;
+    for (const auto& [key, value] : json_.items())
+      if (std::find(known_.begin(), known_.end(), key) == known_.end())
+        problems_->add({file_, 0, path_ + "." + for_message(key), "", "unknown key; " + suggestion(key, known_)});
+  }
+
+ private:
+  const Json* find(const char* key) {
+    if (!json_.is_object()) return nullptr;
+    const auto found = json_.find(key);
+    if (found == json_.end()) {
+      if (problems_->all().size() < kMaxProblems) problems_->add({file_, 0, path_ + "." + key, "", "is missing"});
+      return nullptr;
+    }
+    known_.emplace_back(key);
+    return &*found;
+  }
+
+  const Json& json_;
+  std::string path_;
+  const std::string& file_;
+  Problems* problems_;
+  std::vector<std::string> known_;
+};
+
+// Determinants of the leading blocks, to rounding.
+bool is_positive(const Eigen::Matrix2d& c) {
+  return c(0, 0) > 0.0 && c(1, 1) > 0.0 && c(0, 1) * c(0, 1) <= c(0, 0) * c(1, 1) * (1.0 + 1e-9);
+}
+
+bool is_positive(const Eigen::Matrix3d& c) {
+  if (!(c.diagonal().minCoeff() > 0.0)) return false;
+  // Scaled to correlations, so that one bound on rounding serves all sizes.
+  const Eigen::Vector3d s = c.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix3d r = s.asDiagonal() * c * s.asDiagonal();
+  const double minors = std::min({1.0 - r(0, 1) * r(0, 1), 1.0 - r(0, 2) * r(0, 2), 1.0 - r(1, 2) * r(1, 2)});
+  return minors >= -1e-9 && r.determinant() >= -1e-9;
+}
+
+class ObservationsReader {
+ public:
+  ObservationsReader(const Json& json, std::string file) : json_(json), file_(std::move(file)) {}
+
+  Observations read() {
+    read_head();
+    problems_.throw_if_any();
+    read_list("stops", &o_.stops, [this](ElementReader& e) { return read_stop(e); });
+    read_list("board_views", &o_.board_views, [this](ElementReader& e) { return read_view(e); });
+    read_list("ground_planes", &o_.ground_planes, [this](ElementReader& e) { return read_plane(e); });
+    read_list("board_planes", &o_.board_planes, [this](ElementReader& e) { return read_plane(e); });
+    read_list("exclusions", &o_.exclusions, [this](ElementReader& e) { return read_exclusion(e); });
+    check_order(o_.board_views, "board_views");
+    check_order(o_.ground_planes, "ground_planes");
+    check_order(o_.board_planes, "board_planes");
+    problems_.throw_if_any();
+    return std::move(o_);
+  }
+
+ private:
+  void read_head() {
+    YamlTree head = YamlTree::map();
+    head.file = file_;
+    static const std::vector<std::string> kLists = {"stops", "board_views", "ground_planes", "board_planes",
+                                                    "exclusions"};
+    for (const auto& [key, value] : json_.items())
+      if (std::find(kLists.begin(), kLists.end(), key) == kLists.end()) head.set(key, tree_of_json(value, file_));
+    MapReader map(head, "", &problems_);
+    map.require("format", kFormat);
+    map.text("format", {kFormat});
+    map.require("version", std::to_string(kVersion));
+    map.integer("version", {static_cast<double>(kVersion), static_cast<double>(kVersion)});
+    o_.source = map.text("source").value_or("");
+    o_.robot_frame = map.text("robot_frame").value_or(o_.robot_frame);
+    map.require("board", "{type, squares, square_mm}");
+    if (const YamlTree* board = map.find("board")) o_.board = read_board(*board, "board", &problems_);
+    read_noise_and_limits(map);
+    map.require("cameras", "an object of cameras by name");
+    if (const YamlTree* cameras = map.find("cameras"))
+      o_.cameras = read_rig_cameras(*cameras, "cameras", {}, &problems_);
+    map.finish();
+  }
+
+  void read_noise_and_limits(MapReader& map) {
+    if (const YamlTree* noise = map.find("odometry_noise")) {
+      MapReader block(*noise, "odometry_noise", &problems_);
+      o_.odometry_noise = read_odometry_noise(block);
+      block.finish();
+    }
+    if (const YamlTree* accept = map.find("accept")) {
+      MapReader block(*accept, "accept", &problems_);
+      o_.accept = read_accept_limits(block);
+      block.finish();
+    }
+  }
+
+  template <typename Element, typename Read>
+  void read_list(const std::string& key, std::vector<Element>* elements, const Read& read) {
+    const auto found = json_.find(key);
+    if (found == json_.end() || !found->is_array()) {
+      problems_.add({file_, 0, key, found == json_.end() ? "" : shown(*found), "must be a list"});
+      return;
+    }
+    elements->reserve(found->size());
+    for (std::size_t i = 0; i < found->size() && problems_.all().size() < kMaxProblems; ++i) {
+      ElementReader element((*found)[i], key + "[" + std::to_string(i) + "]", file_, &problems_);
+      elements->push_back(read(element));
+      element.finish();
+    }
+  }
+
+  Stop read_stop(ElementReader& e) const {
+    Stop stop;
+    stop.stamp_s = e.number("stamp_s");
+    stop.x_m = e.number("x_m");
+    stop.y_m = e.number("y_m");
+    stop.yaw_rad = e.number("yaw_rad");
+    stop.interpolation_sigma_m = e.number("interpolation_sigma_m", {0.0});
+    return stop;
+  }
+
+  BoardView read_view(ElementReader& e) const {
+    BoardView view;
+    view.stop = e.index("stop", 0, o_.stops.size());
+    view.camera = e.index("camera", 0, o_.cameras.size());
+    view.stamp_s = e.number("stamp_s");
+    view.file = e.text("file");
+    const Json* corners = e.list("corners");
+    if (corners == nullptr) return view;
+    std::vector<bool> seen(static_cast<std::size_t>(o_.board.corner_count()), false);
+    for (const Json& corner : *corners) view.corners.push_back(read_corner(corner, e, &seen));
+    return view;
+  }
+
+  CornerObservation read_corner(const Json& json, ElementReader& e, std::vector<bool>* seen) const {
+    CornerObservation corner;
+    if (!json.is_array() || json.size() != 6) {
+      e.problem("corners", json, "a corner must be [id, u_px, v_px, cov_uu, cov_uv, cov_vv]");
+      return corner;
+    }
+    const int count = o_.board.corner_count();
+    if (!json[0].is_number_integer() || json[0] < 0 || json[0] >= count) {
+      e.problem("corners", json[0], "a corner's id must be a whole number, 0 to " + std::to_string(count - 1));
+      return corner;
+    }
+    corner.id = json[0].get<int>();
+    if ((*seen)[static_cast<std::size_t>(corner.id)]) e.problem("corners", json[0], "a corner is given twice");
+    (*seen)[static_cast<std::size_t>(corner.id)] = true;
+    const auto value = [&](std::size_t i) { return e.checked(json[i], "corners", {-1e9, 1e9}); };
+    corner.pixel << value(1), value(2);
+    corner.covariance_px2 << value(3), value(4), value(4), value(5);
+    if (!is_positive(corner.covariance_px2))
+      e.problem("corners", json,
+                "the covariance of a corner must be positive: cov_uu, cov_vv > 0, cov_uv^2 <= product");
+    return corner;
+  }
+
+  PlaneObservation read_plane(ElementReader& e) const {
+    PlaneObservation plane;
+    plane.stop = e.index("stop", 0, o_.stops.size());
+    plane.camera = e.index("camera", 0, o_.cameras.size());
+    plane.file = e.text("file");
+    const std::vector<double> a = e.numbers("inverse_depth_plane_per_m", 3);
+    const std::vector<double> c = e.numbers("covariance_per_m2", 6);
+    plane.inverse_depth_plane << a[0], a[1], a[2];
+    plane.covariance_per_m2 << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    plane.effective_points = e.number("effective_points", {0.0});
+    plane.inlier_points = e.index("inlier_points", 0, std::numeric_limits<int>::max());
+    plane.residual_rms = e.number("residual_rms_sigma", {0.0});
+    if (!is_positive(plane.covariance_per_m2))
+      e.problem("covariance_per_m2", Json(c), "must be the upper triangle of a positive covariance");
+    return plane;
+  }
+
+  Exclusion read_exclusion(ElementReader& e) const {
+    Exclusion exclusion;
+    exclusion.stop = e.index("stop", -1, o_.stops.size());
+    exclusion.camera = e.index("camera", 0, o_.cameras.size());
+    exclusion.file = e.text("file");
+    exclusion.reason = e.text("reason");
+    return exclusion;
+  }
+
+  template <typename Element>
+  void check_order(const std::vector<Element>& elements, const std::string& key) {
+    for (std::size_t i = 1; i < elements.size(); ++i) {
+      const auto place = [](const Element& e) { return std::make_pair(e.stop, e.camera); };
+      if (place(elements[i - 1]) <= place(elements[i])) continue;
+      problems_.add({file_, 0, key + "[" + std::to_string(i) + "]", "", "must be sorted by stop, then camera"});
+      return;
+    }
+  }
+
+  const Json& json_;
+  std::string file_;
+  Problems problems_;
+  Observations o_;
+};
+
+}  // namespace
+
+Observations load_observations(const std::filesystem::path& file) {
+  const std::string content = read_text_file(file, kMaxBytes);
+  check_depth(content, file.string());
+  Json json;
+  try {
+    json = Json::parse(content);
+  } catch (const Json::exception& error) {
+    throw Error(file.string() + ": not valid JSON: " + for_message(error.what()));
+  }
+  if (!json.is_object()) throw Error(file.string() + ": must be an object with format " + kFormat);
+  return ObservationsReader(json, file.string()).read();
+}
+
+void save_observations(const Observations& observations, const std::filesystem::path& file) {
+  write_file_atomically(file, to_json(observations));
+}
+
+}  // namespace rigproof

@@ -1,0 +1,80 @@
+// Presets of sensors and boards.
+#include <cmath>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/data_path.h"
+#include "rigproof/core/rig_yaml.h"
+
+namespace rigproof {
+namespace {
+
+// {width_px, height_px, hfov_deg}: square pixels, centred; or full intrinsics.
+Camera read_nominal_camera(MapReader& map) {
+  const auto field_of_view = map.number("hfov_deg", {1.0, 170.0});
+  if (!field_of_view) return read_intrinsics(map);
+  map.require("width_px", "the width of the image in pixels");
+  map.require("height_px", "the height of the image in pixels");
+  const int width = static_cast<int>(map.integer("width_px", {1.0, 32768.0}).value_or(1));
+  const int height = static_cast<int>(map.integer("height_px", {1.0, 32768.0}).value_or(1));
+  return Camera::symmetric(width, height, 0.5 * width / std::tan(0.5 * deg_to_rad(*field_of_view)));
+}
+
+// What the data sheet of a stereo camera gives: sigma of 1/z = s / (f B).
+void read_stereo_geometry(const YamlTree& tree, const std::string& path, Problems* problems, DepthNoise* noise) {
+  MapReader map(tree, path, problems);
+  for (const char* key : {"width_px", "hfov_deg", "baseline_m", "disparity_sigma_px"}) map.require(key, "a number");
+  const auto width = map.number("width_px", {1.0, 32768.0});
+  const auto field_of_view = map.number("hfov_deg", {1.0, 170.0});
+  const auto baseline = map.number("baseline_m", {1e-4, 10.0});
+  const auto sigma = map.number("disparity_sigma_px", {1e-4, 10.0});
+  map.finish();
+  if (!width || !field_of_view || !baseline || !sigma) return;
+  const double focal_px = 0.5 * *width / std::tan(0.5 * deg_to_rad(*field_of_view));
+  noise->law = DepthNoise::Law::kStereo;
+  noise->inverse_depth_sigma_per_m = *sigma / (focal_px * *baseline);
+}
+
+DepthStream read_preset_depth(const YamlTree& tree, Problems* problems) {
+  MapReader map(tree, "depth", problems);
+  DepthStream defaults;
+  if (const YamlTree* stereo = map.find("stereo"))
+    read_stereo_geometry(*stereo, "depth.stereo", problems, &defaults.noise);
+  const DepthStream depth = read_depth_stream(map, defaults);
+  map.finish();
+  return depth;
+}
+
+}  // namespace
+
+SensorPreset load_sensor_preset(const std::string& name) {
+  const YamlTree tree = read_yaml_file(find_preset("sensors", name));
+  Problems problems;
+  MapReader map(tree, "", &problems);
+  SensorPreset preset;
+  preset.name = name;
+  preset.description = map.text("description").value_or("");
+  map.texts("sources");
+  map.require("color", "a block of intrinsics");
+  if (const YamlTree* color = map.find("color")) {
+    MapReader block(*color, "color", &problems);
+    preset.camera = read_nominal_camera(block);
+    block.finish();
+  }
+  const YamlTree* depth = map.find("depth");
+  if (depth != nullptr && depth->is_map()) preset.depth = read_preset_depth(*depth, &problems);
+  if (depth != nullptr && !depth->is_map() && depth->scalar != "none") map.problem("depth", "must be none or a block");
+  map.finish("x-");
+  problems.throw_if_any();
+  return preset;
+}
+
+Board load_board(const std::string& name_or_path) {
+  Problems problems;
+  const YamlTree tree = read_yaml_file(find_data_file("boards", name_or_path));
+  if (!tree.is_map()) throw Error(tree.file + ": must be a block with squares and square_mm");
+  const Board board = read_board(tree, "", &problems);
+  problems.throw_if_any();
+  return board;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,486 @@
+#include "rigproof/core/result.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/files.h"
+#include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/yaml.h"
+
+namespace rigproof {
+namespace {
+
+using Observable = std::array<bool, 6>;
+
+constexpr std::uintmax_t kMaxBytes = 16U << 20U;
+constexpr int kVersion = 1;
+constexpr double kCmPerM = 100.0;
+constexpr double kDegPerRad = 180.0 / kPi;
+const char* const kFormat = "rigproof-result";
+const char* const kTranslationKeys[] = {"tx_m", "ty_m", "tz_m"};
+const char* const kAngleKeys[] = {"roll_rad", "pitch_rad", "yaw_rad"};
+const char* const kStddevKeys[] = {"tx_cm", "ty_cm", "tz_cm", "rx_deg", "ry_deg", "rz_deg"};
+
+constexpr std::array<ResultStatus, 3> kStatuses = {ResultStatus::kSolved, ResultStatus::kPartial,
+                                                   ResultStatus::kRefused};
+
+bool all_observable(const Observable& observable) {
+  return std::all_of(observable.begin(), observable.end(), [](bool o) { return o; });
+}
+
+// ---------------------------------------------------------------------------------- attitude of body axes, covariance
+
+// Columns: the optical axes (x right, y down, z forward) in body axes (x forward, y left, z up).
+Eigen::Matrix3d body_from_optical() {
+  Eigen::Matrix3d R;
+  R << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  return R;
+}
+
+// Attitude of the child camera's body axes; `parent_is_camera`: in the body axes of the parent camera.
+Eigen::Matrix3d body_attitude(const Rigid3& T, bool parent_is_camera) {
+  const Eigen::Matrix3d B = body_from_optical();
+  const Eigen::Matrix3d R = T.rotation_matrix() * B.transpose();
+  return parent_is_camera ? Eigen::Matrix3d(B * R) : R;
+}
+
+Eigen::Quaterniond optical_rotation(const Eigen::Matrix3d& attitude, bool parent_is_camera) {
+  const Eigen::Matrix3d B = body_from_optical();
+  const Eigen::Matrix3d R = attitude * B;
+  return Eigen::Quaterniond(parent_is_camera ? Eigen::Matrix3d(B.transpose() * R) : R);
+}
+
+// (roll, pitch, yaw) of R = Rz(yaw) Ry(pitch) Rx(roll).
+Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) {
+  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
+          std::atan2(R(1, 0), R(0, 0))};
+}
+
+Eigen::Matrix3d attitude_of(const Eigen::Vector3d& rpy) {
+  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+std::vector<Eigen::Index> observable_rows(const std::vector<EstimatedTransform>& transforms) {
+  std::vector<Eigen::Index> rows;
+  Eigen::Index row = 0;
+  for (const EstimatedTransform& transform : transforms)
+    for (const bool observable : transform.observable) {
+      if (observable) rows.push_back(row);
+      ++row;
+    }
+  return rows;
+}
+
+// Row by row from the diagonal on, only the rows and columns given.
+YamlTree upper_triangle(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& rows) {
+  YamlTree tree = YamlTree::sequence();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::vector<double> row;
+    for (std::size_t j = i; j < rows.size(); ++j) row.push_back(matrix(rows[i], rows[j]));
+    tree.add(YamlTree::numbers(row));
+  }
+  return tree;
+}
+
+// Rows that are absent are unknown: infinite variance, no correlation.
+std::optional<Eigen::MatrixXd> read_upper_triangle(MapReader& map, const std::string& key, Eigen::Index size,
+                                                   const std::vector<Eigen::Index>& rows) {
+  const YamlTree* tree = map.find(key);
+  if (tree == nullptr) return std::nullopt;
+  if (!tree->is_sequence() || tree->items.size() != rows.size()) {
+    map.problem(key, "must be an upper triangle of " + std::to_string(rows.size()) + " rows");
+    return std::nullopt;
+  }
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
+  matrix.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  bool positive = true;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string path = map.path_of(key) + "[" + std::to_string(i) + "]";
+    const std::size_t length = rows.size() - i;
+    const auto row = read_numbers(tree->items[i], path, length, length, {}, &map.problems());
+    if (!row) return std::nullopt;
+    for (std::size_t j = i; j < rows.size(); ++j) matrix(rows[i], rows[j]) = matrix(rows[j], rows[i]) = (*row)[j - i];
+    positive = positive && (*row)[0] >= 0.0;
+  }
+  for (const Eigen::Index i : rows)
+    for (const Eigen::Index j : rows)
+      positive = positive && std::abs(matrix(i, j)) <= std::sqrt(matrix(i, i) * matrix(j, j)) * (1.0 + 1e-6);
+  if (!positive) map.problem(key, "is no covariance: variances must not be negative, correlations at most 1");
+  return matrix;
+}
+
+// ---------------------------------------------------------------------------------------------------------- writing
+
+// With an unknown heading, roll and pitch are stated in the axes that the yaw is measured from, and so is their
+// covariance: the parent's axes turned by the estimated yaw.
+struct HeadingFree {
+  Eigen::Vector3d rpy;
+  std::optional<Matrix6d> covariance;
+};
+
+HeadingFree without_heading(const EstimatedTransform& transform, bool parent_is_camera) {
+  HeadingFree out{roll_pitch_yaw(body_attitude(transform.T_parent_child, parent_is_camera)), transform.covariance};
+  const bool yaw_is_about_parent_z = !parent_is_camera;
+  if (out.covariance && !transform.observable[5] && yaw_is_about_parent_z) {
+    Matrix6d J = Matrix6d::Identity();
+    J.bottomRightCorner<3, 3>() = rotation_z(-out.rpy.z()).toRotationMatrix();
+    // A turn of the axes must not carry what is unknown into what is known.
+    Matrix6d known = *out.covariance;
+    for (Eigen::Index i = 0; i < 6; ++i)
+      if (!transform.observable[static_cast<std::size_t>(i)]) known.row(i).setZero(), known.col(i).setZero();
+    out.covariance = J * known * J.transpose();
+  }
+  return out;
+}
+
+void add_partial_pose(const EstimatedTransform& transform, const Eigen::Vector3d& rpy, YamlTree* tree) {
+  YamlTree unobservable = YamlTree::sequence();
+  unobservable.flow = true;
+  for (std::size_t i = 0; i < 6; ++i)
+    if (!transform.observable[i]) unobservable.add(YamlTree::text(kDegreeOfFreedomNames[i]));
+  for (std::size_t i = 0; i < 3; ++i)
+    if (transform.observable[i])
+      tree->set(kTranslationKeys[i],
+                YamlTree::number(transform.T_parent_child.translation[static_cast<Eigen::Index>(i)]));
+  for (std::size_t i = 0; i < 3; ++i)
+    if (transform.observable[3 + i]) tree->set(kAngleKeys[i], YamlTree::number(rpy[static_cast<Eigen::Index>(i)]));
+  tree->set("unobservable", std::move(unobservable));
+}
+
+void add_covariance(const Matrix6d& covariance, const Observable& observable, YamlTree* tree) {
+  YamlTree& stddev = tree->set("stddev", YamlTree::inline_map());
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (!observable[i]) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    rows.push_back(row);
+    // For people: four digits. The covariance below has them all.
+    const double unit = i < 3 ? kCmPerM : kDegPerRad;
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.4g", unit * std::sqrt(std::max(0.0, covariance(row, row))));
+    stddev.set(kStddevKeys[i], YamlTree::number(parse_number(digits).value_or(0.0)));
+  }
+  tree->set("covariance_m_rad", upper_triangle(covariance, rows));
+}
+
+YamlTree tree_of(const EstimatedTransform& transform, bool parent_is_camera) {
+  YamlTree tree = YamlTree::map();
+  tree.set("sentence", YamlTree::text(sentence_of(transform)));
+  tree.set("parent", YamlTree::text(transform.parent));
+  tree.set("child", YamlTree::text(transform.child));
+  if (transform.fully_observable()) {
+    set_transform(transform.T_parent_child, &tree);
+    if (transform.covariance) add_covariance(*transform.covariance, transform.observable, &tree);
+    return tree;
+  }
+  const HeadingFree partial = without_heading(transform, parent_is_camera);
+  add_partial_pose(transform, partial.rpy, &tree);
+  const bool any = std::any_of(transform.observable.begin(), transform.observable.end(), [](bool o) { return o; });
+  if (partial.covariance && any) add_covariance(*partial.covariance, transform.observable, &tree);
+  return tree;
+}
+
+YamlTree texts_of(const std::vector<std::string>& texts) {
+  YamlTree tree = YamlTree::sequence();
+  for (const std::string& text : texts) tree.add(YamlTree::text(text));
+  return tree;
+}
+
+YamlTree tree_of(const CameraUse& use) {
+  YamlTree tree = YamlTree::map();
+  tree.set("camera", YamlTree::text(use.camera));
+  tree.set("used", YamlTree::integer(use.used));
+  tree.set("reprojection_rms_px", YamlTree::number(use.reprojection_rms_px));
+  YamlTree& left_out = tree.set("left_out", YamlTree::sequence());
+  for (const Exclusion& exclusion : use.left_out) {
+    YamlTree& line = left_out.add(YamlTree::inline_map());
+    line.set("stop", YamlTree::integer(exclusion.stop));
+    line.set("file", YamlTree::text(exclusion.file));
+    line.set("reason", YamlTree::text(exclusion.reason));
+  }
+  return tree;
+}
+
+YamlTree tree_of(const ResidualSummary& residual) {
+  YamlTree tree = YamlTree::inline_map();
+  tree.set("name", YamlTree::text(residual.name));
+  tree.set("unit", YamlTree::text(residual.unit));
+  tree.set("count", YamlTree::integer(residual.count));
+  tree.set("rms", YamlTree::number(residual.rms));
+  return tree;
+}
+
+template <typename Element, typename... Arguments>
+YamlTree list_of(const std::vector<Element>& elements, Arguments... arguments) {
+  YamlTree tree = YamlTree::sequence();
+  for (const Element& element : elements) tree.add(tree_of(element, arguments...));
+  return tree;
+}
+
+YamlTree tree_of(const Result& result) {
+  YamlTree tree = YamlTree::map();
+  tree.set("format", YamlTree::text(kFormat));
+  tree.set("version", YamlTree::integer(kVersion));
+  tree.set("method", YamlTree::text(result.method));
+  tree.set("status", YamlTree::text(result_status_name(result.status)));
+  tree.set("reasons", texts_of(result.reasons));
+  tree.set("notes", texts_of(result.notes));
+  tree.set("camera_to_robot", list_of(result.camera_to_robot, false));
+  tree.set("camera_to_camera", list_of(result.camera_to_camera, true));
+  const bool complete = std::all_of(result.camera_to_robot.begin(), result.camera_to_robot.end(),
+                                    [](const EstimatedTransform& t) { return t.fully_observable(); });
+  // With an unknown heading each camera's covariance is in axes of its own: there is no joint one then.
+  if (result.joint_covariance && complete)
+    tree.set("joint_covariance_m_rad",
+             upper_triangle(*result.joint_covariance, observable_rows(result.camera_to_robot)));
+  tree.set("use", list_of(result.use));
+  tree.set("residuals", list_of(result.residuals));
+  return tree;
+}
+
+// ---------------------------------------------------------------------------------------------------------- reading
+
+Observable read_observable(MapReader& map) {
+  Observable observable = {true, true, true, true, true, true};
+  for (const std::string& name : map.texts("unobservable").value_or(std::vector<std::string>())) {
+    const auto* const found = std::find(kDegreeOfFreedomNames.begin(), kDegreeOfFreedomNames.end(), name);
+    if (found == kDegreeOfFreedomNames.end())
+      map.problem("unobservable", "must be a list of tx, ty, tz, rx, ry, rz");
+    else
+      observable[static_cast<std::size_t>(found - kDegreeOfFreedomNames.begin())] = false;
+  }
+  return observable;
+}
+
+Rigid3 read_partial_pose(MapReader& map, const Observable& observable, bool parent_is_camera) {
+  Eigen::Vector3d t = Eigen::Vector3d::Zero(), rpy = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (observable[i]) map.require(kTranslationKeys[i], "a number, for this degree of freedom is observable");
+    if (observable[3 + i]) map.require(kAngleKeys[i], "a number, for this degree of freedom is observable");
+    if (observable[i]) t[row] = map.number(kTranslationKeys[i], {-1e6, 1e6}).value_or(0.0);
+    if (observable[3 + i]) rpy[row] = map.number(kAngleKeys[i], {-7.0, 7.0}).value_or(0.0);
+  }
+  return Rigid3(optical_rotation(attitude_of(rpy), parent_is_camera), t);
+}
+
+void read_stddev(MapReader& map) {
+  const YamlTree* stddev = map.find("stddev");
+  if (stddev == nullptr) return;
+  MapReader block(*stddev, map.path_of("stddev"), &map.problems());
+  for (const char* key : kStddevKeys) block.number(key, {0.0});
+  block.finish();
+}
+
+// What only a standard deviation tells, where a foreign result gives no covariance.
+std::optional<Matrix6d> covariance_of_stddev(MapReader& map) {
+  const YamlTree* stddev = map.find("stddev");
+  if (stddev == nullptr) return std::nullopt;
+  Problems ignored;
+  MapReader block(*stddev, "", &ignored);
+  Matrix6d covariance = Matrix6d::Zero();
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const auto sigma = block.number(kStddevKeys[i]);
+    if (!sigma) return std::nullopt;
+    const double si = *sigma / (i < 3 ? kCmPerM : kDegPerRad);
+    covariance(i, i) = si * si;
+  }
+  return covariance;
+}
+
+std::string read_frame(MapReader& map, const std::string& key, const std::string& otherwise) {
+  const auto name = map.text(key);
+  if (!name && otherwise.empty()) map.require(key, "a frame's name");
+  if (name && (name->empty() || name->size() > 200)) map.problem(key, "must be a frame's name");
+  return name.value_or(otherwise);
+}
+
+EstimatedTransform read_estimate(const YamlTree& tree, const std::string& path, const std::string& default_child,
+                                 bool parent_is_camera, Problems* problems) {
+  EstimatedTransform estimate;
+  MapReader map(tree, path, problems);
+  estimate.parent = read_frame(map, "parent", "");
+  estimate.child = read_frame(map, "child", default_child);
+  if (!estimate.parent.empty() && estimate.parent == estimate.child)
+    map.problem("child", "is the parent, too; the pose of a frame in itself is no result");
+  const auto sentence = map.text("sentence");
+  if (sentence && *sentence != sentence_of(estimate))
+    map.problem("sentence", "contradicts parent and child, which say \"" + sentence_of(estimate) + "\"");
+  estimate.observable = read_observable(map);
+  const bool full = estimate.fully_observable();
+  estimate.T_parent_child = full ? read_transform(map) : read_partial_pose(map, estimate.observable, parent_is_camera);
+  read_stddev(map);
+  const auto covariance = read_upper_triangle(map, "covariance_m_rad", 6, observable_rows({estimate}));
+  if (covariance) estimate.covariance = *covariance;
+  if (!covariance && full) estimate.covariance = covariance_of_stddev(map);
+  map.finish("x-");
+  return estimate;
+}
+
+std::vector<EstimatedTransform> read_estimates(const YamlTree& tree, const std::string& path, bool parent_is_camera,
+                                               Problems* problems) {
+  std::vector<EstimatedTransform> estimates;
+  const std::string prefix = path.empty() ? "[" : path + "[";
+  for (std::size_t i = 0; i < tree.items.size(); ++i)
+    estimates.push_back(read_estimate(tree.items[i], prefix + std::to_string(i) + "]", "", parent_is_camera, problems));
+  for (const auto& [name, value] : tree.entries)
+    if (name.rfind("x-", 0) != 0)
+      estimates.push_back(
+          read_estimate(value, path.empty() ? name : path + "." + name, name, parent_is_camera, problems));
+  if (!tree.is_sequence() && !tree.is_map() && !tree.is_null())
+    problems->add({tree.file, tree.line, path, tree.shown(), "must be a list or a map of transforms"});
+  return estimates;
+}
+
+void check_repeats(const std::vector<EstimatedTransform>& estimates, const std::string& file, Problems* problems) {
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const EstimatedTransform& estimate : estimates)
+    if (!seen.emplace(estimate.parent, estimate.child).second)
+      problems->add({file, 0, "", "", "the " + sentence_of(estimate) + " is given twice"});
+}
+
+// The smallest result that somebody else writes. A parent that is some other transform's child is a camera.
+Result read_foreign(const YamlTree& tree, const std::string& path, Problems* problems) {
+  Result result;
+  result.method = "foreign";
+  result.status = ResultStatus::kSolved;
+  const std::vector<EstimatedTransform> estimates = read_estimates(tree, path, false, problems);
+  if (estimates.empty())
+    problems->add({tree.file, tree.line, path, tree.shown(),
+                   "holds no transform; a list of {parent, child, translation_m, quaternion_xyzw} is expected"});
+  std::set<std::string> children;
+  for (const EstimatedTransform& estimate : estimates) children.insert(estimate.child);
+  for (const EstimatedTransform& estimate : estimates)
+    (children.count(estimate.parent) > 0 ? result.camera_to_camera : result.camera_to_robot).push_back(estimate);
+  return result;
+}
+
+CameraUse read_use(const YamlTree& tree, const std::string& path, int camera, Problems* problems) {
+  CameraUse use;
+  MapReader map(tree, path, problems);
+  map.require("camera", "a camera's name");
+  use.camera = map.text("camera").value_or("");
+  use.used = static_cast<int>(map.integer("used", {0.0, 1e9}).value_or(0));
+  use.reprojection_rms_px = map.number("reprojection_rms_px", {0.0}).value_or(0.0);
+  if (const YamlTree* left_out = map.find("left_out"))
+    for (std::size_t i = 0; i < left_out->items.size(); ++i) {
+      MapReader line(left_out->items[i], map.path_of("left_out") + "[" + std::to_string(i) + "]", problems);
+      Exclusion exclusion;
+      exclusion.camera = camera;
+      exclusion.stop = static_cast<int>(line.integer("stop", {-1.0, 1e9}).value_or(-1));
+      exclusion.file = line.text("file").value_or("");
+      exclusion.reason = line.text("reason").value_or("");
+      line.finish();
+      use.left_out.push_back(exclusion);
+    }
+  map.finish("x-");
+  return use;
+}
+
+ResidualSummary read_residual(const YamlTree& tree, const std::string& path, Problems* problems) {
+  ResidualSummary residual;
+  MapReader map(tree, path, problems);
+  residual.name = map.text("name").value_or("");
+  residual.unit = map.text("unit").value_or("");
+  residual.count = static_cast<int>(map.integer("count", {0.0, 2e9}).value_or(0));
+  residual.rms = map.number("rms", {0.0}).value_or(0.0);
+  map.finish("x-");
+  return residual;
+}
+
+void read_lists(MapReader& map, Result* result) {
+  Problems* problems = &map.problems();
+  if (const YamlTree* use = map.find("use"))
+    for (std::size_t i = 0; i < use->items.size(); ++i)
+      result->use.push_back(read_use(use->items[i], "use[" + std::to_string(i) + "]", static_cast<int>(i), problems));
+  if (const YamlTree* residuals = map.find("residuals"))
+    for (std::size_t i = 0; i < residuals->items.size(); ++i)
+      result->residuals.push_back(read_residual(residuals->items[i], "residuals[" + std::to_string(i) + "]", problems));
+}
+
+Result read_own(const YamlTree& tree, Problems* problems) {
+  Result result;
+  MapReader map(tree, "", problems);
+  map.text("format", {kFormat});
+  map.require("version", std::to_string(kVersion));
+  map.integer("version", {static_cast<double>(kVersion), static_cast<double>(kVersion)});
+  result.method = map.text("method").value_or("");
+  map.require("status", "solved, partial or refused");
+  const auto status = map.text("status", {"solved", "partial", "refused"});
+  for (const ResultStatus candidate : kStatuses)
+    if (status && *status == result_status_name(candidate)) result.status = candidate;
+  result.reasons = map.texts("reasons").value_or(std::vector<std::string>());
+  result.notes = map.texts("notes").value_or(std::vector<std::string>());
+  if (const YamlTree* list = map.find("camera_to_robot"))
+    result.camera_to_robot = read_estimates(*list, "camera_to_robot", false, problems);
+  if (const YamlTree* list = map.find("camera_to_camera"))
+    result.camera_to_camera = read_estimates(*list, "camera_to_camera", true, problems);
+  const auto size = static_cast<Eigen::Index>(6 * result.camera_to_robot.size());
+  result.joint_covariance =
+      read_upper_triangle(map, "joint_covariance_m_rad", size, observable_rows(result.camera_to_robot));
+  read_lists(map, &result);
+  map.finish("x-");
+  return result;
+}
+
+Result read_result(const YamlTree& tree, Problems* problems) {
+  if (tree.is_map() && tree.find("format") != nullptr) return read_own(tree, problems);
+  const YamlTree* transforms = tree.find("transforms");
+  if (transforms == nullptr) return read_foreign(tree, "", problems);
+  MapReader map(tree, "", problems);
+  map.find("transforms");
+  const auto method = map.text("method");
+  map.finish("x-");
+  Result result = read_foreign(*transforms, "transforms", problems);
+  if (method) result.method = *method;
+  return result;
+}
+
+}  // namespace
+
+bool EstimatedTransform::fully_observable() const { return all_observable(observable); }
+
+const char* result_status_name(ResultStatus status) {
+  switch (status) {
+    case ResultStatus::kSolved:
+      return "solved";
+    case ResultStatus::kPartial:
+      return "partial";
+    case ResultStatus::kRefused:
+      break;
+  }
+  return "refused";
+}
+
+const EstimatedTransform* Result::find(const std::string& parent, const std::string& child) const {
+  for (const auto* list : {&camera_to_robot, &camera_to_camera})
+    for (const EstimatedTransform& transform : *list)
+      if (transform.parent == parent && transform.child == child) return &transform;
+  return nullptr;
+}
+
+Result load_result(const std::filesystem::path& file) {
+  Problems problems;
+  const YamlTree tree = read_yaml_file(file, kMaxBytes);
+  Result result = read_result(tree, &problems);
+  check_repeats(result.camera_to_robot, file.string(), &problems);
+  check_repeats(result.camera_to_camera, file.string(), &problems);
+  problems.sort();
+  problems.throw_if_any();
+  return result;
+}
+
+void save_result(const Result& result, const std::filesystem::path& file) {
+  write_file_atomically(file, emit_yaml(tree_of(result)));
+}
+
+std::string sentence_of(const EstimatedTransform& transform) {
+  return "pose of " + transform.child + " in " + transform.parent;
+}
+
+}  // namespace rigproof

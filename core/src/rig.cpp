@@ -1,0 +1,27 @@
+#include "rigproof/core/rig.h"
+
+namespace rigproof {
+
+double DepthNoise::sigma_m(double depth_m) const {
+  if (law == Law::kStereo) return depth_m * depth_m * inverse_depth_sigma_per_m;
+  return constant_m + proportional * depth_m;
+}
+
+double DepthNoise::inverse_depth_sigma(double depth_m) const {
+  if (law == Law::kStereo) return inverse_depth_sigma_per_m;
+  return sigma_m(depth_m) / (depth_m * depth_m);
+}
+
+const char* odometry_model_name(OdometryModel model) {
+  switch (model) {
+    case OdometryModel::kPerPose:
+      return "per_pose";
+    case OdometryModel::kPerIncrement:
+      return "per_increment";
+    case OdometryModel::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+}  // namespace rigproof

@@ -1,0 +1,165 @@
+#include "rigproof/truth/truth.h"
+
+#include <charconv>
+
+#include "rigproof/core/files.h"
+#include "rigproof/core/rig_yaml.h"
+
+namespace rigproof {
+namespace {
+
+// A hundred thousand stops.
+constexpr std::uintmax_t kMaxBytes = 64U << 20U;
+const char* const kFormat = "rigproof-truth";
+constexpr int kVersion = 1;
+
+// All 64 bits: a seed is no signed number.
+std::uint64_t read_seed(MapReader& map) {
+  map.require("seed", "a whole number, >= 0");
+  const std::string text = map.text("seed").value_or("0");
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc() || end != text.data() + text.size()) map.problem("seed", "must be a whole number, >= 0");
+  return seed;
+}
+
+YamlTree tree_of_seed(std::uint64_t seed) {
+  YamlTree tree = YamlTree::integer(0);
+  tree.scalar = std::to_string(seed);
+  return tree;
+}
+
+Rigid3 required_transform(MapReader& map, const std::string& key) {
+  map.require(key, "{translation_m, quaternion_xyzw}");
+  const YamlTree* tree = map.find(key);
+  if (tree == nullptr) return Rigid3();
+  MapReader block(*tree, map.path_of(key), &map.problems());
+  const Rigid3 T = read_transform(block);
+  block.finish();
+  return T;
+}
+
+std::vector<TrueCamera> read_cameras(const YamlTree& tree, Problems* problems) {
+  std::vector<TrueCamera> cameras;
+  for (const auto& [name, value] : tree.entries) {
+    MapReader map(value, "cameras." + for_message(name), problems);
+    TrueCamera camera;
+    camera.name = name;
+    camera.T_robot_camera = required_transform(map, "T_robot_camera");
+    map.require("intrinsics", "a block of intrinsics");
+    if (const YamlTree* intrinsics = map.find("intrinsics")) {
+      MapReader block(*intrinsics, map.path_of("intrinsics"), problems);
+      camera.camera = read_intrinsics(block);
+      block.finish();
+    }
+    camera.depth_scale = map.number("depth_scale", {0.1, 10.0});
+    map.finish();
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
+std::vector<TrueStop> read_stops(const YamlTree& tree, Problems* problems) {
+  std::vector<TrueStop> stops;
+  if (!tree.is_sequence()) problems->add({tree.file, tree.line, "stops", tree.shown(), "must be a list of stops"});
+  for (std::size_t i = 0; i < tree.items.size(); ++i) {
+    MapReader map(tree.items[i], "stops[" + std::to_string(i) + "]", problems);
+    map.require("stamp_s", "a number");
+    TrueStop stop;
+    stop.stamp_s = map.number("stamp_s").value_or(0.0);
+    stop.T_world_robot = read_transform(map);
+    map.finish();
+    stops.push_back(stop);
+  }
+  return stops;
+}
+
+void read_odometry(MapReader& map, Truth* truth) {
+  map.require("odometry", "a block with noise, scale, yaw_factor");
+  const YamlTree* tree = map.find("odometry");
+  if (tree == nullptr) return;
+  MapReader block(*tree, "odometry", &map.problems());
+  truth->odometry_scale = block.number("scale", {0.01, 100.0}).value_or(1.0);
+  truth->odometry_yaw_factor = block.number("yaw_factor", {0.01, 100.0}).value_or(1.0);
+  if (const YamlTree* noise = block.find("noise")) {
+    MapReader noise_map(*noise, "odometry.noise", &map.problems());
+    truth->odometry_noise = read_odometry_noise(noise_map);
+    noise_map.finish();
+  }
+  block.finish();
+}
+
+void check_version(MapReader& map) {
+  map.require("format", kFormat);
+  map.text("format", {kFormat});
+  map.require("version", std::to_string(kVersion));
+  map.integer("version", {static_cast<double>(kVersion), static_cast<double>(kVersion)});
+}
+
+Truth read_truth(const YamlTree& tree, Problems* problems) {
+  Truth truth;
+  MapReader map(tree, "", problems);
+  check_version(map);
+  truth.scene = map.text("scene").value_or("");
+  truth.seed = read_seed(map);
+  map.require("board", "{type, squares, square_mm}");
+  if (const YamlTree* board = map.find("board")) truth.board = read_board(*board, "board", problems);
+  truth.T_world_board = required_transform(map, "T_world_board");
+  read_odometry(map, &truth);
+  map.require("cameras", "a map of cameras by name");
+  if (const YamlTree* cameras = map.find("cameras")) truth.cameras = read_cameras(*cameras, problems);
+  map.require("stops", "a list of stops");
+  if (const YamlTree* stops = map.find("stops")) truth.stops = read_stops(*stops, problems);
+  map.finish();
+  return truth;
+}
+
+YamlTree tree_of(const TrueCamera& camera) {
+  YamlTree tree = YamlTree::map();
+  tree.set("T_robot_camera", rigproof::tree_of(camera.T_robot_camera));
+  tree.set("intrinsics", rigproof::tree_of(camera.camera));
+  if (camera.depth_scale) tree.set("depth_scale", YamlTree::number(*camera.depth_scale));
+  return tree;
+}
+
+YamlTree tree_of(const TrueStop& stop) {
+  YamlTree tree = YamlTree::inline_map();
+  tree.set("stamp_s", YamlTree::number(stop.stamp_s));
+  set_transform(stop.T_world_robot, &tree);
+  return tree;
+}
+
+YamlTree tree_of(const Truth& truth) {
+  YamlTree tree = YamlTree::map();
+  tree.set("format", YamlTree::text(kFormat));
+  tree.set("version", YamlTree::integer(kVersion));
+  tree.set("scene", YamlTree::text(truth.scene));
+  tree.set("seed", tree_of_seed(truth.seed));
+  tree.set("board", rigproof::tree_of(truth.board));
+  tree.set("T_world_board", rigproof::tree_of(truth.T_world_board));
+  YamlTree& odometry = tree.set("odometry", YamlTree::map());
+  odometry.set("noise", rigproof::tree_of(truth.odometry_noise));
+  odometry.set("scale", YamlTree::number(truth.odometry_scale));
+  odometry.set("yaw_factor", YamlTree::number(truth.odometry_yaw_factor));
+  YamlTree& cameras = tree.set("cameras", YamlTree::map());
+  for (const TrueCamera& camera : truth.cameras) cameras.set(camera.name, tree_of(camera));
+  YamlTree& stops = tree.set("stops", YamlTree::sequence());
+  for (const TrueStop& stop : truth.stops) stops.add(tree_of(stop));
+  return tree;
+}
+
+}  // namespace
+
+Truth load_truth(const std::filesystem::path& file) {
+  Problems problems;
+  Truth truth = read_truth(read_yaml_file(file, kMaxBytes), &problems);
+  problems.sort();
+  problems.throw_if_any();
+  return truth;
+}
+
+void save_truth(const Truth& truth, const std::filesystem::path& file) {
+  write_file_atomically(file, emit_yaml(tree_of(truth)));
+}
+
+}  // namespace rigproof
