@@ -1,0 +1,89 @@
+// Geometric mode: observations drawn from a noise model without rendering, thousands of runs a minute.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rigproof/core/observations.h"
+#include "rigproof/core/rig.h"
+#include "rigproof/core/rigid3.h"
+#include "rigproof/truth/truth.h"
+
+namespace rigproof {
+
+/// Cameras, where they truly sit, and the board in front of them.
+struct GeometricRig {
+  std::vector<RigCamera> cameras;
+  std::vector<Rigid3> T_robot_camera;
+  Board board;
+  double board_centre_height_m = 0.55;
+  double board_spin_rad = 0.0;         ///< of the board about its own normal
+  double board_inclination_rad = 0.0;  ///< of its normal to the horizontal
+  int min_cameras_per_stop = 1;        ///< cameras that see the whole board from every stop
+  double min_distance_m = 1.0;         ///< of the camera that is aimed at the board
+  double max_distance_m = 3.0;
+};
+
+/// The reference scene of the accuracy goals: three cameras (fx 640, 1280x720) that see the same board of 4x3 inner
+/// corners of 10 cm from every stop.
+GeometricRig reference_rig();
+/// A rig of `cameras` cameras mounted in any direction (backwards, sideways, upside down, pitched up to 40 degrees)
+/// and a board in any orientation that faces them. Every stop is seen by one camera at least, by turns.
+GeometricRig random_rig(std::uint64_t seed, int cameras);
+
+/// How the robot moves between stops.
+enum class GeometricDrive {
+  kRandom,       ///< independent poses, on average about 1.65 m and 24 degrees apart
+  kSteps,        ///< steps of about 0.3 m and 8 degrees
+  kStraight,     ///< degenerate: along one straight line
+  kTurnInPlace,  ///< degenerate: about the robot's own origin
+  kArc,          ///< degenerate: about one other centre
+  kStandstill,   ///< degenerate: not at all
+};
+
+struct GeometricConfig {
+  std::uint64_t seed = 0;
+  GeometricRig rig = reference_rig();
+  GeometricDrive drive = GeometricDrive::kRandom;
+  int stops = 100;
+  double corner_sigma_px = 0.1;
+  bool ground = true;         ///< ground planes in every depth camera that sees enough of it
+  bool board_planes = false;  ///< depth on the board itself
+  double inverse_depth_sigma_per_m = 0.0025;
+  double ground_points = 300.0;  ///< effective ones in a frame
+  double board_points = 60.0;
+  double depth_scale_sigma = 0.0;  ///< of each camera's true depth scale about 1
+  OdometryModel odometry_model = OdometryModel::kPerIncrement;
+  /// Multiple of the noise of the paper: 0.2 cm on x and y, 0.01 rad on yaw.
+  double lambda = 1.0;
+  double odometry_scale = 1.0;       ///< measured = scale * true translation (increments only)
+  double odometry_yaw_factor = 1.0;  ///< measured = factor * true rotation (increments only)
+  bool declare_odometry_model = true;
+  bool declare_odometry_sigmas = true;
+  double suspension_height_sigma_m = 0.0;
+  double suspension_tilt_sigma_rad = 0.0;
+  double corner_outlier_fraction = 0.0;    ///< corners off by up to tens of pixels
+  double odometry_outlier_fraction = 0.0;  ///< poses or increments off by decimetres and degrees
+  double plane_outlier_fraction = 0.0;     ///< planes of something else than the ground
+};
+
+struct GeometricRun {
+  Observations observations;
+  Truth truth;
+};
+
+/// Noise of the odometry at the given multiple of the paper's level.
+OdometryNoise paper_odometry_noise(OdometryModel model, double lambda);
+
+/// True poses of the robot in the world (the first one's x, y and yaw are zero), and the board in it.
+struct GeometricScene {
+  Rigid3 T_world_board;
+  std::vector<Rigid3> T_world_robot;
+};
+/// Throws Error where the rig cannot see the board as asked.
+GeometricScene draw_scene(const GeometricConfig& config);
+
+/// The whole run; depends on the configuration alone.
+GeometricRun draw_geometric_run(const GeometricConfig& config);
+
+}  // namespace rigproof

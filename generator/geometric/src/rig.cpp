@@ -1,0 +1,63 @@
+#include <cmath>
+#include <string>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/random.h"
+#include "rigproof/geometric/geometric.h"
+
+namespace rigproof {
+namespace {
+
+// Optical axes (x right, y down, z forward) in a body that looks along x with y left and z up.
+const Eigen::Quaterniond kBodyOptical(Eigen::Matrix3d((Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished()));
+
+Rigid3 mount(const Eigen::Vector3d& position, double yaw, double pitch_down, double roll) {
+  const Eigen::Quaterniond tilt = so3_exp({0.0, pitch_down, 0.0}) * so3_exp({roll, 0.0, 0.0});
+  return Rigid3(rotation_z(yaw) * tilt * kBodyOptical, position);
+}
+
+RigCamera depth_camera(const std::string& name) {
+  RigCamera camera;
+  camera.name = camera.folder = name;
+  camera.camera = Camera::symmetric(1280, 720, 640.0);
+  camera.depth = DepthStream();
+  return camera;
+}
+
+}  // namespace
+
+GeometricRig reference_rig() {
+  GeometricRig rig;
+  const double yaw[] = {deg_to_rad(20.0), 0.0, deg_to_rad(-20.0)};
+  const double y_m[] = {0.22, 0.0, -0.22};
+  const char* names[] = {"left", "center", "right"};
+  for (int i = 0; i < 3; ++i) {
+    rig.cameras.push_back(depth_camera(names[i]));
+    rig.T_robot_camera.push_back(mount({i == 1 ? 0.35 : 0.30, y_m[i], 0.62}, yaw[i], deg_to_rad(12.0), 0.0));
+  }
+  rig.min_cameras_per_stop = 3;
+  rig.min_distance_m = 0.9;
+  rig.max_distance_m = 3.4;
+  return rig;
+}
+
+GeometricRig random_rig(std::uint64_t seed, int cameras) {
+  RandomStream random(seed, "geometric rig");
+  GeometricRig rig;
+  for (int i = 0; i < cameras; ++i) {
+    rig.cameras.push_back(depth_camera("camera" + std::to_string(i + 1)));
+    const Eigen::Vector3d position(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(0.4, 1.0));
+    const double yaw = random.uniform(-kPi, kPi);
+    const double pitch_down = deg_to_rad(random.uniform(0.0, 40.0));
+    // A quarter of the cameras hangs upside down, another is turned on its side.
+    const double turn[] = {0.0, 0.0, kPi, 0.5 * kPi};
+    const double roll = turn[random.below(4)] + deg_to_rad(random.uniform(-10.0, 10.0));
+    rig.T_robot_camera.push_back(mount(position, yaw, pitch_down, roll));
+  }
+  rig.board_centre_height_m = random.uniform(0.35, 0.6);
+  rig.board_spin_rad = random.uniform(-kPi, kPi);
+  rig.board_inclination_rad = deg_to_rad(random.uniform(-25.0, 25.0));
+  return rig;
+}
+
+}  // namespace rigproof
