@@ -1,0 +1,121 @@
+// The configuration of a run: what `rigproof generate CONFIG` reads. Every field has a default; {} is a valid file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/distribution.h"
+#include "rigproof/core/fields.h"
+
+namespace rigproof {
+
+/// The board and where it stands.
+struct BoardConfig {
+  std::string preset;           ///< in models/boards, or a file; empty = the rig's board
+  std::vector<double> squares;  ///< two numbers replace the preset's; empty = the preset's
+  double square_mm = 0.0;       ///< 0 = the preset's
+  std::string place = "scene";  ///< scene: where the scene puts it; given: the fields below
+  Distribution x_m = 0.0;
+  Distribution y_m = 0.0;
+  Distribution z_m = 0.8;
+  Distribution facing_deg = 0.0;
+  Distribution lean_deg = 0.0;
+  Distribution roll_deg = 0.0;
+
+  void visit(FieldVisitor& visitor);
+};
+
+/// One explicit place of the robot, in the scene's frame.
+struct ListedViewpoint {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_deg = 0.0;
+
+  void visit(FieldVisitor& visitor);
+};
+
+/// Every combination of distance, bearing and heading.
+struct GridConfig {
+  std::vector<double> distances_m = {1.4, 2.0, 2.6, 3.2};
+  std::vector<double> bearings_deg = {-40.0, -20.0, 0.0, 20.0, 40.0};
+  std::vector<double> headings_deg = {-8.0, 0.0, 8.0};
+
+  void visit(FieldVisitor& visitor);
+};
+
+/// Where the robot stands when it takes images.
+struct ViewpointConfig {
+  std::string planner = "sampled";  ///< sampled | grid | list
+  Distribution distance_m = Distribution::Kind(Distribution::Uniform{1.2, 3.6});
+  Distribution bearing_deg = Distribution::Kind(Distribution::Uniform{-55.0, 55.0});
+  Distribution heading_deg = Distribution::Kind(Distribution::Uniform{-25.0, 25.0});
+  std::int64_t min_cameras = 1;
+  double margin_px = 8.0;
+  double max_obliquity_deg = 60.0;
+  std::int64_t max_candidates = 400;
+  std::string order = "drive";  ///< drive | drawn
+  double step_m = 1.0;
+  GridConfig grid;
+  std::vector<ListedViewpoint> list;
+
+  void visit(FieldVisitor& visitor);
+};
+
+/// What the robot's wheels tell.
+struct OdometryConfig {
+  std::string model = "per_increment";  ///< per_increment | per_pose
+  double lambda = 1.0;
+  double sigma_xy_cm = 0.2;
+  double sigma_yaw_rad = 0.01;
+  Distribution scale = 1.0;
+  Distribution yaw_factor = 1.0;
+  double rate_hz = 0.0;
+  bool declared = false;
+
+  void visit(FieldVisitor& visitor);
+};
+
+/// How the clean picture is drawn.
+struct RenderConfig {
+  double psf_sigma_px = 0.6;
+  bool board_at_double = true;
+  bool whole_at_double = false;
+
+  void visit(FieldVisitor& visitor);
+};
+
+struct GenerateConfig {
+  std::string name;
+  std::int64_t seed = 0;
+  std::string scene = "indoor_lab";
+  std::string rig = "husky_3x_d455";
+  double image_scale = 1.0;
+  std::int64_t poses = 100;
+  double stop_period_s = 2.0;
+  BoardConfig board;
+  ViewpointConfig viewpoints;
+  OdometryConfig odometry;
+  std::string sensor_noise = "realistic";  ///< realistic | none
+  Distribution depth_scale_bias_percent = 0.0;
+  RenderConfig render;
+  std::string clouds = "none";  ///< none | pcd
+  std::int64_t cloud_stride_px = 2;
+  std::int64_t png_level = 1;
+
+  void visit(FieldVisitor& visitor);
+};
+
+/// Reads a configuration. An empty file gives the defaults; the name defaults to the file's. Throws Error with every
+/// problem found.
+GenerateConfig load_generate_config(const std::filesystem::path& file);
+GenerateConfig parse_generate_config(const std::string& text, const std::filesystem::path& file = "config");
+
+/// YAML with every field: reads back to the same configuration.
+std::string resolved_text(const GenerateConfig& config);
+
+/// What differs, one "field: A there, B here" an entry; empty if nothing does.
+std::vector<std::string> differences(const GenerateConfig& there, const GenerateConfig& here);
+
+}  // namespace rigproof

@@ -1,0 +1,238 @@
+#include "rigproof/generator/config.h"
+
+#include <cmath>
+#include <map>
+#include <sstream>
+
+namespace rigproof {
+namespace {
+
+constexpr double kMaxDistanceM = 100.0;
+
+// Writes every field as (dotted path, text) so that two configurations can be compared field by field.
+class FlatFields : public FieldVisitor {
+ public:
+  std::map<std::string, std::string> values;
+
+  void field(const char* key, double& value, const NumberRange&, const char*) override { put(key, number(value)); }
+  void field(const char* key, std::int64_t& value, const NumberRange&, const char*) override {
+    put(key, std::to_string(value));
+  }
+  void field(const char* key, bool& value, const char*) override { put(key, value ? "true" : "false"); }
+  void field(const char* key, std::string& value, const TextChoices&, const char*) override {
+    put(key, value.empty() ? "''" : value);
+  }
+  void field(const char* key, Distribution& value, const NumberRange&, const char*) override { put(key, text(value)); }
+  void field(const char* key, std::vector<double>& value, const NumberRange&, std::size_t, std::size_t,
+             const char*) override {
+    put(key, sequence(value));
+  }
+  void field(const char* key, std::vector<std::string>& value, const char*) override {
+    std::string text = "[";
+    for (const std::string& part : value) text += (text.size() > 1 ? ", " : "") + part;
+    put(key, text + "]");
+  }
+  void section(const char* key, const std::function<void(FieldVisitor&)>& visit, const char*) override {
+    const std::string outer = path_;
+    path_ += std::string(key) + ".";
+    visit(*this);
+    path_ = outer;
+  }
+  void list(const char* key, const std::function<std::size_t()>& size, const std::function<void(std::size_t)>&,
+            const std::function<void(std::size_t, FieldVisitor&)>& visit, const char*) override {
+    const std::string outer = path_;
+    put(key, std::to_string(size()) + " entries");
+    for (std::size_t i = 0; i < size(); ++i) {
+      path_ = outer + key + "[" + std::to_string(i) + "].";
+      visit(i, *this);
+    }
+    path_ = outer;
+  }
+  void check(bool, const char*, const std::string&) override {}
+
+ private:
+  static std::string number(double value) {
+    std::ostringstream out;
+    out.precision(17);
+    out << value;
+    const std::string exact = out.str();
+    out.str("");
+    out.precision(6);
+    out << value;
+    return std::stod(out.str()) == value ? out.str() : exact;
+  }
+
+  static std::string sequence(const std::vector<double>& values) {
+    std::string text = "[";
+    for (const double value : values) text += (text.size() > 1 ? ", " : "") + number(value);
+    return text + "]";
+  }
+
+  static std::string text(const Distribution& distribution) {
+    const Distribution::Kind& kind = distribution.kind();
+    if (const double* constant = std::get_if<double>(&kind)) return number(*constant);
+    if (const auto* uniform = std::get_if<Distribution::Uniform>(&kind)) {
+      return "{uniform: " + sequence({uniform->low, uniform->high}) + "}";
+    }
+    if (const auto* normal = std::get_if<Distribution::Normal>(&kind)) {
+      return "{normal: {mean: " + number(normal->mean) + ", stddev: " + number(normal->standard_deviation) + "}}";
+    }
+    return "{choice: " + sequence(std::get<Distribution::Choice>(kind).values) + "}";
+  }
+
+  void put(const std::string& key, const std::string& value) { values[path_ + key] = value; }
+
+  std::string path_;
+};
+
+std::map<std::string, std::string> flatten(GenerateConfig config) {
+  FlatFields fields;
+  config.visit(fields);
+  return fields.values;
+}
+
+bool is_board_size(const std::vector<double>& squares) {
+  if (squares.empty()) return true;
+  if (squares.size() != 2) return false;
+  for (const double count : squares) {
+    if (count != std::floor(count)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void BoardConfig::visit(FieldVisitor& visitor) {
+  visitor.field("preset", preset, TextChoices{}, "board in models/boards, or a YAML file; empty = the rig's board");
+  visitor.field("squares", squares, {3.0, 64.0}, 0, 2,
+                "squares along board x and y instead of the preset's, e.g. [6, 5]; empty = the preset's");
+  visitor.field("square_mm", square_mm, {0.0, 1000.0}, "side of a square instead of the preset's; 0 = the preset's");
+  visitor.field("place", place, TextChoices{{"scene", "given"}},
+                "scene: the board stands where the scene puts it; given: where the fields below put it");
+  visitor.field("x_m", x_m, {-kMaxDistanceM, kMaxDistanceM}, "middle of the squares in the scene's frame");
+  visitor.field("y_m", y_m, {-kMaxDistanceM, kMaxDistanceM}, "middle of the squares in the scene's frame");
+  visitor.field("z_m", z_m, {0.0, 10.0}, "height of the middle of the squares");
+  visitor.field("facing_deg", facing_deg, {-360.0, 360.0},
+                "heading of the printed face's outward normal: 0 = looks along the scene's x, 90 = along y");
+  visitor.field("lean_deg", lean_deg, {-60.0, 60.0}, "the normal points up by this angle (the board leans back)");
+  visitor.field("roll_deg", roll_deg, {-180.0, 180.0}, "turn in its own plane, anticlockwise as a viewer sees it");
+  visitor.check(is_board_size(squares), "squares", "must be empty or two whole numbers from 3 to 64, e.g. [5, 4]");
+}
+
+void ListedViewpoint::visit(FieldVisitor& visitor) {
+  visitor.field("x_m", x_m, {-kMaxDistanceM, kMaxDistanceM}, "robot's place in the scene's frame");
+  visitor.field("y_m", y_m, {-kMaxDistanceM, kMaxDistanceM}, "robot's place in the scene's frame");
+  visitor.field("yaw_deg", yaw_deg, {-360.0, 360.0}, "robot's heading in the scene's frame");
+}
+
+void GridConfig::visit(FieldVisitor& visitor) {
+  visitor.field("distances_m", distances_m, {0.3, kMaxDistanceM}, 1, 1000, "distances from the board");
+  visitor.field("bearings_deg", bearings_deg, {-90.0, 90.0}, 1, 1000, "bearings as seen from the board");
+  visitor.field("headings_deg", headings_deg, {-180.0, 180.0}, 1, 1000, "headings, 0 = towards the board");
+}
+
+void ViewpointConfig::visit(FieldVisitor& visitor) {
+  visitor.field("planner", planner, TextChoices{{"sampled", "grid", "list"}},
+                "sampled: drawn from the distributions below; grid: every combination in `grid`; list: as in `list`");
+  visitor.field("distance_m", distance_m, {0.3, kMaxDistanceM},
+                "sampled: from the board's centre to the robot, along the floor");
+  visitor.field("bearing_deg", bearing_deg, {-90.0, 90.0},
+                "sampled: direction from the board to the robot, 0 = straight in front of it");
+  visitor.field("heading_deg", heading_deg, {-180.0, 180.0},
+                "sampled: robot's heading against the direction to the board, 0 = towards it");
+  visitor.field("min_cameras", min_cameras, {0.0, 8.0},
+                "sampled, grid: cameras that must see the whole board; all of them are tried first");
+  visitor.field("margin_px", margin_px, {0.0, 500.0},
+                "distance that the board, its white border included, keeps from the image's edge");
+  visitor.field("max_obliquity_deg", max_obliquity_deg, {0.0, 85.0},
+                "largest angle between the board's normal and the line to a camera that is counted");
+  visitor.field("max_candidates", max_candidates, {1.0, 1e6},
+                "sampled: candidates drawn for one pose before giving up");
+  visitor.field("order", order, TextChoices{{"drive", "drawn"}},
+                "drive: each stop about step_m from the one before; drawn: as drawn, or as the grid or list says");
+  visitor.field("step_m", step_m, {0.0, kMaxDistanceM}, "drive: wanted distance from stop to stop");
+  visitor.nested("grid", grid, "planner grid: distances, bearings and headings, in this order of nesting");
+  visitor.nested_list("list", list, "planner list: places of the robot");
+  visitor.check(planner != "list" || !list.empty(), "list", "planner list needs at least one {x_m, y_m, yaw_deg}");
+}
+
+void OdometryConfig::visit(FieldVisitor& visitor) {
+  visitor.field("model", model, TextChoices{{"per_increment", "per_pose"}},
+                "per_increment: noise on every motion from stop to stop, so that it drifts; per_pose: independent on "
+                "every absolute pose");
+  visitor.field("lambda", lambda, {0.0, 1000.0}, "multiplies both sigmas; 0 = exact odometry");
+  visitor.field("sigma_xy_cm", sigma_xy_cm, {0.0, 100.0}, "standard deviation of x and of y at lambda 1");
+  visitor.field("sigma_yaw_rad", sigma_yaw_rad, {0.0, 1.0}, "standard deviation of yaw at lambda 1");
+  visitor.field("scale", scale, {0.5, 2.0}, "per_increment: measured over true length of a motion");
+  visitor.field("yaw_factor", yaw_factor, {0.5, 2.0}, "per_increment: measured over true angle of a turn");
+  visitor.field("rate_hz", rate_hz, {0.0, 1000.0},
+                "samples between the stops as well, at this rate; 0 = one sample a stop");
+  visitor.field("declared", declared, "tell the recording's reader the model and the sigmas, in rig.yaml");
+  visitor.check(model == "per_increment" || (scale.lowest() == 1.0 && scale.highest() == 1.0), "scale",
+                "belongs to model per_increment; must be 1 with per_pose");
+  visitor.check(model == "per_increment" || (yaw_factor.lowest() == 1.0 && yaw_factor.highest() == 1.0), "yaw_factor",
+                "belongs to model per_increment; must be 1 with per_pose");
+}
+
+void RenderConfig::visit(FieldVisitor& visitor) {
+  visitor.field("psf_sigma_px", psf_sigma_px, {0.0, 5.0}, "lens blur, standard deviation; 0 = none");
+  visitor.field("board_at_double", board_at_double, "render the board's region at twice the resolution");
+  visitor.field("whole_at_double", whole_at_double, "render everything at twice the resolution (slower)");
+}
+
+void GenerateConfig::visit(FieldVisitor& visitor) {
+  visitor.field("name", name, TextChoices{}, "of the run; empty = the configuration file's name");
+  visitor.field("seed", seed, {0.0, 9007199254740992.0}, "of all random numbers");
+  visitor.field("scene", scene, TextChoices{}, "world in scenes, or a YAML file");
+  visitor.field("rig", rig, TextChoices{}, "robot and cameras in models/rigs, or a YAML file");
+  visitor.field("image_scale", image_scale, {0.05, 1.0}, "shrinks every camera's image, for quick trials");
+  visitor.field("poses", poses, {1.0, 1e6}, "stops of the robot; planner sampled only");
+  visitor.field("stop_period_s", stop_period_s, {0.1, 1000.0}, "time from stop to stop");
+  visitor.nested("board", board, "the calibration board and where it stands");
+  visitor.nested("viewpoints", viewpoints, "where the robot stands when it takes images");
+  visitor.nested("odometry", odometry, "what the wheels tell");
+  visitor.field("sensor_noise", sensor_noise, TextChoices{{"realistic", "none"}},
+                "realistic: image and depth noise of the camera's sensor preset; none: clean images");
+  visitor.field("depth_scale_bias_percent", depth_scale_bias_percent, {-20.0, 20.0},
+                "measured depth is too large by this, drawn for each camera");
+  visitor.nested("render", render, "how the clean picture is drawn");
+  visitor.field("clouds", clouds, TextChoices{{"none", "pcd"}}, "point cloud files beside the depth images");
+  visitor.field("cloud_stride_px", cloud_stride_px, {1.0, 64.0}, "every how many pixels a cloud has a point");
+  visitor.field("png_level", png_level, {0.0, 3.0}, "compression of images: 0 fastest, 3 smallest; all lossless");
+}
+
+GenerateConfig load_generate_config(const std::filesystem::path& file) {
+  GenerateConfig config;
+  read_fields(file, [&config](FieldVisitor& visitor) { config.visit(visitor); });
+  if (config.name.empty()) config.name = file.stem().string();
+  return config;
+}
+
+GenerateConfig parse_generate_config(const std::string& text, const std::filesystem::path& file) {
+  GenerateConfig config;
+  read_fields_from_text(text, file, [&config](FieldVisitor& visitor) { config.visit(visitor); });
+  if (config.name.empty()) config.name = file.stem().string();
+  return config;
+}
+
+std::string resolved_text(const GenerateConfig& config) {
+  GenerateConfig copy = config;
+  return write_fields([&copy](FieldVisitor& visitor) { copy.visit(visitor); });
+}
+
+std::vector<std::string> differences(const GenerateConfig& there, const GenerateConfig& here) {
+  std::map<std::string, std::string> a = flatten(there), b = flatten(here);
+  std::vector<std::string> result;
+  for (const auto& [key, value] : a) {
+    const auto other = b.find(key);
+    if (other == b.end() || other->second != value) {
+      result.push_back(key + ": " + value + " there, " + (other == b.end() ? "nothing" : other->second) + " here");
+    }
+  }
+  for (const auto& [key, value] : b) {
+    if (a.find(key) == a.end()) result.push_back(key + ": nothing there, " + value + " here");
+  }
+  return result;
+}
+
+}  // namespace rigproof

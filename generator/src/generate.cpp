@@ -1,0 +1,264 @@
+#include "rigproof/generator/generate.h"
+
+#include <sched.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <sstream>
+
+#include "frame_maker.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "run_state.h"
+#include "scenario.h"
+#include "worker_pool.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+// How often the caller hears of progress, and can interrupt, at least.
+constexpr int kProgressPeriodMs = 100;
+// A render process that is silent for this long hangs: a frame takes a fraction of a second, a start a few.
+constexpr double kPatienceS = 300.0;
+
+// Bytes a pixel and milliseconds a megapixel on one core, measured with llvmpipe (docs/generation.md).
+constexpr double kColorBytesClean = 0.45, kColorBytesNoisy = 1.35;
+constexpr double kDepthBytesClean = 0.05, kDepthBytesNoisy = 0.75;
+constexpr double kMillisecondsClean = 60.0, kMillisecondsNoisy = 85.0;
+constexpr double kCloudBytes = 12.0;
+
+int available_cores() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (::sched_getaffinity(0, sizeof set, &set) != 0) return 1;
+  return std::max(1, CPU_COUNT(&set));
+}
+
+double megapixels(const Scenario& scenario) {
+  double sum = 0.0;
+  for (const RigCamera& camera : scenario.rig.rig.cameras) {
+    sum += 1e-6 * camera.camera.width_px * camera.camera.height_px;
+  }
+  return sum * static_cast<double>(scenario.stop_count());
+}
+
+double expected_mb(const Scenario& scenario) {
+  const bool noisy = scenario.config.sensor_noise != "none";
+  double bytes = noisy ? kColorBytesNoisy + kDepthBytesNoisy : kColorBytesClean + kDepthBytesClean;
+  if (scenario.config.clouds != "none") {
+    bytes += kCloudBytes / static_cast<double>(scenario.config.cloud_stride_px * scenario.config.cloud_stride_px);
+  }
+  return bytes * megapixels(scenario);
+}
+
+// One line a file: size, hash, path.
+std::string text_of(const FileEntries& entries) {
+  std::string text;
+  for (const auto& [path, entry] : entries) {
+    text += std::to_string(entry.size_bytes) + " " + entry.sha256 + " " + path + "\n";
+  }
+  return text;
+}
+
+FileEntries entries_of(const std::string& text) {
+  FileEntries entries;
+  std::istringstream in(text);
+  Manifest::Entry entry;
+  std::string path;
+  while (in >> entry.size_bytes >> entry.sha256 && in.get() == ' ' && std::getline(in, path)) entries[path] = entry;
+  return entries;
+}
+
+// Everything but images: small, quickly made, written anew whenever a generation starts.
+FileEntries write_texts(const RunFolder& run, const Scenario& scenario) {
+  write_file_atomically(run.config_file(), config_file_text(scenario));
+  save_truth(scenario.truth, run.truth_file());
+  Recording recording = scenario.recording;
+  recording.folder = run.recording();
+  save_recording(recording);
+  std::vector<std::string> files = {"truth/config.yaml", "truth/truth.yaml", "recording/rig.yaml",
+                                    "recording/" + recording.rig.odometry_file};
+  for (const RigCamera& camera : recording.rig.cameras) files.push_back("recording/" + camera.folder + "/frames.csv");
+  FileEntries entries;
+  for (const std::string& file : files) {
+    entries[file] = {fs::file_size(run.root / file), sha256_hex_of_file(run.root / file)};
+  }
+  return entries;
+}
+
+std::vector<std::uint32_t> missing_frames(const Scenario& scenario, const Manifest& manifest) {
+  std::vector<std::uint32_t> missing;
+  for (std::size_t frame = 0; frame < scenario.frame_count(); ++frame) {
+    const std::vector<std::string> files = files_of_frame(scenario, frame);
+    const bool done = std::all_of(files.begin(), files.end(), [&](const std::string& file) {
+      return manifest.files.find(file) != manifest.files.end();
+    });
+    if (!done) missing.push_back(static_cast<std::uint32_t>(frame));
+  }
+  return missing;
+}
+
+void check_disk_space(const RunFolder& run, double needed_mb) {
+  std::error_code error;
+  const fs::space_info space = fs::space(run.root, error);
+  const double free_mb = 1e-6 * static_cast<double>(space.available);
+  // The estimate is good to a third; below that the disk decides.
+  if (error || free_mb > 0.7 * needed_mb) return;
+  throw Error(run.root.string() + ": the disk is nearly full: about " + std::to_string(static_cast<int>(needed_mb)) +
+              " MB are needed, " + std::to_string(static_cast<int>(free_mb)) + " MB are free");
+}
+
+std::string name_of_job(const Scenario& scenario, std::uint32_t job) {
+  return job == WorkerEvent::kNoJob ? "before its first image"
+                                    : "while making " + files_of_frame(scenario, job).front();
+}
+
+// Hands the missing frames to processes and books what they finish.
+class Generation {
+ public:
+  Generation(const Scenario& scenario, const RunFolder& run, const GenerateOptions& options, ManifestKeeper* keeper)
+      : scenario_(scenario), run_(run), options_(options), keeper_(keeper) {}
+
+  /// Returns false if the caller interrupted.
+  bool render(const std::vector<std::uint32_t>& frames) {
+    const std::size_t jobs = static_cast<std::size_t>(options_.jobs > 0 ? options_.jobs : available_cores());
+    already_done_ = scenario_.frame_count() - frames.size();
+    bool go_on = report();
+    if (!go_on || frames.empty()) return go_on;
+    WorkerPool pool(
+        static_cast<int>(std::min(jobs, frames.size())), [this](std::string* greeting) { return prepare(greeting); },
+        kPatienceS);
+    std::size_t next = 0;
+    while (rendered_ < frames.size()) {
+      while (go_on && next < frames.size() && pool.wants_job()) pool.submit(frames[next++]);
+      if (pool.jobs_in_flight() == 0) break;
+      for (const WorkerEvent& event : pool.wait(kProgressPeriodMs)) take(event);
+      go_on = report() && go_on;
+      keeper_->tick();
+    }
+    return go_on;
+  }
+
+  std::size_t rendered() const { return rendered_; }
+
+ private:
+  // Runs in the render process.
+  WorkerPool::Handler prepare(std::string* greeting) const {
+    // Mesa's own threads only get into the way of the other processes.
+    ::setenv("LP_NUM_THREADS", "1", 1);
+    const auto maker = std::make_shared<FrameMaker>(scenario_, run_.root, options_.device);
+    *greeting = maker->gl_renderer();
+    return [maker](std::uint32_t frame) { return text_of(maker->make(frame)); };
+  }
+
+  void take(const WorkerEvent& event) {
+    switch (event.kind) {
+      case WorkerEvent::Kind::kReady:
+        return take_renderer(event.text);
+      case WorkerEvent::Kind::kDone:
+        keeper_->add(entries_of(event.text));
+        ++rendered_;
+        return;
+      case WorkerEvent::Kind::kFailed:
+        throw Error(event.text);
+      case WorkerEvent::Kind::kDied:
+        throw Error("a render process " + event.text + " " + name_of_job(scenario_, event.job) +
+                        "; what is finished is kept: the same command goes on from there",
+                    ExitCode::kTryAgain);
+    }
+  }
+
+  void take_renderer(const std::string& gl_renderer) {
+    const std::string& known = keeper_->manifest().gl_renderer;
+    if (!known.empty() && known != gl_renderer) {
+      throw Error(run_.root.string() + ": was begun with " + known + ", this is " + gl_renderer +
+                  ", whose images differ in single bits; go on where it was begun, or start over with --fresh");
+    }
+    keeper_->set_gl_renderer(gl_renderer);
+  }
+
+  bool report() const {
+    return !options_.progress || options_.progress(already_done_ + rendered_, scenario_.frame_count());
+  }
+
+  const Scenario& scenario_;
+  RunFolder run_;
+  const GenerateOptions& options_;
+  ManifestKeeper* keeper_;
+  std::size_t already_done_ = 0, rendered_ = 0;
+};
+
+GenerateReport make_report(const Scenario& scenario, const Manifest& manifest, std::size_t rendered) {
+  GenerateReport report;
+  report.images = scenario.frame_count();
+  report.images_rendered = rendered;
+  for (const auto& [path, entry] : manifest.files) report.bytes += entry.size_bytes;
+  report.complete = manifest.complete;
+  report.gl_renderer = manifest.gl_renderer;
+  report.coverage = scenario.plan.coverage;
+  return report;
+}
+
+// Renders and keeps the manifest; after a failure the manifest still tells what was finished.
+std::size_t render_missing(const Scenario& scenario, const RunFolder& run, const GenerateOptions& options,
+                           const std::vector<std::uint32_t>& missing, ManifestKeeper* keeper) {
+  Generation generation(scenario, run, options, keeper);
+  try {
+    const bool all = generation.render(missing);
+    keeper->finish(all);
+  } catch (...) {
+    try {
+      keeper->finish(false);
+    } catch (const Error&) {
+      // The first failure is the one to tell; often this one has the same cause, such as a full disk.
+    }
+    throw;
+  }
+  return generation.rendered();
+}
+
+}  // namespace
+
+GeneratePlan plan_generation(const GenerateConfig& config) {
+  const Scenario scenario = resolve_scenario(config);
+  GeneratePlan plan;
+  plan.stops = scenario.stop_count();
+  plan.images = scenario.frame_count();
+  plan.expected_mb = expected_mb(scenario);
+  const double ms = config.sensor_noise == "none" ? kMillisecondsClean : kMillisecondsNoisy;
+  plan.expected_minutes = ms * megapixels(scenario) / available_cores() / 60e3;
+  plan.coverage = scenario.plan.coverage;
+  return plan;
+}
+
+GenerateReport generate(const GenerateConfig& config, const GenerateOptions& options) {
+  const auto start = Clock::now();
+  const Scenario scenario = resolve_scenario(config);
+  const RunFolder run{options.output};
+  const RunLock lock(run.root);
+  Manifest manifest = open_run(run, scenario, options.fresh);
+  const std::size_t files_known = manifest.files.size();
+  drop_damaged(run, &manifest);
+  const std::vector<std::uint32_t> missing = missing_frames(scenario, manifest);
+  if (manifest.complete && missing.empty() && manifest.files.size() == files_known) {
+    if (options.progress) options.progress(scenario.frame_count(), scenario.frame_count());
+    return make_report(scenario, manifest, 0);
+  }
+  remove_temporary_files(run.root);
+  check_disk_space(
+      run, expected_mb(scenario) * static_cast<double>(missing.size()) / static_cast<double>(scenario.frame_count()));
+  manifest.complete = false;
+  save_manifest(manifest, run.manifest_file());
+  ManifestKeeper keeper(run, std::move(manifest));
+  keeper.add(write_texts(run, scenario));
+  const std::size_t rendered = render_missing(scenario, run, options, missing, &keeper);
+  GenerateReport report = make_report(scenario, keeper.manifest(), rendered);
+  report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return report;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,175 @@
+// PNG, second edition (W3C 2003): signature, IHDR, one IDAT with a zlib stream of filtered rows, IEND.
+#include "rigproof/generator/png_encoder.h"
+
+#include <isa-l/crc.h>
+#include <isa-l/igzip_lib.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/error.h"
+
+namespace rigproof {
+namespace {
+
+constexpr std::uint8_t kSignature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+constexpr std::uint8_t kColorTypeGrey = 0, kColorTypeRgb = 2;
+// Filter 2, "up": the difference to the byte above. On the first row that is the byte itself. It vectorises, and on
+// rendered images it compresses within a few per cent of the adaptive choice.
+constexpr std::uint8_t kFilterUp = 2;
+// Filtered bytes are handed to deflate in pieces that stay in the second-level cache.
+constexpr std::size_t kPieceBytes = 128U << 10U;
+
+std::uint32_t level_buffer_size(int level) {
+  constexpr std::uint32_t sizes[] = {ISAL_DEF_LVL0_DEFAULT, ISAL_DEF_LVL1_DEFAULT, ISAL_DEF_LVL2_DEFAULT,
+                                     ISAL_DEF_LVL3_DEFAULT};
+  return sizes[level];
+}
+
+void put_u32(std::uint32_t value, std::uint8_t* out) {
+  for (int i = 0; i < 4; ++i) out[i] = static_cast<std::uint8_t>(value >> (24 - 8 * i));
+}
+
+void filter_row(const std::uint8_t* row, const std::uint8_t* above, std::size_t bytes, std::uint8_t* out) {
+  for (std::size_t i = 0; i < bytes; ++i) out[i] = static_cast<std::uint8_t>(row[i] - above[i]);
+}
+
+}  // namespace
+
+struct PngEncoder::Impl {
+  int level = 1;
+  isal_zstream stream{};
+  std::vector<std::uint8_t> level_buffer, piece, row, above, png;
+  std::size_t used = 0;  ///< bytes of `png` that are written
+
+  void reserve(std::size_t more) {
+    if (png.size() < used + more) png.resize(std::max(used + more, 2 * png.size()));
+  }
+
+  void append(const void* bytes, std::size_t count) {
+    reserve(count);
+    std::memcpy(png.data() + used, bytes, count);
+    used += count;
+  }
+
+  void append_u32(std::uint32_t value) {
+    std::uint8_t bytes[4];
+    put_u32(value, bytes);
+    append(bytes, 4);
+  }
+
+  std::size_t begin_chunk(const char* type) {
+    const std::size_t start = used;
+    append_u32(0);
+    append(type, 4);
+    return start;
+  }
+
+  // The length goes to the chunk's head; the checksum covers type and data.
+  void end_chunk(std::size_t start) {
+    const std::size_t length = used - start - 8;
+    if (length > 0x7FFFFFFFU) throw Error("image too large for one PNG chunk");
+    put_u32(static_cast<std::uint32_t>(length), png.data() + start);
+    append_u32(crc32_gzip_refl(0, png.data() + start + 4, length + 4));
+  }
+
+  void append_header(int width, int height, std::uint8_t bit_depth, std::uint8_t color_type) {
+    append(kSignature, sizeof kSignature);
+    const std::size_t chunk = begin_chunk("IHDR");
+    append_u32(static_cast<std::uint32_t>(width));
+    append_u32(static_cast<std::uint32_t>(height));
+    const std::uint8_t rest[5] = {bit_depth, color_type, 0, 0, 0};
+    append(rest, sizeof rest);
+    end_chunk(chunk);
+  }
+
+  void begin_deflate() {
+    isal_deflate_init(&stream);
+    stream.gzip_flag = IGZIP_ZLIB;
+    stream.level = static_cast<std::uint32_t>(level);
+    stream.level_buf = level_buffer.data();
+    stream.level_buf_size = static_cast<std::uint32_t>(level_buffer.size());
+  }
+
+  void deflate_piece(std::size_t bytes, bool last) {
+    stream.next_in = piece.data();
+    stream.avail_in = static_cast<std::uint32_t>(bytes);
+    stream.end_of_stream = last ? 1 : 0;
+    do {
+      reserve(kPieceBytes);
+      stream.next_out = png.data() + used;
+      stream.avail_out = static_cast<std::uint32_t>(std::min<std::size_t>(png.size() - used, 1U << 30U));
+      const int status = isal_deflate(&stream);
+      if (status != COMP_OK) throw Error("ISA-L deflate failed with status " + std::to_string(status));
+      used = static_cast<std::size_t>(stream.next_out - png.data());
+    } while (stream.avail_in > 0 || stream.avail_out == 0 || (last && stream.internal_state.state != ZSTATE_END));
+  }
+
+  // fill_row(y, bytes) writes row y as PNG wants its bytes.
+  template <typename FillRow>
+  void append_pixels(int height, std::size_t row_bytes, const FillRow& fill_row) {
+    const std::size_t chunk = begin_chunk("IDAT");
+    row.assign(row_bytes, 0);
+    above.assign(row_bytes, 0);
+    const std::size_t line = row_bytes + 1;
+    const int rows_a_piece = std::max(1, static_cast<int>(kPieceBytes / line));
+    piece.resize(static_cast<std::size_t>(rows_a_piece) * line);
+    begin_deflate();
+    for (int y0 = 0; y0 < height; y0 += rows_a_piece) {
+      const int rows = std::min(rows_a_piece, height - y0);
+      for (int i = 0; i < rows; ++i) {
+        std::uint8_t* out = piece.data() + static_cast<std::size_t>(i) * line;
+        fill_row(y0 + i, row.data());
+        out[0] = kFilterUp;
+        filter_row(row.data(), above.data(), row_bytes, out + 1);
+        std::swap(row, above);
+      }
+      deflate_piece(static_cast<std::size_t>(rows) * line, y0 + rows == height);
+    }
+    end_chunk(chunk);
+  }
+
+  template <typename FillRow>
+  std::string_view encode(int width, int height, std::uint8_t bit_depth, std::uint8_t color_type, std::size_t row_bytes,
+                          const FillRow& fill_row) {
+    if (width <= 0 || height <= 0) throw Error("an empty image cannot be encoded as PNG");
+    used = 0;
+    append_header(width, height, bit_depth, color_type);
+    append_pixels(height, row_bytes, fill_row);
+    end_chunk(begin_chunk("IEND"));
+    return {reinterpret_cast<const char*>(png.data()), used};
+  }
+};
+
+PngEncoder::PngEncoder(int level) : impl_(std::make_unique<Impl>()) {
+  if (level < 0 || level > 3) throw Error("PNG level " + std::to_string(level) + ": must be 0 to 3");
+  impl_->level = level;
+  impl_->level_buffer.resize(level_buffer_size(level));
+}
+
+PngEncoder::~PngEncoder() = default;
+
+std::string_view PngEncoder::encode(const Image8& image) {
+  if (image.channels != 1 && image.channels != 3) {
+    throw Error("an 8-bit image with " + std::to_string(image.channels) + " channels cannot be encoded: 1 or 3");
+  }
+  const std::size_t row_bytes = image.row_length();
+  return impl_->encode(image.width, image.height, 8, image.channels == 3 ? kColorTypeRgb : kColorTypeGrey, row_bytes,
+                       [&](int y, std::uint8_t* out) { std::memcpy(out, image.row(y), row_bytes); });
+}
+
+std::string_view PngEncoder::encode(const Image16& image) {
+  if (image.channels != 1) throw Error("a 16-bit image must have one channel to be encoded");
+  const std::size_t count = image.row_length();
+  return impl_->encode(image.width, image.height, 16, kColorTypeGrey, 2 * count, [&](int y, std::uint8_t* out) {
+    const std::uint16_t* pixels = image.row(y);
+    for (std::size_t i = 0; i < count; ++i) {  // most significant byte first
+      out[2 * i] = static_cast<std::uint8_t>(pixels[i] >> 8U);
+      out[2 * i + 1] = static_cast<std::uint8_t>(pixels[i]);
+    }
+  });
+}
+
+}  // namespace rigproof

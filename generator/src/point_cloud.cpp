@@ -1,0 +1,40 @@
+#include "rigproof/generator/point_cloud.h"
+
+#include "rigproof/core/error.h"
+
+namespace rigproof {
+
+CloudMaker::CloudMaker(const Camera& camera, int stride) {
+  if (stride < 1) throw Error("stride of a point cloud: " + std::to_string(stride) + "; must be 1 or more");
+  for (int y = 0; y < camera.height_px; y += stride) {
+    for (int x = 0; x < camera.width_px; x += stride) {
+      Eigen::Vector3d ray;
+      if (!camera.unproject(Eigen::Vector2d(x, y), &ray)) continue;
+      rays_.push_back({x, y, static_cast<float>(ray.x()), static_cast<float>(ray.y())});
+    }
+  }
+  points_.reserve(rays_.size());
+}
+
+const std::vector<std::array<float, 3>>& CloudMaker::points(const Image16& depth, double unit_m) {
+  points_.clear();
+  for (const Ray& ray : rays_) {
+    const std::uint16_t count = depth.at(ray.x, ray.y);
+    if (count == 0) continue;
+    const float z = static_cast<float>(count * unit_m);
+    points_.push_back({ray.ray_x * z, ray.ray_y * z, z});
+  }
+  return points_;
+}
+
+std::string encode_pcd(const std::vector<std::array<float, 3>>& points) {
+  const std::string count = std::to_string(points.size());
+  std::string file =
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n"
+      "COUNT 1 1 1\nWIDTH " +
+      count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
+  file.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(points[0]));
+  return file;
+}
+
+}  // namespace rigproof

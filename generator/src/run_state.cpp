@@ -1,0 +1,217 @@
+#include "run_state.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <sstream>
+#include <system_error>
+#include <thread>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "rigproof/core/text.h"
+#include "rigproof/core/version.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+// Processes of a killed generation end with the frame that they are at.
+constexpr std::chrono::seconds kLockPatience{5};
+// A killed generation loses at most what was rendered since the last write of the manifest.
+constexpr double kWritePeriodS = 2.0;
+// Writing may take this share of the time.
+constexpr double kWriteShare = 0.05;
+
+const char* const kInputMark = "# input ";
+
+// Everything that a generation or a calibration writes into a run.
+std::vector<fs::path> own_paths(const RunFolder& run) {
+  return {run.manifest_file(),      run.recording(), run.truth(),   run.observations_file(),
+          run.root / "report.html", run.results(),   run.pictures()};
+}
+
+bool is_temporary(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return name.size() > 4 && name.front() == '.' && name.compare(name.size() - 4, 4, ".tmp") == 0;
+}
+
+std::string first_foreign_entry(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!is_temporary(entry.path())) return entry.path().filename().string();
+  }
+  return "";
+}
+
+std::vector<std::string> input_lines(const std::string& config_text) {
+  std::vector<std::string> lines;
+  std::istringstream in(config_text);
+  for (std::string line; std::getline(in, line);) {
+    if (line.rfind(kInputMark, 0) == 0) lines.push_back(line.substr(std::string(kInputMark).size()));
+  }
+  return lines;
+}
+
+// "rigs/a.yaml has changed" for every preset that differs between two texts of config.yaml.
+std::vector<std::string> input_differences(const std::string& there, const std::string& here) {
+  const std::vector<std::string> old_lines = input_lines(there);
+  std::vector<std::string> result;
+  for (const std::string& line : input_lines(here)) {
+    if (std::find(old_lines.begin(), old_lines.end(), line) != old_lines.end()) continue;
+    result.push_back(line.substr(line.find(' ') + 1) + " has changed");
+  }
+  return result;
+}
+
+std::vector<std::string> config_differences(const RunFolder& run, const Scenario& scenario) {
+  try {
+    const std::string there = read_text_file(run.config_file());
+    std::vector<std::string> result = differences(parse_generate_config(there, run.config_file()), scenario.config);
+    const std::vector<std::string> inputs = input_differences(there, config_file_text(scenario));
+    result.insert(result.end(), inputs.begin(), inputs.end());
+    return result;
+  } catch (const Error&) {
+    return {};  // missing or unreadable: the hashes differ, that is all that can be said
+  }
+}
+
+[[noreturn]] void refuse_other(const RunFolder& run, const std::string& what) {
+  throw Error(run.root.string() + ": holds a run " + what + "; choose another folder, or start over with --fresh");
+}
+
+void check_same(const RunFolder& run, const Scenario& scenario, const Manifest& there, const Manifest& here) {
+  if (there.tool_version != here.tool_version) {
+    refuse_other(run, "of rigproof " + there.tool_version + ", this is " + here.tool_version);
+  }
+  if (there.mujoco_version != here.mujoco_version) {
+    refuse_other(run, "made with MuJoCo " + there.mujoco_version + ", this is " + here.mujoco_version);
+  }
+  if (there.config_sha256 == here.config_sha256) return;
+  std::vector<std::string> what = config_differences(run, scenario);
+  constexpr std::size_t kMost = 5;
+  const std::size_t count = what.size();
+  what.resize(std::min(count, kMost));
+  refuse_other(run, "of another configuration" + (what.empty() ? "" : " (" + joined(what, "; ") + ")") +
+                        (count > kMost ? " and " + std::to_string(count - kMost) + " more" : ""));
+}
+
+void remove_own(const RunFolder& run) {
+  for (const fs::path& path : own_paths(run)) {
+    std::error_code error;
+    fs::remove_all(path, error);
+    if (error) throw Error(path.string() + ": cannot be removed: " + error.message());
+  }
+}
+
+}  // namespace
+
+RunLock::RunLock(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw Error(folder.string() + ": cannot create the folder: " + error.message());
+  descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor_ < 0) throw Error(folder.string() + ": cannot open: " + std::generic_category().message(errno));
+  const auto deadline = Clock::now() + kLockPatience;
+  while (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return;  // a file system without locks: go on without
+    if (Clock::now() > deadline) {
+      ::close(descriptor_);
+      throw Error(folder.string() + ": another rigproof generates into this folder", ExitCode::kTryAgain);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+RunLock::~RunLock() { ::close(descriptor_); }
+
+std::string config_file_text(const Scenario& scenario) {
+  std::string text = std::string("# resolved by rigproof ") + version() + "; generates the same run again\n";
+  for (const ScenarioInput& input : scenario.inputs) text += kInputMark + input.sha256 + " " + input.name + "\n";
+  return text + resolved_text(scenario.config);
+}
+
+Manifest open_run(const RunFolder& run, const Scenario& scenario, bool fresh) {
+  Manifest here;
+  here.tool_version = version();
+  here.mujoco_version = World::mujoco_version();
+  here.config_sha256 = sha256_hex(config_file_text(scenario));
+  const bool is_run = fs::exists(run.manifest_file());
+  if (!is_run) {
+    const std::string foreign = first_foreign_entry(run.root);
+    if (!foreign.empty()) {
+      throw Error(run.root.string() + ": is not a run (it holds " + for_message(foreign) +
+                  " and no run.yaml); choose an empty or a new folder");
+    }
+  }
+  if (is_run && fresh) remove_own(run);
+  if (!is_run || fresh) return here;
+  const Manifest there = load_manifest(run.manifest_file());
+  check_same(run, scenario, there, here);
+  return there;
+}
+
+void drop_damaged(const RunFolder& run, Manifest* manifest) {
+  for (auto it = manifest->files.begin(); it != manifest->files.end();) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(run.root / it->first, error);
+    it = !error && size == it->second.size_bytes ? std::next(it) : manifest->files.erase(it);
+  }
+}
+
+void remove_temporary_files(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> leftovers;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (is_temporary(it->path()) && it->is_regular_file(error)) leftovers.push_back(it->path());
+  }
+  for (const fs::path& file : leftovers) fs::remove(file, error);
+}
+
+ManifestKeeper::ManifestKeeper(RunFolder run, Manifest manifest)
+    : run_(std::move(run)), manifest_(std::move(manifest)), next_write_(Clock::now()) {}
+
+ManifestKeeper::~ManifestKeeper() {
+  if (write_.valid()) write_.wait();
+}
+
+void ManifestKeeper::set_gl_renderer(const std::string& name) { manifest_.gl_renderer = name; }
+
+void ManifestKeeper::add(const FileEntries& entries) {
+  for (const auto& [path, entry] : entries) {
+    manifest_.files[path] = entry;
+    unsynced_.push_back(run_.root / path);
+  }
+}
+
+void ManifestKeeper::start_write() {
+  write_ = std::async(std::launch::async, [manifest = manifest_, files = std::move(unsynced_), run = run_] {
+    const auto start = Clock::now();
+    sync_files(files);
+    save_manifest(manifest, run.manifest_file());
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  });
+  unsynced_.clear();
+}
+
+void ManifestKeeper::tick() {
+  if (write_.valid()) {
+    if (write_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    const double period_s = std::max(kWritePeriodS, write_.get() / kWriteShare);
+    next_write_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s));
+  }
+  if (!unsynced_.empty() && Clock::now() >= next_write_) start_write();
+}
+
+void ManifestKeeper::finish(bool complete) {
+  if (write_.valid()) write_.get();
+  manifest_.complete = complete;
+  start_write();
+  write_.get();
+}
+
+}  // namespace rigproof

@@ -1,0 +1,70 @@
+// What is on disk of a run: is it ours, does it belong to this configuration, what is finished, and the lock that keeps
+// a second generation out.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <future>
+#include <string>
+#include <vector>
+
+#include "frame_maker.h"
+#include "rigproof/core/run_folder.h"
+#include "scenario.h"
+
+namespace rigproof {
+
+/// Holds the folder for one generation; processes that are forked from it hold it, too, until they end.
+class RunLock {
+ public:
+  /// Creates the folder where it is missing. Waits for a moment for processes of a killed generation to end.
+  /// Throws Error if another generation works in the folder.
+  explicit RunLock(const std::filesystem::path& folder);
+  ~RunLock();
+  RunLock(const RunLock&) = delete;
+  RunLock& operator=(const RunLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// truth/config.yaml: the resolved configuration, and in comments the presets that it was resolved with.
+std::string config_file_text(const Scenario& scenario);
+
+/// Opens the run in `folder` for this scenario: starts it, or takes up what is there.
+/// Throws Error if the folder holds something else or a run of another configuration, program or version.
+/// @param fresh removes what a generation or a calibration wrote there
+Manifest open_run(const RunFolder& run, const Scenario& scenario, bool fresh);
+
+/// Forgets entries whose file is missing or has another size.
+void drop_damaged(const RunFolder& run, Manifest* manifest);
+
+/// Removes what killed writers left behind.
+void remove_temporary_files(const std::filesystem::path& folder);
+
+/// Brings the manifest to the disk now and then, beside the rendering. An entry is written only after its file has been
+/// synced, so that the manifest never claims more than a power cut leaves.
+class ManifestKeeper {
+ public:
+  ManifestKeeper(RunFolder run, Manifest manifest);
+  ~ManifestKeeper();
+
+  const Manifest& manifest() const { return manifest_; }
+  void set_gl_renderer(const std::string& name);
+  void add(const FileEntries& entries);
+  /// Starts writing if there is news, the last time is long enough ago, and no write is under way.
+  void tick();
+  /// Writes everything; returns when it is on the disk.
+  void finish(bool complete);
+
+ private:
+  void start_write();
+
+  RunFolder run_;
+  Manifest manifest_;
+  std::vector<std::filesystem::path> unsynced_;
+  std::future<double> write_;  ///< gives the seconds that it took
+  std::chrono::steady_clock::time_point next_write_;
+};
+
+}  // namespace rigproof

@@ -1,0 +1,210 @@
+#include "scenario.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/data_path.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "rigproof/core/rig_yaml.h"
+#include "rigproof/generator/odometry.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Written into frames.csv: what an indoor exposure of these cameras takes. Nothing moves while it lasts.
+constexpr double kExposureS = 0.01;
+
+std::uint64_t seed_of(const GenerateConfig& config) { return static_cast<std::uint64_t>(config.seed); }
+
+RigModel resolve_rig(const GenerateConfig& config) {
+  RigModel rig = load_rig_model(config.rig);
+  for (RigCamera& camera : rig.rig.cameras) {
+    if (camera.depth && camera.depth->own_camera) {
+      throw Error("rig " + config.rig + ": camera " + camera.name +
+                  " has a depth camera of its own; only depth that is registered to colour is simulated");
+    }
+    camera.camera = scaled_camera(camera.camera, config.image_scale);
+    if (camera.folder.empty()) camera.folder = camera.name;
+  }
+  return rig;
+}
+
+Board resolve_board(const BoardConfig& config, const Board& of_rig) {
+  Board board = config.preset.empty() ? of_rig : load_board(config.preset);
+  if (!config.squares.empty()) {
+    board.squares_x = static_cast<int>(config.squares[0]);
+    board.squares_y = static_cast<int>(config.squares[1]);
+  }
+  if (config.square_mm > 0.0) board.square_m = config.square_mm / 1000.0;
+  if (board.ambiguous_under_half_turn()) {
+    throw Error("board.squares: [" + std::to_string(board.squares_x) + ", " + std::to_string(board.squares_y) +
+                "]: turned by 180 degrees this board looks the same, so that its corners cannot be told apart; use "
+                "one even and one odd number");
+  }
+  return board;
+}
+
+BoardPlacement resolve_placement(const GenerateConfig& config, const SceneModel& scene) {
+  RandomStream random(seed_of(config), "board");
+  if (config.board.place == "scene") return scene.board.sample(random);
+  const BoardConfig& given = config.board;
+  return BoardPlacementRange{given.x_m, given.y_m, given.z_m, given.facing_deg, given.lean_deg, given.roll_deg}.sample(
+      random);
+}
+
+ScenarioInput input_of(const fs::path& file) {
+  const fs::path data = fs::weakly_canonical(data_folder());
+  const fs::path relative = fs::weakly_canonical(file).lexically_relative(data);
+  const bool inside = !relative.empty() && *relative.begin() != "..";
+  return {inside ? relative.generic_string() : file.filename().string(), sha256_hex_of_file(file)};
+}
+
+// The presets' own files; values that come from elsewhere (sensors, boards) stand in what is recorded.
+std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigModel& rig, const SceneModel& scene) {
+  std::vector<fs::path> files = {find_data_file("rigs", config.rig), rig.robot.mjcf,
+                                 find_data_file("scenes", config.scene), scene.world.mjcf};
+  for (const RigCamera& camera : rig.rig.cameras) {
+    if (!camera.sensor.empty()) files.push_back(find_data_file("sensors", camera.sensor));
+  }
+  for (const SceneTexture& texture : scene.world.textures) {
+    if (!texture.file.empty()) files.push_back(texture.file);
+  }
+  std::vector<ScenarioInput> inputs;
+  for (const fs::path& file : files) inputs.push_back(input_of(file));
+  const auto by_name = [](const ScenarioInput& a, const ScenarioInput& b) { return a.name < b.name; };
+  const auto same_name = [](const ScenarioInput& a, const ScenarioInput& b) { return a.name == b.name; };
+  std::sort(inputs.begin(), inputs.end(), by_name);
+  inputs.erase(std::unique(inputs.begin(), inputs.end(), same_name), inputs.end());
+  return inputs;
+}
+
+std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig& rig) {
+  std::vector<SensorModel> models(rig.cameras.size());
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    RandomStream random(seed_of(config), "depth scale", -1, static_cast<std::int32_t>(i));
+    const double scale = 1.0 + config.depth_scale_bias_percent.sample(random) / 100.0;
+    models[i].depth_scale = scale;
+    if (config.sensor_noise == "none") continue;
+    models[i].image_noise = ImageNoise{};
+    if (rig.cameras[i].depth) {
+      models[i].depth_noise = DepthSensing{};
+      models[i].depth_noise->stream = *rig.cameras[i].depth;
+    }
+  }
+  return models;
+}
+
+// Drawn once a run.
+OdometrySimulation resolve_odometry(const OdometryConfig& config, std::uint64_t seed) {
+  RandomStream random(seed, "odometry systematics");
+  OdometrySimulation simulation;
+  simulation.model = config.model == "per_pose" ? OdometryModel::kPerPose : OdometryModel::kPerIncrement;
+  simulation.sigma_xy_m = config.lambda * config.sigma_xy_cm / 100.0;
+  simulation.sigma_yaw_rad = config.lambda * config.sigma_yaw_rad;
+  simulation.scale = config.scale.sample(random);
+  simulation.yaw_factor = config.yaw_factor.sample(random);
+  simulation.rate_hz = config.rate_hz;
+  return simulation;
+}
+
+OdometryNoise noise_of(const OdometrySimulation& simulation) {
+  return {simulation.model, simulation.sigma_xy_m, simulation.sigma_yaw_rad};
+}
+
+Truth true_part(const Scenario& scenario, const Board& board, const Rigid3& T_scene_board,
+                const OdometrySimulation& odometry) {
+  // The floor is flat and level, so that the robot's frame at the first stop is ground-levelled as it is.
+  const Rigid3 T_world_scene = scenario.plan.stops.front().T_scene_robot().inverse();
+  Truth truth;
+  truth.scene = scenario.config.scene;
+  truth.seed = seed_of(scenario.config);
+  truth.board = board;
+  truth.T_world_board = T_world_scene * T_scene_board;
+  for (std::size_t i = 0; i < scenario.camera_count(); ++i) {
+    const RigCamera& camera = scenario.rig.rig.cameras[i];
+    TrueCamera entry{camera.name, scenario.rig.T_robot_camera[i], camera.camera, std::nullopt};
+    if (camera.depth) entry.depth_scale = scenario.sensors[i].depth_scale;
+    truth.cameras.push_back(entry);
+  }
+  double stamp_s = 0.0;
+  for (const Viewpoint& stop : scenario.plan.stops) {
+    truth.stops.push_back({stamp_s, T_world_scene * stop.T_scene_robot()});
+    stamp_s = static_cast<double>(truth.stops.size()) * scenario.config.stop_period_s;
+  }
+  truth.odometry_noise = noise_of(odometry);
+  truth.odometry_scale = odometry.scale;
+  truth.odometry_yaw_factor = odometry.yaw_factor;
+  return truth;
+}
+
+std::string numbered(const std::string& folder, std::size_t number, const char* extension) {
+  char name[32];
+  std::snprintf(name, sizeof name, "%06zu", number);
+  return folder + "/" + name + extension;
+}
+
+Recording recorded_part(const Scenario& scenario, const Board& board, const OdometrySimulation& odometry) {
+  Recording recording;
+  recording.rig = scenario.rig.rig;
+  recording.rig.board = board;
+  recording.rig.odometry_noise = scenario.config.odometry.declared ? noise_of(odometry) : OdometryNoise{};
+  recording.odometry = simulate_odometry(scenario.truth.stops, odometry, scenario.truth.seed);
+  const bool clouds = scenario.config.clouds == "pcd";
+  for (const RigCamera& camera : recording.rig.cameras) {
+    std::vector<CameraFrame>& frames = recording.frames.emplace_back();
+    for (std::size_t i = 0; i < scenario.stop_count(); ++i) {
+      CameraFrame frame;
+      frame.color_file = numbered(camera.folder + "/color", i, ".png");
+      if (camera.depth) frame.depth_file = numbered(camera.folder + "/depth", i, ".png");
+      if (camera.depth && clouds) frame.cloud_file = numbered(camera.folder + "/cloud", i, ".pcd");
+      frame.stamp_s = scenario.truth.stops[i].stamp_s;
+      frame.exposure_s = kExposureS;
+      frames.push_back(frame);
+    }
+  }
+  return recording;
+}
+
+}  // namespace
+
+Camera scaled_camera(const Camera& camera, double scale) {
+  if (scale == 1.0) return camera;
+  Camera scaled = camera;
+  scaled.width_px = std::max(16, static_cast<int>(std::lround(camera.width_px * scale)));
+  scaled.height_px = std::max(16, static_cast<int>(std::lround(camera.height_px * scale)));
+  // Rounded sizes stretch the image by a hair; the same factors keep the view exactly.
+  const double sx = static_cast<double>(scaled.width_px) / camera.width_px;
+  const double sy = static_cast<double>(scaled.height_px) / camera.height_px;
+  scaled.fx_px = camera.fx_px * sx;
+  scaled.fy_px = camera.fy_px * sy;
+  scaled.cx_px = (camera.cx_px + 0.5) * sx - 0.5;
+  scaled.cy_px = (camera.cy_px + 0.5) * sy - 0.5;
+  return scaled;
+}
+
+Scenario resolve_scenario(const GenerateConfig& config) {
+  Scenario scenario;
+  scenario.config = config;
+  scenario.rig = resolve_rig(config);
+  const SceneModel scene = load_scene_model(config.scene);
+  scenario.inputs = inputs_of(config, scenario.rig, scene);
+  scenario.sensors = resolve_sensors(config, scenario.rig.rig);
+  const Board board = resolve_board(config.board, scenario.rig.rig.board);
+  const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene));
+  const WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
+  scenario.world = World::compose(description);
+  ComposedViewpointWorld viewpoint_world(*scenario.world);
+  const ViewpointSubject subject{description.cameras, board, T_scene_board, description.board_margin_m};
+  scenario.plan = plan_viewpoints(config.viewpoints, config.poses, subject, viewpoint_world, seed_of(config));
+  const OdometrySimulation odometry = resolve_odometry(config.odometry, seed_of(config));
+  scenario.truth = true_part(scenario, board, T_scene_board, odometry);
+  scenario.recording = recorded_part(scenario, board, odometry);
+  return scenario;
+}
+
+}  // namespace rigproof

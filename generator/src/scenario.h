@@ -1,0 +1,45 @@
+// A configuration worked out: the world, the stops, what is recorded and what is true. Everything but the images.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/recording.h"
+#include "rigproof/generator/config.h"
+#include "rigproof/generator/sensors.h"
+#include "rigproof/generator/viewpoints.h"
+#include "rigproof/sim/models.h"
+#include "rigproof/sim/world.h"
+#include "rigproof/truth/truth.h"
+
+namespace rigproof {
+
+/// A file outside of the configuration that the images depend on.
+struct ScenarioInput {
+  std::string name;  ///< relative to the data folder where it lies there, else the file's name
+  std::string sha256;
+};
+
+struct Scenario {
+  GenerateConfig config;
+  RigModel rig;
+  std::vector<ScenarioInput> inputs;
+  std::unique_ptr<World> world;
+  ViewpointPlan plan;
+  std::vector<SensorModel> sensors;  ///< one a camera
+  Recording recording;               ///< its folder is empty: the caller's
+  Truth truth;
+
+  std::size_t stop_count() const { return plan.stops.size(); }
+  std::size_t camera_count() const { return rig.rig.cameras.size(); }
+  std::size_t frame_count() const { return stop_count() * camera_count(); }
+};
+
+/// Loads what the configuration names and plans the drive. Throws Error with every problem found.
+Scenario resolve_scenario(const GenerateConfig& config);
+
+/// Intrinsics of the same camera with an image of `scale` times the size.
+Camera scaled_camera(const Camera& camera, double scale);
+
+}  // namespace rigproof

@@ -1,0 +1,209 @@
+#include "worker_pool.h"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "rigproof/core/error.h"
+
+namespace rigproof {
+namespace {
+
+// One job in work and one waiting, so that a process never waits for its next one.
+constexpr std::size_t kQueueLength = 2;
+// Longest message: a result lists a few files; an error message is cut off.
+constexpr std::size_t kMaxMessage = 32768;
+
+// First byte of a message from a process.
+constexpr char kTagReady = 'R', kTagDone = 'D', kTagFailed = 'F';
+
+std::string cause(int error_number) { return std::generic_category().message(error_number); }
+
+void send_message(int socket, const std::string& message) {
+  const std::size_t size = std::min(message.size(), kMaxMessage);
+  // The owner is gone: so is the reason to go on.
+  if (::send(socket, message.data(), size, MSG_NOSIGNAL) < 0) ::_exit(1);
+}
+
+[[noreturn]] void serve(int socket, const WorkerPool::Prepare& prepare) {
+  try {
+    std::string greeting;
+    const WorkerPool::Handler handler = prepare(&greeting);
+    send_message(socket, kTagReady + greeting);
+    std::uint32_t job = 0;
+    while (::recv(socket, &job, sizeof job, 0) == static_cast<ssize_t>(sizeof job)) {
+      send_message(socket, kTagDone + handler(job));
+    }
+    ::_exit(0);
+  } catch (const std::exception& error) {
+    send_message(socket, kTagFailed + std::string(error.what()));
+  } catch (...) {
+    send_message(socket, kTagFailed + std::string("unknown exception"));
+  }
+  ::_exit(1);
+}
+
+std::string how_it_ended(int status) {
+  if (WIFSIGNALED(status)) {
+    const int number = WTERMSIG(status);
+    return "was ended by signal " + std::to_string(number) + " (" + ::strsignal(number) + ")" +
+           (number == SIGKILL ? "; the machine may be out of memory" : "");
+  }
+  return "ended with exit code " + std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : -1);
+}
+
+}  // namespace
+
+WorkerPool::WorkerPool(int processes, const Prepare& prepare, double patience_s) : patience_s_(patience_s) {
+  workers_.reserve(static_cast<std::size_t>(processes));
+  for (int i = 0; i < processes; ++i) start(prepare);
+}
+
+void WorkerPool::start(const Prepare& prepare) {
+  std::array<int, 2> sockets{};
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets.data()) != 0) {
+    throw Error("cannot start a render process: " + cause(errno), ExitCode::kTryAgain);
+  }
+  const pid_t owner = ::getpid();
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    // An interrupt from the terminal reaches the whole group; the owner decides what it means.
+    ::signal(SIGINT, SIG_IGN);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != owner) ::_exit(1);
+    ::close(sockets[0]);
+    for (const Worker& other : workers_) ::close(other.socket);
+    serve(sockets[1], prepare);
+  }
+  ::close(sockets[1]);
+  if (pid < 0) {
+    const int error_number = errno;
+    ::close(sockets[0]);
+    throw Error("cannot start a render process: " + cause(error_number), ExitCode::kTryAgain);
+  }
+  Worker worker;
+  worker.pid = pid;
+  worker.socket = sockets[0];
+  worker.last_heard = std::chrono::steady_clock::now();
+  workers_.push_back(std::move(worker));
+}
+
+WorkerPool::~WorkerPool() {
+  for (Worker& worker : workers_) {
+    if (worker.socket < 0) continue;
+    // An idle process ends at the end of its input; one that works is not waited for.
+    ::close(worker.socket);
+    if (!worker.queue.empty()) ::kill(worker.pid, SIGKILL);
+  }
+  for (const Worker& worker : workers_) {
+    if (worker.socket < 0) continue;
+    while (::waitpid(worker.pid, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+}
+
+std::size_t WorkerPool::least_busy() const {
+  std::size_t best = workers_.size();
+  for (std::size_t i = 0; i < workers_.size(); ++i) {
+    if (workers_[i].socket < 0) continue;
+    if (best == workers_.size() || workers_[i].queue.size() < workers_[best].queue.size()) best = i;
+  }
+  return best;
+}
+
+bool WorkerPool::wants_job() const {
+  const std::size_t i = least_busy();
+  return i < workers_.size() && workers_[i].queue.size() < kQueueLength;
+}
+
+void WorkerPool::submit(std::uint32_t job) {
+  const std::size_t i = least_busy();
+  if (i == workers_.size()) throw Error("no render process is left");
+  Worker& worker = workers_[i];
+  if (worker.queue.empty()) worker.last_heard = std::chrono::steady_clock::now();
+  worker.queue.push_back(job);
+  // A process that has just died is reported by wait().
+  (void)::send(worker.socket, &job, sizeof job, MSG_NOSIGNAL);
+}
+
+std::size_t WorkerPool::jobs_in_flight() const {
+  std::size_t count = 0;
+  for (const Worker& worker : workers_) count += worker.queue.size();
+  return count;
+}
+
+WorkerEvent WorkerPool::bury(std::size_t index, const std::string& how) {
+  Worker& worker = workers_[index];
+  ::close(worker.socket);
+  worker.socket = -1;
+  int status = 0;
+  while (::waitpid(worker.pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  WorkerEvent event;
+  event.kind = WorkerEvent::Kind::kDied;
+  event.worker = static_cast<int>(index);
+  event.job = worker.queue.empty() ? WorkerEvent::kNoJob : worker.queue.front();
+  event.text = how.empty() ? how_it_ended(status) : how;
+  worker.queue.clear();
+  return event;
+}
+
+WorkerEvent WorkerPool::read_event(std::size_t index) {
+  Worker& worker = workers_[index];
+  std::string message(kMaxMessage, '\0');
+  ssize_t size = -1;
+  do {
+    size = ::recv(worker.socket, message.data(), message.size(), 0);
+  } while (size < 0 && errno == EINTR);
+  if (size <= 0) return bury(index, "");
+  message.resize(static_cast<std::size_t>(size));
+  worker.last_heard = std::chrono::steady_clock::now();
+  if (message[0] == kTagFailed) {
+    WorkerEvent event = bury(index, message.substr(1));
+    event.kind = WorkerEvent::Kind::kFailed;
+    return event;
+  }
+  WorkerEvent event;
+  event.worker = static_cast<int>(index);
+  event.text = message.substr(1);
+  event.kind = message[0] == kTagReady ? WorkerEvent::Kind::kReady : WorkerEvent::Kind::kDone;
+  if (event.kind == WorkerEvent::Kind::kDone) {
+    event.job = worker.queue.front();
+    worker.queue.erase(worker.queue.begin());
+  }
+  return event;
+}
+
+std::vector<WorkerEvent> WorkerPool::wait(int timeout_ms) {
+  std::vector<pollfd> polled;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < workers_.size(); ++i) {
+    if (workers_[i].socket < 0) continue;
+    polled.push_back({workers_[i].socket, POLLIN, 0});
+    indices.push_back(i);
+  }
+  std::vector<WorkerEvent> events;
+  const int ready = ::poll(polled.data(), polled.size(), timeout_ms);
+  const auto now = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < polled.size(); ++i) {
+    Worker& worker = workers_[indices[i]];
+    if (ready > 0 && polled[i].revents != 0) {
+      events.push_back(read_event(indices[i]));
+    } else if (!worker.queue.empty() && std::chrono::duration<double>(now - worker.last_heard).count() > patience_s_) {
+      ::kill(worker.pid, SIGKILL);
+      events.push_back(bury(indices[i], "did not answer for " + std::to_string(static_cast<int>(patience_s_)) + " s"));
+    }
+  }
+  return events;
+}
+
+}  // namespace rigproof
