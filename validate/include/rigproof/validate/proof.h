@@ -1,4 +1,5 @@
-// A data set's own proof of its conventions: what was detected against what the truth projects to.
+// A data set's own proof of its conventions: what was detected against what the truth projects to, and what was
+// measured as depth against where the truth's rays meet the board and the ground.
 #pragma once
 
 #include <filesystem>
@@ -11,26 +12,48 @@
 
 namespace rigproof {
 
+/// What is allowed. A corner's bias may reach 5 sigma of its mean plus a floor, its rms 3 times the stated sigma plus a
+/// floor; depth residuals are whitened by the sensor's stated noise and the rounding to its unit.
+struct ProofOptions {
+  /// What rendering (0.012 px through a lens) and detection (0.006 px) leave together, with some room.
+  double corner_bias_floor_px = 0.02;
+  double corner_rms_floor_px = 0.04;
+  /// Whitened depth residuals on the board: 1 is the stated noise; disparity rounding adds up to 39 % to it.
+  double depth_max_rms_sigmas = 2.0;
+  double depth_max_bias_sigmas = 0.5;
+  int depth_stride_px = 8;    ///< every so many pixels in both directions
+  int max_depth_frames = 25;  ///< of each camera, spread evenly; 0 = all of them, -1 = no depth
+};
+
 struct CameraProof {
   std::string camera;
   std::size_t views = 0;
   std::size_t corners = 0;
   Eigen::Vector2d corner_bias_px = Eigen::Vector2d::Zero();  ///< mean of detected - projected
-  Eigen::Vector2d corner_rms_px = Eigen::Vector2d::Zero();
-  double corner_max_px = 0.0;
-  std::size_t depth_pixels = 0;
-  double depth_bias_mm = 0.0;  ///< depth image against ray-plane intersection on board and ground
+  Eigen::Vector2d corner_rms_px = Eigen::Vector2d::Zero();   ///< about zero, per axis
+  double corner_max_px = 0.0;                                ///< largest distance
+  double corner_bias_limit_px = 0.0;                         ///< what was allowed
+  double corner_rms_limit_px = 0.0;
+  std::size_t depth_frames = 0;
+  std::size_t depth_pixels = 0;  ///< on board and ground
+  double depth_bias_mm = 0.0;    ///< depth image against ray-plane intersection, mean of measured - expected
   double depth_rms_mm = 0.0;
   double depth_max_mm = 0.0;
+  double depth_rms_sigmas = 0.0;  ///< whitened, on the board
 };
 
 struct Proof {
   std::vector<CameraProof> cameras;
   bool passed = false;
   std::vector<std::string> problems;  ///< in words: "left: corners are half a pixel to the right"
+  std::vector<std::string> notes;     ///< what could not be proved: "right: no view of the board"
 };
 
-Proof prove(const Recording& recording, const Observations& observations, const Truth& truth);
+/// Where detected and projected corners, or measured and expected depth, disagree, tries the wrong conventions one by
+/// one and names the one that explains it. Passed if there is no problem and at least one corner was compared.
+/// Throws Error if the observations name a camera that the truth does not know, or a depth image cannot be read.
+Proof prove(const Recording& recording, const Observations& observations, const Truth& truth,
+            const ProofOptions& options = {});
 void save_proof(const Proof& proof, const std::filesystem::path& file);
 Proof load_proof(const std::filesystem::path& file);
 

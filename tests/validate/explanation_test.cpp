@@ -1,0 +1,103 @@
+#include "rigproof/validate/explanation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "synthetic.h"
+
+namespace rigproof {
+namespace {
+
+using namespace testing_support;
+using testing::HasSubstr;
+using Kind = Explanation::Kind;
+
+Budget tight_budget() {
+  Budget budget;
+  Vector6d limits;
+  limits << 0.01, 0.01, 0.002, 0.002, 0.002, 0.002;
+  budget.camera_to_robot = limits;
+  budget.camera_to_camera = Vector6d::Constant(0.004);
+  return budget;
+}
+
+Vector6d vector(double tx, double ty, double tz, double rz = 0.0) {
+  Vector6d v;
+  v << tx, ty, tz, 0.0, 0.0, rz;
+  return v;
+}
+
+std::optional<Explanation> explain(const Truth& truth, const std::vector<Vector6d>& errors) {
+  return explain_failures(compare(make_result(truth, errors), truth), tight_budget());
+}
+
+TEST(Explanation, OneCameraTooHigh) {
+  const auto found = explain(
+      make_truth(), {vector(0.004, -0.002, 0.0001), vector(0.004, -0.0025, 0.0001), vector(0.004, -0.0024, 0.0062)});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->kind, Kind::kOneAxis);
+  EXPECT_EQ(found->sentence, "right is 0.62 cm too high");
+  EXPECT_GT(found->explained, 1U);
+}
+
+TEST(Explanation, AllCamerasShareAShift) {
+  const auto found = explain(make_truth(), {vector(0.02, 0, 0), vector(0.021, 0, 0), vector(0.0205, 0, 0)});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->kind, Kind::kSharedAxis);
+  EXPECT_THAT(found->sentence, HasSubstr("too far forward"));
+}
+
+TEST(Explanation, ScaleOfEverything) {
+  const Truth truth = make_truth();
+  Result result = exact_result(truth);
+  for (EstimatedTransform& estimate : result.camera_to_robot) estimate.T_parent_child.translation *= 1.03;
+  const auto found = explain_failures(compare(result, truth), tight_budget());
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->kind, Kind::kScale);
+  EXPECT_THAT(found->sentence, HasSubstr("3.0 % too long"));
+}
+
+TEST(Explanation, OneCameraWrongInSeveralWays) {
+  const auto found = explain(make_truth(), {vector(0, 0, 0), vector(0.02, -0.03, 0.01, 0.01), vector(0, 0, 0)});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->kind, Kind::kOneCamera);
+  EXPECT_THAT(found->sentence, testing::AllOf(HasSubstr("only center"), HasSubstr("3.0 cm too far right"),
+                                              HasSubstr("0.57 deg turned too far left")));
+}
+
+TEST(Explanation, TheRigTurnedAsOneBody) {
+  const Truth truth = make_truth();
+  Result result = exact_result(truth);
+  Vector6d motion = vector(0.02, 0.03, 0.0, 0.02);
+  for (EstimatedTransform& estimate : result.camera_to_robot)
+    estimate.T_parent_child = se3_exp(motion) * estimate.T_parent_child;
+  const auto found = explain_failures(compare(result, truth), tight_budget());
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->kind, Kind::kSharedMotion);
+  EXPECT_THAT(found->sentence, HasSubstr("odometry"));
+}
+
+TEST(Explanation, StatedPairsFollowTheirCamera) {
+  const Truth truth = make_truth();
+  Result result = make_result(truth, {vector(0, 0, 0), vector(0, 0, 0), vector(0, 0, 0.0062)});
+  EstimatedTransform pair;
+  pair.parent = "left";
+  pair.child = "right";
+  pair.T_parent_child = result.camera_to_robot[0].T_parent_child.inverse() * result.camera_to_robot[2].T_parent_child;
+  result.camera_to_camera = {pair};
+  const auto found = explain_failures(compare(result, truth), tight_budget());
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->sentence, "right is 0.62 cm too high");
+}
+
+TEST(Explanation, ThereMayBeNone) {
+  const Truth truth = make_truth();
+  EXPECT_FALSE(explain(truth, {vector(0, 0, 0), vector(0, 0, 0), vector(0, 0, 0)}));
+  EXPECT_FALSE(explain(truth, {vector(0.03, 0, 0), vector(0, -0.04, 0), vector(0, 0, 0.02, 0.02)}));
+  Result partial = make_result(truth, {vector(0.03, 0, 0), vector(0, 0, 0), vector(0, 0, 0)});
+  partial.camera_to_robot.pop_back();
+  EXPECT_FALSE(explain_failures(compare(partial, truth), tight_budget()));
+}
+
+}  // namespace
+}  // namespace rigproof

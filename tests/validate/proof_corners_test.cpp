@@ -1,0 +1,198 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+
+#include "rigproof/core/error.h"
+#include "rigproof/validate/body_angles.h"
+#include "rigproof/validate/proof.h"
+#include "synthetic.h"
+
+namespace rigproof {
+namespace {
+
+using namespace testing_support;
+using testing::HasSubstr;
+
+constexpr double kSigmaPx = 0.02;
+
+Recording no_images(const Observations& observations) {
+  Recording recording;
+  recording.rig.board = observations.board;
+  recording.rig.cameras = observations.cameras;
+  recording.frames.resize(observations.cameras.size());
+  return recording;
+}
+
+Proof prove_corners_only(const Observations& observations, const Truth& truth) {
+  return prove(no_images(observations), observations, truth);
+}
+
+void move_corners(Observations* observations, const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& move) {
+  for (BoardView& view : observations->board_views)
+    for (CornerObservation& corner : view.corners) corner.pixel = move(corner.pixel);
+}
+
+TEST(ProofOfCorners, CleanDataPass) {
+  const Truth truth = make_truth(30);
+  const Observations observations = make_observations(truth, kSigmaPx);
+  const Proof proof = prove_corners_only(observations, truth);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  for (const CameraProof& camera : proof.cameras) {
+    ASSERT_GT(camera.views, 5U) << camera.camera;
+    EXPECT_EQ(camera.corners, 12 * camera.views);
+    // The rms of n draws has the relative error 1/sqrt(2 n), n >= 60: five of them.
+    EXPECT_NEAR(camera.corner_rms_px.x(), kSigmaPx, 0.5 * kSigmaPx);
+  }
+}
+
+TEST(ProofOfCorners, HalfAPixelIsNamed) {
+  const Truth truth = make_truth(30);
+  Observations observations = make_observations(truth, kSigmaPx);
+  move_corners(&observations, [](const Eigen::Vector2d& p) { return Eigen::Vector2d(p.x() + 0.5, p.y() + 0.5); });
+  const Proof proof = prove_corners_only(observations, truth);
+  EXPECT_FALSE(proof.passed);
+  EXPECT_THAT(proof.problems, testing::Contains("left: corners are half a pixel to the right and half a pixel down"));
+}
+
+TEST(ProofOfCorners, SmallShiftsAreMeasured) {
+  const Truth truth = make_truth(30);
+  Observations observations = make_observations(truth, kSigmaPx);
+  move_corners(&observations, [](const Eigen::Vector2d& p) { return Eigen::Vector2d(p.x(), p.y() - 0.12); });
+  EXPECT_THAT(prove_corners_only(observations, truth).problems,
+              testing::Each(testing::ContainsRegex("corners are [.]1[123] px up")));
+}
+
+TEST(ProofOfCorners, WrongConventionsAreNamed) {
+  const Truth truth = make_truth(30);
+  const Rigid3 optical_body(optical_from_body(), Eigen::Vector3d::Zero());
+  struct Case {
+    std::string words;
+    std::function<void(Truth*, Observations*)> spoil;
+  };
+  const std::vector<Case> cases = {
+      {"mirrored left to right",
+       [](Truth*, Observations* o) {
+         move_corners(o, [](const Eigen::Vector2d& p) { return Eigen::Vector2d(639.0 - p.x(), p.y()); });
+       }},
+      {"mirrored top to bottom",
+       [](Truth*, Observations* o) {
+         move_corners(o, [](const Eigen::Vector2d& p) { return Eigen::Vector2d(p.x(), 359.0 - p.y()); });
+       }},
+      {"pose is inverted (robot in camera)",
+       [](Truth* t, Observations*) {
+         for (TrueCamera& camera : t->cameras) camera.T_robot_camera = camera.T_robot_camera.inverse();
+       }},
+      {"body axes (x forward)",
+       [=](Truth* t, Observations*) {
+         for (TrueCamera& camera : t->cameras) camera.T_robot_camera = camera.T_robot_camera * optical_body;
+       }},
+      {"world in robot",
+       [](Truth* t, Observations*) {
+         for (TrueStop& stop : t->stops) stop.T_world_robot = stop.T_world_robot.inverse();
+       }},
+      {"world in board", [](Truth* t, Observations*) { t->T_world_board = t->T_world_board.inverse(); }},
+      {"opposite end",
+       [](Truth*, Observations* o) {
+         for (BoardView& view : o->board_views)
+           for (CornerObservation& corner : view.corners) corner.id = 11 - corner.id;
+       }},
+      {"x axis is flipped",
+       [](Truth*, Observations* o) {
+         for (BoardView& view : o->board_views)
+           for (CornerObservation& corner : view.corners) corner.id = 4 * (corner.id / 4) + 3 - corner.id % 4;
+       }},
+      {"cameras exchanged", [](Truth* t, Observations*) { std::swap(t->cameras[0].name, t->cameras[2].name); }},
+      {"% too large",
+       [](Truth* t, Observations*) {
+         for (TrueCamera& camera : t->cameras) camera.camera.fx_px = camera.camera.fy_px = 318.0;
+       }},
+      {"against the poses",
+       [](Truth* t, Observations*) {
+         for (std::size_t i = 0; i + 1 < t->stops.size(); ++i)
+           t->stops[i].T_world_robot = t->stops[i + 1].T_world_robot;
+         t->stops.pop_back();
+       }},
+  };
+  for (const Case& test : cases) {
+    Truth spoilt = truth;
+    Observations observations = make_observations(truth, kSigmaPx);
+    test.spoil(&spoilt, &observations);
+    const Proof proof = prove_corners_only(observations, spoilt);
+    EXPECT_FALSE(proof.passed) << test.words;
+    EXPECT_THAT(proof.problems, testing::Contains(HasSubstr(test.words)));
+  }
+}
+
+TEST(ProofOfCorners, MissingDistortionIsNamed) {
+  Truth truth = make_truth(30);
+  const Observations observations = make_observations(truth, kSigmaPx);
+  for (TrueCamera& camera : truth.cameras) {
+    camera.camera.lens = Lens::kBrownConrady;
+    camera.camera.distortion = {-0.1, 0.02, 0.001, -0.001, 0.0};
+  }
+  EXPECT_THAT(prove_corners_only(observations, truth).problems, testing::Each(HasSubstr("no lens distortion")));
+}
+
+TEST(ProofOfCorners, FewBadViewsAreListed) {
+  const Truth truth = make_truth(30);
+  Observations observations = make_observations(truth, kSigmaPx);
+  for (CornerObservation& corner : observations.board_views[4].corners) corner.pixel.x() += 5.0;
+  const Proof proof = prove_corners_only(observations, truth);
+  ASSERT_EQ(proof.problems.size(), 1U);
+  EXPECT_THAT(proof.problems[0], testing::AllOf(HasSubstr("1 of "), HasSubstr(observations.board_views[4].file)));
+}
+
+TEST(ProofOfCorners, NothingSeenProvesNothing) {
+  const Truth truth = make_truth();
+  Observations observations = make_observations(truth, kSigmaPx);
+  observations.board_views.clear();
+  const Proof proof = prove_corners_only(observations, truth);
+  EXPECT_FALSE(proof.passed);
+  EXPECT_THAT(proof.problems, testing::ElementsAre(HasSubstr("nothing is proved")));
+}
+
+TEST(ProofOfCorners, UnknownCamerasAndStampsAreErrors) {
+  const Truth truth = make_truth();
+  Observations observations = make_observations(truth, kSigmaPx);
+  for (BoardView& view : observations.board_views) view.stamp_s += 1000.0;
+  EXPECT_THAT(prove_corners_only(observations, truth).problems, testing::Contains(HasSubstr("no stop")));
+  observations.cameras[0].name = "rear";
+  EXPECT_THROW(prove_corners_only(observations, truth), Error);
+}
+
+TEST(ProofFile, RoundTrips) {
+  const auto folder = fresh_folder("proof_file");
+  const Truth truth = make_truth();
+  Proof proof = prove_corners_only(make_observations(truth, kSigmaPx), truth);
+  proof.problems = {"left: \"quoted\", with: colon", "second"};
+  save_proof(proof, folder / "proof.yaml");
+  const Proof read = load_proof(folder / "proof.yaml");
+  EXPECT_EQ(read.passed, proof.passed);
+  EXPECT_EQ(read.problems, proof.problems);
+  EXPECT_EQ(read.notes, proof.notes);
+  ASSERT_EQ(read.cameras.size(), proof.cameras.size());
+  for (std::size_t i = 0; i < read.cameras.size(); ++i) {
+    EXPECT_EQ(read.cameras[i].camera, proof.cameras[i].camera);
+    EXPECT_EQ(read.cameras[i].corners, proof.cameras[i].corners);
+    EXPECT_EQ(read.cameras[i].corner_bias_px, proof.cameras[i].corner_bias_px);
+    EXPECT_EQ(read.cameras[i].corner_max_px, proof.cameras[i].corner_max_px);
+    EXPECT_EQ(read.cameras[i].depth_rms_mm, proof.cameras[i].depth_rms_mm);
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(ProofFile, BadFilesAreRefused) {
+  const auto folder = fresh_folder("bad_proof");
+  for (const char* text :
+       {"", "passed: maybe\ncameras: []\n", "passed: true\n", "passed: true\ncameras: [{camera: left}]\n"}) {
+    std::filesystem::remove(folder / "proof.yaml");
+    { std::ofstream(folder / "proof.yaml") << text; }
+    EXPECT_THROW(load_proof(folder / "proof.yaml"), Error) << text;
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,88 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "rigproof/core/error.h"
+#include "rigproof/validate/proof.h"
+#include "synthetic.h"
+
+namespace rigproof {
+namespace {
+
+using namespace testing_support;
+using testing::HasSubstr;
+
+class ProofOfDepth : public testing::Test {
+ protected:
+  Proof prove_with(const DepthFaults& faults) {
+    const Recording recording = make_depth_recording(truth_, folder_, faults);
+    return prove(recording, make_observations(truth_, 0.02), truth_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Truth truth_ = make_truth(6);
+  const std::filesystem::path folder_ = fresh_folder("depth");
+};
+
+TEST_F(ProofOfDepth, CleanDataPass) {
+  const Proof proof = prove_with({});
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  for (const CameraProof& camera : proof.cameras) {
+    EXPECT_GT(camera.depth_pixels, 1000U) << camera.camera;
+    EXPECT_LE(camera.depth_max_mm, 0.5 + 1e-9);  // rounding to millimetres, nothing else
+    EXPECT_NEAR(camera.depth_rms_mm, 1.0 / std::sqrt(12.0), 0.03);
+  }
+}
+
+TEST_F(ProofOfDepth, NoiseAsStatedPasses) {
+  DepthFaults faults;
+  faults.noise_sigmas = 1.0;
+  const Proof proof = prove_with(faults);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  for (const CameraProof& camera : proof.cameras) {
+    // The largest hundredth is left out, which takes 4 % from a normal distribution; hundreds of pixels give the rest.
+    EXPECT_NEAR(camera.depth_rms_sigmas, 0.96, 0.1) << camera.camera;
+  }
+}
+
+TEST_F(ProofOfDepth, DistanceAlongTheRayIsNamed) {
+  DepthFaults faults;
+  faults.along_ray = true;
+  EXPECT_THAT(prove_with(faults).problems, testing::Contains(HasSubstr("distance along the ray, not z")));
+}
+
+TEST_F(ProofOfDepth, AWrongUnitIsNamed) {
+  DepthFaults faults;
+  faults.factor = 4.0;  // counts of 0.25 mm read as millimetres
+  EXPECT_THAT(prove_with(faults).problems, testing::Contains(HasSubstr("4.0 times too long: the depth unit is wrong")));
+}
+
+TEST_F(ProofOfDepth, AScaleErrorIsNamed) {
+  DepthFaults faults;
+  faults.factor = 1.03;
+  EXPECT_THAT(prove_with(faults).problems, testing::Contains(HasSubstr("3.0 % too long (depth scale)")));
+}
+
+TEST_F(ProofOfDepth, TheTrueScaleIsExpected) {
+  DepthFaults faults;
+  faults.factor = 1.03;
+  for (TrueCamera& camera : truth_.cameras) camera.depth_scale = 1.03;
+  const Proof proof = prove_with(faults);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+}
+
+TEST_F(ProofOfDepth, MirroredDepthIsNamed) {
+  DepthFaults faults;
+  faults.mirrored_y = true;
+  EXPECT_THAT(prove_with(faults).problems, testing::Contains(HasSubstr("mirrored top to bottom")));
+}
+
+TEST_F(ProofOfDepth, UnreadableImagesAreErrors) {
+  const Recording recording = make_depth_recording(truth_, folder_, {});
+  { std::ofstream(folder_ / recording.frames[0][0].depth_file) << "not an image"; }
+  EXPECT_THROW(prove(recording, make_observations(truth_, 0.02), truth_), Error);
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,32 @@
+// Why checks fail: the smallest single cause that explains all of them.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "rigproof/validate/budget.h"
+
+namespace rigproof {
+
+struct Explanation {
+  enum class Kind {
+    kOneAxis,       ///< one camera, one axis
+    kSharedAxis,    ///< all cameras are displaced alike along one axis of the robot
+    kScale,         ///< all distances from the robot's origin are too long or too short by one factor
+    kOneCamera,     ///< one camera's whole pose
+    kSharedMotion,  ///< all cameras together, as one rigid body
+  };
+  Kind kind = Kind::kOneAxis;
+  std::string camera;         ///< for kOneAxis and kOneCamera
+  int axis = -1;              ///< for kOneAxis and kSharedAxis
+  double value = 0.0;         ///< metres, radians, or the relative error of the scale
+  std::size_t explained = 0;  ///< failing checks that it explains: all of them
+  std::string sentence;       ///< "right is 0.62 cm too high"
+};
+
+/// Undoes one cause at a time, in the order of Kind, and applies the budget again; the first cause without which
+/// nothing fails is the answer. Absent if nothing failed, if a check failed for want of an answer, or if no single
+/// cause will do.
+std::optional<Explanation> explain_failures(const Comparison& comparison, const Budget& budget);
+
+}  // namespace rigproof

@@ -1,0 +1,33 @@
+// Validation for machines: JSON, and JUnit XML for continuous integration.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "rigproof/validate/budget.h"
+#include "rigproof/validate/explanation.h"
+#include "rigproof/validate/validate.h"
+
+namespace rigproof {
+
+/// One judged result.
+struct ValidationRecord {
+  std::string subject;  ///< what the user named: "theirs.yaml", "ml"
+  Comparison comparison;
+  Budget budget;
+  Gate gate;
+};
+
+/// {tool, version, passed, results: [{subject, method, status, errors in m and rad with sigma and z, checks, ..}]}.
+/// Numbers read back to the same doubles; what is absent is null.
+std::string to_json(const std::vector<ValidationRecord>& records);
+/// One testsuite a result, one testcase a check, failures with messages, facts as properties. A gate that checked
+/// nothing is one failing testcase. Any text is escaped, and characters that XML forbids are replaced.
+std::string to_junit(const std::vector<ValidationRecord>& records);
+
+/// Both are written whole or not at all. Throw Error.
+void save_json(const std::vector<ValidationRecord>& records, const std::filesystem::path& file);
+void save_junit(const std::vector<ValidationRecord>& records, const std::filesystem::path& file);
+
+}  // namespace rigproof

@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/text.h"
+#include "rigproof/validate/body_angles.h"
+#include "rigproof/validate/figures.h"
+#include "rigproof/validate/format.h"
+#include "rigproof/validate/statistics.h"
+#include "rigproof/validate/validate.h"
+
+namespace rigproof {
+namespace {
+
+std::string words_for(double nees, const Interval& interval) {
+  if (nees > interval.high) return "sigmas too small";
+  return nees < interval.low ? "sigmas too large" : "sigmas honest";
+}
+
+std::string interval_text(const Interval& interval) {
+  return " (95 %: " + figure(interval.low, 1) + "-" + figure(interval.high, 1) + ")";
+}
+
+std::string nees_of_cameras(const Comparison& comparison) {
+  double lowest = comparison.camera_nees.front().nees, highest = lowest;
+  std::string values;
+  for (const CameraNees& camera : comparison.camera_nees) {
+    lowest = std::min(lowest, camera.nees);
+    highest = std::max(highest, camera.nees);
+    values += (values.empty() ? "" : ", ") + camera.camera + " " + figure(camera.nees, 1);
+  }
+  const Interval interval = chi_square_interval(6.0);
+  const double judged = highest > interval.high ? highest : lowest;
+  return words_for(judged, interval) + ": NEES of each camera " + values + interval_text(interval);
+}
+
+// What failed, camera by camera, then pair by pair: "right tz; left-right, center-right vertical".
+class FailureList {
+ public:
+  FailureList(const Comparison& comparison, const Gate& gate) : comparison_(comparison) {
+    for (const Check& check : gate.checks)
+      if (!check.passed) add(check);
+  }
+
+  std::string text() const {
+    std::map<std::string, std::vector<std::string>> pairs_by_word;
+    std::vector<std::string> words, parts;
+    for (const std::string& subject : order_) {
+      const Subject& failed = subjects_.at(subject);
+      if (!failed.between_cameras) {
+        parts.push_back(short_name(subject) + " " + (failed.axes.empty() ? "not answered" : axis_names(failed.axes)));
+        continue;
+      }
+      const std::string word = direction_word(subject, failed.axes);
+      if (pairs_by_word[word].empty()) words.push_back(word);
+      pairs_by_word[word].push_back(subject);
+    }
+    for (const std::string& word : words) parts.push_back(joined(pairs_by_word[word]) + " " + word);
+    return joined(parts, "; ");
+  }
+
+ private:
+  struct Subject {
+    bool between_cameras = false;
+    std::vector<int> axes;
+  };
+
+  void add(const Check& check) {
+    if (subjects_.find(check.subject) == subjects_.end()) order_.push_back(check.subject);
+    Subject& subject = subjects_[check.subject];
+    subject.between_cameras = check.between_cameras;
+    if (check.axis >= 0 && std::find(subject.axes.begin(), subject.axes.end(), check.axis) == subject.axes.end())
+      subject.axes.push_back(check.axis);
+  }
+
+  static std::string short_name(const std::string& subject) {
+    const std::string suffix = " in robot";
+    const bool ends =
+        subject.size() > suffix.size() && subject.compare(subject.size() - suffix.size(), suffix.size(), suffix) == 0;
+    return ends ? subject.substr(0, subject.size() - suffix.size()) : subject;
+  }
+
+  static std::string axis_names(const std::vector<int>& axes) {
+    std::vector<std::string> names;
+    for (const int axis : axes) names.push_back(kDegreeOfFreedomNames[static_cast<std::size_t>(axis)]);
+    return joined(names, " ");
+  }
+
+  // The axes of a pair are those of a camera, which nobody has in mind: translations that point along one axis of the
+  // robot to within 25 degrees are told as that.
+  std::string direction_word(const std::string& subject, const std::vector<int>& axes) const {
+    const auto pair = std::find_if(comparison_.camera_to_camera.begin(), comparison_.camera_to_camera.end(),
+                                   [&](const TransformError& error) { return error.name() == subject; });
+    const auto parent = std::find_if(comparison_.camera_to_robot.begin(), comparison_.camera_to_robot.end(),
+                                     [&](const TransformError& error) { return error.child == pair->parent; });
+    const bool translations = std::all_of(axes.begin(), axes.end(), [](int axis) { return axis < 3; });
+    if (!translations || parent == comparison_.camera_to_robot.end()) return axis_names(axes);
+    const Eigen::Vector3d in_robot = parent->T_true.rotation * pair->error.head<3>();
+    static constexpr const char* kWords[3] = {"lengthwise", "sideways", "vertical"};
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::abs(in_robot[axis]) > 0.9 * in_robot.norm()) return kWords[axis];
+    return axis_names(axes);
+  }
+
+  const Comparison& comparison_;
+  std::vector<std::string> order_;
+  std::map<std::string, Subject> subjects_;
+};
+
+std::string explanation_line(const Comparison& comparison, const Budget& budget) {
+  const std::optional<Explanation> explanation = explain_failures(comparison, budget);
+  if (!explanation) return "";
+  const std::string count = explanation->explained > 1 ? " explains " + all_of_them(explanation->explained) : "";
+  return "  One cause" + count + ": " + explanation->sentence + ".\n";
+}
+
+std::string notes_of(const Gate& gate) {
+  std::string text;
+  for (const std::string& note : gate.notes) text += "  " + note + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string format_nees(const Comparison& comparison) {
+  if (comparison.nees) {
+    const Interval interval = chi_square_interval(comparison.nees_degrees_of_freedom);
+    return words_for(*comparison.nees, interval) + ": NEES " + figure(*comparison.nees, 1) + interval_text(interval);
+  }
+  return comparison.camera_nees.empty() ? "" : nees_of_cameras(comparison);
+}
+
+std::string format_verdict(const Comparison& comparison, const Gate& gate, const Budget& budget) {
+  const std::string nees = format_nees(comparison);
+  const std::string honesty = nees.empty() ? "" : "; " + nees;
+  const std::size_t count = gate.checks.size(), failures = gate.failures();
+  if (count == 0)
+    return "NOT JUDGED  nothing could be checked against the budget (" + describe(budget) + ")\n" + notes_of(gate);
+  if (failures == 0)
+    return "PASS  " + std::to_string(count) + "/" + std::to_string(count) + " within " + describe(budget) + honesty +
+           "\n";
+  return "FAIL  " + std::to_string(failures) + "/" + std::to_string(count) +
+         " checks: " + FailureList(comparison, gate).text() + "\n" + explanation_line(comparison, budget) +
+         (nees.empty() ? "" : "  " + nees + "\n");
+}
+
+std::string format_suspicion(const Comparison& comparison) {
+  if (!comparison.suspicion) return "";
+  const ConventionSuspicion& s = *comparison.suspicion;
+  const auto amount = [](double metres, double radians) {
+    return short_figure(100.0 * metres) + " cm, " + short_figure(rad_to_deg(radians)) + " deg";
+  };
+  return "CONVENTION  " + s.explanation + ".\n  Worst camera as given: " + amount(s.error_now_m, s.error_now_rad) +
+         "; corrected: " + amount(s.error_if_corrected_m, s.error_if_corrected_rad) + ".\n";
+}
+
+std::string format_validation(const Comparison& comparison, const Gate& gate, const Budget& budget,
+                              const std::string& subject) {
+  const std::string named = budget.name.empty() ? "" : ", budget " + budget.name + " (" + describe(budget) + ")";
+  const std::string head = subject.empty() ? "" : subject + " against truth" + named + "\n";
+  const bool mark_rows = !budget.name.empty() || gate.failures() > 0;
+  return head + format_errors(comparison, mark_rows ? &gate : nullptr) + format_suspicion(comparison) +
+         format_verdict(comparison, gate, budget);
+}
+
+}  // namespace rigproof

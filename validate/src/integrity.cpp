@@ -1,0 +1,109 @@
+#include "rigproof/validate/integrity.h"
+
+#include <algorithm>
+#include <array>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "rigproof/validate/figures.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = IntegrityProblem::Kind;
+
+const char* kind_name(Kind kind) {
+  static constexpr std::array<const char*, 5> kNames = {"missing", "altered", "extra", "unreadable", "unfinished"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+// "12,345": sizes are compared digit by digit.
+std::string grouped(std::uint64_t value) {
+  std::string text = std::to_string(value);
+  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, ",");
+  return text;
+}
+
+class Verifier {
+ public:
+  explicit Verifier(const RunFolder& run) : run_(run), manifest_(load_manifest(run.manifest_file())) {}
+
+  IntegrityReport verify() {
+    report_.files = manifest_.files.size();
+    report_.gl_renderer = manifest_.gl_renderer;
+    report_.tool_version = manifest_.tool_version;
+    if (!manifest_.complete) add(Kind::kUnfinished, "", "the run is not complete: generate resumes it");
+    for (const auto& [file, entry] : manifest_.files) check(file, entry);
+    for (const fs::path& folder : {run_.recording(), run_.truth()}) look_for_extras(folder);
+    std::stable_sort(report_.problems.begin(), report_.problems.end(),
+                     [](const IntegrityProblem& a, const IntegrityProblem& b) { return a.file < b.file; });
+    return std::move(report_);
+  }
+
+ private:
+  void add(Kind kind, const std::string& file, const std::string& message) {
+    report_.problems.push_back({kind, file, message});
+  }
+
+  void check(const std::string& file, const Manifest::Entry& entry) {
+    try {
+      const fs::path path = path_inside(run_.root, file);
+      std::error_code error;
+      const fs::file_status status = fs::status(path, error);
+      if (!fs::exists(status)) return add(Kind::kMissing, file, "missing");
+      if (!fs::is_regular_file(status)) return add(Kind::kAltered, file, "altered: no longer a file");
+      const std::uintmax_t size = fs::file_size(path);
+      if (size != entry.size_bytes) return add(Kind::kAltered, file, size_message(size, entry.size_bytes));
+      report_.bytes += size;
+      if (sha256_hex_of_file(path) != entry.sha256)
+        add(Kind::kAltered, file, "altered: same size, other content (SHA-256 differs)");
+    } catch (const Error& error) {
+      add(Kind::kUnreadable, file, error.what());
+    } catch (const fs::filesystem_error& error) {
+      add(Kind::kUnreadable, file, error.what());
+    }
+  }
+
+  static std::string size_message(std::uint64_t size, std::uint64_t expected) {
+    const std::string what = size == 0 ? "empty" : size < expected ? "truncated or replaced" : "altered";
+    return what + ": " + grouped(size) + " bytes, " + grouped(expected) + " in the manifest";
+  }
+
+  void look_for_extras(const fs::path& folder) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+      if (it->is_directory(error) && !it->is_symlink(error)) continue;
+      const std::string file = it->path().lexically_relative(run_.root).generic_string();
+      if (it->path() == run_.proof_file() || manifest_.files.count(file) > 0) continue;
+      add(Kind::kExtra, file, "extra: not in the manifest");
+    }
+  }
+
+  const RunFolder& run_;
+  const Manifest manifest_;
+  IntegrityReport report_;
+};
+
+}  // namespace
+
+std::string IntegrityProblem::text() const { return (file.empty() ? "" : file + ": ") + message; }
+
+std::string IntegrityReport::text() const {
+  const std::string amount = grouped(files) + " files, " + short_figure(static_cast<double>(bytes) / 1e6) + " MB";
+  if (intact()) return amount + ": all as generated\n";
+  std::string text;
+  constexpr std::size_t kShown = 5;
+  std::array<std::size_t, 5> counts{};
+  for (const IntegrityProblem& problem : problems)
+    if (++counts[static_cast<std::size_t>(problem.kind)] <= kShown) text += " " + problem.text() + "\n";
+  std::string summary;
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    if (counts[i] > 0)
+      summary += (summary.empty() ? "" : ", ") + std::to_string(counts[i]) + " " + kind_name(static_cast<Kind>(i));
+  return grouped(files) + " files in the manifest: " + summary + "\n" + text;
+}
+
+IntegrityReport verify_manifest(const RunFolder& run) { return Verifier(run).verify(); }
+
+}  // namespace rigproof

@@ -1,0 +1,335 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "proof_parts.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/validate/body_angles.h"
+#include "rigproof/validate/figures.h"
+
+namespace rigproof::proof_detail {
+namespace {
+
+struct View {
+  std::string file;
+  std::size_t stop = 0;
+  std::vector<CornerObservation> corners;
+};
+
+// How corners are predicted; a hypothesis changes one part of it.
+struct Setup {
+  Camera camera;
+  Rigid3 T_robot_camera;
+  Rigid3 T_world_board;
+  std::function<Rigid3(std::size_t)> T_world_robot;  // by stop
+  std::function<int(int)> board_id;
+  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> seen;  // the detected pixel as it should have been
+};
+
+struct Hypothesis {
+  std::string explanation;
+  Setup setup;
+};
+
+struct Residuals {
+  std::vector<Eigen::Vector2d> all;
+  std::vector<double> view_rms;
+  bool complete = true;  // every corner could be projected
+  Eigen::Vector2d bias = Eigen::Vector2d::Zero();
+  Eigen::Vector2d rms = Eigen::Vector2d::Zero();
+  double max = 0.0;
+
+  double total_rms() const { return rms.norm() / std::sqrt(2.0); }
+  // Standard deviation about the bias, of the worse axis.
+  double spread() const { return (rms.cwiseAbs2() - bias.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt().maxCoeff(); }
+};
+
+void summarise(Residuals* residuals) {
+  if (residuals->all.empty()) return;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero(), squares = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& d : residuals->all) {
+    sum += d;
+    squares += d.cwiseAbs2();
+    residuals->max = std::max(residuals->max, d.norm());
+  }
+  const double n = static_cast<double>(residuals->all.size());
+  residuals->bias = sum / n;
+  residuals->rms = (squares / n).cwiseSqrt();
+}
+
+class CornerProof {
+ public:
+  CornerProof(const Observations& observations, const Truth& truth, std::size_t observed_camera, std::size_t camera,
+              const ProofOptions& options, CameraProof* proof);
+  Findings run();
+
+ private:
+  Setup as_stated() const;
+  Residuals residuals(const Setup& setup) const;
+  std::vector<Hypothesis> hypotheses() const;
+  void add_mirrored_images(std::vector<Hypothesis>* list) const;
+  void add_wrong_poses(std::vector<Hypothesis>* list) const;
+  void add_wrong_boards(std::vector<Hypothesis>* list) const;
+  void add_wrong_cameras(std::vector<Hypothesis>* list) const;
+  bool within_limits(const Residuals& residuals) const;
+  std::string explain(const Residuals& now) const;
+  std::optional<std::string> explain_focal(const Setup& setup, const Residuals& now) const;
+  std::optional<std::string> explain_few_views(const Residuals& now) const;
+
+  const Truth& truth_;
+  std::size_t camera_;
+  const ProofOptions& options_;
+  CameraProof* proof_;
+  std::vector<View> views_;
+  std::size_t without_stop_ = 0;
+  double stated_sigma_px_ = 0.0;
+};
+
+CornerProof::CornerProof(const Observations& observations, const Truth& truth, std::size_t observed_camera,
+                         std::size_t camera, const ProofOptions& options, CameraProof* proof)
+    : truth_(truth), camera_(camera), options_(options), proof_(proof) {
+  double variance = 0.0;
+  for (const BoardView& view : observations.board_views) {
+    if (view.camera != static_cast<int>(observed_camera)) continue;
+    const std::optional<std::size_t> stop = stop_at(truth, view.stamp_s);
+    if (!stop) {
+      ++without_stop_;
+      continue;
+    }
+    views_.push_back({view.file, *stop, view.corners});
+    proof->corners += view.corners.size();
+    for (const CornerObservation& corner : view.corners) variance += 0.5 * corner.covariance_px2.trace();
+  }
+  proof->views = views_.size();
+  if (proof->corners == 0) return;
+  const double n = static_cast<double>(proof->corners);
+  stated_sigma_px_ = std::sqrt(variance / n);
+  proof->corner_bias_limit_px = options.corner_bias_floor_px + 5.0 * stated_sigma_px_ / std::sqrt(n);
+  proof->corner_rms_limit_px = options.corner_rms_floor_px + 3.0 * stated_sigma_px_;
+}
+
+Setup CornerProof::as_stated() const {
+  const TrueCamera& camera = truth_.cameras[camera_];
+  return {camera.camera,
+          camera.T_robot_camera,
+          truth_.T_world_board,
+          [this](std::size_t stop) { return truth_.stops[stop].T_world_robot; },
+          [](int id) { return id; },
+          [](const Eigen::Vector2d& pixel) { return pixel; }};
+}
+
+Residuals CornerProof::residuals(const Setup& setup) const {
+  Residuals result;
+  for (const View& view : views_) {
+    const Rigid3 T_camera_board =
+        setup.T_robot_camera.inverse() * setup.T_world_robot(view.stop).inverse() * setup.T_world_board;
+    double squares = 0.0;
+    for (const CornerObservation& corner : view.corners) {
+      Eigen::Vector2d projected;
+      if (!setup.camera.project(T_camera_board * truth_.board.corner(setup.board_id(corner.id)), &projected)) {
+        result.complete = false;
+        continue;
+      }
+      result.all.push_back(setup.seen(corner.pixel) - projected);
+      squares += result.all.back().squaredNorm();
+    }
+    result.view_rms.push_back(std::sqrt(squares / (2.0 * static_cast<double>(view.corners.size()))));
+  }
+  summarise(&result);
+  return result;
+}
+
+void CornerProof::add_mirrored_images(std::vector<Hypothesis>* list) const {
+  const Setup stated = as_stated();
+  const double right = stated.camera.width_px - 1, bottom = stated.camera.height_px - 1;
+  const auto add = [&](const char* explanation, bool x, bool y) {
+    Setup setup = stated;
+    setup.seen = [=](const Eigen::Vector2d& p) {
+      return Eigen::Vector2d(x ? right - p.x() : p.x(), y ? bottom - p.y() : p.y());
+    };
+    list->push_back({explanation, setup});
+  };
+  add("the images are mirrored left to right (x axis flipped)", true, false);
+  add("the images are mirrored top to bottom (y axis flipped)", false, true);
+  add("the images are turned by 180 degrees (both axes flipped)", true, true);
+}
+
+void CornerProof::add_wrong_poses(std::vector<Hypothesis>* list) const {
+  const Setup stated = as_stated();
+  const auto add = [&](const std::string& explanation, const std::function<void(Setup*)>& change) {
+    Setup setup = stated;
+    change(&setup);
+    list->push_back({explanation, setup});
+  };
+  const Rigid3 optical_body(optical_from_body(), Eigen::Vector3d::Zero());
+  add("the camera's pose is inverted (robot in camera)",
+      [](Setup* s) { s->T_robot_camera = s->T_robot_camera.inverse(); });
+  add("the camera's pose is that of its body axes (x forward), not of the optical frame",
+      [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body.inverse(); });
+  add("the turn from body to optical axes was applied twice to the camera's pose",
+      [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body; });
+  add("the robot's poses are inverted (world in robot)", [this](Setup* s) {
+    s->T_world_robot = [this](std::size_t stop) { return truth_.stops[stop].T_world_robot.inverse(); };
+  });
+  add("the board's pose is inverted (world in board)", [](Setup* s) { s->T_world_board = s->T_world_board.inverse(); });
+  for (const int shift : {-1, 1})
+    add(std::string("the images are one stop ") + (shift < 0 ? "late" : "early") + " against the poses",
+        [this, shift](Setup* s) {
+          const auto last = static_cast<std::ptrdiff_t>(truth_.stops.size()) - 1;
+          s->T_world_robot = [this, shift, last](std::size_t stop) {
+            const auto moved = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(stop) + shift, 0, last);
+            return truth_.stops[static_cast<std::size_t>(moved)].T_world_robot;
+          };
+        });
+}
+
+void CornerProof::add_wrong_boards(std::vector<Hypothesis>* list) const {
+  const int nx = truth_.board.inner_corners_x(), ny = truth_.board.inner_corners_y();
+  const auto add = [&](const char* explanation, bool mirror_x, bool mirror_y) {
+    Setup setup = as_stated();
+    setup.board_id = [=](int id) {
+      const int x = id % nx, y = id / nx;
+      return (mirror_y ? ny - 1 - y : y) * nx + (mirror_x ? nx - 1 - x : x);
+    };
+    list->push_back({explanation, setup});
+  };
+  add("the board's corners are numbered from the opposite end (turned by 180 degrees)", true, true);
+  add("the board's x axis is flipped", true, false);
+  add("the board's y axis is flipped", false, true);
+}
+
+void CornerProof::add_wrong_cameras(std::vector<Hypothesis>* list) const {
+  Setup setup = as_stated();
+  if (setup.camera.lens != Lens::kPinhole) {
+    setup.camera.lens = Lens::kPinhole;
+    list->push_back({"the images show no lens distortion, but the intrinsics have one", setup});
+  }
+  setup = as_stated();
+  std::swap(setup.camera.fx_px, setup.camera.fy_px);
+  list->push_back({"fx and fy are exchanged", setup});
+  setup = as_stated();
+  std::swap(setup.camera.cx_px, setup.camera.cy_px);
+  list->push_back({"cx and cy are exchanged", setup});
+  for (std::size_t other = 0; other < truth_.cameras.size(); ++other) {
+    if (other == camera_) continue;
+    setup = as_stated();
+    setup.camera = truth_.cameras[other].camera;
+    setup.T_robot_camera = truth_.cameras[other].T_robot_camera;
+    list->push_back({"its images are those of " + truth_.cameras[other].name + " (cameras exchanged)", setup});
+  }
+}
+
+std::vector<Hypothesis> CornerProof::hypotheses() const {
+  std::vector<Hypothesis> list;
+  add_mirrored_images(&list);
+  add_wrong_poses(&list);
+  add_wrong_boards(&list);
+  add_wrong_cameras(&list);
+  return list;
+}
+
+bool CornerProof::within_limits(const Residuals& r) const {
+  return r.complete && r.bias.cwiseAbs().maxCoeff() <= proof_->corner_bias_limit_px &&
+         r.rms.maxCoeff() <= proof_->corner_rms_limit_px && r.max <= 1.0 + 10.0 * stated_sigma_px_;
+}
+
+// "half a pixel to the right and 0.12 px down".
+std::string shift_in_words(const Eigen::Vector2d& bias, double limit) {
+  std::string text;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double size = std::abs(bias[axis]);
+    if (size <= limit) continue;
+    // Within a tenth of a pixel half a pixel and one pixel are the usual slips of convention.
+    const std::string amount = std::abs(size - 0.5) < 0.1   ? "half a pixel"
+                               : std::abs(size - 1.0) < 0.1 ? "one pixel"
+                                                            : short_figure(size) + " px";
+    const char* direction =
+        axis == 0 ? (bias[axis] > 0 ? "to the right" : "to the left") : (bias[axis] > 0 ? "down" : "up");
+    text += (text.empty() ? "" : " and ") + amount + " " + direction;
+  }
+  return text;
+}
+
+std::optional<std::string> CornerProof::explain_focal(const Setup& setup, const Residuals& now) const {
+  const Eigen::Vector2d centre(setup.camera.cx_px, setup.camera.cy_px);
+  double product = 0.0, squares = 0.0;
+  std::size_t i = 0;
+  for (const View& view : views_)
+    for (const CornerObservation& corner : view.corners) {
+      const Eigen::Vector2d seen = corner.pixel - centre, projected = seen - now.all[i++];
+      product += seen.dot(projected);
+      squares += projected.squaredNorm();
+    }
+  const double factor = product / squares;
+  Setup scaled = setup;
+  scaled.camera.fx_px *= factor;
+  scaled.camera.fy_px *= factor;
+  if (!within_limits(residuals(scaled))) return std::nullopt;
+  return "images are " + short_figure(100.0 * std::abs(factor - 1.0)) + " % too " + (factor > 1.0 ? "large" : "small") +
+         " about the principal point (focal length)";
+}
+
+std::optional<std::string> CornerProof::explain_few_views(const Residuals& now) const {
+  std::size_t bad = 0, worst = 0;
+  for (std::size_t i = 0; i < now.view_rms.size(); ++i) {
+    if (now.view_rms[i] > proof_->corner_rms_limit_px) ++bad;
+    if (now.view_rms[i] > now.view_rms[worst]) worst = i;
+  }
+  if (bad == 0 || 4 * bad > now.view_rms.size()) return std::nullopt;
+  return std::to_string(bad) + " of " + std::to_string(now.view_rms.size()) + " views are off, the worst by " +
+         short_figure(now.view_rms[worst]) + " px rms (" + views_[worst].file + ")";
+}
+
+std::string CornerProof::explain(const Residuals& now) const {
+  const double limit = proof_->corner_bias_limit_px;
+  if (now.complete && now.spread() <= proof_->corner_rms_limit_px && now.bias.cwiseAbs().maxCoeff() > limit)
+    return "corners are " + shift_in_words(now.bias, limit);
+  if (now.complete)
+    if (const auto focal = explain_focal(as_stated(), now)) return *focal;
+  const Hypothesis* best = nullptr;
+  Residuals best_residuals;
+  const std::vector<Hypothesis> all = hypotheses();
+  for (const Hypothesis& hypothesis : all) {
+    const Residuals candidate = residuals(hypothesis.setup);
+    if (!candidate.complete) continue;
+    if (best != nullptr && candidate.total_rms() >= best_residuals.total_rms()) continue;
+    best = &hypothesis;
+    best_residuals = candidate;
+  }
+  // Ten times better, or (where nothing could be projected as stated) good to a pixel.
+  const bool convincing = best != nullptr && (now.complete ? 10.0 * best_residuals.total_rms() < now.total_rms()
+                                                           : best_residuals.total_rms() < 1.0);
+  if (convincing) {
+    const std::string shift =
+        best_residuals.spread() <= proof_->corner_rms_limit_px ? shift_in_words(best_residuals.bias, limit) : "";
+    return best->explanation + (shift.empty() ? "" : "; moreover corners are " + shift);
+  }
+  if (const auto few = explain_few_views(now)) return *few;
+  return "detected and projected corners differ by " + short_figure(now.total_rms()) + " px rms (allowed " +
+         short_figure(proof_->corner_rms_limit_px) + "), and no known slip of convention explains it";
+}
+
+Findings CornerProof::run() {
+  Findings findings;
+  if (without_stop_ > 0)
+    findings.problems.push_back(std::to_string(without_stop_) + " views have stamps at which the truth has no stop");
+  if (proof_->corners == 0) {
+    findings.notes.push_back("no view of the board to compare");
+    return findings;
+  }
+  const Residuals now = residuals(as_stated());
+  proof_->corner_bias_px = now.bias;
+  proof_->corner_rms_px = now.rms;
+  proof_->corner_max_px = now.max;
+  if (!within_limits(now)) findings.problems.push_back(explain(now));
+  return findings;
+}
+
+}  // namespace
+
+Findings prove_corners(const Observations& observations, const Truth& truth, std::size_t observed_camera,
+                       std::size_t camera, const ProofOptions& options, CameraProof* proof) {
+  return CornerProof(observations, truth, observed_camera, camera, options, proof).run();
+}
+
+}  // namespace rigproof::proof_detail

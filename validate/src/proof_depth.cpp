@@ -1,0 +1,323 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <opencv2/imgcodecs.hpp>
+
+#include "proof_parts.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "rigproof/validate/figures.h"
+
+namespace rigproof::proof_detail {
+namespace {
+
+// One pixel whose ray meets the board or the ground.
+struct Sample {
+  double z = 0.0;    // expected depth [m], with the sensor's true scale
+  double ray = 1.0;  // length of the ray at z = 1: distance along the ray is z * ray
+  double measured = 0.0;
+  double mirrored_x = 0.0, mirrored_y = 0.0;  // measured at the mirrored pixels, 0 = no measurement
+  double sigma = 0.0;                         // stated noise and rounding at z
+};
+
+struct Frame {
+  cv::Mat depth;
+  Rigid3 T_world_camera;
+  Rigid3 T_board_camera;
+};
+
+// Expected measurement divided by z, and what was measured; a hypothesis is one such rule.
+struct Hypothesis {
+  std::string explanation;
+  std::function<double(const Sample&)> expected;
+  std::function<double(const Sample&)> measured;
+};
+
+// Robust against the few flying pixels at edges: the largest hundredth is left out.
+double trimmed_rms(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  values.resize(std::max<std::size_t>(1, values.size() * 99 / 100));
+  double squares = 0.0;
+  for (const double value : values) squares += value * value;
+  return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class DepthProof {
+ public:
+  DepthProof(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+             const ProofOptions& options, CameraProof* proof);
+  Findings run();
+
+ private:
+  bool read_frame(const CameraFrame& recorded, Frame* frame) const;
+  void collect(const Frame& frame);
+  void collect_pixel(const Frame& frame, int u, int v);
+  Sample sample_at(const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) const;
+  std::vector<double> whitened(const std::vector<Sample>& samples, const Hypothesis& hypothesis) const;
+  std::vector<Hypothesis> hypotheses() const;
+  std::string explain(double rms_now) const;
+  void summarise() const;
+  // What stands on the ground hides it: only pixels near the expected depth (2 % and 5 sigma) show the ground.
+  static bool shows_ground(const Sample& s) {
+    return s.measured > 0.0 && std::abs(s.measured - s.z) < 0.02 * s.z + 5.0 * s.sigma;
+  }
+  void judge_ground(Findings* findings) const;
+
+  const Recording& recording_;
+  const Truth& truth_;
+  const RigCamera& rig_camera_;
+  const std::vector<CameraFrame>& frames_;
+  const TrueCamera& true_camera_;
+  const ProofOptions& options_;
+  CameraProof* proof_;
+  Camera camera_;
+  Rigid3 T_robot_depth_;
+  double scale_ = 1.0;
+  std::vector<Sample> board_, ground_;
+};
+
+DepthProof::DepthProof(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+                       const ProofOptions& options, CameraProof* proof)
+    : recording_(recording),
+      truth_(truth),
+      rig_camera_(recording.rig.cameras[recorded_camera]),
+      frames_(recording.frames[recorded_camera]),
+      true_camera_(truth.cameras[camera]),
+      options_(options),
+      proof_(proof),
+      camera_(true_camera_.camera),
+      T_robot_depth_(true_camera_.T_robot_camera),
+      scale_(true_camera_.depth_scale.value_or(1.0)) {
+  if (!rig_camera_.depth || !rig_camera_.depth->own_camera) return;
+  camera_ = rig_camera_.depth->own_camera->camera;
+  T_robot_depth_ = T_robot_depth_ * rig_camera_.depth->own_camera->T_color_depth;
+}
+
+bool DepthProof::read_frame(const CameraFrame& recorded, Frame* frame) const {
+  const std::optional<std::size_t> stop = stop_at(truth_, recorded.stamp_s);
+  if (!stop) return false;
+  const auto file = path_inside(recording_.folder, recorded.depth_file);
+  const std::vector<std::uint8_t> bytes = read_binary_file(file);
+  frame->depth = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  if (frame->depth.type() != CV_16UC1 || frame->depth.cols != camera_.width_px ||
+      frame->depth.rows != camera_.height_px)
+    throw Error(file.string() + ": not a 16-bit grey image of " + std::to_string(camera_.width_px) + "x" +
+                std::to_string(camera_.height_px) + " pixels, as the depth of " + rig_camera_.name + " has to be");
+  frame->T_world_camera = truth_.stops[*stop].T_world_robot * T_robot_depth_;
+  frame->T_board_camera = truth_.T_world_board.inverse() * frame->T_world_camera;
+  return true;
+}
+
+// Depth z at which the ray from a camera meets the plane z = 0 of `target`.
+std::optional<double> depth_of_plane(const Rigid3& T_target_camera, const Eigen::Vector3d& ray) {
+  const double slope = (T_target_camera.rotation * ray).z();
+  if (std::abs(slope) < 1e-9) return std::nullopt;
+  const double z = -T_target_camera.translation.z() / slope;
+  return z > 0.0 ? std::optional<double>(z) : std::nullopt;
+}
+
+Sample DepthProof::sample_at(const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) const {
+  const DepthStream& stream = *rig_camera_.depth;
+  const int right = camera_.width_px - 1, bottom = camera_.height_px - 1;
+  const auto metres = [&](int x, int y) { return stream.unit_m * frame.depth.at<std::uint16_t>(y, x); };
+  Sample sample;
+  sample.z = scale_ * z;
+  sample.ray = ray.norm();
+  sample.measured = metres(u, v);
+  sample.mirrored_x = metres(right - u, v);
+  sample.mirrored_y = metres(u, bottom - v);
+  // Rounding to the unit has the standard deviation unit / sqrt(12).
+  sample.sigma = std::hypot(stream.noise.sigma_m(z), stream.unit_m / std::sqrt(12.0));
+  return sample;
+}
+
+void DepthProof::collect_pixel(const Frame& frame, int u, int v) {
+  Eigen::Vector3d ray;
+  if (!camera_.unproject({u, v}, &ray)) return;
+  const DepthStream& stream = *rig_camera_.depth;
+  const Board& board = truth_.board;
+  const double margin = 0.2 * board.square_m;  // away from the squares' edge, where depth may fly
+  const auto in_range = [&](double z) { return z >= stream.min_m && z <= stream.max_m; };
+  const std::optional<double> board_z = depth_of_plane(frame.T_board_camera, ray);
+  if (board_z) {
+    const Eigen::Vector3d p = frame.T_board_camera * (*board_z * ray);
+    const auto inside = [&](double grow) {
+      return p.x() >= -board.square_m - grow && p.x() <= board.square_m * board.inner_corners_x() + grow &&
+             p.y() >= -board.square_m - grow && p.y() <= board.square_m * board.inner_corners_y() + grow;
+    };
+    if (inside(-margin) && in_range(*board_z)) board_.push_back(sample_at(frame, u, v, ray, *board_z));
+    // The board hides what is behind it; its border and rim are left out on both sides.
+    if (inside(board.square_m)) return;
+  }
+  const std::optional<double> ground_z = depth_of_plane(frame.T_world_camera, ray);
+  if (ground_z && in_range(*ground_z)) ground_.push_back(sample_at(frame, u, v, ray, *ground_z));
+}
+
+void DepthProof::collect(const Frame& frame) {
+  const int stride = std::max(1, options_.depth_stride_px);
+  for (int v = stride / 2; v < frame.depth.rows; v += stride)
+    for (int u = stride / 2; u < frame.depth.cols; u += stride) collect_pixel(frame, u, v);
+}
+
+std::vector<double> DepthProof::whitened(const std::vector<Sample>& samples, const Hypothesis& hypothesis) const {
+  std::vector<double> values;
+  for (const Sample& sample : samples) {
+    const double measured = hypothesis.measured(sample);
+    if (measured > 0.0) values.push_back((measured - hypothesis.expected(sample)) / sample.sigma);
+  }
+  return values;
+}
+
+Hypothesis as_stated() {
+  return {"", [](const Sample& s) { return s.z; }, [](const Sample& s) { return s.measured; }};
+}
+
+// "a factor of 1000 too long (millimetres and metres exchanged)".
+std::string factor_in_words(double factor) {
+  const double size = factor > 1.0 ? factor : 1.0 / factor;
+  const std::string direction = factor > 1.0 ? "too long" : "too short";
+  if (size < 1.5) return short_figure(100.0 * std::abs(factor - 1.0)) + " % " + direction + " (depth scale)";
+  for (const double usual : {1000.0, 100.0, 10.0, 4.0, 5.0, 2.0})
+    if (std::abs(size / usual - 1.0) < 0.02)
+      return short_figure(usual) + " times " + direction + ": the depth unit is wrong by that factor";
+  return short_figure(size) + " times " + direction;
+}
+
+std::vector<Hypothesis> DepthProof::hypotheses() const {
+  std::vector<Hypothesis> list;
+  Hypothesis along_ray = as_stated();
+  along_ray.explanation = "depth is the distance along the ray, not z along the optical axis";
+  along_ray.expected = [](const Sample& s) { return s.z * s.ray; };
+  list.push_back(along_ray);
+  Hypothesis mirrored_x = as_stated();
+  mirrored_x.explanation = "depth images are mirrored left to right (x axis flipped)";
+  mirrored_x.measured = [](const Sample& s) { return s.mirrored_x; };
+  list.push_back(mirrored_x);
+  Hypothesis mirrored_y = as_stated();
+  mirrored_y.explanation = "depth images are mirrored top to bottom (y axis flipped)";
+  mirrored_y.measured = [](const Sample& s) { return s.mirrored_y; };
+  list.push_back(mirrored_y);
+  std::vector<double> ratios, ray_ratios;
+  for (const Sample& sample : board_) {
+    if (!(sample.measured > 0.0)) continue;
+    ratios.push_back(sample.measured / sample.z);
+    ray_ratios.push_back(sample.measured / (sample.z * sample.ray));
+  }
+  if (ratios.empty()) return list;
+  const double factor = median_of(ratios), ray_factor = median_of(ray_ratios);
+  // Residuals are divided by the factor again, so that every hypothesis is judged by the same sigma.
+  list.push_back({"depth is " + factor_in_words(factor), [](const Sample& s) { return s.z; },
+                  [factor](const Sample& s) { return s.measured / factor; }});
+  list.push_back({"depth is the distance along the ray, and " + factor_in_words(ray_factor),
+                  [](const Sample& s) { return s.z * s.ray; },
+                  [ray_factor](const Sample& s) { return s.measured / ray_factor; }});
+  return list;
+}
+
+std::string DepthProof::explain(double rms_now) const {
+  const Hypothesis* best = nullptr;
+  double best_rms = 0.0;
+  const std::vector<Hypothesis> all = hypotheses();
+  for (const Hypothesis& hypothesis : all) {
+    const std::vector<double> residuals = whitened(board_, hypothesis);
+    // A mirrored image must have measurements where the original has them.
+    if (2 * residuals.size() < board_.size()) continue;
+    const double rms = trimmed_rms(residuals);
+    // The list goes from simple to compound: a later one has to be clearly better.
+    if (best != nullptr && 1.5 * rms >= best_rms) continue;
+    best = &hypothesis;
+    best_rms = rms;
+  }
+  if (best != nullptr && (best_rms <= options_.depth_max_rms_sigmas || 5.0 * best_rms <= rms_now))
+    return best->explanation;
+  return "depth on the board is off by " + short_figure(rms_now) + " times the sensor's stated noise (allowed " +
+         short_figure(options_.depth_max_rms_sigmas) + "), and no known slip of convention explains it";
+}
+
+void DepthProof::summarise() const {
+  std::vector<double> all;
+  const auto add = [&all](const Sample& s) { all.push_back(1e3 * (s.measured - s.z)); };
+  for (const Sample& s : board_)
+    if (s.measured > 0.0) add(s);
+  for (const Sample& s : ground_)
+    if (shows_ground(s)) add(s);
+  proof_->depth_pixels = all.size();
+  proof_->depth_bias_mm = mean_of(all);
+  double squares = 0.0;
+  for (const double value : all) {
+    squares += value * value;
+    proof_->depth_max_mm = std::max(proof_->depth_max_mm, std::abs(value));
+  }
+  if (!all.empty()) proof_->depth_rms_mm = std::sqrt(squares / static_cast<double>(all.size()));
+}
+
+void DepthProof::judge_ground(Findings* findings) const {
+  constexpr std::size_t kEnough = 100;
+  std::vector<double> residuals;
+  for (const Sample& s : ground_)
+    if (shows_ground(s)) residuals.push_back((s.measured - s.z) / s.sigma);
+  if (residuals.size() < kEnough) return findings->notes.push_back("no depth on the ground to compare");
+  // The median, since what stands on the ground is always nearer.
+  const double bias = median_of(residuals);
+  if (std::abs(bias) > options_.depth_max_bias_sigmas)
+    findings->problems.push_back("depth on the ground is " + short_figure(std::abs(bias)) +
+                                 " times the stated noise too " + (bias > 0.0 ? "long" : "short") +
+                                 " (height or tilt of the camera, or the ground is not flat)");
+}
+
+Findings DepthProof::run() {
+  Findings findings;
+  if (!rig_camera_.depth || options_.max_depth_frames < 0) return findings;
+  std::vector<const CameraFrame*> with_depth;
+  for (const CameraFrame& frame : frames_)
+    if (!frame.depth_file.empty()) with_depth.push_back(&frame);
+  const std::size_t count = options_.max_depth_frames == 0
+                                ? with_depth.size()
+                                : std::min(with_depth.size(), static_cast<std::size_t>(options_.max_depth_frames));
+  for (std::size_t i = 0; i < count; ++i) {
+    Frame frame;
+    if (!read_frame(*with_depth[i * with_depth.size() / count], &frame)) continue;
+    ++proof_->depth_frames;
+    collect(frame);
+  }
+  summarise();
+  const std::vector<double> residuals = whitened(board_, as_stated());
+  if (proof_->depth_frames == 0) return findings;
+  if (residuals.empty()) {
+    findings.notes.push_back("no depth on the board to compare");
+    return findings;
+  }
+  proof_->depth_rms_sigmas = trimmed_rms(residuals);
+  if (proof_->depth_rms_sigmas > options_.depth_max_rms_sigmas)
+    findings.problems.push_back(explain(proof_->depth_rms_sigmas));
+  else if (std::abs(mean_of(residuals)) > options_.depth_max_bias_sigmas)
+    findings.problems.push_back("depth on the board is " + short_figure(std::abs(mean_of(residuals))) +
+                                " times the stated noise too " + (mean_of(residuals) > 0.0 ? "long" : "short") +
+                                " on average");
+  else
+    judge_ground(&findings);
+  return findings;
+}
+
+}  // namespace
+
+Findings prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+                     const ProofOptions& options, CameraProof* proof) {
+  return DepthProof(recording, truth, recorded_camera, camera, options, proof).run();
+}
+
+}  // namespace rigproof::proof_detail

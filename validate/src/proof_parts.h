@@ -1,0 +1,28 @@
+// The two halves of the proof: corners and depth.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/validate/proof.h"
+
+namespace rigproof::proof_detail {
+
+/// Index of the truth's stop at a stamp, within half a second or half the distance of two stops, whichever is less.
+std::optional<std::size_t> stop_at(const Truth& truth, double stamp_s);
+
+struct Findings {
+  std::vector<std::string> problems;
+  std::vector<std::string> notes;
+};
+
+/// Fills the corner part of `proof`. `camera` indexes the truth's cameras, `observed_camera` those of the observations.
+Findings prove_corners(const Observations& observations, const Truth& truth, std::size_t observed_camera,
+                       std::size_t camera, const ProofOptions& options, CameraProof* proof);
+
+/// Fills the depth part. `recorded_camera` indexes the recording's cameras.
+Findings prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+                     const ProofOptions& options, CameraProof* proof);
+
+}  // namespace rigproof::proof_detail

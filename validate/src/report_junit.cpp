@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cstdint>
+
+#include "rigproof/core/files.h"
+#include "rigproof/core/version.h"
+#include "rigproof/validate/figures.h"
+#include "rigproof/validate/format.h"
+#include "rigproof/validate/report_files.h"
+
+namespace rigproof {
+namespace {
+
+// Length of the well-formed UTF-8 sequence at `text[i]` that XML 1.0 allows; 0 if there is none.
+std::size_t valid_sequence(const std::string& text, std::size_t i) {
+  const auto byte = [&text](std::size_t k) { return static_cast<std::uint8_t>(text[k]); };
+  const std::uint8_t first = byte(i);
+  if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' || first == '\r' ? 1 : 0;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || i + length > text.size()) return 0;
+  std::uint32_t code = first & (0xFFU >> (length + 1));
+  for (std::size_t k = 1; k < length; ++k) {
+    if ((byte(i + k) & 0xC0U) != 0x80U) return 0;
+    code = (code << 6U) | (byte(i + k) & 0x3FU);
+  }
+  static constexpr std::uint32_t kSmallest[5] = {0, 0, 0x80, 0x800, 0x10000};
+  const bool surrogate = code >= 0xD800 && code <= 0xDFFF, noncharacter = code == 0xFFFE || code == 0xFFFF;
+  return code < kSmallest[length] || code > 0x10FFFF || surrogate || noncharacter ? 0 : length;
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = valid_sequence(text, i);
+    if (length == 0) {
+      result += '?';
+      ++i;
+      continue;
+    }
+    switch (text[i]) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\n':
+        result += "&#10;";
+        break;  // a plain line feed in an attribute would be read as a space
+      case '\t':
+        result += "&#9;";
+        break;
+      case '\r':
+        result += "&#13;";
+        break;
+      default:
+        result.append(text, i, length);
+    }
+    i += length;
+  }
+  return result;
+}
+
+std::string attribute(const char* name, const std::string& value) {
+  return std::string(" ") + name + "=\"" + escaped(value) + "\"";
+}
+
+std::string property(const char* name, const std::string& value) {
+  return value.empty() ? ""
+                       : std::string("      <property") + attribute("name", name) + attribute("value", value) + "/>\n";
+}
+
+std::string properties_of(const ValidationRecord& record) {
+  const Comparison& comparison = record.comparison;
+  std::string text = "    <properties>\n";
+  text += property("tool", std::string("rigproof ") + version());
+  text += property("method", comparison.method);
+  text += property("status", result_status_name(comparison.status));
+  text += property("budget", record.budget.name);
+  text += property("limits", describe(record.budget));
+  text += property("uncertainty", format_nees(comparison));
+  if (comparison.suspicion) text += property("convention", comparison.suspicion->explanation);
+  if (const auto cause = explain_failures(comparison, record.budget)) text += property("cause", cause->sentence);
+  for (const std::string& reason : comparison.reasons) text += property("reason", reason);
+  return text + "    </properties>\n";
+}
+
+std::string failing_case(const std::string& start, const std::string& message) {
+  return start + ">\n      <failure" + attribute("message", message) + attribute("type", "budget") +
+         "/>\n    </testcase>\n";
+}
+
+std::string testcase_of(const Check& check, const std::string& classname) {
+  const std::string name = check.unit == "sigma" ? check.name + " in sigmas" : check.name;
+  const std::string start = "    <testcase" + attribute("classname", classname) + attribute("name", name);
+  return check.passed ? start + "/>\n" : failing_case(start, check.message());
+}
+
+std::string nothing_checked(const ValidationRecord& record, const std::string& classname) {
+  std::string message = "nothing could be checked against the budget";
+  for (const std::string& note : record.gate.notes) message += "; " + note;
+  return failing_case("    <testcase" + attribute("classname", classname) + attribute("name", "budget"), message);
+}
+
+// Tests and failures of a record: a gate that checked nothing counts as one failure.
+std::size_t tests_of(const ValidationRecord& record) { return std::max<std::size_t>(1, record.gate.checks.size()); }
+std::size_t failures_of(const ValidationRecord& record) {
+  return record.gate.checks.empty() ? 1 : record.gate.failures();
+}
+
+std::string testsuite_of(const ValidationRecord& record) {
+  const std::string name = record.subject.empty() ? record.comparison.method : record.subject;
+  const std::string classname = "rigproof." + name;
+  std::string text = "  <testsuite" + attribute("name", name) + attribute("tests", std::to_string(tests_of(record))) +
+                     attribute("failures", std::to_string(failures_of(record))) + attribute("errors", "0") + ">\n" +
+                     properties_of(record);
+  for (const Check& check : record.gate.checks) text += testcase_of(check, classname);
+  if (record.gate.checks.empty()) text += nothing_checked(record, classname);
+  return text + "  </testsuite>\n";
+}
+
+}  // namespace
+
+std::string to_junit(const std::vector<ValidationRecord>& records) {
+  std::size_t tests = 0, failures = 0;
+  std::string suites;
+  for (const ValidationRecord& record : records) {
+    tests += tests_of(record);
+    failures += failures_of(record);
+    suites += testsuite_of(record);
+  }
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + attribute("name", "rigproof validate") +
+         attribute("tests", std::to_string(tests)) + attribute("failures", std::to_string(failures)) + ">\n" + suites +
+         "</testsuites>\n";
+}
+
+void save_junit(const std::vector<ValidationRecord>& records, const std::filesystem::path& file) {
+  write_file_atomically(file, to_junit(records));
+}
+
+}  // namespace rigproof
