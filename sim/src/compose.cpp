@@ -7,8 +7,6 @@
 namespace rigproof {
 namespace {
 
-std::string color_text(const std::array<double, 3>& color) { return quoted(numbers({color[0], color[1], color[2]})); }
-
 std::string visual(const SceneDescription& scene) {
   // extent = 1: MuJoCo multiplies clip planes and the shadow's reach by it.
   return std::string("<visual>\n  <headlight active=\"0\"/>\n  <quality offsamples=\"0\" shadowsize=\"") +
@@ -18,14 +16,24 @@ std::string visual(const SceneDescription& scene) {
          " shadowclip=\"9\" shadowscale=\"1\"/>\n</visual>\n<statistic extent=\"1\" center=\"0 0 0\"/>\n";
 }
 
+// A pole that carries the board from behind.
+std::string stand(const WorldDescription& description) {
+  constexpr double kRadius = 0.015;
+  Eigen::Vector3d behind = description.board.centre();
+  behind.z() = description.board_thickness_m + kRadius;
+  const Eigen::Vector3d top = description.T_world_board * behind;
+  if (top.z() < 4.0 * kRadius) return {};
+  return "  <geom name=\"rigproof_stand\" type=\"cylinder\" size=" + quoted(numbers({kRadius})) +
+         " fromto=" + quoted(numbers({top.x(), top.y(), top.z(), top.x(), top.y(), 0.0})) +
+         " rgba=\"0.25 0.25 0.26 1\"/>\n";
+}
+
 std::string texture_assets(const SceneDescription& scene) {
-  std::string text =
-      "  <texture name=\"rigproof_sky\" type=\"skybox\" builtin=\"gradient\" width=\"128\" height=\"768\" rgb1=" +
-      color_text(scene.sky_zenith) + " rgb2=" + color_text(scene.sky_horizon) + "/>\n";
+  std::string text;
   for (const SceneTexture& texture : scene.textures) {
-    const std::string side = quoted(std::to_string(texture.size_px));
-    text += "  <texture name=" + quoted(texture.name) + " type=\"2d\" builtin=\"flat\" width=" + side +
-            " height=" + side + "/>\n";
+    text += "  <texture name=" + quoted(texture.name) + (texture.cube ? " type=\"cube\"" : " type=\"2d\"") +
+            " builtin=\"flat\" width=" + quoted(std::to_string(texture.size_px)) +
+            " height=" + quoted(std::to_string(texture.cube ? 6 * texture.size_px : texture.size_px)) + "/>\n";
   }
   return text;
 }
@@ -50,7 +58,7 @@ std::string compose_mjcf(const WorldDescription& description) {
   };
   return "<mujoco model=\"rigproof_world\">\n<compiler autolimits=\"true\"/>\n" + visual(scene) + "<asset>\n" +
          texture_assets(scene) + board.asset + "</asset>\n" + include(scene.mjcf) + include(description.robot_mjcf) +
-         "<worldbody>\n" + board.body + "</worldbody>\n</mujoco>\n";
+         "<worldbody>\n" + board.body + stand(description) + "</worldbody>\n</mujoco>\n";
 }
 
 }  // namespace rigproof

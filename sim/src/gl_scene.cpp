@@ -40,7 +40,6 @@ GlScene::GlScene(World& world, int device)
   context_.gl().GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &max_size_);
   std::fill(std::begin(scene_.flags), std::end(scene_.flags), mjtByte{0});
   scene_.flags[mjRND_SHADOW] = world.description().scene.shadows;
-  scene_.flags[mjRND_SKYBOX] = 1;
   scene_.flags[mjRND_CULL_FACE] = 1;
   tune_textures();
 }

@@ -33,8 +33,10 @@ class GlScene {
   void look_from(const Rigid3& T_world_camera, bool with_ceiling = true);
   /// Draws; the reads below then hand over this picture.
   void draw(const Frustum& frustum, Pass pass);
-  /// RGBA of the last draw; valid until the next read.
+  /// RGBA of the last draw, alpha 0 where there is nothing; valid until the next read.
   RgbaView read_color();
+  /// The memory of the last read, bottom row first.
+  std::uint8_t* color_rows_from_bottom() { return color_pixels_.data(); }
   /// Window depth (24 bits) and stencil (8 bits) of the last draw, bottom row first; valid until the next read.
   const std::uint32_t* read_depth();
   /// Maps the number that a pixel of the kObjectIds pass encodes to the id of World::kind_of_object().

@@ -10,6 +10,7 @@
 #include "gl_scene.h"
 #include "lens_map.h"
 #include "rigproof/core/error.h"
+#include "sky.h"
 #include "world_impl.h"
 
 namespace rigproof {
@@ -155,6 +156,12 @@ CameraPlan plan_camera(const Camera& camera, const std::string& name) {
   return plan;
 }
 
+// The frustum of the picture that an image is, or is resampled from, at 1x.
+Frustum whole_frustum(const CameraPlan& plan) {
+  if (plan.lens) return plan.table.source().frustum();
+  return frustum_of(plan.camera, {0, 0, plan.camera.width_px, plan.camera.height_px}, 1);
+}
+
 void resize(int width, int height, int channels, Image8* image) {
   image->width = width;
   image->height = height;
@@ -170,6 +177,7 @@ struct Renderer::Impl {
       : world(world_in),
         options(options_in),
         gl(world_in, options_in.device),
+        sky(world_in.description().scene.sky_zenith, world_in.description().scene.sky_horizon),
         point_spread(options_in.psf_sigma_px),
         reduction(options_in.psf_sigma_px) {
     for (const WorldCamera& camera : world.description().cameras)
@@ -178,6 +186,7 @@ struct Renderer::Impl {
 
   void render(const CameraPlan& plan, const Rigid3& T_world_camera, bool with_ceiling, RenderedView* view);
   void draw_frame(const CameraPlan& plan, Pass pass);
+  RgbaView read_picture(const Frustum& frustum);
   void take_color(const CameraPlan& plan, Image8* color);
   void take_depth(const CameraPlan& plan, ImageF* depth_m);
   void take_object_ids(const CameraPlan& plan, Image16* ids);
@@ -188,6 +197,8 @@ struct Renderer::Impl {
   World& world;
   RenderOptions options;
   GlScene gl;
+  Sky sky;
+  Eigen::Matrix3d R_world_camera = Eigen::Matrix3d::Identity();
   PointSpread point_spread;
   DoubleReduction reduction;
   std::vector<CameraPlan> plans;
@@ -204,10 +215,12 @@ PixelRect Renderer::Impl::region_at_double(const CameraPlan& plan, const Rigid3&
                       description.board_margin_m);
 }
 
-void Renderer::Impl::draw_frame(const CameraPlan& plan, Pass pass) {
-  const Camera& camera = plan.camera;
-  gl.draw(plan.lens ? plan.table.source().frustum() : frustum_of(camera, {0, 0, camera.width_px, camera.height_px}, 1),
-          pass);
+void Renderer::Impl::draw_frame(const CameraPlan& plan, Pass pass) { gl.draw(whole_frustum(plan), pass); }
+
+RgbaView Renderer::Impl::read_picture(const Frustum& frustum) {
+  const RgbaView picture = gl.read_color();
+  sky.paint(frustum, R_world_camera, gl.color_rows_from_bottom());
+  return picture;
 }
 
 RgbaView Renderer::Impl::resampled(const RgbaView& source, const RayTable& table) {
@@ -219,7 +232,7 @@ RgbaView Renderer::Impl::resampled(const RgbaView& source, const RayTable& table
 }
 
 void Renderer::Impl::take_color(const CameraPlan& plan, Image8* color) {
-  const RgbaView picture = gl.read_color();
+  const RgbaView picture = read_picture(whole_frustum(plan));
   point_spread.apply(plan.lens ? resampled(picture, plan.table) : picture, color);
 }
 
@@ -266,21 +279,19 @@ void Renderer::Impl::take_object_ids(const CameraPlan& plan, Image16* ids) {
 void Renderer::Impl::refine(const CameraPlan& plan, const PixelRect& rect, Image8* color) {
   const int margin = reduction.margin_px();
   const PixelRect wide = {rect.x0 - margin, rect.y0 - margin, rect.width + 2 * margin, rect.height + 2 * margin};
-  if (!plan.lens) {
-    gl.draw(frustum_of(plan.camera, wide, 2), Pass::kColor);
-    reduction.apply(gl.read_color(), rect, color);
-    return;
-  }
-  if (!region_table.fill(*plan.lens, wide, 2)) return;
-  region_table.locate();
-  gl.draw(region_table.source().frustum(), Pass::kColor);
-  reduction.apply(resampled(gl.read_color(), region_table), rect, color);
+  if (plan.lens && !region_table.fill(*plan.lens, wide, 2)) return;
+  if (plan.lens) region_table.locate();
+  const Frustum frustum = plan.lens ? region_table.source().frustum() : frustum_of(plan.camera, wide, 2);
+  gl.draw(frustum, Pass::kColor);
+  const RgbaView picture = read_picture(frustum);
+  reduction.apply(plan.lens ? resampled(picture, region_table) : picture, rect, color);
 }
 
 void Renderer::Impl::render(const CameraPlan& plan, const Rigid3& T_world_camera, bool with_ceiling,
                             RenderedView* view) {
   const Camera& camera = plan.camera;
   gl.look_from(T_world_camera, with_ceiling);
+  R_world_camera = T_world_camera.rotation_matrix();
   const PixelRect region = options.color ? region_at_double(plan, T_world_camera) : PixelRect();
   const bool all_at_double = region.width == camera.width_px && region.height == camera.height_px;
   const bool color_at_single = options.color && !all_at_double;

@@ -51,7 +51,9 @@ void fill_texture(mjModel* model, const std::string& name, const std::vector<std
   const int id = mj_name2id(model, mjOBJ_TEXTURE, name.c_str());
   std::uint8_t* bytes = id < 0 ? nullptr : mujoco::texture_bytes(model, id);
   if (bytes == nullptr) throw Error("texture " + name + " is not in the compiled model as three channels");
-  std::copy(rgb.begin(), rgb.end(), bytes);
+  // A cube's six sides lie one below the other.
+  const int copies = model->tex_type[id] == mjTEXTURE_CUBE ? 6 : 1;
+  for (int i = 0; i < copies; ++i) bytes = std::copy(rgb.begin(), rgb.end(), bytes);
 }
 
 ObjectKind classify(const mjModel* model, int geom, int robot_body) {

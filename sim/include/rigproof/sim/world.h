@@ -22,12 +22,13 @@ struct WorldCamera {
 
 /// A texture that a scene's MJCF refers to by name: procedural and seeded, or an image file.
 struct SceneTexture {
-  std::string name;                                      ///< as the MJCF's materials call it
-  std::string type;                                      ///< see texture_types() in textures.h, or "file"
-  std::filesystem::path file;                            ///< for type "file"
-  int size_px = 1024;                                    ///< side of the square texture, a power of two
-  double scale = 1.0;                                    ///< size of the features relative to the type's default
-  double contrast = 1.0;                                 ///< strength of the pattern relative to the type's default
+  std::string name;            ///< as the MJCF's materials call it
+  std::string type;            ///< see texture_types() in textures.h, or "file"
+  std::filesystem::path file;  ///< for type "file"
+  int size_px = 1024;          ///< side of the square texture, a power of two
+  bool cube = false;           ///< wrapped around boxes and cylinders, every side the same, instead of laid flat
+  double scale = 1.0;          ///< size of the features relative to the type's default
+  double contrast = 1.0;       ///< strength of the pattern relative to the type's default
   std::array<double, 3> color = {0.5, 0.5, 0.5};         ///< main colour, 0 to 1
   std::array<double, 3> second_color = {0.3, 0.3, 0.3};  ///< joints, mortar, stains, ...
 };

@@ -1,0 +1,243 @@
+#include "rigproof/sim/models.h"
+
+#include <cmath>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/data_path.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/fields.h"
+#include "rigproof/core/rig_yaml.h"
+#include "textures.h"
+
+namespace rigproof {
+namespace {
+
+constexpr std::size_t kMaxCameras = 8;
+
+std::filesystem::path beside(const std::filesystem::path& yaml_file, const std::string& name) {
+  return yaml_file.parent_path() / name;
+}
+
+// Optical axes (x right, y down, z forward) in body axes (x forward, y left, z up).
+Eigen::Quaterniond optical_in_body() { return Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5); }
+
+Rigid3 read_mount(MapReader& camera) {
+  const YamlTree* tree = camera.find("mount");
+  if (tree == nullptr) {
+    camera.require("mount", "a block {x_m, y_m, z_m, roll_deg, pitch_deg, yaw_deg}");
+    return {};
+  }
+  MapReader map(*tree, camera.path_of("mount"), &camera.problems());
+  const auto distance = [&map](const char* key) {
+    map.require(key, "a place in the robot frame in metres, -10 to 10");
+    return map.number(key, {-10.0, 10.0}).value_or(0.0);
+  };
+  const auto angle = [&map](const char* key) { return map.number(key, {-180.0, 180.0}).value_or(0.0); };
+  const double x = distance("x_m"), y = distance("y_m"), z = distance("z_m");
+  const Rigid3 T_robot_camera = mount_pose(x, y, z, angle("roll_deg"), angle("pitch_deg"), angle("yaw_deg"));
+  map.finish();
+  return T_robot_camera;
+}
+
+void read_mounted_cameras(const YamlTree& cameras, RigModel* rig, Problems* problems) {
+  const RigReadOptions options{{}, true};
+  for (const auto& [name, tree] : cameras.entries) {
+    const std::string path = "cameras." + name;
+    MapReader map(tree, path, problems);
+    if (!is_frame_name(name))
+      map.problem("", "a camera's name is made of letters, digits, _ - . and is at most 64 characters long");
+    rig->T_robot_camera.push_back(read_mount(map));
+    RigCamera camera = read_rig_camera(name, map, options);
+    if (camera.folder.empty()) camera.folder = name;
+    map.finish();
+    rig->rig.cameras.push_back(std::move(camera));
+  }
+}
+
+void visit_color(FieldVisitor& visitor, const char* key, std::array<double, 3>& color, const char* description) {
+  std::vector<double> values(color.begin(), color.end());
+  visitor.field(key, values, {0.0, 1.0}, 3, 3, description);
+  if (values.size() == 3) std::copy(values.begin(), values.end(), color.begin());
+}
+
+bool is_power_of_two(std::int64_t value) { return value > 0 && (value & (value - 1)) == 0; }
+
+void visit_texture(FieldVisitor& visitor, SceneTexture& texture) {
+  visitor.field("name", texture.name, {}, "name that the materials of the MJCF refer to");
+  visitor.field("type", texture.type, {texture_types()}, "kind of pattern, or `file`");
+  std::string file = texture.file.string();
+  visitor.field("file", file, {}, "image for type `file`, relative to this scene");
+  texture.file = file;
+  std::int64_t size_px = texture.size_px;
+  visitor.field("size_px", size_px, {16.0, 4096.0}, "side of the texture, a power of two");
+  texture.size_px = static_cast<int>(size_px);
+  visitor.check(is_power_of_two(size_px), "size_px", "must be a power of two");
+  visitor.field("cube", texture.cube, "wrapped around boxes and cylinders instead of laid flat");
+  visitor.field("scale", texture.scale, {0.05, 20.0}, "size of the features relative to the type's default");
+  visitor.field("contrast", texture.contrast, {0.0, 4.0}, "strength of the pattern relative to the type's default");
+  visit_color(visitor, "color", texture.color, "main colour, red green blue, 0 to 1");
+  visit_color(visitor, "second_color", texture.second_color, "joints, mortar, stains: red green blue, 0 to 1");
+  visitor.check(!texture.name.empty(), "name", "is missing: materials refer to a texture by its name");
+  visitor.check(!texture.type.empty(), "type", "is missing: the kind of pattern");
+  visitor.check(texture.type != "file" || !file.empty(), "file", "is missing: type `file` needs an image");
+}
+
+void visit_area(FieldVisitor& visitor, FloorArea& area) {
+  const NumberRange range{-1000.0, 1000.0};
+  visitor.field("x_min_m", area.x_min, range, "lower end along world x");
+  visitor.field("x_max_m", area.x_max, range, "upper end along world x");
+  visitor.field("y_min_m", area.y_min, range, "lower end along world y");
+  visitor.field("y_max_m", area.y_max, range, "upper end along world y");
+  visitor.check(area.x_max > area.x_min && area.y_max > area.y_min, "",
+                "an area needs x_min_m < x_max_m and y_min_m < y_max_m");
+}
+
+void visit_placement(FieldVisitor& visitor, BoardPlacementRange& board) {
+  visitor.field("x_m", board.x_m, {-1000.0, 1000.0}, "middle of the board along world x");
+  visitor.field("y_m", board.y_m, {-1000.0, 1000.0}, "middle of the board along world y");
+  visitor.field("z_m", board.z_m, {0.0, 100.0}, "height of the middle above the floor");
+  visitor.field("facing_deg", board.facing_deg, {-360.0, 360.0}, "heading in which the board faces");
+  visitor.field("lean_deg", board.lean_deg, {-90.0, 90.0}, "how far the board leans back");
+  visitor.field("roll_deg", board.roll_deg, {-180.0, 180.0}, "turn about the board's normal");
+}
+
+void visit_scene(FieldVisitor& visitor, SceneModel& scene, std::string& mjcf) {
+  SceneDescription& world = scene.world;
+  visitor.field("description", scene.description, {}, "one sentence");
+  visitor.field("mjcf", mjcf, {}, "geometry and lights, relative to this file");
+  visitor.check(!mjcf.empty(), "mjcf", "is missing: the MJCF file of the scene");
+  visitor.field("outdoor", scene.outdoor, "time-of-flight cameras see next to nothing outdoors");
+  visitor.section(
+      "drivable_area", [&](FieldVisitor& area) { visit_area(area, world.drivable_area); },
+      "rectangle of free floor in which a robot may be placed");
+  visitor.section(
+      "board", [&](FieldVisitor& board) { visit_placement(board, scene.board); }, "where the board stands by default");
+  visitor.field("near_m", world.near_m, {0.01, 1.0}, "nearest visible distance; depth resolution depends on it");
+  visitor.field("far_m", world.far_m, {2.0, 1000.0}, "farthest visible distance");
+  visit_color(visitor, "sky_zenith", world.sky_zenith, "colour of the sky overhead");
+  visit_color(visitor, "sky_horizon", world.sky_horizon, "colour of the sky at the horizon");
+  visitor.field("shadows", world.shadows, "lights cast shadows; rendering takes about twice as long");
+  visitor.list(
+      "textures", [&] { return world.textures.size(); }, [&](std::size_t size) { world.textures.resize(size); },
+      [&](std::size_t i, FieldVisitor& texture) { visit_texture(texture, world.textures[i]); },
+      "procedural textures and image files");
+}
+
+}  // namespace
+
+Rigid3 mount_pose(double x_m, double y_m, double z_m, double roll_deg, double pitch_deg, double yaw_deg) {
+  const Eigen::Quaterniond body = rotation_z(deg_to_rad(yaw_deg)) *
+                                  Eigen::AngleAxisd(deg_to_rad(pitch_deg), Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(deg_to_rad(roll_deg), Eigen::Vector3d::UnitX());
+  return Rigid3(body * optical_in_body(), Eigen::Vector3d(x_m, y_m, z_m));
+}
+
+Rigid3 place_board(const Board& board, const BoardPlacement& placement) {
+  // A board that faces along world x shows a viewer, who looks along -x, its x axis to the right (world y) and its
+  // y axis down.
+  Eigen::Matrix3d upright;
+  upright << 0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  const Eigen::Quaterniond rotation = rotation_z(deg_to_rad(placement.facing_deg)) *
+                                      Eigen::AngleAxisd(-deg_to_rad(placement.lean_deg), Eigen::Vector3d::UnitY()) *
+                                      Eigen::AngleAxisd(deg_to_rad(placement.roll_deg), Eigen::Vector3d::UnitX()) *
+                                      Eigen::Quaterniond(upright);
+  const Eigen::Vector3d middle(placement.x_m, placement.y_m, placement.z_m);
+  return Rigid3(rotation, middle - rotation * board.centre());
+}
+
+BoardPlacement BoardPlacementRange::sample(RandomStream& random) const {
+  BoardPlacement placement;
+  placement.x_m = x_m.sample(random);
+  placement.y_m = y_m.sample(random);
+  placement.z_m = z_m.sample(random);
+  placement.facing_deg = facing_deg.sample(random);
+  placement.lean_deg = lean_deg.sample(random);
+  placement.roll_deg = roll_deg.sample(random);
+  return placement;
+}
+
+BoardPlacement BoardPlacementRange::middle() const {
+  return {x_m.mean(), y_m.mean(), z_m.mean(), facing_deg.mean(), lean_deg.mean(), roll_deg.mean()};
+}
+
+RobotModel load_robot_model(const std::string& name_or_file) {
+  const std::filesystem::path file = find_data_file("robots", name_or_file);
+  RobotModel robot;
+  robot.name = file.stem().string();
+  std::string mjcf;
+  const NumberRange length{0.01, 10.0};
+  read_fields(file, [&](FieldVisitor& visitor) {
+    visitor.field("description", robot.description, {}, "one sentence");
+    visitor.field("mjcf", mjcf, {}, "the robot's body, relative to this file");
+    visitor.check(!mjcf.empty(), "mjcf", "is missing: the MJCF file of the robot");
+    visitor.field("mass_kg", robot.mass_kg, {0.1, 10000.0}, "whole mass");
+    visitor.field("wheel_radius_m", robot.wheel_radius_m, length, "nominal, for odometry");
+    visitor.field("track_m", robot.track_m, length, "between the middles of left and right wheels");
+    visitor.field("wheelbase_m", robot.wheelbase_m, length, "between front and rear axles");
+    visitor.field("slip_factor", robot.slip_factor, {1.0, 10.0}, "effective track over track; 1 for no slip");
+    visitor.field("footprint_length_m", robot.footprint_length_m, length, "along x");
+    visitor.field("footprint_width_m", robot.footprint_width_m, length, "along y");
+  });
+  robot.mjcf = beside(file, mjcf);
+  return robot;
+}
+
+RigModel load_rig_model(const std::string& name_or_file) {
+  const std::filesystem::path file = find_data_file("rigs", name_or_file);
+  const YamlTree tree = read_yaml_file(file);
+  Problems problems;
+  MapReader map(tree, "", &problems);
+  RigModel rig;
+  rig.name = rig.rig.name = file.stem().string();
+  rig.description = map.text("description").value_or("");
+  rig.rig.robot_frame = map.text("robot_frame").value_or(rig.rig.robot_frame);
+  map.require("robot", "the name of a robot in models/robots");
+  const std::string robot = map.text("robot").value_or("");
+  if (const YamlTree* board = map.find("board")) rig.rig.board = read_board(*board, "board", &problems);
+  const YamlTree* cameras = map.find("cameras");
+  if (cameras == nullptr || !cameras->is_map() || cameras->entries.empty() || cameras->entries.size() > kMaxCameras)
+    map.problem("cameras", "must be a block of 1 to 8 cameras by name");
+  else
+    read_mounted_cameras(*cameras, &rig, &problems);
+  map.finish("x-");
+  problems.throw_if_any();
+  rig.robot = load_robot_model(robot);
+  return rig;
+}
+
+SceneModel load_scene_model(const std::string& name_or_file) {
+  const std::filesystem::path file = find_data_file("scenes", name_or_file);
+  SceneModel scene;
+  scene.name = file.stem().string();
+  std::string mjcf;
+  read_fields(file, [&](FieldVisitor& visitor) { visit_scene(visitor, scene, mjcf); });
+  scene.world.mjcf = beside(file, mjcf);
+  for (SceneTexture& texture : scene.world.textures)
+    if (!texture.file.empty()) texture.file = beside(file, texture.file.string());
+  return scene;
+}
+
+std::vector<std::string> robot_model_names() { return list_presets("robots"); }
+std::vector<std::string> rig_model_names() { return list_presets("rigs"); }
+std::vector<std::string> scene_model_names() { return list_presets("scenes"); }
+
+std::vector<WorldCamera> world_cameras(const RigModel& rig) {
+  std::vector<WorldCamera> cameras;
+  for (std::size_t i = 0; i < rig.rig.cameras.size(); ++i)
+    cameras.push_back({rig.rig.cameras[i].name, rig.T_robot_camera[i], rig.rig.cameras[i].camera});
+  return cameras;
+}
+
+WorldDescription describe_world(const RigModel& rig, const SceneModel& scene, const Board& board,
+                                const Rigid3& T_world_board, std::uint64_t seed) {
+  WorldDescription description;
+  description.robot_mjcf = rig.robot.mjcf;
+  description.scene = scene.world;
+  description.scene_seed = seed;
+  description.cameras = world_cameras(rig);
+  description.board = board;
+  description.T_world_board = T_world_board;
+  return description;
+}
+
+}  // namespace rigproof
