@@ -1,1 +1,10 @@
-# list(APPEND calib_sources src/ml/...cpp)
+list(APPEND calib_sources
+  src/ml/arrow_system.cpp
+  src/ml/covariance.cpp
+  src/ml/information.cpp
+  src/ml/ml.cpp
+  src/ml/noise.cpp
+  src/ml/problem.cpp
+  src/ml/residuals.cpp
+  src/ml/solver.cpp
+  src/ml/state.cpp)

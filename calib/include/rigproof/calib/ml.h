@@ -1,0 +1,62 @@
+// Maximum likelihood: all extrinsics, board, robot poses and nuisances together, at the statistical limit.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "rigproof/calib/information.h"
+#include "rigproof/calib/method.h"
+#include "rigproof/calib/observability.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/result.h"
+
+namespace rigproof {
+
+struct MlOptions {
+  /// Standard deviations of the suspension's slack about the plane; absent: estimated.
+  std::optional<double> suspension_height_sigma_m;
+  std::optional<double> suspension_tilt_sigma_rad;
+  /// Whether the stated covariances of corners and planes are scaled to what the residuals show, per camera.
+  bool estimate_corner_level = true;
+  bool estimate_plane_level = true;
+  /// Priors of the odometry's systematic errors (increments only), one sigma; 0 = none are assumed.
+  double odometry_scale_sigma = 0.1;
+  double odometry_yaw_factor_sigma = 0.1;
+  /// Priors of focal length (relative) and principal point; 0 = the stated intrinsics are believed.
+  double focal_relative_sigma = 0.0;
+  double principal_point_sigma_px = 0.0;
+  PosteriorLimits limits;
+  /// Where to start instead of the closed-form guess.
+  std::optional<CalibrationState> start;
+  /// Steps below this fraction of a standard deviation (squared) end the iteration.
+  double tolerance = 1e-8;
+};
+
+/// How sure the choice between the two odometry models is.
+struct OdometryDecision {
+  bool decided_from_data = false;
+  OdometryModel model = OdometryModel::kPerIncrement;
+  double log_likelihood_ratio = 0.0;  ///< ln of the ratio to the other model, >= 0
+  double probability = 1.0;           ///< of this model, both being equally likely beforehand
+};
+
+struct MlEstimate {
+  Result result;
+  CalibrationState state;            ///< at the optimum; empty if there was nothing to solve
+  CalibrationNoise noise;            ///< levels that were given or estimated
+  std::vector<double> corner_scale;  ///< of the stated corner sigmas, per camera
+  std::vector<double> plane_scale;
+  OdometryDecision odometry;
+  MotionVerdict motion;
+  double cost = 0.0;  ///< robust, whitened
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Never throws on data; see Method::solve().
+MlEstimate estimate_maximum_likelihood(const Observations& observations, const MlOptions& options = {});
+
+/// The method `ml` of the registry.
+const Method& ml_method();
+
+}  // namespace rigproof

@@ -1,0 +1,61 @@
+// Normal equations with the estimator's shape: poses coupled in a chain, and a few globals coupled to all of them.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof::ml {
+
+/// H = [P U; U' C] with P block tridiagonal (6x6 blocks), and the gradient g.
+struct ArrowSystem {
+  ArrowSystem(int poses, int globals);
+
+  std::vector<Matrix6d> diagonal;   ///< P(i, i)
+  std::vector<Matrix6d> coupling;   ///< P(i, i - 1); the first is unused
+  Eigen::MatrixXd pose_global;      ///< U, 6 poses x globals
+  Eigen::MatrixXd global;           ///< C
+  Eigen::VectorXd pose_gradient;    ///< 6 poses
+  Eigen::VectorXd global_gradient;  ///< globals
+
+  int poses() const { return static_cast<int>(diagonal.size()); }
+  int globals() const { return static_cast<int>(global.rows()); }
+  /// Takes an unknown of a pose out of the equations: its step is zero.
+  void fix_pose_unknown(int pose, int unknown);
+  void fix_global_unknown(int unknown);
+};
+
+/// H after eliminating the poses: linear in their number.
+class EliminatedSystem {
+ public:
+  /// @param damping the diagonal is multiplied by 1 + damping. Absent if P is not positive definite.
+  static std::optional<EliminatedSystem> eliminate(const ArrowSystem& system, double damping);
+
+  /// C - U' P^-1 U.
+  const Eigen::MatrixXd& schur() const { return schur_; }
+  /// Step -H^-1 g; false if the Schur complement is not positive definite.
+  bool step(Eigen::VectorXd* pose_step, Eigen::VectorXd* global_step) const;
+  double log_determinant_of_poses() const { return log_determinant_; }
+  /// log det of the Schur complement; not a number if it is not positive definite.
+  double log_determinant_of_globals() const;
+
+  /// Blocks of H^-1 for given inverse of the Schur complement.
+  struct PoseCovariance {
+    std::vector<Matrix6d> diagonal;       ///< (i, i)
+    std::vector<Matrix6d> with_previous;  ///< (i, i - 1)
+    Eigen::MatrixXd with_globals;         ///< 6 poses x globals
+  };
+  PoseCovariance pose_covariance(const Eigen::MatrixXd& global_covariance) const;
+
+ private:
+  std::vector<Matrix6d> inverse_pivot_;  // D_i^-1 of P = L D L'
+  std::vector<Matrix6d> factor_;         // L(i, i - 1)
+  Eigen::MatrixXd solved_;               // P^-1 [U g]
+  Eigen::MatrixXd schur_;
+  Eigen::VectorXd schur_gradient_;
+  double log_determinant_ = 0.0;
+};
+
+}  // namespace rigproof::ml

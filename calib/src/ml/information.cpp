@@ -1,0 +1,88 @@
+#include "rigproof/calib/information.h"
+
+#include <algorithm>
+#include <string>
+
+#include "ml/covariance.h"
+#include "ml/solver.h"
+#include "rigproof/core/error.h"
+
+namespace rigproof {
+namespace {
+
+void require(bool holds, const char* field, std::size_t actual, std::size_t expected) {
+  if (holds) return;
+  throw Error(std::string("bound: ") + field + ": " + std::to_string(actual) + " given, the observations have " +
+              std::to_string(expected));
+}
+
+ml::State to_state(const Observations& observations, const CalibrationState& values) {
+  const std::size_t cameras = observations.cameras.size(), stops = observations.stops.size();
+  require(values.T_robot_camera.size() == cameras, "T_robot_camera", values.T_robot_camera.size(), cameras);
+  require(values.depth_scale.size() == cameras, "depth_scale", values.depth_scale.size(), cameras);
+  require(values.T_world_robot.size() == stops, "T_world_robot", values.T_world_robot.size(), stops);
+  ml::State state;
+  state.T_robot_camera = values.T_robot_camera;
+  state.T_world_board = values.T_world_board;
+  for (const Rigid3& T : values.T_world_robot) state.poses.push_back(ml::RobotPose::from_transform(T));
+  state.odometry_scale = values.odometry_scale;
+  state.odometry_yaw_factor = values.odometry_yaw_factor;
+  for (const double scale : values.depth_scale) state.depth_bias.push_back(scale - 1.0);
+  state.intrinsics.assign(cameras, Eigen::Vector3d::Zero());
+  return state;
+}
+
+ml::NoiseLevels to_levels(const CalibrationNoise& noise, std::size_t cameras) {
+  ml::NoiseLevels levels;
+  levels.odometry_model = noise.odometry_model;
+  levels.odometry_xy_m = std::max(noise.odometry_xy_m, ml::kMinOdometryXy_m);
+  levels.odometry_yaw_rad = std::max(noise.odometry_yaw_rad, ml::kMinOdometryYaw_rad);
+  levels.suspension_height_m = std::max(noise.suspension_height_m, ml::kMinSuspensionHeight_m);
+  levels.suspension_tilt_rad = std::max(noise.suspension_tilt_rad, ml::kMinSuspensionTilt_rad);
+  levels.corner_scale.assign(cameras, 1.0);
+  levels.plane_scale.assign(cameras, 1.0);
+  return levels;
+}
+
+}  // namespace
+
+InformationBound cramer_rao_bound(const Observations& observations, const CalibrationState& values,
+                                  const CalibrationNoise& noise) {
+  const ml::State state = to_state(observations, values);
+  ml::Priors priors;
+  priors.odometry_scale = noise.odometry_scale_prior;
+  priors.odometry_yaw_factor = noise.odometry_yaw_factor_prior;
+  for (const RigCamera& camera : observations.cameras)
+    priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
+  const ml::Problem problem(observations, priors, to_levels(noise, observations.cameras.size()));
+  const ml::ArrowSystem system = problem.linearise(state, ml::Weighting::kUnit, nullptr, nullptr);
+  const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
+  if (!eliminated) throw Error("bound: the information of the robot poses is not positive definite");
+  const ml::GlobalCovariance globals = ml::invert_information(eliminated->schur());
+  const Eigen::MatrixXd J = ml::camera_chart(state, problem.layout());
+
+  InformationBound bound;
+  bound.joint = J * globals.covariance * J.transpose();
+  bound.free_directions = J * globals.free_directions;
+  const int cameras = problem.layout().cameras;
+  for (int c = 0; c < cameras; ++c) bound.camera_to_robot.push_back(bound.joint.block<6, 6>(6 * c, 6 * c));
+  for (int j = 0; j < cameras; ++j) {
+    for (int k = j + 1; k < cameras; ++k) {
+      const Eigen::MatrixXd P = ml::pair_chart(values.T_robot_camera, j, k);
+      bound.camera_to_camera.push_back({j, k, P * bound.joint * P.transpose()});
+    }
+  }
+  return bound;
+}
+
+Eigen::MatrixXd to_left_perturbation(const Eigen::MatrixXd& joint, const std::vector<Rigid3>& T_robot_camera) {
+  Eigen::MatrixXd M = Eigen::MatrixXd::Identity(joint.rows(), joint.cols());
+  // Log(X_hat X^-1) = (dt - w x t, w) for small errors (dt, w).
+  for (std::size_t c = 0; c < T_robot_camera.size(); ++c) {
+    const Eigen::Index i = 6 * static_cast<Eigen::Index>(c);
+    M.block<3, 3>(i, i + 3) = skew(T_robot_camera[c].translation);
+  }
+  return M * joint * M.transpose();
+}
+
+}  // namespace rigproof

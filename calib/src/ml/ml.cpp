@@ -1,0 +1,509 @@
+#include "rigproof/calib/ml.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "ml/covariance.h"
+#include "ml/solver.h"
+#include "rigproof/calib/initial_guess.h"
+#include "rigproof/calib/trajectory_alignment.h"
+#include "rigproof/calib/view_poses.h"
+#include "rigproof/core/conventions.h"
+
+namespace rigproof {
+namespace {
+
+using ml::Group;
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  char text[512];
+  std::snprintf(text, sizeof(text), pattern, args...);
+  return text;
+}
+
+// One odometry model's solution.
+struct Fit {
+  ml::NoiseLevels noise;
+  ml::State state;
+  std::vector<bool> view_left_out;
+  ml::SolverSummary summary;
+  double minus_two_log_likelihood = 0.0;
+};
+
+ml::NoiseLevels starting_levels(const Observations& observations, OdometryModel model, const MlOptions& options) {
+  ml::NoiseLevels levels;
+  levels.odometry_model = model;
+  const OdometryNoise& given = observations.odometry_noise;
+  levels.odometry_xy_m = std::max(given.sigma_xy_m.value_or(levels.odometry_xy_m), ml::kMinOdometryXy_m);
+  levels.odometry_yaw_rad = std::max(given.sigma_yaw_rad.value_or(levels.odometry_yaw_rad), ml::kMinOdometryYaw_rad);
+  levels.suspension_height_m =
+      std::max(options.suspension_height_sigma_m.value_or(levels.suspension_height_m), ml::kMinSuspensionHeight_m);
+  levels.suspension_tilt_rad =
+      std::max(options.suspension_tilt_sigma_rad.value_or(levels.suspension_tilt_rad), ml::kMinSuspensionTilt_rad);
+  levels.corner_scale.assign(observations.cameras.size(), 1.0);
+  levels.plane_scale.assign(observations.cameras.size(), 1.0);
+  return levels;
+}
+
+ml::EstimatedLevels estimated_levels(const Observations& observations, const MlOptions& options) {
+  ml::EstimatedLevels levels;
+  levels.odometry_xy = !observations.odometry_noise.sigma_xy_m;
+  levels.odometry_yaw = !observations.odometry_noise.sigma_yaw_rad;
+  levels.suspension_height = !options.suspension_height_sigma_m;
+  levels.suspension_tilt = !options.suspension_tilt_sigma_rad;
+  levels.corners = options.estimate_corner_level;
+  levels.planes = options.estimate_plane_level;
+  return levels;
+}
+
+ml::Priors priors_of(const Observations& observations, const MlOptions& options) {
+  ml::Priors priors;
+  priors.odometry_scale = options.odometry_scale_sigma;
+  priors.odometry_yaw_factor = options.odometry_yaw_factor_sigma;
+  for (const RigCamera& camera : observations.cameras)
+    priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
+  priors.focal_relative = options.focal_relative_sigma;
+  priors.principal_point_px = options.principal_point_sigma_px;
+  return priors;
+}
+
+ml::State starting_state(const Observations& observations, const CalibrationState& start) {
+  ml::State state;
+  state.T_robot_camera = start.T_robot_camera;
+  state.T_world_board = start.T_world_board;
+  for (const Rigid3& T : start.T_world_robot) state.poses.push_back(ml::RobotPose::from_transform(T));
+  state.odometry_scale = start.odometry_scale;
+  state.odometry_yaw_factor = start.odometry_yaw_factor;
+  state.depth_bias.assign(observations.cameras.size(), 0.0);
+  for (std::size_t c = 0; c < start.depth_scale.size(); ++c) state.depth_bias[c] = start.depth_scale[c] - 1.0;
+  state.intrinsics.assign(observations.cameras.size(), Eigen::Vector3d::Zero());
+  return state;
+}
+
+// Odometry's own world: absolute poses are compared with it, so the state moves there.
+void move_to_odometry_frame(const Observations& observations, ml::State* state) {
+  if (observations.stops.empty()) return;
+  // The planar rigid motion that best maps the estimated positions and headings to the odometry's.
+  Eigen::Vector2d mean_from = Eigen::Vector2d::Zero(), mean_to = Eigen::Vector2d::Zero();
+  const double n = static_cast<double>(observations.stops.size());
+  double sine = 0.0, cosine = 0.0;
+  for (std::size_t i = 0; i < observations.stops.size(); ++i) {
+    mean_from += Eigen::Vector2d(state->poses[i].x_m, state->poses[i].y_m) / n;
+    mean_to += Eigen::Vector2d(observations.stops[i].x_m, observations.stops[i].y_m) / n;
+    const double turn = observations.stops[i].yaw_rad - state->poses[i].yaw_rad;
+    sine += std::sin(turn);
+    cosine += std::cos(turn);
+  }
+  const double yaw = std::atan2(sine, cosine);
+  const Eigen::Vector2d shift = mean_to - Eigen::Rotation2Dd(yaw) * mean_from;
+  const Rigid3 T_odom_world = planar_pose(shift.x(), shift.y(), yaw);
+  for (ml::RobotPose& pose : state->poses) pose = ml::RobotPose::from_transform(T_odom_world * pose.transform());
+  state->T_world_board = T_odom_world * state->T_world_board;
+}
+
+// Median of what the residuals of the groups are, in sigmas: how wide the loss must be to see them at the start.
+double start_width(const ml::Problem& problem, const ml::State& state) {
+  ml::GroupSums sums;
+  problem.linearise(state, ml::Weighting::kRobust, nullptr, &sums);
+  double widest = 1.0;
+  for (const std::vector<ml::GroupSum>& group : sums)
+    for (const ml::GroupSum& sum : group)
+      if (sum.dimensions > 0) widest = std::max(widest, std::sqrt(sum.square / sum.dimensions));
+  return std::min(widest, 1e4);
+}
+
+// The loss is narrowed step by step: a start that is off by many sigmas still pulls with all its residuals.
+void anneal(ml::Problem* problem, ml::State* state) {
+  const double c2 = problem->loss.c2;
+  ml::SolverOptions rough;
+  rough.max_iterations = 6;
+  rough.tolerance = 1e-2;
+  for (double width = start_width(*problem, *state); width > 1.5; width = std::sqrt(width)) {
+    problem->loss.c2 = c2 * width * width;
+    ml::minimise(*problem, rough, state);
+  }
+  problem->loss.c2 = c2;
+}
+
+bool leave_out_wrong_views(ml::Problem* problem, const ml::State& state) {
+  constexpr double kWrongView = 0.05;  // mean weight: nearly every corner is tens of sigmas off
+  bool changed = false;
+  for (std::size_t v = 0; v < problem->view_left_out.size(); ++v) {
+    if (problem->view_left_out[v]) continue;
+    if (problem->view_fit(state, v).mean_weight >= kWrongView) continue;
+    problem->view_left_out[v] = changed = true;
+  }
+  return changed;
+}
+
+class Estimator {
+ public:
+  Estimator(const Observations& observations, const MlOptions& options)
+      : original_(observations), options_(options), used_(observations) {}
+
+  MlEstimate run() {
+    const auto begin = std::chrono::steady_clock::now();
+    estimate_.result.method = "ml";
+    if (start()) {
+      decide_odometry();
+      report();
+    }
+    add_use();
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+    estimate_.result.solve_s = elapsed.count();
+    return std::move(estimate_);
+  }
+
+ private:
+  // Poses of the views, the vertical, the ground and the closed-form guess. False: there is nothing to solve.
+  bool start() {
+    ViewPoses poses = estimate_view_poses(original_);
+    views_ = std::move(poses.poses);
+    excluded_ = std::move(poses.exclusions);
+    alignment_ = align_trajectories(original_, views_);
+    const GroundCheck ground = check_ground_planes(original_, alignment_);
+    guess_ = initial_guess(original_, views_, alignment_, ground);
+    excluded_.insert(excluded_.end(), ground.rejected.begin(), ground.rejected.end());
+    if (!guess_.T_world_board) {
+      estimate_.result.reasons.push_back("No camera ever saw the board: nothing can be calibrated.");
+      return false;
+    }
+    estimate_.motion = assess_motion(original_, views_, alignment_, guess_, solved_cameras());
+    keep_usable(ground);
+    start_ = options_.start ? starting_state(original_, *options_.start) : starting_state(original_, guessed());
+    return true;
+  }
+
+  std::vector<int> solved_cameras() const {
+    std::vector<int> cameras;
+    for (std::size_t c = 0; c < guess_.T_robot_camera.size(); ++c)
+      if (guess_.T_robot_camera[c]) cameras.push_back(static_cast<int>(c));
+    return cameras;
+  }
+
+  bool solved(int camera) const { return guess_.T_robot_camera[static_cast<std::size_t>(camera)].has_value(); }
+
+  void keep_usable(const GroundCheck& ground) {
+    used_.ground_planes.clear();
+    used_.board_planes.clear();
+    for (std::size_t i = 0; i < original_.ground_planes.size(); ++i)
+      if (ground.accepted[i] && solved(original_.ground_planes[i].camera))
+        used_.ground_planes.push_back(original_.ground_planes[i]);
+    for (const PlaneObservation& plane : original_.board_planes)
+      if (solved(plane.camera)) used_.board_planes.push_back(plane);
+  }
+
+  CalibrationState guessed() const {
+    CalibrationState state;
+    for (const std::optional<Rigid3>& T : guess_.T_robot_camera) state.T_robot_camera.push_back(T.value_or(Rigid3()));
+    state.T_world_board = *guess_.T_world_board;
+    state.T_world_robot = guess_.T_world_robot;
+    return state;
+  }
+
+  Fit fit(OdometryModel model) const {
+    Fit fit;
+    ml::Problem problem(used_, priors_of(used_, options_), starting_levels(used_, model, options_));
+    fit.state = start_;
+    for (int c = 0; c < problem.layout().cameras; ++c) problem.camera_fixed[static_cast<std::size_t>(c)] = !solved(c);
+    for (const Exclusion& excluded : excluded_)
+      for (std::size_t v = 0; v < used_.board_views.size(); ++v)
+        if (used_.board_views[v].stop == excluded.stop && used_.board_views[v].camera == excluded.camera &&
+            excluded.reason.find("ground") == std::string::npos && !has_pose(v))
+          problem.view_left_out[v] = true;
+    if (model == OdometryModel::kPerPose) move_to_odometry_frame(used_, &fit.state);
+    anneal(&problem, &fit.state);
+    const ml::EstimatedLevels levels = estimated_levels(used_, options_);
+    ml::SolverOptions solver;
+    solver.tolerance = options_.tolerance;
+    fit.summary = ml::minimise_with_levels(levels, solver, &problem, &fit.state);
+    if (leave_out_wrong_views(&problem, fit.state))
+      fit.summary = ml::minimise_with_levels(levels, solver, &problem, &fit.state);
+    fit.minus_two_log_likelihood = ml::minus_two_log_likelihood(problem, fit.state);
+    fit.noise = problem.noise;
+    fit.view_left_out = problem.view_left_out;
+    return fit;
+  }
+
+  bool has_pose(std::size_t view) const {
+    return std::any_of(views_.begin(), views_.end(),
+                       [view](const ViewPose& pose) { return pose.view == static_cast<int>(view); });
+  }
+
+  void decide_odometry() {
+    const OdometryModel declared = original_.odometry_noise.model;
+    OdometryDecision& decision = estimate_.odometry;
+    if (declared != OdometryModel::kUnknown) {
+      decision.model = declared;
+      fit_ = fit(declared);
+      return;
+    }
+    fit_ = fit(OdometryModel::kPerIncrement);
+    Fit other = fit(OdometryModel::kPerPose);
+    decision.decided_from_data = true;
+    const double difference = other.minus_two_log_likelihood - fit_.minus_two_log_likelihood;
+    if (difference < 0.0) std::swap(fit_, other);
+    decision.model = fit_.noise.odometry_model;
+    decision.log_likelihood_ratio = 0.5 * std::abs(difference);
+    decision.probability = 1.0 / (1.0 + std::exp(-decision.log_likelihood_ratio));
+    note_decision(other);
+  }
+
+  static bool at_floor(const ml::NoiseLevels& noise) {
+    return noise.odometry_xy_m < 2.0 * ml::kMinOdometryXy_m && noise.odometry_yaw_rad < 2.0 * ml::kMinOdometryYaw_rad;
+  }
+
+  void note_decision(const Fit& other) {
+    const OdometryDecision& decision = estimate_.odometry;
+    const char* name = odometry_model_name(decision.model);
+    std::vector<std::string>& notes = estimate_.result.notes;
+    if (at_floor(fit_.noise) && at_floor(other.noise))
+      notes.push_back("Odometry noise per pose and per increment are indistinguishable: both are at the resolution.");
+    else if (decision.probability < 0.95)
+      notes.push_back(format("Odometry noise taken as %s; the data prefer it only weakly (probability %.2f).", name,
+                             decision.probability));
+    else
+      notes.push_back(format("Odometry noise is %s (log likelihood ratio %.1f): %.2f mm, %.3f deg.", name,
+                             decision.log_likelihood_ratio, 1e3 * fit_.noise.odometry_xy_m,
+                             rad_to_deg(fit_.noise.odometry_yaw_rad)));
+  }
+
+  void report() {
+    ml::Problem problem(used_, priors_of(used_, options_), fit_.noise);
+    problem.view_left_out = fit_.view_left_out;
+    for (int c = 0; c < problem.layout().cameras; ++c) problem.camera_fixed[static_cast<std::size_t>(c)] = !solved(c);
+    ml::GroupSums sums;
+    const ml::ArrowSystem system = problem.linearise(fit_.state, ml::Weighting::kInformation, &estimate_.cost, &sums);
+    const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
+    copy_state(problem.layout());
+    if (!eliminated) {
+      estimate_.result.reasons.push_back("The equations have no solution: the robot poses are not determined.");
+      return;
+    }
+    globals_ = ml::invert_information(eliminated->schur());
+    const Eigen::MatrixXd J = ml::camera_chart(fit_.state, problem.layout());
+    joint_ = J * globals_.covariance * J.transpose();
+    free_ = J * globals_.free_directions;
+    report_cameras();
+    report_pairs();
+    report_status();
+    report_residuals(sums);
+  }
+
+  void copy_state(const ml::Layout& layout) {
+    CalibrationState& state = estimate_.state;
+    state.T_robot_camera = fit_.state.T_robot_camera;
+    state.T_world_board = fit_.state.T_world_board;
+    for (const ml::RobotPose& pose : fit_.state.poses) state.T_world_robot.push_back(pose.transform());
+    state.odometry_scale = fit_.state.odometry_scale;
+    state.odometry_yaw_factor = fit_.state.odometry_yaw_factor;
+    for (int c = 0; c < layout.cameras; ++c)
+      state.depth_scale.push_back(1.0 + fit_.state.depth_bias[static_cast<std::size_t>(c)]);
+    CalibrationNoise& noise = estimate_.noise;
+    noise.odometry_model = fit_.noise.odometry_model;
+    noise.odometry_xy_m = fit_.noise.odometry_xy_m;
+    noise.odometry_yaw_rad = fit_.noise.odometry_yaw_rad;
+    noise.suspension_height_m = fit_.noise.suspension_height_m;
+    noise.suspension_tilt_rad = fit_.noise.suspension_tilt_rad;
+    noise.odometry_scale_prior = options_.odometry_scale_sigma;
+    noise.odometry_yaw_factor_prior = options_.odometry_yaw_factor_sigma;
+    estimate_.corner_scale = fit_.noise.corner_scale;
+    estimate_.plane_scale = fit_.noise.plane_scale;
+    estimate_.iterations = fit_.summary.iterations;
+    estimate_.converged = fit_.summary.converged;
+  }
+
+  // Degrees of a transform whose error contains a direction that the data leave free.
+  static std::array<bool, 6> determined(const Eigen::MatrixXd& free) {
+    constexpr double kShare = 1e-4;  // of the direction's largest part
+    std::array<bool, 6> result = {true, true, true, true, true, true};
+    for (Eigen::Index column = 0; column < free.cols(); ++column)
+      for (int axis = 0; axis < 6; ++axis)
+        if (std::abs(free(axis, column)) > kShare) result[static_cast<std::size_t>(axis)] = false;
+    return result;
+  }
+
+  Eigen::MatrixXd normalised_free() const {
+    Eigen::MatrixXd result = free_;
+    for (Eigen::Index column = 0; column < result.cols(); ++column) {
+      const double largest = result.col(column).cwiseAbs().maxCoeff();
+      if (largest > 0.0) result.col(column) /= largest;
+    }
+    return result;
+  }
+
+  void report_cameras() {
+    const Eigen::MatrixXd free = normalised_free();
+    const int ground_planes = static_cast<int>(used_.ground_planes.size());
+    for (const int c : solved_cameras()) {
+      EstimatedTransform transform;
+      transform.parent = original_.robot_frame;
+      transform.child = original_.cameras[static_cast<std::size_t>(c)].name;
+      transform.T_parent_child = fit_.state.T_robot_camera[static_cast<std::size_t>(c)];
+      const Matrix6d covariance = joint_.block<6, 6>(6 * c, 6 * c);
+      CameraObservability observability =
+          assess_camera(original_, c, views_, alignment_, estimate_.motion, ground_planes);
+      apply_posterior_gate(covariance, transform.child, &observability, options_.limits);
+      const std::array<bool, 6> free_of = determined(free.middleRows(6 * c, 6));
+      for (std::size_t axis = 0; axis < 6; ++axis)
+        transform.observable[axis] = observability.observable[axis] && free_of[axis];
+      transform.covariance = covariance;
+      for (const std::string& sentence : observability.sentences) add_reason(sentence);
+      estimate_.result.camera_to_robot.push_back(std::move(transform));
+    }
+    report_joint();
+  }
+
+  void report_joint() {
+    const std::vector<EstimatedTransform>& cameras = estimate_.result.camera_to_robot;
+    const bool complete =
+        std::all_of(cameras.begin(), cameras.end(), [](const EstimatedTransform& t) { return t.fully_observable(); });
+    if (!complete) return;
+    const std::vector<int> solved = solved_cameras();
+    Eigen::MatrixXd joint(6 * static_cast<Eigen::Index>(solved.size()), 6 * static_cast<Eigen::Index>(solved.size()));
+    for (std::size_t a = 0; a < solved.size(); ++a)
+      for (std::size_t b = 0; b < solved.size(); ++b)
+        joint.block<6, 6>(6 * static_cast<Eigen::Index>(a), 6 * static_cast<Eigen::Index>(b)) =
+            joint_.block<6, 6>(6 * solved[a], 6 * solved[b]);
+    estimate_.result.joint_covariance = std::move(joint);
+  }
+
+  void report_pairs() {
+    const std::vector<int> solved = solved_cameras();
+    const Eigen::MatrixXd free = normalised_free();
+    for (std::size_t a = 0; a < solved.size(); ++a) {
+      for (std::size_t b = a + 1; b < solved.size(); ++b) {
+        const Eigen::MatrixXd P = ml::pair_chart(fit_.state.T_robot_camera, solved[a], solved[b]);
+        EstimatedTransform transform;
+        transform.parent = original_.cameras[static_cast<std::size_t>(solved[a])].name;
+        transform.child = original_.cameras[static_cast<std::size_t>(solved[b])].name;
+        const std::size_t j = static_cast<std::size_t>(solved[a]), k = static_cast<std::size_t>(solved[b]);
+        transform.T_parent_child = fit_.state.T_robot_camera[j].inverse() * fit_.state.T_robot_camera[k];
+        const Matrix6d covariance = P * joint_ * P.transpose();
+        transform.covariance = covariance;
+        transform.observable = determined(P * free);
+        gate_pair(covariance, &transform.observable);
+        estimate_.result.camera_to_camera.push_back(std::move(transform));
+      }
+    }
+  }
+
+  // Between cameras no axis is special: the widest limits of gate 2 hold for all.
+  void gate_pair(const Matrix6d& covariance, std::array<bool, 6>* observable) const {
+    for (int axis = 0; axis < 6; ++axis) {
+      const double limit = axis < 3 ? options_.limits.xy_m : options_.limits.yaw_rad;
+      if (!(std::sqrt(covariance(axis, axis)) <= limit)) (*observable)[static_cast<std::size_t>(axis)] = false;
+    }
+  }
+
+  void add_reason(const std::string& sentence) {
+    std::vector<std::string>& reasons = estimate_.result.reasons;
+    if (std::find(reasons.begin(), reasons.end(), sentence) == reasons.end()) reasons.push_back(sentence);
+  }
+
+  void report_status() {
+    Result& result = estimate_.result;
+    bool all = true, any = false;
+    const auto look = [&](const EstimatedTransform& transform) {
+      for (const bool observable : transform.observable) {
+        all = all && observable;
+        any = any || observable;
+      }
+    };
+    for (const EstimatedTransform& transform : result.camera_to_robot) look(transform);
+    for (const EstimatedTransform& transform : result.camera_to_camera) look(transform);
+    for (std::size_t c = 0; c < original_.cameras.size(); ++c) {
+      if (solved(static_cast<int>(c))) continue;
+      all = false;
+      add_reason(original_.cameras[c].name + " never saw the board: it has no pose.");
+    }
+    result.status = all ? ResultStatus::kSolved : any ? ResultStatus::kPartial : ResultStatus::kRefused;
+    if (!estimate_.converged) result.notes.push_back("The iteration did not settle: treat the result with care.");
+  }
+
+  void report_residuals(const ml::GroupSums& sums) {
+    const auto add = [&](const char* name, std::initializer_list<Group> groups) {
+      ml::GroupSum total;
+      for (const Group group : groups)
+        for (std::size_t c = 0; c < original_.cameras.size(); ++c)
+          total += ml::sum_of(sums, group, static_cast<int>(c));
+      if (total.dimensions == 0) return;
+      const double rms = std::sqrt(total.square / total.dimensions);
+      estimate_.result.residuals.push_back({name, "sigma", total.dimensions, rms});
+    };
+    add("corners", {Group::kCorners});
+    add("ground", {Group::kGround});
+    add("board planes", {Group::kBoardPlane});
+    add("odometry", {Group::kOdometryXy, Group::kOdometryYaw});
+  }
+
+  void add_use() {
+    for (std::size_t c = 0; c < original_.cameras.size(); ++c) {
+      CameraUse use;
+      use.camera = original_.cameras[c].name;
+      const auto mine = [c](const Exclusion& e) { return e.camera == static_cast<int>(c); };
+      std::copy_if(original_.exclusions.begin(), original_.exclusions.end(), std::back_inserter(use.left_out), mine);
+      std::copy_if(excluded_.begin(), excluded_.end(), std::back_inserter(use.left_out), mine);
+      if (!fit_.state.poses.empty()) add_views(static_cast<int>(c), &use);
+      estimate_.result.use.push_back(std::move(use));
+    }
+  }
+
+  void add_views(int camera, CameraUse* use) const {
+    ml::Problem problem(used_, priors_of(used_, options_), fit_.noise);
+    double square = 0.0;
+    for (std::size_t v = 0; v < used_.board_views.size(); ++v) {
+      const BoardView& view = used_.board_views[v];
+      if (view.camera != camera) continue;
+      const double rms = problem.view_fit(fit_.state, v).rms_px;
+      if (fit_.view_left_out[v]) {
+        if (has_pose(v)) use->left_out.push_back({camera, view.stop, view.file, format("residual %.1f px", rms)});
+        continue;
+      }
+      ++use->used;
+      square += rms * rms;
+    }
+    if (use->used > 0) use->reprojection_rms_px = std::sqrt(square / use->used);
+  }
+
+  const Observations& original_;
+  const MlOptions& options_;
+  Observations used_;  // without planes that are not the ground
+  std::vector<ViewPose> views_;
+  std::vector<Exclusion> excluded_;
+  TrajectoryAlignment alignment_;
+  InitialGuess guess_;
+  ml::State start_;
+  Fit fit_;
+  ml::GlobalCovariance globals_;
+  Eigen::MatrixXd joint_;
+  Eigen::MatrixXd free_;
+  MlEstimate estimate_;
+};
+
+class MlMethod : public Method {
+ public:
+  MethodTraits traits() const override {
+    return {"ml", "Maximum likelihood of cameras, board, robot poses and nuisances together, with its uncertainty",
+            "board, odometry; ground planes for the height", "camera to robot (6), camera to camera (6), covariance"};
+  }
+  Result solve(const Observations& observations) const override {
+    return estimate_maximum_likelihood(observations).result;
+  }
+};
+
+}  // namespace
+
+MlEstimate estimate_maximum_likelihood(const Observations& observations, const MlOptions& options) {
+  return Estimator(observations, options).run();
+}
+
+const Method& ml_method() {
+  static const MlMethod method;
+  return method;
+}
+
+}  // namespace rigproof

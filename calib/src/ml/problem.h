@@ -1,0 +1,108 @@
+// The whitened least-squares problem: its cost, its normal equations and what each group of residuals contributes.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "ml/arrow_system.h"
+#include "ml/noise.h"
+#include "ml/residuals.h"
+#include "ml/state.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+/// How a block of residuals counts in the normal equations.
+enum class Weighting {
+  kRobust,       ///< by the loss: steps of the solver
+  kInformation,  ///< by the information that the loss keeps: covariance
+  kUnit,         ///< fully, whatever the residual: the bound at the truth
+};
+
+enum class Group { kCorners, kGround, kBoardPlane, kOdometryXy, kOdometryYaw, kSuspensionHeight, kSuspensionTilt };
+inline constexpr std::size_t kGroupCount = 7;
+
+/// Sums over the residuals of a group, whitened by the current noise levels.
+struct GroupSum {
+  double square = 0.0;           ///< of r
+  double weighted_square = 0.0;  ///< of w r^2
+  double weight = 0.0;           ///< of w, a dimension
+  double leverage = 0.0;         ///< dimensions that the unknowns absorb
+  int dimensions = 0;
+
+  GroupSum& operator+=(const GroupSum& other);
+};
+/// [group][camera]; groups that know no cameras use camera 0.
+using GroupSums = std::array<std::vector<GroupSum>, kGroupCount>;
+inline GroupSum& sum_of(GroupSums& sums, Group group, int camera = 0) {
+  return sums[static_cast<std::size_t>(group)][static_cast<std::size_t>(camera)];
+}
+inline const GroupSum& sum_of(const GroupSums& sums, Group group, int camera = 0) {
+  return sums[static_cast<std::size_t>(group)][static_cast<std::size_t>(camera)];
+}
+
+/// Observations, whitened once, with the noise levels that may change between solutions.
+class Problem {
+ public:
+  explicit Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise);
+
+  const Layout& layout() const { return layout_; }
+  const Observations& observations() const { return observations_; }
+  const Priors& priors() const { return priors_; }
+  NoiseLevels noise;
+  CauchyLoss loss;
+
+  /// Normal equations at the state, with cost and sums where wanted.
+  ArrowSystem linearise(const State& state, Weighting weighting, double* cost, GroupSums* sums) const;
+  /// Dimensions of each group that the estimate absorbs: its leverage.
+  void add_leverage(const State& state, const EliminatedSystem::PoseCovariance& poses, const Eigen::MatrixXd& globals,
+                    GroupSums* sums) const;
+  /// -2 ln of the normalisation of the residuals: sum of 2 ln sigma over every residual whose sigma may be estimated.
+  double log_normalisation() const;
+  /// Root mean square of the reprojection error of a view, and the mean weight of its corners.
+  struct ViewFit {
+    double rms_px = 0.0;
+    double mean_weight = 0.0;
+  };
+  ViewFit view_fit(const State& state, std::size_t view) const;
+  /// Views that are left out from now on.
+  std::vector<bool> view_left_out;
+  /// Cameras that saw nothing stay where they are.
+  std::vector<bool> camera_fixed;
+
+  GroupSums empty_sums() const;
+
+ private:
+  struct Corner {
+    Eigen::Vector3d point_board;
+    Eigen::Vector2d pixel;
+    Eigen::Matrix2d whitening;
+  };
+  struct View {
+    int stop, camera;
+    std::vector<Corner> corners;
+  };
+  struct Plane {
+    int stop, camera;
+    Eigen::Vector3d measured;
+    Eigen::Matrix3d whitening;
+  };
+
+  static std::vector<Plane> prepare(const std::vector<PlaneObservation>& planes);
+  Camera lens(const State& state, int camera) const;
+  Eigen::Vector3d odometry_sigmas(std::size_t stop) const;
+  template <typename Sink>
+  void visit_blocks(const State& state, Weighting weighting, Sink&& sink) const;
+  void add_priors(const State& state, ArrowSystem* system, double* cost) const;
+  void fix_unknowns(ArrowSystem* system) const;
+
+  const Observations& observations_;
+  Layout layout_;
+  Priors priors_;
+  std::vector<View> views_;
+  std::vector<Plane> ground_planes_;
+  std::vector<Plane> board_planes_;
+  std::vector<Eigen::Vector3d> increments_;  // [i]: from stop i to i + 1
+};
+
+}  // namespace rigproof::ml

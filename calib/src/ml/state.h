@@ -1,0 +1,57 @@
+// What the maximum-likelihood method estimates, and where each part stands in the vector of unknowns.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rigproof/core/observations.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof::ml {
+
+/// T_world_robot = (x, y, 0; Rz(yaw)) * (0, 0, height; Exp(roll, pitch, 0)): a planar pose and the suspension's slack.
+struct RobotPose {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;
+  double height_m = 0.0;
+  double roll_rad = 0.0;
+  double pitch_rad = 0.0;
+
+  Eigen::Quaterniond tilt() const { return so3_exp({roll_rad, pitch_rad, 0.0}); }
+  Rigid3 transform() const { return Rigid3(rotation_z(yaw_rad) * tilt(), {x_m, y_m, height_m}); }
+  static RobotPose from_transform(const Rigid3& T_world_robot);
+};
+
+struct State {
+  std::vector<Rigid3> T_robot_camera;
+  Rigid3 T_world_board;
+  std::vector<RobotPose> poses;
+  double odometry_scale = 1.0;
+  double odometry_yaw_factor = 1.0;
+  std::vector<double> depth_bias;           ///< measured depth = (1 + bias) * true, one a camera
+  std::vector<Eigen::Vector3d> intrinsics;  ///< relative focal length, shift of cx and of cy [px], one a camera
+};
+
+/// Unknowns: six a pose (x, y, yaw, height, roll, pitch), then the globals in the order below. Rotations move by
+/// R <- R Exp(phi).
+struct Layout {
+  int poses = 0;
+  int cameras = 0;
+  bool with_intrinsics = false;
+
+  static Layout of(const Observations& observations, bool with_intrinsics);
+  int camera(int c) const { return 6 * c; }
+  int board() const { return 6 * cameras; }
+  int odometry_scale() const { return 6 * cameras + 6; }
+  int odometry_yaw_factor() const { return 6 * cameras + 7; }
+  int depth_bias(int c) const { return 6 * cameras + 8 + c; }
+  int intrinsics(int c) const { return 7 * cameras + 8 + 3 * c; }
+  int globals() const { return 7 * cameras + 8 + (with_intrinsics ? 3 * cameras : 0); }
+};
+
+/// Moves the state by the steps of the poses (6 * poses) and of the globals.
+State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pose_step,
+            const Eigen::VectorXd& global_step);
+
+}  // namespace rigproof::ml
