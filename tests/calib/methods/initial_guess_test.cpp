@@ -1,0 +1,67 @@
+#include "rigproof/calib/initial_guess.h"
+
+#include <gtest/gtest.h>
+
+#include "pose_near.h"
+#include "synthetic_drive.h"
+
+namespace rigproof {
+namespace {
+
+InitialGuess guess_of(const SyntheticDrive& drive) {
+  const TrajectoryAlignment alignment = align_trajectories(drive.observations, drive.views);
+  return initial_guess(drive.observations, drive.views, alignment, check_ground_planes(drive.observations, alignment));
+}
+
+void expect_near_truth(const SyntheticDrive& drive, const InitialGuess& guess, double distance_m, double angle_rad) {
+  for (std::size_t k = 0; k < drive.T_robot_camera.size(); ++k) {
+    ASSERT_TRUE(guess.T_robot_camera[k]) << "camera " << k;
+    EXPECT_TRUE(IsPoseNear(drive.T_robot_camera[k], *guess.T_robot_camera[k], distance_m, angle_rad)) << "camera " << k;
+  }
+  ASSERT_TRUE(guess.T_world_board);
+  EXPECT_TRUE(IsPoseNear(drive.T_world_board, *guess.T_world_board, distance_m, angle_rad));
+  for (std::size_t i = 0; i < drive.T_world_robot.size(); ++i)
+    EXPECT_TRUE(IsPoseNear(drive.T_world_robot[i], guess.T_world_robot[i], 2.0 * distance_m, 2.0 * angle_rad));
+}
+
+TEST(InitialGuess, FindsAnyMountingFromExactData) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    DriveOptions options;
+    options.seed = seed;
+    options.any_mounting = true;
+    options.cameras = 1 + static_cast<int>(seed % 8);
+    options.overlap = seed % 3 != 0;
+    options.stops = 24;
+    const SyntheticDrive drive = make_drive(options);
+    // Not exact: the weak prior on translations (3 m against millimetres) and the planes' noise remain.
+    expect_near_truth(drive, guess_of(drive), 2e-3, 1e-4);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(InitialGuess, FindsAnyMountingFromNoisyData) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    DriveOptions options;
+    options.seed = seed;
+    options.any_mounting = true;
+    options.cameras = 1 + static_cast<int>(seed % 4);
+    options.overlap = seed % 3 != 0;
+    options.stops = 24;
+    options.corner_sigma_px = 0.1;
+    options.odometry_sigma_m = 0.002;
+    options.odometry_sigma_rad = 0.01;
+    const SyntheticDrive drive = make_drive(options);
+    const InitialGuess guess = guess_of(drive);
+    // A start has to lie within 15 degrees, and well within a step, of the answer; non-overlapping cameras are tied
+    // together by a few drifting odometry increments only.
+    for (std::size_t k = 0; k < drive.T_robot_camera.size(); ++k) {
+      ASSERT_TRUE(guess.T_robot_camera[k]);
+      EXPECT_TRUE(IsPoseNear(drive.T_robot_camera[k], *guess.T_robot_camera[k], 0.15, deg_to_rad(6.0)));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rigproof
