@@ -4,21 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
+
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
-
-std::string text_of(const std::string& file) {
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 void redirect(const std::string& file, int descriptor) {
   const int opened = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -39,28 +30,17 @@ void redirect(const std::string& file, int descriptor) {
 }  // namespace
 
 ProcessOutput run_process(const std::vector<std::string>& argv, const std::string& folder) {
-  const ScratchFolder scratch;
+  const TempFolder scratch;
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0) become(argv, folder, scratch.path());
+  if (child == 0) become(argv, folder, scratch.path().string());
   int status = 0;
   waitpid(child, &status, 0);
   ProcessOutput output;
   output.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  output.out = text_of(scratch / "out");
-  output.err = text_of(scratch / "err");
+  output.out = scratch.read("out");
+  output.err = scratch.read("err");
   return output;
-}
-
-ScratchFolder::ScratchFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "rigproof-test-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder: " + pattern);
-  path_ = pattern;
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace rigproof
