@@ -1,7 +1,13 @@
-# Board poses, the vertical, the closed-form start, observability, and the MEMROC family.
+# Board poses, the vertical, the closed-form start, observability, the ground, and the MEMROC family.
+find_package(Ceres 2.0 REQUIRED)
 list(APPEND calib_sources
   src/methods/estimate_view_poses.cpp
+  src/methods/hand_eye_problem.cpp
   src/methods/initial_guess.cpp
+  src/methods/memroc.cpp
   src/methods/observability.cpp
+  src/methods/registry.cpp
+  src/methods/shared_views.cpp
   src/methods/trajectory_alignment.cpp
   src/methods/view_poses.cpp)
+list(APPEND calib_private_libraries Ceres::ceres)

@@ -1,0 +1,8 @@
+# What a consumer of the static library rigproof::calib links with.
+find_dependency(OpenCV COMPONENTS core imgproc imgcodecs calib3d)
+find_dependency(Ceres 2.0)
+find_dependency(Threads)
+find_dependency(PkgConfig)
+if(NOT TARGET PkgConfig::DEFLATE)
+  pkg_check_modules(DEFLATE REQUIRED IMPORTED_TARGET libdeflate)
+endif()
