@@ -140,8 +140,10 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
                 "sampled: direction from the board to the robot, 0 = straight in front of it");
   visitor.field("heading_deg", heading_deg, {-180.0, 180.0},
                 "sampled: robot's heading against the direction to the board, 0 = towards it");
-  visitor.field("min_cameras", min_cameras, {0.0, 8.0},
-                "sampled, grid: cameras that must see the whole board; all of them are tried first");
+  visitor.field("min_cameras", min_cameras, {0.0, 8.0}, "sampled, grid: cameras that must see the whole board");
+  visitor.field("all_cameras_share", all_cameras_share, {0.0, 1.0},
+                "sampled: share of stops for which places are drawn until all cameras see the board, if any such place "
+                "turns up; the others may stand nearer");
   visitor.field("margin_px", margin_px, {0.0, 500.0},
                 "distance that the board, its white border included, keeps from the image's edge");
   visitor.field("max_obliquity_deg", max_obliquity_deg, {0.0, 85.0},
@@ -218,6 +220,11 @@ GenerateConfig parse_generate_config(const std::string& text, const std::filesys
 std::string resolved_text(const GenerateConfig& config) {
   GenerateConfig copy = config;
   return write_fields([&copy](FieldVisitor& visitor) { copy.visit(visitor); });
+}
+
+std::string generate_config_schema() {
+  GenerateConfig config;
+  return schema_of_fields("Rigproof run", [&config](FieldVisitor& visitor) { config.visit(visitor); });
 }
 
 std::vector<std::string> differences(const GenerateConfig& there, const GenerateConfig& here) {

@@ -127,10 +127,11 @@ class Planner {
     return std::nullopt;
   }
 
-  // Draws places until all cameras see the board; after a while is content with the wanted number of them.
+  // Draws places until as many cameras see the board as are hoped for; after a while is content with those needed.
   std::optional<Viewpoint> draw(RandomStream random, Tally* tally) {
     std::optional<Viewpoint> best;
     const int needed = static_cast<int>(config_.min_cameras), all = static_cast<int>(subject_.cameras.size());
+    const int hoped = random.uniform() < config_.all_cameras_share ? all : needed;
     std::int64_t candidates = 0;
     for (int place_index = 0; candidates < config_.max_candidates; ++place_index) {
       if (best && place_index >= kPlacesForAllCameras) break;
@@ -144,7 +145,7 @@ class Planner {
         } else if (!best || stop.cameras_with_board > best->cameras_with_board) {
           best = stop;
         }
-        if (best && best->cameras_with_board == all) return best;
+        if (best && best->cameras_with_board >= hoped) return best;
       }
     }
     return best;

@@ -52,11 +52,12 @@ struct ViewpointConfig {
   Distribution bearing_deg = Distribution::Kind(Distribution::Uniform{-55.0, 55.0});
   Distribution heading_deg = Distribution::Kind(Distribution::Uniform{-25.0, 25.0});
   std::int64_t min_cameras = 1;
+  double all_cameras_share = 0.9;
   double margin_px = 8.0;
   double max_obliquity_deg = 60.0;
   std::int64_t max_candidates = 400;
   std::string order = "drive";  ///< drive | drawn
-  double step_m = 1.0;
+  double step_m = 1.6;
   GridConfig grid;
   std::vector<ListedViewpoint> list;
 
@@ -114,6 +115,9 @@ GenerateConfig parse_generate_config(const std::string& text, const std::filesys
 
 /// YAML with every field: reads back to the same configuration.
 std::string resolved_text(const GenerateConfig& config);
+
+/// JSON Schema of a configuration, as it ships in config/schema/run.json.
+std::string generate_config_schema();
 
 /// What differs, one "field: A there, B here" an entry; empty if nothing does.
 std::vector<std::string> differences(const GenerateConfig& there, const GenerateConfig& here);

@@ -1,0 +1,91 @@
+#include "rigproof/generator/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+
+namespace rigproof {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_generate_config(text);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(GenerateConfig, EmptyFileIsValid) {
+  const GenerateConfig config = parse_generate_config("", "demo.yaml");
+  EXPECT_EQ(config.name, "demo");
+  EXPECT_EQ(config.poses, 100);
+  EXPECT_EQ(config.seed, 0);
+  EXPECT_EQ(config.odometry.model, "per_increment");
+  EXPECT_EQ(config.odometry.lambda, 1.0);
+  EXPECT_EQ(config.sensor_noise, "realistic");
+  EXPECT_EQ(config.clouds, "none");
+  parse_generate_config("{}");
+}
+
+TEST(GenerateConfig, ResolvedTextReadsBackToTheSame) {
+  GenerateConfig config = parse_generate_config(R"(
+name: other
+odometry: {model: per_pose, lambda: 2.5, rate_hz: 50}
+board: {squares: [6, 5], square_mm: 110, place: given, x_m: {normal: {mean: 0.1, stddev: 0.25}}}
+viewpoints:
+  planner: list
+  distance_m: {choice: [1, 2]}
+  list: [{x_m: 1, y_m: 2, yaw_deg: 3}, {x_m: -1, yaw_deg: 30.5}]
+)");
+  const GenerateConfig again = parse_generate_config(resolved_text(config));
+  EXPECT_THAT(differences(config, again), ElementsAre());
+  EXPECT_EQ(resolved_text(config), resolved_text(again));
+}
+
+TEST(GenerateConfig, DifferencesNameTheField) {
+  const GenerateConfig a = parse_generate_config("poses: 100");
+  const GenerateConfig b = parse_generate_config("{poses: 50, odometry: {lambda: 2}, viewpoints: {distance_m: 2}}");
+  EXPECT_THAT(differences(a, b), ElementsAre("odometry.lambda: 1 there, 2 here", "poses: 100 there, 50 here",
+                                             "viewpoints.distance_m: {uniform: [1.2, 3.6]} there, 2 here"));
+}
+
+TEST(GenerateConfig, EveryMistakeIsNamed) {
+  const std::string error = error_of("{pose: 10, odometry: {lambda: -1}, sensor_noise: some, board: {squares: [5]}}");
+  EXPECT_THAT(error, HasSubstr("poses"));  // the nearest key
+  EXPECT_THAT(error, HasSubstr("odometry.lambda"));
+  EXPECT_THAT(error, HasSubstr("realistic"));
+  EXPECT_THAT(error, HasSubstr("board.squares"));
+}
+
+TEST(GenerateConfig, FieldsThatContradictEachOtherAreNamed) {
+  EXPECT_THAT(error_of("viewpoints: {planner: list}"), HasSubstr("viewpoints.list"));
+  EXPECT_THAT(error_of("odometry: {model: per_pose, scale: 1.02}"), HasSubstr("odometry.scale"));
+  EXPECT_THAT(error_of("board: {squares: [5.5, 4]}"), HasSubstr("whole numbers"));
+}
+
+// What ships in config/ must stay readable, and the schema that editors use must be the one of this program.
+TEST(GenerateConfig, ShippedFilesAreValidAndTheSchemaIsCurrent) {
+  const std::filesystem::path folder = std::filesystem::path(RIGPROOF_SOURCE_DIR) / "config";
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".yaml") continue;
+    EXPECT_NO_THROW(load_generate_config(entry.path())) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 1);
+  const std::string schema = generate_config_schema();
+  const std::filesystem::path file = folder / "schema" / "run.json";
+  if (std::getenv("RIGPROOF_UPDATE_SCHEMA") != nullptr) write_file_atomically(file, schema);
+  EXPECT_EQ(read_text_file(file), schema) << "write it anew: RIGPROOF_UPDATE_SCHEMA=1 test_generator";
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,209 @@
+// Plans in a made-up world; what every stop promises is checked by projecting anew.
+#include "rigproof/generator/viewpoints.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
+
+namespace rigproof {
+namespace {
+
+using testing::HasSubstr;
+
+// An empty floor with one round pillar.
+class PillarWorld : public ViewpointWorld {
+ public:
+  FloorArea area{-5.0, 5.0, -5.0, 5.0};
+  Eigen::Vector2d pillar{0.0, 1.5};
+  double pillar_radius_m = 0.2;
+
+  FloorArea drivable_area() override { return area; }
+  std::string obstacle(const Rigid3& T_scene_robot) override {
+    return (T_scene_robot.translation.head<2>() - pillar).norm() < pillar_radius_m + 0.6 ? "pillar" : "";
+  }
+  bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target) override {
+    const Eigen::Vector2d a = origin.head<2>(), b = target.head<2>();
+    const double along = std::clamp((pillar - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    return (a + along * (b - a) - pillar).norm() > pillar_radius_m;
+  }
+};
+
+// A camera at (0.25, y, z) in the robot that looks ahead, turned by yaw and down by pitch.
+WorldCamera camera_at(double y_m, double z_m, double yaw_deg, double pitch_deg) {
+  Eigen::Matrix3d optical;  // body x forward is camera z, body y left is camera -x, body z up is camera -y
+  optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const Eigen::Quaterniond body = rotation_z(deg_to_rad(yaw_deg)) * so3_exp({0.0, deg_to_rad(pitch_deg), 0.0});
+  return {"camera", Rigid3(body * Eigen::Quaterniond(optical), {0.25, y_m, z_m}), Camera::symmetric(1280, 720, 640.0)};
+}
+
+// The board faces scene x, its middle at (0, 0, 0.8).
+ViewpointSubject subject() {
+  ViewpointSubject subject;
+  subject.cameras = {camera_at(0.2, 0.7, 14.0, 14.0), camera_at(0.0, 0.65, 0.0, 12.0),
+                     camera_at(-0.2, 0.7, -14.0, 16.0)};
+  Eigen::Matrix3d upright;  // board x = to a viewer's right, y = down, z = into the board, away from the viewer
+  upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;
+  const Eigen::Quaterniond rotation(upright);
+  subject.T_scene_board = Rigid3(rotation, Eigen::Vector3d(0, 0, 0.8) - rotation * subject.board.centre());
+  return subject;
+}
+
+// Cameras that see the whole board with its border, `margin_px` inside of the image, from the front.
+int count_cameras(const ViewpointSubject& subject, const Viewpoint& stop, double margin_px, double max_obliquity_deg,
+                  PillarWorld& world) {
+  int count = 0;
+  const Board& board = subject.board;
+  for (const WorldCamera& camera : subject.cameras) {
+    const Rigid3 T_scene_camera = stop.T_scene_robot() * camera.T_robot_camera;
+    const Rigid3 T_board_camera = subject.T_scene_board.inverse() * T_scene_camera;
+    const Rigid3 T_camera_board = T_board_camera.inverse();
+    const double border = board.square_m + subject.board_margin_m;  // from the outer corners of the inner grid
+    bool whole = true;
+    for (const double x : {-border, board.square_m * (board.inner_corners_x() - 1) + border}) {
+      for (const double y : {-border, board.square_m * (board.inner_corners_y() - 1) + border}) {
+        Eigen::Vector2d pixel;
+        const bool ahead = camera.camera.project(T_camera_board * Eigen::Vector3d(x, y, 0.0), &pixel);
+        whole = whole && ahead && pixel.x() >= margin_px && pixel.y() >= margin_px && pixel.x() <= 1279.0 - margin_px &&
+                pixel.y() <= 719.0 - margin_px;
+      }
+    }
+    const Eigen::Vector3d to_camera = T_board_camera.translation - board.centre();
+    const double angle_deg = rad_to_deg(std::acos(-to_camera.z() / to_camera.norm()));
+    const bool seen = world.in_sight(T_scene_camera.translation, subject.T_scene_board * board.centre());
+    if (whole && angle_deg <= max_obliquity_deg && seen) ++count;
+  }
+  return count;
+}
+
+ViewpointPlan plan(const ViewpointConfig& config, std::int64_t poses, std::uint64_t seed) {
+  PillarWorld world;
+  return plan_viewpoints(config, poses, subject(), world, seed);
+}
+
+TEST(Viewpoints, EveryStopKeepsEveryConstraint) {
+  PillarWorld world;
+  ViewpointConfig config;
+  config.min_cameras = 2;
+  config.margin_px = 20.0;
+  const ViewpointPlan result = plan_viewpoints(config, 200, subject(), world, 1);
+  ASSERT_EQ(result.stops.size(), 200U);
+  int all = 0;
+  for (const Viewpoint& stop : result.stops) {
+    EXPECT_EQ(world.obstacle(stop.T_scene_robot()), "");
+    EXPECT_GE(stop.distance_m, 1.2);
+    EXPECT_LE(stop.distance_m, 3.6);
+    EXPECT_NEAR(std::hypot(stop.x_m, stop.y_m), stop.distance_m, 1e-12);
+    EXPECT_NEAR(std::atan2(stop.y_m, stop.x_m), stop.bearing_rad, 1e-12);
+    EXPECT_LE(std::abs(rad_to_deg(stop.bearing_rad)), 55.0);
+    const int cameras = count_cameras(subject(), stop, 20.0, 60.0, world);
+    EXPECT_GE(cameras, 2);
+    EXPECT_EQ(cameras, stop.cameras_with_board);
+    if (cameras == 3) ++all;
+  }
+  // 0.9 of 200 stops are drawn for all three cameras: 180 +- 4; the others may have them by chance.
+  EXPECT_GE(all, 164);
+  EXPECT_LT(all, 200);
+}
+
+TEST(Viewpoints, PlanIsRichInMotion) {
+  const ViewpointPlan result = plan(ViewpointConfig{}, 100, 0);
+  double turn = 0.0, length = 0.0;
+  for (std::size_t i = 1; i < result.stops.size(); ++i) {
+    turn += std::abs(wrap_angle(result.stops[i].yaw_rad - result.stops[i - 1].yaw_rad));
+    length += std::hypot(result.stops[i].x_m - result.stops[i - 1].x_m, result.stops[i].y_m - result.stops[i - 1].y_m);
+  }
+  EXPECT_NEAR(length / 99.0, 1.6, 0.3);  // step_m
+  EXPECT_GT(rad_to_deg(turn / 99.0), 15.0);
+}
+
+bool same(const std::vector<Viewpoint>& a, const std::vector<Viewpoint>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].x_m != b[i].x_m || a[i].y_m != b[i].y_m || a[i].yaw_rad != b[i].yaw_rad) return false;
+  }
+  return a.size() == b.size();
+}
+
+TEST(Viewpoints, SeedDecidesThePlan) {
+  const ViewpointConfig config;
+  EXPECT_TRUE(same(plan(config, 30, 7).stops, plan(config, 30, 7).stops));
+  EXPECT_FALSE(same(plan(config, 30, 7).stops, plan(config, 30, 8).stops));
+}
+
+TEST(Viewpoints, DriveOrderKeepsTheSetOfPlaces) {
+  ViewpointConfig config;
+  std::vector<Viewpoint> drive = plan(config, 50, 0).stops;
+  config.order = "drawn";
+  std::vector<Viewpoint> drawn = plan(config, 50, 0).stops;
+  const auto by_x = [](const Viewpoint& a, const Viewpoint& b) { return a.x_m < b.x_m; };
+  std::sort(drive.begin(), drive.end(), by_x);
+  std::sort(drawn.begin(), drawn.end(), by_x);
+  EXPECT_TRUE(same(drive, drawn));
+}
+
+std::string error_of(const ViewpointConfig& config, const FloorArea& area = {-5.0, 5.0, -5.0, 5.0}) {
+  PillarWorld world;
+  world.area = area;
+  try {
+    plan_viewpoints(config, 20, subject(), world, 0);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Viewpoints, ImpossibleWishesSayWhichConstraintForbidsThem) {
+  EXPECT_THAT(error_of(ViewpointConfig{}, {3.0, 5.0, 3.0, 5.0}), HasSubstr("drivable area"));
+  ViewpointConfig config;
+  config.heading_deg = 120.0;
+  EXPECT_THAT(error_of(config), HasSubstr("whole board"));
+  config = {};
+  config.bearing_deg = 75.0;
+  EXPECT_THAT(error_of(config), HasSubstr("too flat an angle"));
+  config = {};
+  config.distance_m = 1.5;
+  config.bearing_deg = 90.0;
+  config.max_obliquity_deg = 85.0;
+  EXPECT_NE(error_of(config), "");
+  config = {};
+  config.min_cameras = 4;
+  EXPECT_THAT(error_of(config), HasSubstr("only 3 cameras"));
+}
+
+TEST(Viewpoints, GridGivesEveryPossibleCombination) {
+  ViewpointConfig config;
+  config.planner = "grid";
+  config.order = "drawn";
+  config.grid.distances_m = {2.2, 2.8};
+  config.grid.bearings_deg = {-30.0, 0.0, 30.0, 90.0};  // the last one sees the board edge on
+  config.grid.headings_deg = {0.0};
+  const ViewpointPlan result = plan(config, 100, 0);
+  EXPECT_EQ(result.stops.size(), 6U);
+  EXPECT_EQ(result.skipped, 2U);
+  EXPECT_NEAR(result.stops[0].distance_m, 2.2, 1e-12);
+  EXPECT_NEAR(rad_to_deg(result.stops[0].bearing_rad), -30.0, 1e-9);
+  EXPECT_NEAR(rad_to_deg(result.stops[0].yaw_rad), 150.0, 1e-9);  // from the board's bearing -30 back to it
+  EXPECT_THAT(result.coverage, HasSubstr("2 places of the grid left out"));
+}
+
+TEST(Viewpoints, ListIsTakenAsItIsUnlessTheRobotCannotStandThere) {
+  ViewpointConfig config;
+  config.planner = "list";
+  config.list = {{2.0, 0.0, 180.0}, {3.0, 0.0, 0.0}};
+  const ViewpointPlan result = plan(config, 100, 0);
+  ASSERT_EQ(result.stops.size(), 2U);
+  EXPECT_EQ(result.stops[0].x_m, 2.0);
+  EXPECT_EQ(result.stops[0].cameras_with_board, 3);
+  EXPECT_EQ(result.stops[1].cameras_with_board, 0);  // looks away: allowed, and said
+  EXPECT_THAT(result.coverage, HasSubstr("0 cameras at 1 stop"));
+  config.list = {{2.0, 0.0, 180.0}, {0.0, 1.4, 0.0}, {9.0, 0.0, 0.0}};
+  const std::string error = error_of(config);
+  EXPECT_THAT(error, HasSubstr("viewpoints.list[1]: the robot would touch pillar"));
+  EXPECT_THAT(error, HasSubstr("viewpoints.list[2]"));
+}
+
+}  // namespace
+}  // namespace rigproof
