@@ -1,0 +1,189 @@
+#include "board_fit.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "homography.h"
+#include "saddle_fit.h"
+
+namespace rigproof::detection {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+// Squares lower than this leave too few pixels beside the edges of their neighbours [px].
+constexpr double kMinSquarePx = 4.0;
+// Blur above this share of a square's height: neighbouring edges run into each other.
+constexpr double kMaxBlurShare = 0.3;
+// A corner may lie this share of a square off the homography of all; lens distortion bends the board.
+constexpr double kMaxHomographyShare = 0.3;
+constexpr double kMinContrastRatio = 0.35;
+constexpr double kMaxBlurRatio = 2.5;
+
+Vector2d board_position(const Board& board, int id) {
+  return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
+}
+
+struct MeasuredCorner {
+  int id = 0;
+  SaddleWindow window;
+  SaddleFit fit;
+};
+
+double square_height(const Matrix2d& square) {
+  return std::abs(square.determinant()) / std::max(square.col(0).norm(), square.col(1).norm());
+}
+
+template <typename Value>
+double median_of(const std::vector<MeasuredCorner>& corners, Value value) {
+  std::vector<double> values;
+  for (const MeasuredCorner& corner : corners)
+    if (corner.fit.status == SaddleStatus::kFitted) values.push_back(value(corner.fit));
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double blur_of(const SaddleFit& fit) { return fit.blur_px.maxCoeff(); }
+
+// One square along each axis, towards the nearer (that is, shorter) neighbour.
+bool square_at(const Homography& H, const Vector2d& b, const Vector2d& centre, Matrix2d* square) {
+  for (int axis = 0; axis < 2; ++axis) {
+    Vector2d ahead, behind;
+    if (!H.map(b + Vector2d::Unit(axis), &ahead) || !H.map(b - Vector2d::Unit(axis), &behind)) return false;
+    const Vector2d whole = ahead - behind;
+    const double shorter = std::min((ahead - centre).norm(), (behind - centre).norm());
+    square->col(axis) = shorter * whole.normalized();
+  }
+  return square->allFinite() && square->determinant() > 0.0;
+}
+
+std::optional<Homography> homography_of(const Board& board, const std::vector<MeasuredCorner>& corners) {
+  std::vector<PlanePoint> points;
+  for (const MeasuredCorner& corner : corners)
+    if (corner.fit.status == SaddleStatus::kFitted)
+      points.push_back({board_position(board, corner.id), corner.fit.pixel});
+  return Homography::fit(points);
+}
+
+std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, const Homography& H,
+                                    const std::vector<std::pair<int, Vector2d>>& seeds, double blur_px) {
+  std::vector<MeasuredCorner> corners(static_cast<std::size_t>(board.corner_count()));
+  for (int id = 0; id < board.corner_count(); ++id) {
+    MeasuredCorner& corner = corners[static_cast<std::size_t>(id)];
+    corner.id = id;
+    const Vector2d b = board_position(board, id);
+    Vector2d centre;
+    if (!H.map(b, &centre) || !square_at(H, b, centre, &corner.window.square)) continue;
+    const auto seed = std::find_if(seeds.begin(), seeds.end(), [id](const auto& s) { return s.first == id; });
+    corner.window.centre = seed != seeds.end() ? seed->second : centre;
+    corner.window.dark_diagonal = Board::is_dark(id % board.inner_corners_x(), id / board.inner_corners_x());
+    corner.window.blur_px = blur_px;
+    corner.fit = fit_saddle(grey, corner.window);
+  }
+  return corners;
+}
+
+// Drops fits that stand out among their fellows: glare, a hidden corner, a neighbour's edge.
+void drop_outliers(const Board& board, const Homography& H, const CheckerboardOptions& options,
+                   std::vector<MeasuredCorner>* corners) {
+  // Below one grey level the residual is the rounding of the grey values, not a fault.
+  const double residual = std::max(1.0, median_of(*corners, [](const SaddleFit& f) { return f.residual_rms; }));
+  const double contrast = median_of(*corners, [](const SaddleFit& f) { return f.contrast; });
+  const double blur = median_of(*corners, blur_of);
+  for (MeasuredCorner& corner : *corners) {
+    SaddleFit& fit = corner.fit;
+    if (fit.status != SaddleStatus::kFitted) continue;
+    Vector2d expected = Vector2d::Constant(1e9);
+    H.map(board_position(board, corner.id), &expected);
+    const bool good = fit.residual_rms <= options.max_fit_residual_ratio * residual &&
+                      fit.contrast >= kMinContrastRatio * contrast && blur_of(fit) <= kMaxBlurRatio * blur &&
+                      (fit.pixel - expected).norm() <= kMaxHomographyShare * square_height(corner.window.square);
+    if (!good) fit.status = SaddleStatus::kNoSaddle;
+  }
+}
+
+int count(const std::vector<MeasuredCorner>& corners, SaddleStatus status) {
+  return static_cast<int>(std::count_if(corners.begin(), corners.end(),
+                                        [status](const MeasuredCorner& c) { return c.fit.status == status; }));
+}
+
+// Every outer row and column needs two corners, else the board could lie one square further.
+bool outline_is_fixed(const Board& board, const std::vector<MeasuredCorner>& corners) {
+  std::array<int, 4> sides{};
+  for (const MeasuredCorner& corner : corners) {
+    if (corner.fit.status != SaddleStatus::kFitted) continue;
+    const int x = corner.id % board.inner_corners_x(), y = corner.id / board.inner_corners_x();
+    sides[0] += x == 0;
+    sides[1] += x == board.inner_corners_x() - 1;
+    sides[2] += y == 0;
+    sides[3] += y == board.inner_corners_y() - 1;
+  }
+  return *std::min_element(sides.begin(), sides.end()) >= 2;
+}
+
+std::string formatted(const char* format, double value) {
+  char text[96];
+  std::snprintf(text, sizeof(text), format, value);
+  return text;
+}
+
+double smallest_square(const std::vector<MeasuredCorner>& corners) {
+  double smallest = 1e9;
+  for (const MeasuredCorner& corner : corners) smallest = std::min(smallest, square_height(corner.window.square));
+  return smallest;
+}
+
+// Why a measured board cannot be used; empty if it can.
+std::string fault_of(const Board& board, const std::vector<MeasuredCorner>& corners,
+                     const CheckerboardOptions& options) {
+  const int fitted = count(corners, SaddleStatus::kFitted);
+  const double smallest = smallest_square(corners), blur = median_of(corners, blur_of);
+  if (smallest < kMinSquarePx) return formatted("board too small (squares of %.1f px)", smallest);
+  if (fitted > 0 && blur > kMaxBlurShare * smallest) return formatted("blurred (edges %.1f px wide)", 2.0 * blur);
+  if (count(corners, SaddleStatus::kOutsideImage) > 0 && fitted < board.corner_count()) return "board cut off";
+  if (fitted < options.min_corner_share * board.corner_count() || !outline_is_fixed(board, corners))
+    return "board partly hidden (" + std::to_string(fitted) + " of " + std::to_string(board.corner_count()) +
+           " corners)";
+  return {};
+}
+
+}  // namespace
+
+BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement& placement,
+                   const CheckerboardOptions& options) {
+  BoardFit result;
+  std::vector<PlanePoint> points;
+  for (const auto& [id, pixel] : placement.seeds) points.push_back({board_position(board, id), pixel});
+  std::optional<Homography> H = Homography::fit(points);
+  result.reason = "no board";
+  if (!H) return result;
+  constexpr double kFirstBlur = 0.9;
+  std::vector<MeasuredCorner> corners = measure(grey, board, *H, placement.seeds, kFirstBlur);
+  for (int pass = 0; pass < 1; ++pass) {
+    H = homography_of(board, corners);
+    if (!H) break;
+    drop_outliers(board, *H, options, &corners);
+    std::vector<std::pair<int, Vector2d>> fitted;
+    for (const MeasuredCorner& corner : corners)
+      if (corner.fit.status == SaddleStatus::kFitted) fitted.emplace_back(corner.id, corner.fit.pixel);
+    corners = measure(grey, board, *H, fitted, std::clamp(median_of(corners, blur_of), 0.4, 6.0));
+  }
+  if (H) drop_outliers(board, *H, options, &corners);
+  result.outside = count(corners, SaddleStatus::kOutsideImage);
+  result.reason = fault_of(board, corners, options);
+  if (!result.reason.empty()) return result;
+  for (const MeasuredCorner& corner : corners) {
+    if (corner.fit.status != SaddleStatus::kFitted) continue;
+    const Matrix2d floor = Matrix2d::Identity() * (options.min_sigma_px * options.min_sigma_px);
+    result.corners.push_back({corner.id, corner.fit.pixel, corner.fit.covariance_px2 + floor});
+  }
+  return result;
+}
+
+}  // namespace rigproof::detection

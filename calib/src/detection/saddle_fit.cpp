@@ -1,0 +1,338 @@
+#include "saddle_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "rigproof/core/conventions.h"
+
+namespace rigproof::detection {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+enum Parameter {
+  kX,
+  kY,
+  kAngle1,
+  kAngle2,
+  kBlur1,
+  kBlur2,
+  kMean,
+  kContrast,
+  kSlopeX,
+  kSlopeY,
+  kCurve1,
+  kCurve2,
+  kCount
+};
+using Parameters = Eigen::Matrix<double, kCount, 1>;
+using Normal = Eigen::Matrix<double, kCount, kCount>;
+
+// Farthest pixel used: farther ones tell little more, and lens distortion bends the edges [px].
+constexpr double kMaxReach = 12.0;
+// A pixel farther than this many blurs from both edges tells only m and c.
+constexpr double kEdgeReach = 4.0;
+// Prior of an edge's curvature [1/px]: strong barrel distortion (k1 = -0.3) at fx 640 gives 4e-4.
+constexpr double kCurvatureSigma = 4e-4;
+// Prior of the brightness slope [1/px]: a tenth over ten pixels.
+constexpr double kSlopeSigma = 0.01;
+constexpr double kMinBlur = 0.3;  // a pixel alone has sqrt(1/12)
+constexpr double kQuantisationVariance = 1.0 / 12.0;
+constexpr double kFirstNoiseVariance = 4.0;
+constexpr int kMaxIterations = 25;
+constexpr double kConvergedStep = 3e-4;  // a tenth of what a corner can be measured to [px]
+
+/// erf(s / sqrt 2) and the density exp(-s^2/2) / sqrt(2 pi), from a table with cubic interpolation: error 1e-9.
+class NormalTable {
+ public:
+  static const NormalTable& instance() {
+    static const NormalTable table;
+    return table;
+  }
+  double step(double s) const {
+    const double x = std::clamp(s, -kLimit, kLimit) * kPerUnit + kHalf;
+    const auto i = std::min(static_cast<std::size_t>(x), kSize - 2);
+    const double t = x - static_cast<double>(i);
+    const double m0 = 2.0 * density_[i] / kPerUnit, m1 = 2.0 * density_[i + 1] / kPerUnit;
+    const double t2 = t * t, t3 = t2 * t;
+    return step_[i] * (2.0 * t3 - 3.0 * t2 + 1.0) + m0 * (t3 - 2.0 * t2 + t) + step_[i + 1] * (3.0 * t2 - 2.0 * t3) +
+           m1 * (t3 - t2);
+  }
+  static double density(double s) { return std::exp(-0.5 * s * s) * kInverseRoot; }
+
+ private:
+  NormalTable() {
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const double s = (static_cast<double>(i) - kHalf) / kPerUnit;
+      step_[i] = std::erf(s / std::sqrt(2.0));
+      density_[i] = density(s);
+    }
+  }
+  static constexpr double kLimit = 6.0, kPerUnit = 64.0, kHalf = kLimit * kPerUnit;
+  static constexpr std::size_t kSize = 2 * 384 + 1;
+  static constexpr double kInverseRoot = 0.39894228040143268;
+  std::array<double, kSize> step_, density_;
+};
+
+/// Mean of sign(s1 + e1) sign(s2 + e2) under unit normals with correlation rho, and its derivatives by s1 and s2.
+struct BlurredSign {
+  double value, by_s1, by_s2;
+};
+
+// 4 * integral of the bivariate normal density over the correlation from 0 to rho (Plackett 1954; Drezner and
+// Wesolowsky 1990), four Gauss-Legendre points: error below 1e-4 up to |rho| = 0.9.
+double correlation_term(double s1, double s2, double rho) {
+  constexpr std::array<double, 4> kNodes = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
+                                            0.93056815579702629};
+  constexpr std::array<double, 4> kWeights = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
+                                              0.17392742256872693};
+  const double squares = s1 * s1 + s2 * s2, product = s1 * s2;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double r = rho * kNodes[i], remainder = 1.0 - r * r;
+    sum += kWeights[i] * std::exp(-(squares - 2.0 * r * product) / (2.0 * remainder)) / std::sqrt(remainder);
+  }
+  return 4.0 * rho * sum / (2.0 * kPi);
+}
+
+BlurredSign blurred_sign(double s1, double s2, double rho, double root) {
+  const NormalTable& table = NormalTable::instance();
+  BlurredSign result;
+  result.value = table.step(s1) * table.step(s2);
+  const bool at_both = std::abs(s1) < 4.5 && std::abs(s2) < 4.5;
+  if (at_both && std::abs(rho) > 1e-3) result.value += correlation_term(s1, s2, rho);
+  result.by_s1 = 2.0 * NormalTable::density(s1) * table.step((s2 - rho * s1) / root);
+  result.by_s2 = 2.0 * NormalTable::density(s2) * table.step((s1 - rho * s2) / root);
+  return result;
+}
+
+struct Pixel {
+  double x, y;  ///< relative to the window's centre
+  double grey;
+};
+
+struct Edge {
+  Vector2d along, across;
+  explicit Edge(double angle) : along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x()) {}
+};
+
+// Brightness at a pixel and its derivative.
+double model(const Parameters& p, const Edge& first, const Edge& second, double rho, const Pixel& pixel,
+             Parameters* derivative) {
+  const double root = std::sqrt(1.0 - rho * rho);
+  const Vector2d r(pixel.x - p[kX], pixel.y - p[kY]);
+  const double t1 = first.along.dot(r), t2 = second.along.dot(r);
+  const double u1 = first.across.dot(r), u2 = second.across.dot(r);
+  const double s1 = (u1 - 0.5 * p[kCurve1] * t1 * t1) / p[kBlur1];
+  const double s2 = (u2 - 0.5 * p[kCurve2] * t2 * t2) / p[kBlur2];
+  const BlurredSign sign = blurred_sign(s1, s2, rho, root);
+  const double light = 1.0 + p[kSlopeX] * pixel.x + p[kSlopeY] * pixel.y;
+  const double flat = p[kMean] + p[kContrast] * sign.value;
+  const double w1 = light * p[kContrast] * sign.by_s1 / p[kBlur1];
+  const double w2 = light * p[kContrast] * sign.by_s2 / p[kBlur2];
+  const Vector2d toward1 = first.across - p[kCurve1] * t1 * first.along;
+  const Vector2d toward2 = second.across - p[kCurve2] * t2 * second.along;
+  Parameters& d = *derivative;
+  d[kX] = -(w1 * toward1.x() + w2 * toward2.x());
+  d[kY] = -(w1 * toward1.y() + w2 * toward2.y());
+  d[kAngle1] = -w1 * t1 * (1.0 + p[kCurve1] * u1);
+  d[kAngle2] = -w2 * t2 * (1.0 + p[kCurve2] * u2);
+  d[kBlur1] = -w1 * s1;
+  d[kBlur2] = -w2 * s2;
+  d[kMean] = light;
+  d[kContrast] = light * sign.value;
+  d[kSlopeX] = flat * pixel.x;
+  d[kSlopeY] = flat * pixel.y;
+  d[kCurve1] = -0.5 * w1 * t1 * t1;
+  d[kCurve2] = -0.5 * w2 * t2 * t2;
+  return flat * light;
+}
+
+double correlation_of(const Edge& first, const Edge& second) {
+  return std::clamp(first.across.dot(second.across), -0.95, 0.95);
+}
+
+/// Squared error and its normal equations.
+struct System {
+  double cost = 0.0;  ///< priors included
+  double residual_squares = 0.0;
+  Normal normal = Normal::Zero();
+  Parameters gradient = Parameters::Zero();
+};
+
+void add_prior(Parameter which, double value, double weight, System* system) {
+  system->normal(which, which) += weight;
+  system->gradient[which] += weight * value;
+  system->cost += weight * value * value;
+}
+
+System linearise(const std::vector<Pixel>& pixels, const Parameters& p, double noise_variance) {
+  System system;
+  const Edge first(p[kAngle1]), second(p[kAngle2]);
+  const double rho = correlation_of(first, second);
+  Parameters derivative;
+  for (const Pixel& pixel : pixels) {
+    const double error = model(p, first, second, rho, pixel, &derivative) - pixel.grey;
+    system.residual_squares += error * error;
+    system.gradient += error * derivative;
+    system.normal.selfadjointView<Eigen::Lower>().rankUpdate(derivative);
+  }
+  system.normal = system.normal.selfadjointView<Eigen::Lower>();
+  system.cost = system.residual_squares;
+  for (const Parameter curve : {kCurve1, kCurve2})
+    add_prior(curve, p[curve], noise_variance / (kCurvatureSigma * kCurvatureSigma), &system);
+  for (const Parameter slope : {kSlopeX, kSlopeY})
+    add_prior(slope, p[slope], noise_variance / (kSlopeSigma * kSlopeSigma), &system);
+  return system;
+}
+
+/// The window in the board's own coordinates: it must not reach the edges of the neighbouring squares.
+struct WindowShape {
+  Matrix2d board_from_pixel;
+  double limit_u = 0.0, limit_v = 0.0;  ///< in squares
+  Vector2d across_u, across_v;          ///< unit normals of the edges along y and along x
+  double height_u = 0.0, height_v = 0.0;
+
+  WindowShape(const SaddleWindow& window, double blur_px) : board_from_pixel(window.square.inverse()) {
+    const double area = std::abs(window.square.determinant());
+    height_u = area / window.square.col(1).norm();
+    height_v = area / window.square.col(0).norm();
+    const double margin = 3.0 * blur_px + 0.3;
+    limit_u = std::clamp(1.0 - margin / height_u, 0.55, 0.95);
+    limit_v = std::clamp(1.0 - margin / height_v, 0.55, 0.95);
+  }
+  bool holds(const Vector2d& offset, double blur_px) const {
+    const Vector2d uv = board_from_pixel * offset;
+    const double u = std::abs(uv.x()), v = std::abs(uv.y());
+    if (u > limit_u || v > limit_v) return false;
+    const double near = kEdgeReach * blur_px;
+    return u * height_u < near || v * height_v < near;
+  }
+};
+
+bool inside(const Image8& grey, int x, int y) { return x >= 0 && y >= 0 && x < grey.width && y < grey.height; }
+
+// Pixels of the window; absent if the image ends within it.
+std::optional<std::vector<Pixel>> gather(const Image8& grey, const SaddleWindow& window, double blur_px) {
+  const WindowShape shape(window, blur_px);
+  std::vector<Pixel> pixels;
+  const int reach = static_cast<int>(kMaxReach) + 1;
+  const int cx = static_cast<int>(std::lround(window.centre.x())),
+            cy = static_cast<int>(std::lround(window.centre.y()));
+  int missing = 0;
+  for (int y = cy - reach; y <= cy + reach; ++y) {
+    for (int x = cx - reach; x <= cx + reach; ++x) {
+      const Vector2d offset = Vector2d(x, y) - window.centre;
+      if (offset.squaredNorm() > kMaxReach * kMaxReach || !shape.holds(offset, blur_px)) continue;
+      if (inside(grey, x, y))
+        pixels.push_back({offset.x(), offset.y(), static_cast<double>(grey.at(x, y))});
+      else
+        ++missing;
+    }
+  }
+  // A corner at the image's edge keeps its fit while most of its window is there.
+  if (missing > static_cast<int>(pixels.size()) / 3) return std::nullopt;
+  return pixels;
+}
+
+Parameters first_guess(const SaddleWindow& window, const std::vector<Pixel>& pixels) {
+  double low = 255.0, high = 0.0;
+  for (const Pixel& pixel : pixels) {
+    low = std::min(low, pixel.grey);
+    high = std::max(high, pixel.grey);
+  }
+  Parameters p = Parameters::Zero();
+  p[kAngle1] = std::atan2(window.square(1, 0), window.square(0, 0));
+  p[kAngle2] = std::atan2(window.square(1, 1), window.square(0, 1));
+  p[kBlur1] = p[kBlur2] = window.blur_px;
+  p[kMean] = 0.5 * (low + high);
+  // The first edge's normal points to +y of the board, the second one's to -x: at +x +y the product is negative.
+  p[kContrast] = 0.5 * (high - low) * (window.dark_diagonal ? 1.0 : -1.0);
+  return p;
+}
+
+bool is_plausible(const Parameters& p, double reach) {
+  return p.allFinite() && std::hypot(p[kX], p[kY]) < reach && p[kBlur1] > 0.05 && p[kBlur2] > 0.05 &&
+         p[kBlur1] < 12.0 && p[kBlur2] < 12.0;
+}
+
+struct Minimum {
+  Parameters parameters;
+  System system;
+  bool converged = false;
+};
+
+double noise_variance_of(const System& system, std::size_t pixels) {
+  // Grey values carry at least the noise of their rounding.
+  return std::max(system.residual_squares / static_cast<double>(pixels - kCount), kQuantisationVariance);
+}
+
+// Levenberg-Marquardt. The noise variance only weighs the priors against the pixels.
+Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, double noise_variance, double reach) {
+  Minimum best{start, linearise(pixels, start, noise_variance), false};
+  double damping = 1e-4;
+  for (int iteration = 0; iteration < kMaxIterations && damping < 1e6 && !best.converged; ++iteration) {
+    Normal damped = best.system.normal;
+    damped.diagonal() *= 1.0 + damping;
+    const Parameters step = damped.ldlt().solve(-best.system.gradient);
+    Parameters next = best.parameters + step;
+    next[kBlur1] = std::max(next[kBlur1], kMinBlur);
+    next[kBlur2] = std::max(next[kBlur2], kMinBlur);
+    const bool small = std::hypot(step[kX], step[kY]) < kConvergedStep;
+    System system;
+    if (is_plausible(next, reach)) system = linearise(pixels, next, noise_variance);
+    if (!is_plausible(next, reach) || !(system.cost <= best.system.cost)) {
+      best.converged = small;  // no better within rounding
+      damping *= 10.0;
+      continue;
+    }
+    best.parameters = next;
+    best.system = system;
+    best.converged = small;
+    damping = std::max(damping * 0.1, 1e-9);
+  }
+  return best;
+}
+
+}  // namespace
+
+SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
+  SaddleFit fit;
+  if (!window.centre.allFinite() || !window.square.allFinite() || window.centre.cwiseAbs().maxCoeff() > 1e6 ||
+      std::abs(window.square.determinant()) < 1.0)
+    return fit;
+  const std::optional<std::vector<Pixel>> pixels = gather(grey, window, window.blur_px);
+  if (!pixels) {
+    fit.status = SaddleStatus::kOutsideImage;
+    return fit;
+  }
+  if (pixels->size() < 2 * kCount) {
+    fit.status = SaddleStatus::kTooSmall;
+    return fit;
+  }
+  const double reach = 0.6 * std::min(window.square.col(0).norm(), window.square.col(1).norm());
+  Minimum minimum = minimise(*pixels, first_guess(window, *pixels), kFirstNoiseVariance, reach);
+  const double noise_variance = noise_variance_of(minimum.system, pixels->size());
+  if (minimum.converged) minimum = minimise(*pixels, minimum.parameters, noise_variance, reach);
+  const Parameters& p = minimum.parameters;
+  const bool right_colours = (p[kContrast] > 0.0) == window.dark_diagonal;
+  if (!minimum.converged || !right_colours) return fit;
+  const Normal covariance = noise_variance * minimum.system.normal.ldlt().solve(Normal::Identity());
+  fit.covariance_px2 = covariance.topLeftCorner<2, 2>();
+  if (!fit.covariance_px2.allFinite() || !(fit.covariance_px2.determinant() > 0.0)) return fit;
+  fit.status = SaddleStatus::kFitted;
+  fit.pixel = window.centre + p.head<2>();
+  fit.blur_px = p.segment<2>(kBlur1);
+  fit.contrast = std::abs(p[kContrast]);
+  fit.pixels = static_cast<int>(pixels->size());
+  fit.residual_rms = std::sqrt(minimum.system.residual_squares / static_cast<double>(pixels->size()));
+  return fit;
+}
+
+}  // namespace rigproof::detection

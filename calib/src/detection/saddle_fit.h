@@ -1,0 +1,39 @@
+// A parametric model of the meeting of four squares, fitted to the grey values around it.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "rigproof/core/image.h"
+
+namespace rigproof::detection {
+
+/// Where and how to look.
+struct SaddleWindow {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< expected corner [px]
+  /// Derivative of the pixel by the board coordinates at the corner: columns are one square along x and along y,
+  /// the shorter of the two neighbours [px].
+  Eigen::Matrix2d square = Eigen::Matrix2d::Identity();
+  bool dark_diagonal = true;  ///< the squares at +x +y and -x -y of the corner are dark
+  double blur_px = 0.8;       ///< first guess of the edges' blur
+};
+
+enum class SaddleStatus { kFitted, kOutsideImage, kNoSaddle, kTooSmall };
+
+struct SaddleFit {
+  SaddleStatus status = SaddleStatus::kNoSaddle;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  /// From the fit and the noise that its residual shows.
+  Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d blur_px =
+      Eigen::Vector2d::Zero();  ///< across the edges along board x and along board y, pixel included
+  double contrast = 0.0;        ///< half of light minus dark [grey levels]
+  double residual_rms = 0.0;    ///< [grey levels]
+  int pixels = 0;
+};
+
+/// I = (m + c E) (1 + g . p), with E the product of two step edges blurred by a Gaussian: exact also for edges that
+/// do not cross at right angles (the bivariate normal orthant). Free: position, both edge directions, both blurs,
+/// m, c, g, and the edges' curvature (with a prior, for lens distortion). Levenberg-Marquardt, analytic derivatives.
+SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window);
+
+}  // namespace rigproof::detection
