@@ -186,7 +186,7 @@ Camera Camera::symmetric(int width_px, int height_px, double focal_px) {
 bool Camera::project(const Vector3d& p_camera, Vector2d* pixel, Eigen::Matrix<double, 2, 3>* J_pixel_point) const {
   if (!(p_camera.z() > kMinDepth)) return false;
   const Vector2d n = p_camera.head<2>() / p_camera.z();
-  if (!within_lens_field(*this, n)) return false;
+  if (!std::isfinite(n.squaredNorm()) || !within_lens_field(*this, n)) return false;
   const Vector2d d = distort(*this, n);
   *pixel = Vector2d(fx_px * d.x() + cx_px, fy_px * d.y() + cy_px);
   if (J_pixel_point != nullptr) {

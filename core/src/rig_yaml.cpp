@@ -306,8 +306,8 @@ Rigid3 read_transform(MapReader& map) {
   return T;
 }
 
-double value_in_unit(double si_value, double units_per_si) {
-  const double exact = si_value * units_per_si;
+double value_in_unit(double value, double units_per_si) {
+  const double exact = value * units_per_si;
   if (!std::isfinite(exact)) return exact;
   const double inf = std::numeric_limits<double>::infinity();
   std::vector<double> candidates;
@@ -319,7 +319,7 @@ double value_in_unit(double si_value, double units_per_si) {
   candidates.push_back(exact);
   candidates.push_back(std::nextafter(exact, -inf));
   candidates.push_back(std::nextafter(exact, inf));
-  const auto distance = [&](double value) { return std::abs(value / units_per_si - si_value); };
+  const auto distance = [&](double candidate) { return std::abs(candidate / units_per_si - value); };
   return *std::min_element(candidates.begin(), candidates.end(),
                            [&](double a, double b) { return distance(a) < distance(b); });
 }

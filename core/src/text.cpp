@@ -42,6 +42,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+// "yaw" of "yaw_deg": names carry their unit behind the last underscore.
+std::string_view without_unit(std::string_view name) { return name.substr(0, name.rfind('_')); }
+
+// A part that was left out ("lambda" for "odometry_lambda") or another unit counts as near, though less than a slip.
+bool is_relative(std::string_view name, std::string_view candidate) {
+  if (name.size() < 3) return false;
+  return candidate.find(name) != std::string_view::npos || without_unit(name) == without_unit(candidate);
+}
+
 }  // namespace
 
 std::string number_text(double value) {
@@ -75,9 +84,7 @@ std::optional<std::string> nearest_name(std::string_view name, const std::vector
   std::size_t best = allowed + 1;
   for (const std::string& candidate : known) {
     const std::size_t distance = edit_distance(name, candidate);
-    // "lambda" for "odometry_lambda": a part that was left out counts as near, too, but less than a slip.
-    const bool contained = name.size() >= 3 && candidate.find(name) != std::string::npos;
-    const std::size_t rank = contained ? std::min(distance, allowed) : distance;
+    const std::size_t rank = is_relative(name, candidate) ? std::min(distance, allowed) : distance;
     if (rank >= best || rank >= std::max(name.size(), candidate.size())) continue;
     best = rank;
     nearest = candidate;

@@ -184,7 +184,7 @@ std::string YamlTree::shown() const {
 YamlTree YamlTree::number(double value) {
   YamlTree tree;
   tree.kind = Kind::kScalar;
-  tree.scalar = number_text(value);
+  tree.scalar = number_text(value + 0.0);  // -0 says nothing to a reader
   return tree;
 }
 

@@ -208,7 +208,6 @@ class Importer {
     recording_.rig.name = root_.filename().string();
     recording_.rig.robot_frame = "robot";
     recording_.rig.board = info.board;
-    recording_.rig.odometry_file.clear();
     for (int i = 1; i <= info.cameras; ++i) add_camera(info.prefix + std::to_string(i));
     add_odometry();
     problems_.throw_if_any();

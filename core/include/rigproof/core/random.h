@@ -2,14 +2,18 @@
 // order or the thread in which streams are drawn.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
 
 namespace rigproof {
 
-/// Philox4x32-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3"), keyed by the seed and the
-/// purpose, with frame and camera in the counter. Cheap to create.
+/// Philox4x32-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3"): four random words of a counter.
+std::array<std::uint32_t, 4> philox4x32(const std::array<std::uint32_t, 4>& counter,
+                                        const std::array<std::uint32_t, 2>& key);
+
+/// Philox keyed by the seed and the purpose, with frame and camera in the counter. Cheap to create.
 class RandomStream {
  public:
   /// @param purpose what the numbers are for, e.g. "odometry"; streams of different purposes are independent.

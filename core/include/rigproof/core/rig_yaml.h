@@ -55,7 +55,7 @@ YamlTree tree_of(const Rigid3& T);
 void set_transform(const Rigid3& T, YamlTree* map);
 
 /// A value in a key's unit such that value / units_per_si reads back to the same double, with as few digits as can be.
-double value_in_unit(double si_value, double units_per_si);
+double value_in_unit(double value, double units_per_si);
 
 /// A sensor that cameras of a rig name: models/sensors/NAME.yaml.
 struct SensorPreset {

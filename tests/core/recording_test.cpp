@@ -1,0 +1,402 @@
+#include "rigproof/core/recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "error_text.h"
+#include "pose_near.h"
+#include "rigproof/core/odometry_csv.h"
+#include "rigproof/core/rig_yaml.h"
+#include "sample_data.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+const char* const kIntrinsics = "{width_px: 640, height_px: 480, fx_px: 500, fy_px: 500, cx_px: 319.5, cy_px: 239.5}";
+
+std::string rig_text(const std::string& cameras, const std::string& more = "") {
+  return "board: {type: checkerboard, squares: [6, 5], square_mm: 110}\ncameras:\n" + cameras + more;
+}
+
+std::string one_camera() { return rig_text("  left: {intrinsics: " + std::string(kIntrinsics) + "}\n"); }
+
+/// A folder with rig.yaml, three rows of odometry and three images of one camera.
+struct SmallRecording : TempFolder {
+  SmallRecording() {
+    write("rig.yaml", one_camera());
+    write("odometry.csv", "stamp_s,x_m,y_m,yaw_rad\n10,0,0,0\n11,0.5,0,0.1\n12,1,0,0.2\n");
+    for (const char* name : {"2.png", "10.png", "1.png"}) write(std::string("left/color/") + name, "png");
+  }
+  std::string problems() const {
+    return error_text([this] { load_recording(path()); });
+  }
+};
+
+TEST(Recording, RoundTripKeepsEveryValueAndEveryByte) {
+  const TempFolder folder;
+  const Recording recording = sample_recording(folder / "a");
+  for (const auto& frames : recording.frames)
+    for (const CameraFrame& frame : frames) {
+      folder.write("a/" + frame.color_file, "png");
+      if (!frame.depth_file.empty()) folder.write("a/" + frame.depth_file, "png");
+    }
+  save_recording(recording);
+  Recording again = load_recording(folder / "a");
+  ASSERT_EQ(again.rig.cameras.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const RigCamera &a = recording.rig.cameras[i], &b = again.rig.cameras[i];
+    EXPECT_EQ(a.name, b.name) << "cameras keep the order of the file";
+    EXPECT_EQ(a.sensor, b.sensor);
+    EXPECT_EQ(a.link, b.link);
+    EXPECT_EQ(a.camera.fx_px, b.camera.fx_px);
+    EXPECT_EQ(a.camera.distortion, b.camera.distortion);
+    EXPECT_EQ(a.camera.lens, b.camera.lens);
+    ASSERT_EQ(a.depth.has_value(), b.depth.has_value());
+    ASSERT_EQ(again.frames[i].size(), 3U);
+    for (std::size_t j = 0; j < 3; ++j) {
+      EXPECT_EQ(recording.frames[i][j].color_file, again.frames[i][j].color_file);
+      EXPECT_EQ(recording.frames[i][j].depth_file, again.frames[i][j].depth_file);
+      EXPECT_EQ(recording.frames[i][j].stamp_s, again.frames[i][j].stamp_s);
+      EXPECT_EQ(recording.frames[i][j].exposure_s, again.frames[i][j].exposure_s);
+    }
+  }
+  EXPECT_TRUE(IsPoseNear(recording.rig.cameras[0].depth->own_camera->T_color_depth,
+                         again.rig.cameras[0].depth->own_camera->T_color_depth, 0.0, 1e-15));
+  EXPECT_EQ(recording.rig.board, again.rig.board);
+  EXPECT_EQ(recording.rig.odometry_noise.sigma_xy_m, again.rig.odometry_noise.sigma_xy_m);
+  EXPECT_EQ(recording.rig.odometry_noise.sigma_yaw_rad, again.rig.odometry_noise.sigma_yaw_rad);
+  EXPECT_EQ(recording.rig.accept->angle_rad, again.rig.accept->angle_rad);
+  again.folder = folder / "b";
+  fs::create_directory(again.folder);
+  save_recording(again);
+  for (const char* file : {"rig.yaml", "odometry.csv", "left/frames.csv", "center/frames.csv", "right/frames.csv"})
+    EXPECT_EQ(folder.read(std::string("a/") + file), folder.read(std::string("b/") + file)) << file;
+}
+
+TEST(Recording, DepthAndCloudsUnderOtherNamesGetColumns) {
+  const SmallRecording folder;
+  Recording recording = load_recording(folder.path());
+  recording.frames[0][1].cloud_file = "left/elsewhere/scan.pcd";
+  save_recording(recording);
+  EXPECT_THAT(folder.read("left/frames.csv"), HasSubstr("color/2.png,11,0,,elsewhere/scan.pcd"));
+  EXPECT_EQ(load_recording(folder.path()).frames[0][1].cloud_file, "left/elsewhere/scan.pcd");
+}
+
+// ------------------------------------------------------------------------------------------- a real robot's recording
+
+TEST(Recording, ImagesInNaturalOrderPairWithOneRowEach) {
+  const SmallRecording folder;
+  folder.write("left/depth/2.png", "png");
+  folder.write("left/cloud/10.pcd", "pcd");
+  const Recording recording = load_recording(folder.path());
+  ASSERT_EQ(recording.frames[0].size(), 3U);
+  EXPECT_EQ(recording.frames[0][0].color_file, "left/color/1.png");
+  EXPECT_EQ(recording.frames[0][2].color_file, "left/color/10.png");
+  EXPECT_EQ(recording.frames[0][1].stamp_s, 11.0);
+  EXPECT_EQ(recording.frames[0][1].depth_file, "left/depth/2.png");
+  EXPECT_EQ(recording.frames[0][2].cloud_file, "left/cloud/10.pcd");
+  EXPECT_EQ(recording.rig.robot_frame, "base_footprint");
+  EXPECT_EQ(recording.rig.cameras[0].link, "left");
+}
+
+TEST(Recording, NamesThatAreStampsAreStamps) {
+  const TempFolder folder;
+  folder.write("rig.yaml", one_camera());
+  folder.write("odometry.csv", "1699999.0,0,0,0\n1699999.5,0,0,0\n1700000,1,0,0\n");
+  folder.write("left/1699999.123.png", "png");
+  folder.write("left/1699999250000000.png", "png");
+  const Recording recording = load_recording(folder.path());
+  ASSERT_EQ(recording.frames[0].size(), 2U);
+  EXPECT_DOUBLE_EQ(recording.frames[0][0].stamp_s, 1699999.123);
+  EXPECT_DOUBLE_EQ(recording.frames[0][1].stamp_s, 1699999.25) << "16 digits and more are nanoseconds";
+}
+
+TEST(Recording, ImagesWithoutTimeSayWhatToGive) {
+  const SmallRecording folder;
+  folder.write("left/color/11.png", "png");
+  EXPECT_THAT(folder.problems(), HasSubstr("left: tells no time of its 4 images, and the odometry has 3 rows. Give "
+                                           "frames.csv (file,stamp_s)"));
+}
+
+TEST(Recording, ACameraWithoutImagesIsNamed) {
+  const SmallRecording folder;
+  fs::remove_all(folder / "left/color");
+  EXPECT_THAT(folder.problems(), HasSubstr("left: holds no image"));
+  fs::remove_all(folder / "left");
+  EXPECT_THAT(folder.problems(), HasSubstr("left: no such folder"));
+}
+
+TEST(Recording, FramesCsvReportsEveryBadRow) {
+  const SmallRecording folder;
+  folder.write("left/frames.csv",
+               "file,stamp_s,exposure_s\ncolor/1.png,10,0.01\n../../secret.png,11,0.01\ncolor/2.png,nan,0.01\n"
+               "color/10.png,10,-3\n/etc/passwd,12,0\n");
+  const std::string text = folder.problems();
+  EXPECT_THAT(text, HasSubstr("frames.csv:3: file: ../../secret.png: leaves the recording"));
+  EXPECT_THAT(text, HasSubstr("frames.csv:4: stamp_s: nan: must be a finite number"));
+  EXPECT_THAT(text, HasSubstr("frames.csv:5: exposure_s: -3: must be a number, 0 to 100"));
+  EXPECT_THAT(text, HasSubstr("frames.csv:6: file: /etc/passwd: leaves the recording"));
+  EXPECT_THAT(text, HasSubstr("frames.csv:5: stamp_s: 10: left/color/10.png has the stamp of left/color/1.png"));
+}
+
+TEST(Recording, LinksThatLeaveTheFolderAreRefused) {
+  const TempFolder outside;
+  outside.write("a.png", "png");
+  const SmallRecording folder;
+  fs::remove(folder / "left/color/1.png");
+  fs::create_symlink(outside / "a.png", folder / "left/color/1.png");
+  EXPECT_THAT(folder.problems(), HasSubstr("leaves the folder through a link"));
+  fs::remove_all(folder / "left");
+  fs::create_directory_symlink(outside.path(), folder / "left");
+  EXPECT_THAT(folder.problems(), HasSubstr("leaves the folder through a link"));
+}
+
+// ---------------------------------------------------------------------------------------------------------- odometry
+
+std::vector<OdometrySample> read_odometry(const std::string& text, std::string* problems_text = nullptr) {
+  const TempFolder folder;
+  folder.write("odometry.csv", text);
+  Problems problems;
+  const auto odometry = read_odometry_csv(folder / "odometry.csv", &problems);
+  std::string found = problems.text();
+  const std::string prefix = folder.path().string() + "/";
+  for (std::size_t at = found.find(prefix); at != std::string::npos; at = found.find(prefix))
+    found.erase(at, prefix.size());
+  if (problems_text != nullptr) *problems_text = found;
+  EXPECT_TRUE(problems_text != nullptr || found.empty()) << found;
+  return odometry;
+}
+
+TEST(Odometry, HeaderColumnsMayComeInAnyOrderWithOthersBetween) {
+  const auto odometry =
+      read_odometry("yaw_rad, ticks ,x_m,stamp_s,y_m\r\n0.5,77,1,10,2\r\n# note\r\n\r\n0.6,78,1.5,11,2\r\n");
+  ASSERT_EQ(odometry.size(), 2U);
+  EXPECT_EQ(odometry[0].stamp_s, 10.0);
+  EXPECT_EQ(odometry[0].x_m, 1.0);
+  EXPECT_EQ(odometry[0].y_m, 2.0);
+  EXPECT_EQ(odometry[0].yaw_rad, 0.5);
+}
+
+TEST(Odometry, WithoutHeaderTheFirstFourColumnsCount) {
+  EXPECT_EQ(read_odometry("1,2,3,0.4,9\n2,2,3,0.4,9").size(), 2U);
+  EXPECT_EQ(read_odometry("\xEF\xBB\xBFstamp_s,x_m,y_m,yaw_rad\n1,2,3,0.4\n").size(), 1U);
+}
+
+TEST(Odometry, EveryBadRowIsReported) {
+  std::string text;
+  read_odometry("stamp_s,x_m,y_m,yaw_rad\n1,0,0,0\n2,nan,0,0\n3,0,0\n2.5,0,inf,x\n1,0,0,0\n0.5,0,0,0\n", &text);
+  EXPECT_EQ(text,
+            "odometry.csv:3: x_m: nan: must be a finite number\n"
+            "odometry.csv:4: has 3 columns; 4 are needed: stamp_s,x_m,y_m,yaw_rad, separated by commas\n"
+            "odometry.csv:5: y_m: inf: must be a finite number\n"
+            "odometry.csv:5: yaw_rad: x: must be a finite number\n"
+            "odometry.csv:6: stamp_s: 1: repeats the stamp of the row before; stamps must increase\n"
+            "odometry.csv:7: stamp_s: 0.5: goes back in time; stamps must increase");
+}
+
+TEST(Odometry, WrongColumnsNameTheNearest) {
+  std::string text;
+  read_odometry("stamp_s,x_m,y_m,yaw_deg\n1,2,3,4\n", &text);
+  EXPECT_EQ(
+      text,
+      "odometry.csv:1: yaw_rad: the column is missing; is \"yaw_deg\" meant? Columns: stamp_s, x_m, y_m, yaw_deg");
+}
+
+TEST(Odometry, AFloodOfProblemsIsCut) {
+  std::string rows, text;
+  for (int i = 0; i < 1000; ++i) rows += "x,0,0,0\n";
+  read_odometry("1,0,0,0\n" + rows, &text);
+  EXPECT_THAT(text, HasSubstr("and 980 more problems of this file"));
+  read_odometry("", &text);
+  EXPECT_EQ(text, "odometry.csv: is empty; it needs rows of stamp_s,x_m,y_m,yaw_rad");
+  read_odometry(std::string("\0\0\0\0", 4), &text);
+  EXPECT_THAT(text, HasSubstr("has 1 columns"));
+}
+
+TEST(Odometry, ReadsBackToTheSameBits) {
+  const Recording recording = sample_recording("");
+  const auto again = read_odometry(odometry_csv(recording.odometry));
+  ASSERT_EQ(again.size(), recording.odometry.size());
+  for (std::size_t i = 0; i < again.size(); ++i) EXPECT_EQ(again[i].x_m, recording.odometry[i].x_m);
+}
+
+// --------------------------------------------------------------------------------------------------------------- rig
+
+std::string rig_problems(const std::string& text) {
+  const TempFolder folder;
+  folder.write("rig.yaml", text);
+  std::string found = error_text([&] { load_rig(folder / "rig.yaml"); });
+  const std::string prefix = folder.path().string() + "/";
+  for (std::size_t at = found.find(prefix); at != std::string::npos; at = found.find(prefix))
+    found.erase(at, prefix.size());
+  return found;
+}
+
+TEST(Rig, TheShortestUsefulFileTakesSensorAndCameraInfo) {
+  const TempFolder folder;
+  folder.write("rig.yaml", rig_text("  left: {sensor: d455, folder: cam0, link: left_link}\n",
+                                    "odometry: wheel.csv\naccept: {xy_mm: 8, z_mm: 4, angle_deg: 0.2}\n"));
+  folder.write("cam0/camera_info.yaml",
+               "image_width: 640\nimage_height: 480\ncamera_name: left\n"
+               "camera_matrix: {rows: 3, cols: 3, data: [500, 0, 320, 0, 501, 240, 0, 0, 1]}\n"
+               "distortion_model: plumb_bob\n"
+               "distortion_coefficients: {rows: 1, cols: 5, data: [0.1, -0.2, 0.001, 0.002, 0.05]}\n"
+               "rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}\n");
+  const Rig rig = load_rig(folder / "rig.yaml");
+  const RigCamera& left = rig.cameras.at(0);
+  EXPECT_EQ(left.camera.fy_px, 501.0);
+  EXPECT_EQ(left.camera.lens, Lens::kBrownConrady);
+  EXPECT_EQ(left.camera.distortion[4], 0.05);
+  EXPECT_EQ(left.folder, "cam0");
+  // s / (f B) of the D455 at 848 pixels: 0.08 / (446.8 * 0.095).
+  EXPECT_NEAR(left.depth->noise.inverse_depth_sigma_per_m, 0.001885, 1e-6);
+  EXPECT_EQ(rig.odometry_file, "wheel.csv");
+  EXPECT_DOUBLE_EQ(rig.accept->xy_m, 0.008);
+  EXPECT_EQ(rig.board.squares_x, 6);
+  EXPECT_DOUBLE_EQ(rig.board.square_m, 0.11);
+}
+
+TEST(Rig, CameraInfoOfRosMessagesIsRead) {
+  const TempFolder folder;
+  folder.write("rig.yaml", rig_text("  left: {camera_info: info.yaml}\n"));
+  const std::string head = "height: 480\nwidth: 640\nk: [500, 0, 320, 0, 501, 240, 0, 0, 1]\n";
+  const auto load = [&](const std::string& text) {
+    folder.write("left/info.yaml", head + text);
+    return load_rig(folder / "rig.yaml").cameras.at(0).camera;
+  };
+  EXPECT_EQ(load("distortion_model: equidistant\nd: [0.1, 0.2, 0.3, 0.4]\n").lens, Lens::kKannalaBrandt);
+  EXPECT_EQ(load("distortion_model: plumb_bob\nd: [0, 0, 0, 0, 0]\n").lens, Lens::kPinhole);
+  EXPECT_EQ(load("distortion_model: rational_polynomial\nd: [0.1, 0, 0, 0, 0, 0, 0, 0]\n").lens, Lens::kBrownConrady);
+  EXPECT_THAT(error_text([&] { load("distortion_model: rational_polynomial\nd: [0, 0, 0, 0, 0, 0.1, 0, 0]\n"); }),
+              HasSubstr("info.yaml:5: d: a list of 8: only the first 5 coefficients of this model are supported"));
+  EXPECT_THAT(error_text([&] { load("distortion_model: thin_prism\nd: [0]\n"); }),
+              HasSubstr("thin_prism: is not supported; allowed are plumb_bob"));
+  EXPECT_THAT(error_text([&] {
+                load(
+                    "d: [0]\n"
+                    "K: [500, 1, 320, 0, 501, 240, 0, 0, 1]\n");
+              }),
+              HasSubstr("skew is not supported"));
+}
+
+TEST(Rig, EveryProblemIsReportedAtOnce) {
+  const std::string text = rig_problems(
+      "board: {type: charuco, squares: [6], square_mm: -1}\n"
+      "robot_fram: base\n"
+      "odometry: {file: a.csv, noise: {model: per_pos, sigma_xy_mm: -1}}\n"
+      "cameras:\n"
+      "  left: {sensor: d545, intrinsics: {width_px: 640, height_px: 480, fx_px: 0, fy_px: 500, cx_px: 1, cy_px: "
+      ".inf}}\n"
+      "  center: {link: c}\n"
+      "  \"../x\": {intrinsics: " +
+      std::string(kIntrinsics) +
+      "}\n"
+      "accept: {xy_mm: 8}\n");
+  EXPECT_THAT(text, HasSubstr("rig.yaml:1: board.type: charuco: must be one of checkerboard"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:1: board.squares: a list of 1: must be a list of 2 numbers"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:1: board.square_mm: -1: allowed is 0.1 to 1"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:2: robot_fram: unknown key; did you mean \"robot_frame\"?"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:3: odometry.noise.model: per_pos: must be one of unknown, per_pose"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:3: odometry.noise.sigma_xy_mm: -1: allowed is 0 to"));
+  EXPECT_THAT(text, HasSubstr("cameras.left.sensor: d545: there is no \"d545\" among the presets of sensors; did you "
+                              "mean \"d455\"?"));
+  EXPECT_THAT(text, HasSubstr("cameras.left.intrinsics.fx_px: 0: allowed is 1 to"));
+  EXPECT_THAT(text, HasSubstr("cameras.left.intrinsics.cy_px: .inf: must be a number"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:6: cameras.center: has no intrinsics; give `intrinsics:"));
+  EXPECT_THAT(text, HasSubstr("cameras.../x: a block: a camera's name has letters"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:8: accept.z_mm: is missing"));
+}
+
+TEST(Rig, BoardsThatCannotBeToldApartOrAreGivenInCornersAreRefused) {
+  const auto board = [](const std::string& text) {
+    return rig_problems("board: " + text + "\ncameras: {left: {intrinsics: " + kIntrinsics + "}}\n");
+  };
+  EXPECT_EQ(board("{squares: [6, 5], square_mm: 110}"), "");
+  EXPECT_THAT(board("{squares: [9, 7], square_mm: 25}"), HasSubstr("looks the same when turned by 180 degrees"));
+  EXPECT_THAT(board("{inner_corners: [5, 4], square_mm: 25}"),
+              HasSubstr("give squares: one more than inner corners along each side"));
+  EXPECT_THAT(board("{squares: [6.5, 5], square_mm: 25}"), HasSubstr("must be whole numbers"));
+  EXPECT_THAT(board("{squares: [1, 5], square_mm: 25}"), HasSubstr("allowed is 3 to 100"));
+  EXPECT_EQ(board("checkerboard_6x5_110mm"), "");
+  EXPECT_THAT(board("checkerboard_6x5"), HasSubstr("did you mean \"checkerboard_6x5_110mm\"?"));
+  EXPECT_THAT(board("/etc/passwd"), HasSubstr("there is no \"/etc/passwd\" among the presets")) << "no file elsewhere";
+}
+
+TEST(Rig, DepthRefinesThePresetOrIsNone) {
+  const TempFolder folder;
+  const auto depth = [&](const std::string& text) {
+    folder.write("rig.yaml", rig_text("  left: {sensor: l515, intrinsics: " + std::string(kIntrinsics) + text + "}\n"));
+    return load_rig(folder / "rig.yaml").cameras.at(0).depth;
+  };
+  EXPECT_EQ(depth("")->noise.law, DepthNoise::Law::kTimeOfFlight);
+  EXPECT_EQ(depth(", depth: {unit_m: 0.001}")->unit_m, 0.001);
+  EXPECT_EQ(depth(", depth: {unit_m: 0.001}")->noise.constant_m, 0.000875);
+  EXPECT_FALSE(depth(", depth: none"));
+  EXPECT_THAT(error_text([&] { depth(", depth: {min_m: 5, max_m: 4}"); }), HasSubstr("must be less than max_m"));
+  EXPECT_THAT(error_text([&] { depth(", depth: {camera: " + std::string(kIntrinsics) + "}"); }),
+              HasSubstr("camera and T_color_depth belong together"));
+  EXPECT_THAT(error_text([&] { depth(", depth: off"); }), HasSubstr("depth: off: must be none or a block"));
+}
+
+TEST(Rig, QuaternionsMustBeUnits) {
+  const TempFolder folder;
+  const auto load = [&](const std::string& quaternion) {
+    folder.write("rig.yaml",
+                 rig_text("  left: {intrinsics: " + std::string(kIntrinsics) + ", depth: {camera: " + kIntrinsics +
+                          ", T_color_depth: {translation_m: [0.01, 0, 0], quaternion_xyzw: " + quaternion + "}}}\n"));
+    return load_rig(folder / "rig.yaml").cameras.at(0).depth->own_camera->T_color_depth;
+  };
+  EXPECT_NEAR(load("[0, 0, 0, 1.0005]").rotation.norm(), 1.0, 1e-15);
+  EXPECT_THAT(error_text([&] { load("[0, 0, 0, 1.01]"); }), HasSubstr("has the norm 1.01; it must be 1 within 0.001"));
+  EXPECT_THAT(error_text([&] { load("[0, 0, 1]"); }), HasSubstr("must be a list of 4 numbers"));
+}
+
+// What a person wrote in the key's unit comes back as written. Not every double is some double times 1000, so other
+// values may move by one rounding, but only once.
+TEST(Rig, UnitsOfKeysLoseNothing) {
+  EXPECT_EQ(value_in_unit(110.0 / 1000.0, 1000.0), 110.0);
+  RandomStream random(1, "units");
+  for (int i = 0; i < 10000; ++i) {
+    const double written = *parse_number(std::to_string(random.uniform(0.0, 1000.0)));
+    EXPECT_EQ(value_in_unit(written / 1000.0, 1000.0), written);
+    const double si = random.uniform(), once = value_in_unit(si, 1000.0);
+    EXPECT_NEAR(once / 1000.0, si, 2.3e-16 * si);
+    EXPECT_EQ(value_in_unit(once / 1000.0, 1000.0), once);
+  }
+}
+
+TEST(Presets, EverySensorAndBoardLoads) {
+  EXPECT_EQ(load_sensor_preset("d455").camera.fx_px, 640.0000000000001) << "90 degrees over 1280 pixels";
+  for (const char* name : {"d435", "d455", "l515", "ideal", "fisheye"}) {
+    const SensorPreset preset = load_sensor_preset(name);
+    EXPECT_FALSE(preset.description.empty());
+    EXPECT_GT(preset.camera.max_field_angle(), 0.5);
+  }
+  EXPECT_FALSE(load_sensor_preset("fisheye").depth);
+  EXPECT_EQ(load_board("checkerboard_5x4_100mm").corner_count(), 12);
+}
+
+// The figures that the data sheets imply: sigma at 1, 2, 4 m for the D455 (848 pixels) and the D435, the L515's line.
+TEST(Presets, DepthNoiseFollowsThePublishedFigures) {
+  const auto sigma_mm = [](const char* name, double depth_m) {
+    return 1000.0 * load_sensor_preset(name).depth->noise.sigma_m(depth_m);
+  };
+  // The published figures have two or three digits.
+  EXPECT_NEAR(sigma_mm("d455", 1.0), 1.9, 0.05);
+  EXPECT_NEAR(sigma_mm("d455", 2.0), 7.5, 0.05);
+  EXPECT_NEAR(sigma_mm("d455", 4.0), 30.0, 0.2);
+  EXPECT_NEAR(sigma_mm("d435", 1.0), 3.8, 0.05);
+  EXPECT_NEAR(sigma_mm("d435", 4.0), 60.0, 0.5);
+  EXPECT_NEAR(sigma_mm("l515", 1.0), 2.5, 1e-9);
+  EXPECT_NEAR(sigma_mm("l515", 9.0), 15.5, 1e-9);
+  const DepthNoise l515 = load_sensor_preset("l515").depth->noise;
+  EXPECT_NEAR(l515.inverse_depth_sigma(2.0), l515.sigma_m(2.0) / 4.0, 1e-15);
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,155 @@
+// A small recording, observations, result and truth that every test of the formats on disk can start from.
+#pragma once
+
+#include "random_values.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/recording.h"
+#include "rigproof/core/result.h"
+#include "rigproof/core/run_folder.h"
+
+namespace rigproof {
+
+inline RigCamera sample_camera(RandomStream& random, const std::string& name, Lens lens) {
+  RigCamera camera;
+  camera.name = camera.folder = name;
+  camera.link = name + "_link";
+  camera.sensor = "d455";
+  camera.camera = random_camera(random, lens);
+  camera.depth = DepthStream();
+  camera.depth->noise.scale_sigma = random.uniform(0.001, 0.01);
+  return camera;
+}
+
+inline Rig sample_rig() {
+  RandomStream random(1, "sample rig");
+  Rig rig;
+  rig.name = "monday";
+  rig.robot_frame = "base_footprint";
+  rig.board.square_m = 0.11;
+  rig.board.squares_x = 6;
+  rig.board.squares_y = 5;
+  rig.cameras = {sample_camera(random, "left", Lens::kPinhole), sample_camera(random, "center", Lens::kBrownConrady),
+                 sample_camera(random, "right", Lens::kKannalaBrandt)};
+  rig.cameras[0].depth->own_camera =
+      DepthStream::OwnCamera{random_camera(random, Lens::kBrownConrady), random_transform(random, 0.1, 0.1)};
+  rig.cameras[2].depth.reset();
+  rig.cameras[2].sensor.clear();
+  rig.odometry_noise = {OdometryModel::kPerIncrement, 0.002, deg_to_rad(0.57)};
+  rig.accept = AcceptLimits{0.008, 0.004, deg_to_rad(0.2)};
+  return rig;
+}
+
+/// Files are named, not written.
+inline Recording sample_recording(const std::filesystem::path& folder) {
+  RandomStream random(2, "sample recording");
+  Recording recording;
+  recording.folder = folder;
+  recording.rig = sample_rig();
+  for (int i = 0; i < 5; ++i)
+    recording.odometry.push_back({i + random.uniform(), random.normal(), random.normal(), random.normal()});
+  for (const RigCamera& camera : recording.rig.cameras) {
+    std::vector<CameraFrame> frames;
+    for (int i = 0; i < 3; ++i) {
+      CameraFrame frame;
+      frame.color_file = camera.folder + "/color/00000" + std::to_string(i) + ".png";
+      if (camera.depth) frame.depth_file = camera.folder + "/depth/00000" + std::to_string(i) + ".png";
+      frame.stamp_s = i + random.uniform();
+      frame.exposure_s = 0.005;
+      frame.line = i + 2;
+      frames.push_back(frame);
+    }
+    recording.frames.push_back(frames);
+  }
+  return recording;
+}
+
+inline Eigen::MatrixXd random_covariance(RandomStream& random, int size, double sigma) {
+  Eigen::MatrixXd A(size, size + 2);
+  for (Eigen::Index i = 0; i < A.size(); ++i) A.data()[i] = random.normal(0.0, sigma);
+  return A * A.transpose();
+}
+
+inline PlaneObservation sample_plane(RandomStream& random, int stop, int camera) {
+  PlaneObservation plane;
+  plane.stop = stop;
+  plane.camera = camera;
+  plane.file = "left/depth/000000.png";
+  plane.inverse_depth_plane = random_vector(random, 2.0);
+  const Eigen::Matrix3d c = random_covariance(random, 3, 1e-3);
+  plane.covariance_per_m2 = 0.5 * (c + c.transpose());
+  plane.effective_points = random.uniform(100.0, 1000.0);
+  plane.inlier_points = 12345;
+  plane.residual_rms = random.uniform(0.8, 1.2);
+  return plane;
+}
+
+inline Observations sample_observations() {
+  RandomStream random(3, "sample observations");
+  const Rig rig = sample_rig();
+  Observations o;
+  o.source = "runs/\"demo\"\n\xc3\xa4";
+  o.robot_frame = rig.robot_frame;
+  o.board = rig.board;
+  o.cameras = rig.cameras;
+  o.odometry_noise = rig.odometry_noise;
+  o.accept = rig.accept;
+  for (int stop = 0; stop < 2; ++stop) {
+    o.stops.push_back({stop + random.uniform(), random.normal(), random.normal(), random.normal(), 0.0});
+    for (int camera = 0; camera < 2; ++camera) {
+      BoardView view;
+      view.stop = stop;
+      view.camera = camera;
+      view.stamp_s = stop + 0.1;
+      view.file = "left/color/000000.png";
+      for (const int id : {0, 1, 5, 19}) {
+        CornerObservation corner;
+        corner.id = id;
+        corner.pixel << random.uniform(0.0, 1279.0), random.uniform(0.0, 719.0);
+        const Eigen::Matrix2d c = random_covariance(random, 2, 0.01);
+        corner.covariance_px2 = 0.5 * (c + c.transpose());
+        view.corners.push_back(corner);
+      }
+      o.board_views.push_back(view);
+      o.ground_planes.push_back(sample_plane(random, stop, camera));
+    }
+    o.board_planes.push_back(sample_plane(random, stop, 0));
+  }
+  o.exclusions.push_back({1, 0, "center/color/000003.png", "board cut off"});
+  o.exclusions.push_back({2, -1, "right/color/000004.png", "belongs to no stop"});
+  return o;
+}
+
+inline Result sample_result() {
+  RandomStream random(4, "sample result");
+  Result result;
+  result.method = "ml";
+  result.status = ResultStatus::kSolved;
+  result.reasons = {"x, y: all motions turn about one centre, (-0.02, 1.79) m in robot."};
+  result.notes = {"right: aim it at the board more often (5 stops)."};
+  for (const char* child : {"left", "center"}) {
+    EstimatedTransform transform{"base_footprint", child, random_transform(random), {}, {}};
+    transform.observable.fill(true);
+    transform.covariance = random_covariance(random, 6, 1e-3);
+    result.camera_to_robot.push_back(transform);
+  }
+  EstimatedTransform pair{"left", "center", random_transform(random), {}, {}};
+  pair.observable.fill(true);
+  result.camera_to_camera.push_back(pair);
+  result.joint_covariance = random_covariance(random, 12, 1e-3);
+  result.use = {{"left", 22, {{0, 3, "left/color/000003.png", "board cut off"}}, 0.0321}, {"center", 23, {}, 0.0456}};
+  result.residuals = {{"corners", "px", 1234, 0.05}, {"odometry", "sigma", 69, 1.01}};
+  return result;
+}
+
+inline Manifest sample_manifest() {
+  Manifest manifest;
+  manifest.tool_version = "0.1.0";
+  manifest.gl_renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
+  manifest.mujoco_version = "2.2.2";
+  manifest.config_sha256 = std::string(64, 'a');
+  manifest.files["recording/left/color/000000.png"] = {123456789012ULL, std::string(64, '0')};
+  manifest.files["recording/rig.yaml"] = {5, std::string(64, 'f')};
+  return manifest;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,56 @@
+#include "rigproof/core/text.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "rigproof/core/random.h"
+
+namespace rigproof {
+namespace {
+
+TEST(Text, NumbersReadBackToTheSameBits) {
+  RandomStream random(1, "numbers");
+  for (int i = 0; i < 20000; ++i) {
+    const std::uint64_t bits = (static_cast<std::uint64_t>(random.next_u32()) << 32U) | random.next_u32();
+    double value;
+    std::memcpy(&value, &bits, sizeof value);
+    if (!std::isfinite(value)) continue;
+    ASSERT_EQ(parse_number(number_text(value)), value) << number_text(value);
+  }
+  EXPECT_EQ(number_text(0.1), "0.1");
+  EXPECT_EQ(number_text(100.0), "100");
+}
+
+TEST(Text, OnlyWholeFiniteNumbersAreNumbers) {
+  for (const char* text : {"", " 1", "1 ", "1,5", "0x10", "nan", "inf", "-inf", "1e999", "3 m", "++1", "+-1", "."})
+    EXPECT_FALSE(parse_number(text)) << text;
+  EXPECT_EQ(parse_number("+2.5e-1"), 0.25);
+  EXPECT_EQ(parse_number(".5"), 0.5);
+  EXPECT_EQ(parse_integer("-12"), -12);
+  for (const char* text : {"1.0", "1e3", "9223372036854775808", "", "-"}) EXPECT_FALSE(parse_integer(text)) << text;
+}
+
+TEST(Text, TheNearestNameIsASlipAway) {
+  const std::vector<std::string> known = {"lambda", "model", "height_m", "per_increment"};
+  EXPECT_EQ(nearest_name("lamda", known), "lambda");
+  EXPECT_EQ(nearest_name("mdoel", known), "model");
+  EXPECT_EQ(nearest_name("Height_m", known), "height_m");
+  EXPECT_EQ(nearest_name("height", known), "height_m");
+  EXPECT_EQ(nearest_name("increment", known), "per_increment");
+  EXPECT_EQ(nearest_name("height_mm", known), "height_m");
+  EXPECT_EQ(nearest_name("yaw_deg", {"yam_rad", "yaw_rad"}), "yaw_rad") << "another unit of the same thing";
+  EXPECT_FALSE(nearest_name("colour", known));
+  EXPECT_FALSE(nearest_name("x", known));
+  EXPECT_FALSE(nearest_name(std::string(100000, 'l'), known));
+  EXPECT_FALSE(nearest_name("lambda", {}));
+}
+
+TEST(Text, MessagesShowNoControlCharacters) {
+  EXPECT_EQ(for_message("a\x1b[31mred\n"), "a?[31mred?");
+  EXPECT_EQ(for_message(std::string(200, 'x')), std::string(80, 'x') + "...");
+}
+
+}  // namespace
+}  // namespace rigproof
