@@ -1,0 +1,180 @@
+#include "inspect_canvas.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+
+namespace rigproof::inspect_detail {
+namespace {
+
+constexpr int kScale = 3;          // supersampling
+constexpr int kShift = 4;          // OpenCV draws at 1/16 of its pixels
+constexpr double kCapital = 21.0;  // height of a capital of OpenCV's simplex font at scale 1
+
+cv::Scalar bgr(const Color& color) { return cv::Scalar(color.b, color.g, color.r); }
+
+// The centre of a final pixel is the centre of its kScale x kScale block.
+cv::Point fixed(const Eigen::Vector2d& p) {
+  const double offset = 0.5 * (kScale - 1), unit = 1 << kShift;
+  return {static_cast<int>(std::lround((kScale * p.x() + offset) * unit)),
+          static_cast<int>(std::lround((kScale * p.y() + offset) * unit))};
+}
+
+int thick(double thickness) { return std::max(1, static_cast<int>(std::lround(kScale * thickness))); }
+
+double font_scale(double height) { return kScale * height / kCapital; }
+
+int font_thickness(double height, bool bold) {
+  return std::max(1, static_cast<int>(std::lround(kScale * height * (bold ? 0.19 : 0.115))));
+}
+
+std::vector<cv::Point> fixed(const std::vector<Eigen::Vector2d>& points) {
+  std::vector<cv::Point> result;
+  for (const Eigen::Vector2d& p : points) result.push_back(fixed(p));
+  return result;
+}
+
+}  // namespace
+
+Color Color::pale(double strength) const {
+  const auto mix = [strength](int value) { return static_cast<int>(std::lround(255.0 + strength * (value - 255.0))); };
+  return {mix(r), mix(g), mix(b)};
+}
+
+Color camera_color(std::size_t camera) {
+  static constexpr std::array<Color, 8> kColors = {{{0, 114, 178},
+                                                    {213, 94, 0},
+                                                    {0, 158, 115},
+                                                    {204, 121, 167},
+                                                    {86, 180, 233},
+                                                    {230, 159, 0},
+                                                    {110, 80, 40},
+                                                    {90, 90, 200}}};
+  return kColors[camera % kColors.size()];
+}
+
+Canvas::Canvas(int width, int height)
+    : width_(width), height_(height), pixels_(kScale * height, kScale * width, CV_8UC3, bgr(kPaper)) {}
+
+void Canvas::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Color& color, double thickness) {
+  cv::line(pixels_, fixed(from), fixed(to), bgr(color), thick(thickness), cv::LINE_AA, kShift);
+}
+
+void Canvas::dashed(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Color& color, double thickness,
+                    double dash) {
+  const double length = (to - from).norm();
+  const Eigen::Vector2d direction = length > 0.0 ? Eigen::Vector2d((to - from) / length) : Eigen::Vector2d(0.0, 0.0);
+  for (double s = 0.0; s < length; s += 2.0 * dash)
+    line(from + s * direction, from + std::min(s + dash, length) * direction, color, thickness);
+}
+
+void Canvas::polyline(const std::vector<Eigen::Vector2d>& points, const Color& color, double thickness, bool closed) {
+  cv::polylines(pixels_, fixed(points), closed, bgr(color), thick(thickness), cv::LINE_AA, kShift);
+}
+
+void Canvas::polygon(const std::vector<Eigen::Vector2d>& points, const Color& fill) {
+  const std::vector<std::vector<cv::Point>> polygons = {fixed(points)};
+  cv::fillPoly(pixels_, polygons, bgr(fill), cv::LINE_AA, kShift);
+}
+
+void Canvas::disc(const Eigen::Vector2d& centre, double radius, const Color& fill) {
+  const int r = static_cast<int>(std::lround(kScale * radius * (1 << kShift)));
+  cv::circle(pixels_, fixed(centre), r, bgr(fill), cv::FILLED, cv::LINE_AA, kShift);
+}
+
+void Canvas::ring(const Eigen::Vector2d& centre, double radius, const Color& color, double thickness) {
+  const int r = static_cast<int>(std::lround(kScale * radius * (1 << kShift)));
+  cv::circle(pixels_, fixed(centre), r, bgr(color), thick(thickness), cv::LINE_AA, kShift);
+}
+
+void Canvas::rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Color& fill) {
+  polygon({corner, corner + Eigen::Vector2d(size.x(), 0.0), corner + size, corner + Eigen::Vector2d(0.0, size.y())},
+          fill);
+}
+
+void Canvas::frame(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Color& color, double thickness) {
+  polyline({corner, corner + Eigen::Vector2d(size.x(), 0.0), corner + size, corner + Eigen::Vector2d(0.0, size.y())},
+           color, thickness, true);
+}
+
+double Canvas::text_width(const std::string& text, double height) {
+  int baseline = 0;
+  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, font_scale(height), 1, &baseline).width /
+         static_cast<double>(kScale);
+}
+
+void Canvas::text(const Eigen::Vector2d& at, const std::string& text, double height, const Color& color, Align align,
+                  bool bold) {
+  const double width = text_width(text, height);
+  const double left = align == Align::kLeft ? 0.0 : align == Align::kCentre ? 0.5 * width : width;
+  const cv::Point origin(static_cast<int>(std::lround(kScale * (at.x() - left))),
+                         static_cast<int>(std::lround(kScale * at.y())));
+  cv::putText(pixels_, text, origin, cv::FONT_HERSHEY_SIMPLEX, font_scale(height), bgr(color),
+              font_thickness(height, bold), cv::LINE_AA);
+}
+
+void Canvas::image(const cv::Mat& picture, const Eigen::Vector2d& corner, const Eigen::Vector2d& size) {
+  const cv::Rect target(
+      static_cast<int>(std::lround(kScale * corner.x())), static_cast<int>(std::lround(kScale * corner.y())),
+      static_cast<int>(std::lround(kScale * size.x())), static_cast<int>(std::lround(kScale * size.y())));
+  const cv::Rect inside = target & cv::Rect(0, 0, pixels_.cols, pixels_.rows);
+  if (picture.empty() || inside != target || target.empty()) return;
+  const bool shrinks = target.width < picture.cols;
+  cv::resize(picture, pixels_(target), target.size(), 0.0, 0.0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+}
+
+void Canvas::save(const std::filesystem::path& file) const {
+  cv::Mat averaged;
+  cv::resize(pixels_, averaged, cv::Size(width_, height_), 0.0, 0.0, cv::INTER_AREA);
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".png", averaged, bytes, {cv::IMWRITE_PNG_COMPRESSION, 3}))
+    throw Error(file.string() + ": the picture could not be encoded as PNG");
+  write_file_atomically(file, bytes);
+}
+
+void draw_title(Canvas* canvas, const std::string& title, const std::string& subtitle) {
+  canvas->text({kMargin, 32.0}, title, 13.0, kInk, Align::kLeft, true);
+  canvas->text({kMargin, 54.0}, subtitle, 9.5, kGrey);
+}
+
+void draw_camera_legend(Canvas* canvas, const std::vector<std::string>& names, double baseline) {
+  constexpr double kHeight = 9.5;
+  double x = canvas->width() - kMargin;
+  for (std::size_t i = names.size(); i-- > 0;) {
+    x -= Canvas::text_width(names[i], kHeight);
+    canvas->text({x, baseline}, names[i], kHeight, kInk);
+    canvas->disc({x - 12.0, baseline - 0.5 * kHeight}, 5.0, camera_color(i));
+    x -= 34.0;
+  }
+}
+
+double round_step(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  const double leading = value / power;
+  return power * (leading >= 5.0 ? 5.0 : leading >= 2.0 ? 2.0 : 1.0);
+}
+
+std::string number(double value) {
+  std::array<char, 40> buffer;
+  const int length = std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
+  return std::string(buffer.data(), static_cast<std::size_t>(std::max(0, length)));
+}
+
+cv::Mat read_color(const std::filesystem::path& folder, const std::string& file) {
+  try {
+    const std::vector<std::uint8_t> bytes = read_binary_file(path_inside(folder, file));
+    return bytes.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_COLOR);
+  } catch (const Error&) {
+    return {};
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+}  // namespace rigproof::inspect_detail

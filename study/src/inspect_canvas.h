@@ -1,0 +1,78 @@
+// Drawing with smooth lines and legible text: everything is drawn three times too large and averaged.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace rigproof::inspect_detail {
+
+struct Color {
+  int r = 0, g = 0, b = 0;
+  /// This color laid over white, 0 = white, 1 = itself.
+  Color pale(double strength) const;
+};
+
+inline constexpr Color kInk{32, 36, 42};
+inline constexpr Color kGrey{120, 126, 134};
+inline constexpr Color kRule{222, 225, 229};
+inline constexpr Color kPaper{255, 255, 255};
+inline constexpr Color kAccent{200, 30, 30};
+
+/// The same color for the same camera in every picture (Okabe and Ito's palette, told apart by the color-blind).
+Color camera_color(std::size_t camera);
+
+enum class Align { kLeft, kCentre, kRight };
+
+/// Coordinates are pixels of the final picture, y down.
+class Canvas {
+ public:
+  Canvas(int width, int height);
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Color& color, double thickness = 1.0);
+  void dashed(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Color& color, double thickness = 1.0,
+              double dash = 6.0);
+  void polyline(const std::vector<Eigen::Vector2d>& points, const Color& color, double thickness, bool closed);
+  void polygon(const std::vector<Eigen::Vector2d>& points, const Color& fill);
+  void disc(const Eigen::Vector2d& centre, double radius, const Color& fill);
+  void ring(const Eigen::Vector2d& centre, double radius, const Color& color, double thickness = 1.0);
+  void rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Color& fill);
+  void frame(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Color& color, double thickness = 1.0);
+  /// `at` is the left end, middle or right end of the baseline; `height` is that of a capital letter.
+  void text(const Eigen::Vector2d& at, const std::string& text, double height, const Color& color,
+            Align align = Align::kLeft, bool bold = false);
+  static double text_width(const std::string& text, double height);
+  /// A BGR image scaled into a rectangle.
+  void image(const cv::Mat& bgr, const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
+
+  /// Averages and writes a PNG whole or not at all. Throws Error.
+  void save(const std::filesystem::path& file) const;
+
+ private:
+  int width_, height_;
+  cv::Mat pixels_;
+};
+
+/// Title in the top left corner with a lighter line below it.
+void draw_title(Canvas* canvas, const std::string& title, const std::string& subtitle);
+inline constexpr double kTitleHeight = 72.0;
+inline constexpr double kMargin = 28.0;
+
+/// Cameras' names in their colors, in a row that ends at the right margin.
+void draw_camera_legend(Canvas* canvas, const std::vector<std::string>& names, double baseline);
+
+/// 1, 2 or 5 times a power of ten that is nearest below `value`.
+double round_step(double value);
+
+/// A number as pictures show it: up to three significant digits.
+std::string number(double value);
+
+/// The image as BGR; empty where it cannot be read.
+cv::Mat read_color(const std::filesystem::path& folder, const std::string& file);
+
+}  // namespace rigproof::inspect_detail
