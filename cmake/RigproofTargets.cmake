@@ -34,8 +34,9 @@ endfunction()
 
 # rigproof_add_test(core SOURCES .. LINK .. LABELS unit) makes the GoogleTest program test_core; ctest sees each case.
 # Tests with the label `unit` are also run under the sanitizers; without LABELS that is what a test is.
+# FIXTURE names a ctest fixture that its cases need.
 function(rigproof_add_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT;FIXTURE" "SOURCES;LINK;LABELS" ${ARGN})
   set(target test_${name})
   find_package(GTest REQUIRED)
   include(GoogleTest)
@@ -52,7 +53,7 @@ function(rigproof_add_test name)
     add_dependencies(unit_tests ${target})
   endif()
   gtest_discover_tests(${target} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST
-                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}" FIXTURES_REQUIRED "${ARG_FIXTURE}")
 endfunction()
 
 # rigproof_add_benchmark(render SOURCES .. LINK ..) makes the Google Benchmark program bench_render.

@@ -1,0 +1,93 @@
+// `rigproof observe` and `rigproof calibrate`.
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "observing.h"
+#include "print_result.h"
+#include "rigproof/calib/method.h"
+#include "rigproof/core/error.h"
+#include "rigproof/study/workflow.h"
+#include "terminal.h"
+
+namespace rigproof {
+namespace {
+
+std::string count_of(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string camera_summary(const Observations& observations, int camera) {
+  const auto belongs = [camera](const auto& item) { return item.camera == camera; };
+  const auto views = std::count_if(observations.board_views.begin(), observations.board_views.end(), belongs);
+  const auto planes = std::count_if(observations.ground_planes.begin(), observations.ground_planes.end(), belongs);
+  return std::to_string(views) + " boards, " + std::to_string(planes) + " ground planes";
+}
+
+}  // namespace
+
+Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal) {
+  ProgressLine progress(terminal, "observe", "images");
+  ObserveOptions options;
+  options.threads = jobs;
+  options.progress = progress.callback();
+  Observations observations = observations_of(input, options);
+  if (interrupted()) throw Error("interrupted", ExitCode::kTryAgain);
+  return observations;
+}
+
+std::vector<const Method*> methods_by_name(const std::vector<std::string>& names) {
+  std::vector<const Method*> methods;
+  for (const std::string& name : names) methods.push_back(&find_method(name));
+  if (methods.empty()) methods.push_back(&default_method());
+  return methods;
+}
+
+int observe_command(const ObserveArguments& arguments) {
+  const Terminal terminal(arguments.common.quiet || arguments.common.json);
+  const Input input = open_input(arguments.input);
+  const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
+  const std::filesystem::path output =
+      arguments.output.empty() ? product_folder(input) / "observations.json" : arguments.output;
+  save_observations(observations, output);
+  if (arguments.common.json) {
+    const nlohmann::json json = {{"observations", output.string()},
+                                 {"stops", observations.stops.size()},
+                                 {"board_views", observations.board_views.size()},
+                                 {"ground_planes", observations.ground_planes.size()},
+                                 {"left_out", observations.exclusions.size()}};
+    std::puts(json.dump(2).c_str());
+    return 0;
+  }
+  terminal.line(count_of(observations.cameras.size(), "camera") + " x " + count_of(observations.stops.size(), "stop"));
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < observations.cameras.size(); ++i)
+    rows.push_back({" " + observations.cameras[i].name, camera_summary(observations, static_cast<int>(i))});
+  for (const std::string& line : aligned(rows)) terminal.line(line);
+  terminal.line("observations  " + output.string());
+  return 0;
+}
+
+int calibrate_command(const CalibrateArguments& arguments) {
+  const Terminal terminal(arguments.common.quiet || arguments.common.json);
+  const std::vector<const Method*> methods = methods_by_name(arguments.methods);
+  const Input input = open_input(arguments.input);
+  const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
+  const std::filesystem::path folder = arguments.output.empty() ? product_folder(input) / "results" : arguments.output;
+  bool all_solved = true;
+  for (const Method* method : methods) {
+    const Result result = method->solve(observations);
+    const std::filesystem::path file = folder / (result.method + ".yaml");
+    save_result(result, file);
+    all_solved = all_solved && result.status == ResultStatus::kSolved;
+    if (arguments.common.json) std::puts(result_as_json(result).c_str());
+    terminal.line(count_of(observations.cameras.size(), "camera") + " x " +
+                  count_of(observations.stops.size(), "stop") + ", method " + result.method);
+    print_result(terminal, result);
+    terminal.line(std::string(result_status_name(result.status)) + " result  " + file.string());
+  }
+  return static_cast<int>(all_solved ? ExitCode::kGood : ExitCode::kRefused);
+}
+
+}  // namespace rigproof

@@ -1,0 +1,83 @@
+// The commands of `rigproof`: what the command line was parsed into, and what each does. Every function returns the
+// process's exit code; bad input throws Error, which only main catches.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rigproof {
+
+struct CommonArguments {
+  bool quiet = false;
+  bool json = false;  ///< machine-readable standard output instead of text
+  int jobs = 0;       ///< 0 = one a core
+};
+
+struct GenerateArguments {
+  CommonArguments common;
+  std::string config;            ///< file or preset name; empty = all defaults
+  std::vector<std::string> set;  ///< FIELD=VALUE overrides
+  std::filesystem::path output;  ///< empty = runs/<config name>
+  bool fresh = false;
+  bool dry_run = false;
+  int device = -2;
+};
+int generate_command(const GenerateArguments& arguments);
+
+struct ObserveArguments {
+  CommonArguments common;
+  std::filesystem::path input;
+  std::filesystem::path output;  ///< empty = observations.json beside the recording
+};
+int observe_command(const ObserveArguments& arguments);
+
+struct CalibrateArguments {
+  CommonArguments common;
+  std::filesystem::path input;
+  std::vector<std::string> methods;
+  std::filesystem::path output;  ///< a folder; empty = results/ beside the input
+};
+int calibrate_command(const CalibrateArguments& arguments);
+
+struct ValidateArguments {
+  CommonArguments common;
+  std::filesystem::path run;
+  std::vector<std::filesystem::path> results;  ///< empty = all in the run's results/
+  std::filesystem::path budget;
+  std::filesystem::path junit;
+  bool paper = false;  ///< the published numbers beside
+};
+int validate_command(const ValidateArguments& arguments);
+
+struct RunArguments {
+  GenerateArguments generate;
+  std::vector<std::string> methods;
+  std::filesystem::path budget;
+  std::filesystem::path junit;
+};
+int run_command(const RunArguments& arguments);
+
+struct InspectArguments {
+  CommonArguments common;
+  std::filesystem::path input;
+  std::vector<std::filesystem::path> results;
+  std::filesystem::path output;  ///< empty = pictures/ beside the input
+};
+int inspect_command(const InspectArguments& arguments);
+
+struct DoctorArguments {
+  CommonArguments common;
+  std::filesystem::path run;  ///< empty = the machine
+  int device = -2;
+};
+int doctor_command(const DoctorArguments& arguments);
+
+/// kind: scenes, rigs, sensors, boards or methods.
+int list_command(const CommonArguments& common, const std::string& kind);
+
+/// Prints the JSON Schema of a file that a user writes: run, rig-model, budget, ...
+int schema_command(const std::string& name);
+
+}  // namespace rigproof

@@ -1,0 +1,206 @@
+// The `rigproof` command: parses the command line and calls one function of commands.h. The only place that includes
+// CLI11, and the only one that turns exceptions into messages and exit codes.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <new>
+
+#include "commands.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/version.h"
+#include "terminal.h"
+
+namespace rigproof {
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 good, 1 a gate failed, 2 bad input or environment, 3 refused (the data cannot answer),\n"
+    "75 try again (interrupted; the same command resumes).";
+
+using Action = std::function<int()>;
+
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      const std::string& example) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->footer("Example:\n  " + example);
+  return command;
+}
+
+void add_common(CLI::App* command, CommonArguments& common) {
+  command->add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
+  command->add_flag("--json", common.json, "Print JSON for machines instead of text");
+}
+
+void add_jobs(CLI::App* command, CommonArguments& common) {
+  command->add_option("-j,--jobs", common.jobs, "Processes or threads; 0 = one a core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+void add_device(CLI::App* command, int& device) {
+  command
+      ->add_option("--device", device,
+                   "EGL device to render on, as `rigproof doctor` numbers them; -1 = Mesa in software, -2 = best")
+      ->check(CLI::Range(-2, 1024))
+      ->capture_default_str();
+}
+
+void add_generate_options(CLI::App* command, GenerateArguments& arguments) {
+  command->add_option("CONFIG", arguments.config,
+                      "Configuration file, or the name of a shipped one; without it every default applies");
+  command->add_option("-o,--output", arguments.output, "Folder of the run; default runs/<name of the config>");
+  command
+      ->add_option("--set", arguments.set,
+                   "Override a field, e.g. --set poses=20 --set odometry.lambda=5; may be repeated")
+      ->type_name("FIELD=VALUE");
+  command->add_flag("--fresh", arguments.fresh, "Delete what is in the output and start over; default is to resume");
+  command->add_flag("--dry-run", arguments.dry_run, "Only say how many frames, MB and minutes it would take");
+  add_jobs(command, arguments.common);
+  add_device(command, arguments.device);
+  add_common(command, arguments.common);
+}
+
+void add_generate(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "generate", "Render a run: images, depth, odometry, and the truth apart",
+                                  "rigproof generate demo.yaml -o runs/demo");
+  auto arguments = std::make_shared<GenerateArguments>();
+  add_generate_options(command, *arguments);
+  command->callback([arguments, &action] { action = [arguments] { return generate_command(*arguments); }; });
+}
+
+void add_observe(CLI::App& app, Action& action) {
+  CLI::App* command =
+      add_command(app, "observe", "Detect corners and planes in a recording; write observations.json (kilobytes)",
+                  "rigproof observe monday/ -o monday.json");
+  auto arguments = std::make_shared<ObserveArguments>();
+  command->add_option("INPUT", arguments->input, "A run, a recording, or a folder in the MEMROC layout")->required();
+  command->add_option("-o,--output", arguments->output, "File; default observations.json in the input's folder");
+  add_jobs(command, arguments->common);
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return observe_command(*arguments); }; });
+}
+
+void add_calibrate(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "calibrate", "Solve for the pose of every camera; write results/METHOD.yaml",
+                                  "rigproof calibrate monday/ --method joint_memroc");
+  auto arguments = std::make_shared<CalibrateArguments>();
+  command
+      ->add_option("INPUT", arguments->input,
+                   "A run, a recording, an observations.json, or a folder in the MEMROC layout")
+      ->required();
+  command->add_option("-m,--method", arguments->methods, "As `rigproof methods` lists them; may be repeated");
+  command->add_option("-o,--output", arguments->output, "Folder for the results; default results/ beside the input");
+  add_jobs(command, arguments->common);
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return calibrate_command(*arguments); }; });
+}
+
+void add_validate(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "validate", "Compare results with the truth of a run; gate on a budget",
+                                  "rigproof validate runs/demo theirs.yaml --budget ci.yaml --junit out.xml");
+  auto arguments = std::make_shared<ValidateArguments>();
+  command->add_option("RUN", arguments->run, "Folder of a generated run, with its truth/")->required();
+  command->add_option("RESULT", arguments->results, "Result files; default every one in the run's results/");
+  command->add_option("--budget", arguments->budget, "Limits on the error; default 4 of the stated sigmas");
+  command->add_option("--junit", arguments->junit, "Also write the checks as JUnit XML");
+  command->add_flag("--paper", arguments->paper, "Print the numbers published for the paper's methods beside");
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return validate_command(*arguments); }; });
+}
+
+void add_run(CLI::App& app, Action& action) {
+  CLI::App* command =
+      add_command(app, "run", "Generate, calibrate and validate, then draw the pictures", "rigproof run demo.yaml");
+  auto arguments = std::make_shared<RunArguments>();
+  add_generate_options(command, arguments->generate);
+  command->add_option("-m,--method", arguments->methods, "As `rigproof methods` lists them; may be repeated");
+  command->add_option("--budget", arguments->budget, "Limits on the error; default 4 of the stated sigmas");
+  command->add_option("--junit", arguments->junit, "Also write the checks as JUnit XML");
+  command->callback([arguments, &action] { action = [arguments] { return run_command(*arguments); }; });
+}
+
+void add_inspect(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "inspect", "Draw PNG pictures: mosaics, corners, reprojections, the drive",
+                                  "rigproof inspect runs/demo -o pictures");
+  auto arguments = std::make_shared<InspectArguments>();
+  command->add_option("INPUT", arguments->input, "A run, a recording, or a folder in the MEMROC layout")->required();
+  command->add_option("RESULT", arguments->results, "Result files to draw; default every one in results/");
+  command->add_option("-o,--output", arguments->output, "Folder; default pictures/ beside the input");
+  add_jobs(command, arguments->common);
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return inspect_command(*arguments); }; });
+}
+
+void add_doctor(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "doctor", "Check this machine (EGL, driver, versions), or the files of a run",
+                                  "rigproof doctor runs/demo");
+  auto arguments = std::make_shared<DoctorArguments>();
+  command->add_option("RUN", arguments->run, "Folder of a run: integrity of its files and proof of its conventions");
+  add_device(command, arguments->device);
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return doctor_command(*arguments); }; });
+}
+
+void add_list(CLI::App& app, const std::string& kind, const std::string& description, Action& action) {
+  CLI::App* command = add_command(app, kind, description, "rigproof " + kind);
+  auto common = std::make_shared<CommonArguments>();
+  add_common(command, *common);
+  command->callback([common, kind, &action] { action = [common, kind] { return list_command(*common, kind); }; });
+}
+
+void add_schema(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "schema", "Print the JSON Schema of a file that you write, for your editor",
+                                  "rigproof schema run > run.schema.json");
+  auto name = std::make_shared<std::string>();
+  command->add_option("NAME", *name, "Which file; without it the names are listed");
+  command->callback([name, &action] { action = [name] { return schema_command(*name); }; });
+}
+
+int run_main(int argc, char** argv) {
+  CLI::App app{"Where is each camera on your robot, how sure are you, and prove it."};
+  app.set_version_flag("--version", std::string("rigproof ") + version());
+  app.require_subcommand(1);
+  app.footer(kExitCodes);
+  app.get_formatter()->column_width(34);
+  Action action;
+  add_run(app, action);
+  add_generate(app, action);
+  add_observe(app, action);
+  add_calibrate(app, action);
+  add_validate(app, action);
+  add_inspect(app, action);
+  add_doctor(app, action);
+  add_list(app, "methods", "The calibration methods: what each needs and gives", action);
+  add_list(app, "scenes", "The worlds that a run can be set in", action);
+  add_list(app, "rigs", "The camera rigs", action);
+  add_list(app, "sensors", "The sensor presets", action);
+  add_list(app, "boards", "The board presets", action);
+  add_schema(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::kBadInput);
+  }
+  install_interrupt_handler();
+  return action();
+}
+
+}  // namespace
+}  // namespace rigproof
+
+int main(int argc, char** argv) {
+  using rigproof::ExitCode;
+  try {
+    return rigproof::run_main(argc, argv);
+  } catch (const rigproof::Error& error) {
+    std::fprintf(stderr, "rigproof: %s\n", error.what());
+    return static_cast<int>(error.exit_code());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "rigproof: out of memory\n");
+    return static_cast<int>(ExitCode::kBadInput);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rigproof: %s\n", error.what());
+    return static_cast<int>(ExitCode::kBadInput);
+  }
+}

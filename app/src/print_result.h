@@ -1,0 +1,28 @@
+// A calibration result as a person reads it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rigproof/core/observations.h"
+#include "rigproof/core/result.h"
+#include "terminal.h"
+
+namespace rigproof {
+
+/// "30.12+-0.09": the sigma to two digits, the value to the same decimals; without sigma four decimals.
+std::string value_with_sigma(double value, double sigma);
+
+/// Rows of cells in columns, the first aligned left, the others right, with two spaces between.
+std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& rows);
+
+/// "22 used  2 left out: board cut off (3, 17)", a line a camera.
+void print_use(const Terminal& terminal, const Result& result);
+
+/// Poses with stated sigma, refusals and notes.
+void print_result(const Terminal& terminal, const Result& result);
+
+/// The same as one JSON document, transforms as in the result file.
+std::string result_as_json(const Result& result);
+
+}  // namespace rigproof

@@ -1,0 +1,92 @@
+// `rigproof run`: generate, calibrate, validate, and draw the pictures.
+#include <cstdio>
+#include <thread>
+
+#include "commands.h"
+#include "generating.h"
+#include "judging.h"
+#include "observing.h"
+#include "print_result.h"
+#include "rigproof/core/error.h"
+#include "rigproof/study/inspect.h"
+#include "rigproof/study/workflow.h"
+#include "rigproof/validate/format.h"
+#include "rigproof/validate/proof.h"
+
+namespace rigproof {
+namespace {
+
+std::string headline(const GenerateConfig& config, const GenerateReport& report, int jobs) {
+  const unsigned cores = jobs > 0 ? static_cast<unsigned>(jobs) : std::thread::hardware_concurrency();
+  return config.scene + ", " + config.rig + ", seed " + std::to_string(config.seed) + ", " + report.gl_renderer +
+         " on " + std::to_string(cores) + (cores == 1 ? " core" : " cores");
+}
+
+std::string use_in_short(const Result& result) {
+  int used = 0;
+  std::size_t left_out = 0;
+  for (const CameraUse& use : result.use) {
+    used += use.used;
+    left_out += use.left_out.size();
+  }
+  return std::to_string(used) + " used, " + std::to_string(left_out) + " left out";
+}
+
+/// Solves with every method, saves each result and judges it.
+std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, const RunFolder& run,
+                                              const Observations& observations, const Terminal& terminal,
+                                              bool* all_solved) {
+  const Truth truth = load_truth(run.truth_file());
+  const Budget budget = budget_of(arguments.budget);
+  std::vector<ValidationRecord> records;
+  for (const Method* method : methods_by_name(arguments.methods)) {
+    const Result result = method->solve(observations);
+    save_result(result, run.result_file(result.method));
+    *all_solved = *all_solved && result.status == ResultStatus::kSolved;
+    terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s));
+    if (result.status != ResultStatus::kSolved) print_result(terminal, result);
+    const Verdict verdict = judge(result, truth, budget);
+    records.push_back({result.method, verdict.comparison, budget, verdict.gate});
+    terminal.text(format_errors(verdict.comparison, &verdict.gate));
+    terminal.text(format_suspicion(verdict.comparison));
+    terminal.text(format_verdict(verdict.comparison, verdict.gate, budget));
+  }
+  return records;
+}
+
+void prove_and_say(const RunFolder& run, const Input& input, const Observations& observations,
+                   const Terminal& terminal) {
+  const Proof proof = prove_run(run, input, observations);
+  if (proof.passed) return;
+  terminal.text(format_proof(proof));
+  throw Error(run.proof_file().string() + ": the run contradicts its own truth; its results mean nothing",
+              ExitCode::kGateFailed);
+}
+
+}  // namespace
+
+int run_command(const RunArguments& arguments) {
+  const GenerateConfig config = configuration_of(arguments.generate);
+  methods_by_name(arguments.methods);  // an unknown method is told before anything is rendered
+  budget_of(arguments.budget);
+  if (arguments.generate.dry_run) return print_plan(arguments.generate, config);
+  const CommonArguments& common = arguments.generate.common;
+  const Terminal terminal(common.quiet || common.json);
+  const RunFolder run{output_of(arguments.generate, config)};
+  const GenerateReport report = generate_with_progress(arguments.generate, config, terminal);
+  terminal.line(terminal.colored(headline(config, report, common.jobs), Color::kDim));
+  const Input input = open_input(run.root);
+  const Observations observations = observe_with_progress(input, common.jobs, terminal);
+  save_observations(observations, run.observations_file());
+  prove_and_say(run, input, observations, terminal);
+  bool all_solved = true;
+  const std::vector<ValidationRecord> records = solve_and_judge(arguments, run, observations, terminal, &all_solved);
+  if (!arguments.junit.empty()) save_junit(records, arguments.junit);
+  write_pictures({input, observations, load_truth(run.truth_file()), load_results(run.results())}, run.pictures());
+  terminal.line("pictures   " + run.pictures().string());
+  if (common.json) std::puts(to_json(records).c_str());
+  if (!all_solved) return static_cast<int>(ExitCode::kRefused);
+  return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);
+}
+
+}  // namespace rigproof

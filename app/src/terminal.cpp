@@ -1,0 +1,125 @@
+#include "terminal.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+
+namespace rigproof {
+namespace {
+
+std::atomic<int> interrupt_count{0};
+
+void on_interrupt(int signal_number) {
+  if (++interrupt_count > 1) {
+    std::signal(signal_number, SIG_DFL);
+    std::raise(signal_number);
+  }
+}
+
+const char* escape_of(Color color) {
+  switch (color) {
+    case Color::kGood:
+      return "\033[32m";
+    case Color::kBad:
+      return "\033[31m";
+    case Color::kWarning:
+      return "\033[33m";
+    case Color::kDim:
+      return "\033[2m";
+    case Color::kNone:
+      break;
+  }
+  return "";
+}
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+}  // namespace
+
+Terminal::Terminal(bool quiet)
+    : quiet_(quiet),
+      is_terminal_(isatty(STDOUT_FILENO) != 0),
+      use_color_(is_terminal_ && std::getenv("NO_COLOR") == nullptr) {}
+
+void Terminal::line(const std::string& text) const { this->text(text + "\n"); }
+
+void Terminal::text(const std::string& text) const {
+  if (quiet_) return;
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+std::string Terminal::colored(const std::string& text, Color color) const {
+  if (!use_color_ || color == Color::kNone) return text;
+  return escape_of(color) + text + "\033[0m";
+}
+
+ProgressLine::ProgressLine(const Terminal& terminal, std::string label, std::string noun)
+    : terminal_(terminal), label_(std::move(label)), noun_(std::move(noun)), start_(std::chrono::steady_clock::now()) {}
+
+ProgressLine::~ProgressLine() { erase(); }
+
+void ProgressLine::erase() {
+  if (!visible_) return;
+  std::fputs("\r\033[K", stderr);
+  std::fflush(stderr);
+  visible_ = false;
+}
+
+bool ProgressLine::update(std::size_t done, std::size_t total) {
+  const auto now = std::chrono::steady_clock::now();
+  const bool due = !visible_ || now - shown_ > std::chrono::milliseconds(100);
+  if (due && !terminal_.quiet() && isatty(STDERR_FILENO) != 0) {
+    const double elapsed = seconds();
+    std::string text = label_ + "  " + std::to_string(done) + "/" + std::to_string(total) + " " + noun_;
+    if (done > 0 && elapsed > 0.5) {
+      const double rate = static_cast<double>(done) / elapsed;
+      text += "  " + formatted(rate < 10.0 ? "%.1f/s" : "%.0f/s", rate) + "  " +
+              duration(static_cast<double>(total - done) / rate) + " left";
+    }
+    std::fputs(("\r\033[K" + text).c_str(), stderr);
+    std::fflush(stderr);
+    visible_ = true;
+    shown_ = now;
+  }
+  return !interrupted();
+}
+
+std::function<bool(std::size_t, std::size_t)> ProgressLine::callback() {
+  return [this](std::size_t done, std::size_t total) { return update(done, total); };
+}
+
+double ProgressLine::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+void install_interrupt_handler() {
+  struct sigaction action = {};
+  action.sa_handler = on_interrupt;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() { return interrupt_count > 0; }
+
+std::string megabytes(double bytes) {
+  const double mb = bytes / 1e6;
+  if (mb >= 1000.0) return formatted("%.1f GB", mb / 1000.0);
+  return formatted(mb < 10.0 ? "%.1f MB" : "%.0f MB", mb);
+}
+
+std::string duration(double seconds) {
+  if (seconds < 10.0) return formatted("%.1f s", seconds);
+  if (seconds < 120.0) return formatted("%.0f s", seconds);
+  const int whole = static_cast<int>(seconds);
+  return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
+}
+
+}  // namespace rigproof

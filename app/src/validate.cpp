@@ -1,0 +1,67 @@
+// `rigproof validate`.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "commands.h"
+#include "judging.h"
+#include "rigproof/core/data_path.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/run_folder.h"
+#include "rigproof/study/workflow.h"
+#include "rigproof/validate/format.h"
+#include "terminal.h"
+
+namespace rigproof {
+namespace {
+
+std::vector<std::filesystem::path> result_files_of(const ValidateArguments& arguments, const RunFolder& run) {
+  if (!arguments.results.empty()) return arguments.results;
+  std::vector<std::filesystem::path> files = result_files(run.results());
+  if (files.empty())
+    throw Error(run.results().string() + ": holds no result; make one with: rigproof calibrate " + run.root.string());
+  return files;
+}
+
+Truth truth_of(const RunFolder& run) {
+  if (!std::filesystem::is_regular_file(run.truth_file()))
+    throw Error(run.truth_file().string() + ": there is no truth to compare with; validate needs a generated run");
+  return load_truth(run.truth_file());
+}
+
+// "theirs.yaml" for a file that the user named, "ml" for one of the run's own.
+std::string subject_of(const std::filesystem::path& file, const ValidateArguments& arguments) {
+  return arguments.results.empty() ? file.stem().string() : file.filename().string();
+}
+
+}  // namespace
+
+Budget budget_of(const std::filesystem::path& file) {
+  return file.empty() ? default_budget() : load_budget(find_data_file("config", file.string()));
+}
+
+bool all_passed(const std::vector<ValidationRecord>& records) {
+  return std::all_of(records.begin(), records.end(), [](const auto& record) { return record.gate.passed(); });
+}
+
+int validate_command(const ValidateArguments& arguments) {
+  const RunFolder run{arguments.run};
+  const Truth truth = truth_of(run);
+  const Budget budget = budget_of(arguments.budget);
+  std::vector<ValidationRecord> records;
+  for (const std::filesystem::path& file : result_files_of(arguments, run)) {
+    const Verdict verdict = judge(load_result(file), truth, budget);
+    records.push_back({subject_of(file, arguments), verdict.comparison, budget, verdict.gate});
+  }
+  if (!arguments.junit.empty()) save_junit(records, arguments.junit);
+  if (arguments.common.json) std::puts(to_json(records).c_str());
+  const Terminal terminal(arguments.common.quiet || arguments.common.json);
+  for (const ValidationRecord& record : records) {
+    if (&record != &records.front()) terminal.line();
+    terminal.text(format_validation(record.comparison, record.gate, record.budget, record.subject));
+    if (arguments.paper) terminal.text(format_paper(record.comparison));
+  }
+  return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);
+}
+
+}  // namespace rigproof

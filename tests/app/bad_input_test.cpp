@@ -1,0 +1,214 @@
+// Bad input, as users meet it: one clear error that names what is wrong, the right exit code, nothing half-written.
+
+#include <cctype>
+#include <sstream>
+
+#include "cli_fixture.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::AnyOf;
+using testing::HasSubstr;
+
+constexpr int kBadInput = 2;
+constexpr int kRefused = 3;
+
+ProcessOutput calibrate(const fs::path& input, const TempFolder& scratch) {
+  return rigproof_command({"calibrate", input.string(), "-m", "joint_memroc", "-o", (scratch / "results").string()});
+}
+
+void expect_error(const ProcessOutput& output, const testing::Matcher<const std::string&>& message) {
+  EXPECT_EQ(output.exit_code, kBadInput) << output.out << output.err;
+  EXPECT_THAT(output.err, message);
+}
+
+TEST(BadInput, NothingThere) {
+  const TempFolder scratch;
+  expect_error(calibrate(scratch / "nowhere", scratch), HasSubstr("nowhere"));
+  fs::create_directories(scratch / "empty");
+  expect_error(calibrate(scratch / "empty", scratch), AllOf(HasSubstr("empty"), HasSubstr("rig.yaml")));
+}
+
+TEST(BadInput, UnknownNamesTellTheNearest) {
+  expect_error(rigproof_command({"calibrate", small_run().string(), "-m", "joint_memrok"}), HasSubstr("joint_memroc"));
+  const TempFolder scratch;
+  const fs::path config = scratch.write("c.yaml", "scene: indor_lab\n");
+  expect_error(rigproof_command({"generate", config.string(), "-o", (scratch / "run").string()}),
+               HasSubstr("indoor_lab"));
+  EXPECT_FALSE(fs::exists(scratch / "run"));
+  expect_error(rigproof_command({"calibrat"}), testing::_);
+}
+
+TEST(BadInput, EveryProblemOfAConfigurationAtOnce) {
+  const TempFolder scratch;
+  const fs::path config = scratch.write("c.yaml", "poses: -3\nodometry: {lamda: 2}\nseed: x\n");
+  expect_error(rigproof_command({"generate", config.string(), "-o", (scratch / "run").string()}),
+               AllOf(HasSubstr("c.yaml:1"), HasSubstr("-3"), HasSubstr("c.yaml:2"), HasSubstr("lamda"),
+                     HasSubstr("lambda"), HasSubstr("c.yaml:3"), HasSubstr("seed")));
+}
+
+TEST(BadInput, SpoiledImagesAreLeftOutWithAReason) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const fs::path color = recording / "left/color";
+  fs::remove(color / "000000.png");
+  write_whole_file(color / "000001.png", read_whole_file(color / "000001.png").substr(0, 5000));
+  write_whole_file(color / "000002.png", "this is no image");
+  fs::copy_file(recording / "left/depth/000003.png", color / "000003.png", fs::copy_options::overwrite_existing);
+  const ProcessOutput output = calibrate(recording, scratch);
+  EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
+  EXPECT_THAT(output.out, HasSubstr("left out"));
+  const std::string result = read_whole_file(scratch / "results/joint_memroc.yaml");
+  for (const char* file : {"000000.png", "000001.png", "000002.png"}) EXPECT_THAT(result, HasSubstr(file));
+}
+
+TEST(BadInput, ImagesOfAnotherSize) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  edit_file(recording / "rig.yaml", "width_px: 640", "width_px: 800");
+  expect_error(calibrate(recording, scratch), AllOf(HasSubstr("640"), HasSubstr("800"), HasSubstr("left")));
+  EXPECT_FALSE(fs::exists(scratch / "results"));
+}
+
+TEST(BadInput, SpoiledOdometry) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const std::string good = read_whole_file(recording / "odometry.csv");
+  write_whole_file(recording / "odometry.csv", good + "nan,0,0,0\n2,0,0\n");
+  expect_error(calibrate(recording, scratch),
+               AllOf(HasSubstr("odometry.csv:12"), HasSubstr("odometry.csv:13"), HasSubstr("nan")));
+  write_whole_file(recording / "odometry.csv", good + "1,0,0,0\n");
+  expect_error(calibrate(recording, scratch), HasSubstr("odometry.csv:12"));
+  std::string shifted;
+  std::istringstream lines(good);
+  for (std::string line; std::getline(lines, line);)
+    shifted += (std::isdigit(line[0]) != 0 ? "9000" : "") + line + "\n";
+  write_whole_file(recording / "odometry.csv", shifted);
+  expect_error(calibrate(recording, scratch), AllOf(HasSubstr("odometry"), HasSubstr("stamp")));
+  fs::remove(recording / "odometry.csv");
+  expect_error(calibrate(recording, scratch), HasSubstr("odometry.csv"));
+}
+
+TEST(BadInput, SquaresGivenForCorners) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  edit_file(recording / "rig.yaml", "squares: [5, 4]", "squares: [4, 3]");
+  const ProcessOutput output = calibrate(recording, scratch);
+  EXPECT_THAT(output.exit_code, AnyOf(kBadInput, kRefused));
+  EXPECT_THAT(output.out + output.err, HasSubstr("[5, 4]"));
+}
+
+TEST(BadInput, BoardInNoImage) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  edit_file(recording / "rig.yaml", "squares: [5, 4]", "squares: [9, 8]");
+  const ProcessOutput output = calibrate(recording, scratch);
+  EXPECT_THAT(output.exit_code, AnyOf(kBadInput, kRefused));
+  EXPECT_THAT(output.out + output.err, HasSubstr("board"));
+}
+
+TEST(BadInput, OneCameraWithoutAnyBoardLeavesTheOthers) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const std::string picture = read_whole_file(recording / "right/color/000000.png");
+  for (const auto& entry : fs::directory_iterator(recording / "right/color")) write_whole_file(entry, "no image");
+  const ProcessOutput output = calibrate(recording, scratch);
+  EXPECT_EQ(output.exit_code, kRefused) << output.out << output.err;
+  EXPECT_THAT(output.out, AllOf(HasSubstr("right"), HasSubstr("REFUSED")));
+  EXPECT_THAT(read_whole_file(scratch / "results/joint_memroc.yaml"),
+              AllOf(HasSubstr("child: left"), HasSubstr("child: center")));
+}
+
+TEST(BadInput, UnwritableOutput) {
+  const TempFolder scratch;
+  scratch.write("file", "in the way");
+  expect_error(
+      rigproof_command({"calibrate", small_run().string(), "-m", "joint_memroc", "-o", (scratch / "file/x").string()}),
+      HasSubstr("file/x"));
+  expect_error(rigproof_command({"generate", "--set", "poses=3", "-o", "/proc/rigproof"}), HasSubstr("/proc/rigproof"));
+}
+
+// A limit on the size of files stands in for a full disk: writing fails in the same place.
+TEST(BadInput, FullDisk) {
+  const TempFolder scratch;
+  const fs::path run = scratch / "run";
+  const ProcessOutput output =
+      run_process({"sh", "-c",
+                   std::string("trap '' XFSZ; ulimit -f 20; exec ") + RIGPROOF_BINARY_DIR +
+                       "/app/rigproof generate --set poses=3 --set image_scale=0.5 -o " + run.string()});
+  expect_error(output, HasSubstr(run.string()));
+  for (const auto& entry : fs::recursive_directory_iterator(scratch.path()))
+    EXPECT_LE(entry.is_regular_file() ? entry.file_size() : 0U, 20U * 1024U) << entry.path();
+}
+
+TEST(BadInput, NoEgl) {
+  const TempFolder scratch;
+  const ProcessOutput output =
+      run_process({"env", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json", RIGPROOF_BINARY_DIR "/app/rigproof",
+                   "generate", "--set", "poses=3", "-o", (scratch / "run").string()});
+  expect_error(output, AllOf(HasSubstr("EGL"), HasSubstr("libgl1-mesa-dri")));
+}
+
+TEST(BadInput, HostileFolder) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  edit_file(recording / "rig.yaml", "folder: left", "folder: ../../../etc");
+  expect_error(calibrate(recording, scratch), HasSubstr("../../../etc"));
+}
+
+TEST(BadInput, ForeignResultWithUnknownCamera) {
+  const TempFolder scratch;
+  const fs::path result = scratch.write(
+      "theirs.yaml",
+      "- {parent: base_footprint, child: lefty, translation_m: [0, 0, 0], quaternion_xyzw: [0, 0, 0, 1]}\n");
+  expect_error(rigproof_command({"validate", small_run().string(), result.string()}), HasSubstr("lefty"));
+  expect_error(rigproof_command({"validate", (small_run() / "recording").string(), result.string()}),
+               HasSubstr("truth"));
+}
+
+// ---- drives that cannot answer -------------------------------------------------------------------------------------
+
+/// Generates a run whose robot stands at the listed places [m, deg] of the scene, and calibrates it.
+ProcessOutput calibrate_drive(const std::string& places, const TempFolder& scratch) {
+  const fs::path config = scratch.write("drive.yaml",
+                                        "image_scale: 0.5\nsensor_noise: none\nodometry: {lambda: 0}\n"
+                                        "board: {place: given, x_m: 3, y_m: 0, z_m: 0.8, facing_deg: 180}\n"
+                                        "viewpoints: {planner: list, order: drawn, list: [" +
+                                            places + "]}\n");
+  const ProcessOutput generated = rigproof_command({"generate", config.string(), "-o", (scratch / "run").string()});
+  EXPECT_EQ(generated.exit_code, 0) << generated.err;
+  return calibrate(scratch / "run", scratch);
+}
+
+void expect_refusal(const ProcessOutput& output, const testing::Matcher<const std::string&>& reason) {
+  EXPECT_EQ(output.exit_code, kRefused) << output.out << output.err;
+  EXPECT_THAT(output.out, AllOf(HasSubstr("REFUSED"), reason));
+}
+
+TEST(Refusal, TwoPoses) {
+  const TempFolder scratch;
+  expect_refusal(calibrate_drive("{x_m: 0, y_m: 0, yaw_deg: 0}, {x_m: 0.3, y_m: 0.2, yaw_deg: 8}", scratch),
+                 AnyOf(HasSubstr("three"), HasSubstr("2 ")));
+}
+
+TEST(Refusal, StraightLine) {
+  const TempFolder scratch;
+  std::string places;
+  for (int i = 0; i < 8; ++i)
+    places += "{x_m: " + std::to_string(0.15 * i) + ", y_m: 0, yaw_deg: 0}" + (i < 7 ? ", " : "");
+  expect_refusal(calibrate_drive(places, scratch), HasSubstr("straight"));
+}
+
+TEST(Refusal, TurnInPlace) {
+  const TempFolder scratch;
+  std::string places;
+  for (int i = 0; i < 8; ++i)
+    places += "{x_m: 0.5, y_m: 0, yaw_deg: " + std::to_string(-12 + 3 * i) + "}" + (i < 7 ? ", " : "");
+  expect_refusal(calibrate_drive(places, scratch), AnyOf(HasSubstr("in place"), HasSubstr("one centre")));
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,185 @@
+// The main job and its parts, as a user types them.
+#include <sstream>
+
+#include "cli_fixture.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/result.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Command, HelpNamesEveryCommandAndTheExitCodes) {
+  const ProcessOutput output = rigproof_command({"--help"});
+  EXPECT_EQ(output.exit_code, 0);
+  for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "doctor", "scenes",
+                              "sensors", "rigs", "boards", "methods", "schema"})
+    EXPECT_THAT(output.out, HasSubstr(command));
+  EXPECT_THAT(output.out, HasSubstr("3 refused"));
+}
+
+TEST(Command, EveryCommandHasAnExample) {
+  for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "doctor", "methods"}) {
+    const ProcessOutput output = rigproof_command({command, "--help"});
+    EXPECT_EQ(output.exit_code, 0);
+    EXPECT_THAT(output.out, HasSubstr(std::string("rigproof ") + command)) << command;
+  }
+}
+
+TEST(Command, ListsWhatThereIs) {
+  EXPECT_THAT(rigproof_command({"scenes"}).out, testing::AllOf(HasSubstr("indoor_lab"), HasSubstr("outdoor_yard")));
+  EXPECT_THAT(rigproof_command({"rigs"}).out, HasSubstr("husky_3x_d455"));
+  EXPECT_THAT(rigproof_command({"sensors"}).out, HasSubstr("d455"));
+  EXPECT_THAT(rigproof_command({"boards"}).out, HasSubstr("5 x 4"));
+  EXPECT_THAT(rigproof_command({"methods"}).out, testing::AllOf(HasSubstr("memroc"), HasSubstr("joint_memroc")));
+  EXPECT_THAT(rigproof_command({"methods", "--json"}).out, HasSubstr("\"name\": \"joint_memroc\""));
+  EXPECT_THAT(rigproof_command({"schema"}).out, HasSubstr("run"));
+  EXPECT_THAT(rigproof_command({"schema", "run"}).out, HasSubstr("http://json-schema.org/draft-07/schema#"));
+}
+
+TEST(Command, DryRunRendersNothing) {
+  const TempFolder scratch;
+  const ProcessOutput output = rigproof_command({"generate", "--dry-run", "-o", (scratch / "run").string()});
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_THAT(output.out, HasSubstr("300 images"));
+  EXPECT_FALSE(fs::exists(scratch / "run"));
+}
+
+// Ten poses, clean images, exact odometry: the answer is right, the gate passes, the pictures are there.
+TEST(Command, RunGeneratesCalibratesAndValidates) {
+  const TempFolder scratch;
+  const fs::path run = scratch / "run";
+  const ProcessOutput output =
+      rigproof_command({"run", "-o", run.string(), "--set", "poses=10", "--set", "image_scale=0.5", "--set",
+                        "sensor_noise=none", "--set", "odometry.lambda=0", "--junit", (scratch / "out.xml").string()});
+  ASSERT_EQ(output.exit_code, 0) << output.out << output.err;
+  EXPECT_THAT(output.out, testing::AllOf(HasSubstr("seed 0"), HasSubstr("PASS"), HasSubstr("pictures")));
+  for (const char* file : {"run.yaml", "recording/rig.yaml", "truth/truth.yaml", "truth/proof.yaml",
+                           "truth/config.yaml", "observations.json"})
+    EXPECT_TRUE(fs::is_regular_file(run / file)) << file;
+  EXPECT_FALSE(fs::is_empty(run / "pictures"));
+  EXPECT_THAT(read_whole_file(scratch / "out.xml"), HasSubstr("<testsuite"));
+  EXPECT_EQ(output.out.find('\033'), std::string::npos) << "colours in a pipe";
+}
+
+TEST(Command, TheAnswerCannotLeak) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const ProcessOutput with = rigproof_command(
+      {"calibrate", small_run().string(), "-m", "memroc", "-m", "joint_memroc", "-o", (scratch / "with").string()});
+  const ProcessOutput without = rigproof_command(
+      {"calibrate", recording.string(), "-m", "memroc", "-m", "joint_memroc", "-o", (scratch / "without").string()});
+  ASSERT_EQ(with.exit_code, 0) << with.out << with.err;
+  ASSERT_EQ(without.exit_code, 0) << without.out << without.err;
+  EXPECT_EQ(tree_content(scratch / "with"), tree_content(scratch / "without"));
+  for (const auto& [name, content] : tree_content(recording)) {
+    if (fs::path(name).extension() == ".png") continue;
+    EXPECT_THAT(content, Not(HasSubstr("seed"))) << name;
+    EXPECT_THAT(content, Not(HasSubstr("T_robot_camera"))) << name;
+  }
+}
+
+TEST(Command, ObservationsReplaceTheImages) {
+  const TempFolder scratch;
+  const fs::path file = scratch / "observations.json";
+  ASSERT_EQ(rigproof_command({"observe", small_run().string(), "-o", file.string()}).exit_code, 0);
+  EXPECT_LT(fs::file_size(file), 300000U);
+  const ProcessOutput images =
+      rigproof_command({"calibrate", small_run().string(), "-o", (scratch / "a").string(), "-m", "joint_memroc"});
+  const ProcessOutput replaced =
+      rigproof_command({"calibrate", file.string(), "-o", (scratch / "b").string(), "-m", "joint_memroc"});
+  ASSERT_EQ(images.exit_code, 0) << images.err;
+  ASSERT_EQ(replaced.exit_code, 0) << replaced.err;
+  EXPECT_EQ(tree_content(scratch / "a"), tree_content(scratch / "b"));
+}
+
+TEST(Command, ResultsDoNotDependOnTheNumberOfJobs) {
+  const TempFolder scratch;
+  for (const char* jobs : {"1", "2", "5"})
+    ASSERT_EQ(
+        rigproof_command({"observe", small_run().string(), "-j", jobs, "-o", (scratch / jobs).string()}).exit_code, 0);
+  EXPECT_EQ(scratch.read("1"), scratch.read("2"));
+  EXPECT_EQ(scratch.read("1"), scratch.read("5"));
+}
+
+TEST(Command, ReadOnlyRunCalibratesIntoAnotherFolder) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const auto before = tree_content(recording);
+  const ProcessOutput output =
+      rigproof_command({"calibrate", recording.string(), "-m", "joint_memroc", "-o", (scratch / "out").string()});
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_EQ(before, tree_content(recording));
+}
+
+// Published: 0.66 cm and 0.15 deg over 100 poses; ten clean poses at half the resolution do better than 2 cm and 1 deg.
+TEST(Command, ForeignResultIsJudgedAndAWrongConventionNamed) {
+  const TempFolder scratch;
+  ASSERT_EQ(rigproof_command({"calibrate", small_run().string(), "-m", "joint_memroc", "-o", (scratch / "r").string()})
+                .exit_code,
+            0);
+  const fs::path ours = scratch / "r/joint_memroc.yaml";
+  const fs::path budget = scratch.write("budget.yaml", "camera_to_robot: {distance_cm: 2, angle_deg: 1}\n");
+  const ProcessOutput good =
+      rigproof_command({"validate", small_run().string(), ours.string(), "--budget", budget.string()});
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_THAT(good.out, HasSubstr("PASS"));
+
+  std::string inverted;
+  for (const EstimatedTransform& transform : load_result(ours).camera_to_robot) {
+    const Rigid3 T = transform.T_parent_child.inverse();
+    std::ostringstream line;
+    line.precision(17);
+    line << "- {parent: " << transform.parent << ", child: " << transform.child << ", translation_m: ["
+         << T.translation.x() << ", " << T.translation.y() << ", " << T.translation.z() << "], quaternion_xyzw: ["
+         << T.rotation.x() << ", " << T.rotation.y() << ", " << T.rotation.z() << ", " << T.rotation.w() << "]}\n";
+    inverted += line.str();
+  }
+  const fs::path foreign = scratch.write("theirs.yaml", inverted);
+  const ProcessOutput bad =
+      rigproof_command({"validate", small_run().string(), foreign.string(), "--budget", budget.string(), "--json"});
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_THAT(bad.out, HasSubstr("inverted"));
+}
+
+TEST(Command, DoctorProvesARunAndFindsTampering) {
+  EXPECT_EQ(rigproof_command({"doctor"}).exit_code, 0);
+  const TempFolder scratch;
+  const fs::path copy = scratch / "run";
+  fs::copy(small_run(), copy, fs::copy_options::recursive);
+  const ProcessOutput good = rigproof_command({"doctor", copy.string()});
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_THAT(good.out, HasSubstr("GOOD"));
+  edit_file(copy / "recording/odometry.csv", "\n", "\n\n");
+  const ProcessOutput bad = rigproof_command({"doctor", copy.string()});
+  EXPECT_EQ(bad.exit_code, 1) << bad.out << bad.err;
+  EXPECT_THAT(bad.out, HasSubstr("odometry.csv"));
+}
+
+TEST(Command, InspectDrawsARecordingWithoutTruth) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const ProcessOutput output = rigproof_command({"inspect", recording.string(), "-o", (scratch / "pictures").string()});
+  EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
+  EXPECT_FALSE(fs::is_empty(scratch / "pictures"));
+}
+
+TEST(Command, TheSameCommandAgainRendersNothingAndChangesNothing) {
+  const TempFolder scratch;
+  const fs::path copy = scratch / "run";
+  fs::copy(small_run(), copy, fs::copy_options::recursive);
+  const auto before = tree_content(copy);
+  const ProcessOutput output =
+      rigproof_command({"generate", "-o", copy.string(), "--set", "poses=10", "--set", "image_scale=0.5", "--set",
+                        "sensor_noise=none", "--set", "odometry.lambda=0", "--set", "name=small"});
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_THAT(output.out, HasSubstr("all there already"));
+  EXPECT_EQ(before, tree_content(copy));
+}
+
+}  // namespace
+}  // namespace rigproof
