@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "ml/covariance.h"
+#include "ml/robust_views.h"
 #include "ml/solver.h"
 #include "rigproof/calib/initial_guess.h"
 #include "rigproof/calib/trajectory_alignment.h"
@@ -163,6 +164,7 @@ class Estimator {
     ViewPoses poses = estimate_view_poses(original_);
     views_ = std::move(poses.poses);
     excluded_ = std::move(poses.exclusions);
+    ml::refine_robustly(original_, &views_);
     alignment_ = align_trajectories(original_, views_);
     const GroundCheck ground = check_ground_planes(original_, alignment_);
     guess_ = initial_guess(original_, views_, alignment_, ground);
@@ -271,10 +273,42 @@ class Estimator {
                              rad_to_deg(fit_.noise.odometry_yaw_rad)));
   }
 
-  void report() {
-    ml::Problem problem(used_, priors_of(used_, options_), fit_.noise);
-    problem.view_left_out = fit_.view_left_out;
+  // An estimated level is itself uncertain. With few redundant dimensions its square, as Student's t says, must be
+  // taken nu / (nu - 2) times larger, and with next to none it is no better than the paper's nominal level.
+  static void allow_for_estimation(const ml::GroupSum& sum, double nominal, double* sigma) {
+    constexpr double kNextToNone = 4.0;
+    const double redundancy = sum.dimensions - sum.leverage;
+    if (redundancy <= kNextToNone) *sigma = std::max(*sigma, nominal);
+    *sigma *= std::sqrt(std::max(redundancy, kNextToNone) / (std::max(redundancy, kNextToNone) - 2.0));
+  }
+
+  // The noise levels by which the uncertainty is stated.
+  ml::NoiseLevels stated_levels() const {
+    ml::Problem problem = final_problem(fit_.noise);
+    ml::GroupSums sums;
+    const ml::ArrowSystem system = problem.linearise(fit_.state, ml::Weighting::kInformation, nullptr, &sums);
+    const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
+    if (!eliminated) return fit_.noise;
+    const Eigen::MatrixXd covariance = ml::invert_information(eliminated->schur()).covariance;
+    problem.add_leverage(fit_.state, eliminated->pose_covariance(covariance), covariance, &sums);
+    ml::NoiseLevels levels = fit_.noise;
+    const ml::NoiseLevels nominal;
+    if (!original_.odometry_noise.sigma_xy_m)
+      allow_for_estimation(ml::sum_of(sums, Group::kOdometryXy), nominal.odometry_xy_m, &levels.odometry_xy_m);
+    if (!original_.odometry_noise.sigma_yaw_rad)
+      allow_for_estimation(ml::sum_of(sums, Group::kOdometryYaw), nominal.odometry_yaw_rad, &levels.odometry_yaw_rad);
+    return levels;
+  }
+
+  ml::Problem final_problem(const ml::NoiseLevels& levels) const {
+    ml::Problem problem(used_, priors_of(used_, options_), levels);
+    if (!fit_.view_left_out.empty()) problem.view_left_out = fit_.view_left_out;
     for (int c = 0; c < problem.layout().cameras; ++c) problem.camera_fixed[static_cast<std::size_t>(c)] = !solved(c);
+    return problem;
+  }
+
+  void report() {
+    const ml::Problem problem = final_problem(stated_levels());
     ml::GroupSums sums;
     const ml::ArrowSystem system = problem.linearise(fit_.state, ml::Weighting::kInformation, &estimate_.cost, &sums);
     const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);

@@ -6,5 +6,6 @@ list(APPEND calib_sources
   src/ml/noise.cpp
   src/ml/problem.cpp
   src/ml/residuals.cpp
+  src/ml/robust_views.cpp
   src/ml/solver.cpp
   src/ml/state.cpp)

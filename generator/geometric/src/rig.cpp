@@ -1,6 +1,7 @@
 #include <cmath>
 #include <string>
 
+#include "plan.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
@@ -24,6 +25,31 @@ RigCamera depth_camera(const std::string& name) {
   return camera;
 }
 
+// A camera mounted in any direction.
+Rigid3 random_mount(RandomStream& random) {
+  const Eigen::Vector3d position(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(0.4, 1.0));
+  const double yaw = random.uniform(-kPi, kPi);
+  const double pitch_down = deg_to_rad(random.uniform(-10.0, 40.0));
+  // A quarter of the cameras hangs upside down, another is turned on its side.
+  const double turn[] = {0.0, 0.0, kPi, 0.5 * kPi};
+  const double roll = turn[random.below(4)] + deg_to_rad(random.uniform(-10.0, 10.0));
+  return mount(position, yaw, pitch_down, roll);
+}
+
+// Whether the camera, turned towards the board, sees all of it from a good part of the distances.
+bool useful(const GeometricRig& rig, const RigCamera& camera, const Rigid3& T_robot_camera) {
+  const Eigen::Vector3d axis = T_robot_camera.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Quaterniond turn = rotation_z(kPi - std::atan2(axis.y(), axis.x()));
+  constexpr int kDistances = 9;
+  int seen = 0;
+  for (int i = 0; i < kDistances; ++i) {
+    const double distance = rig.min_distance_m + (rig.max_distance_m - rig.min_distance_m) * i / (kDistances - 1);
+    const Rigid3 T_plan_camera(turn * T_robot_camera.rotation, {distance, 0.0, T_robot_camera.translation.z()});
+    if (sees_board(camera, T_plan_camera.inverse() * board_in_plan(rig), rig.board)) ++seen;
+  }
+  return seen >= kDistances / 2;
+}
+
 }  // namespace
 
 GeometricRig reference_rig() {
@@ -44,19 +70,16 @@ GeometricRig reference_rig() {
 GeometricRig random_rig(std::uint64_t seed, int cameras) {
   RandomStream random(seed, "geometric rig");
   GeometricRig rig;
-  for (int i = 0; i < cameras; ++i) {
-    rig.cameras.push_back(depth_camera("camera" + std::to_string(i + 1)));
-    const Eigen::Vector3d position(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(0.4, 1.0));
-    const double yaw = random.uniform(-kPi, kPi);
-    const double pitch_down = deg_to_rad(random.uniform(0.0, 40.0));
-    // A quarter of the cameras hangs upside down, another is turned on its side.
-    const double turn[] = {0.0, 0.0, kPi, 0.5 * kPi};
-    const double roll = turn[random.below(4)] + deg_to_rad(random.uniform(-10.0, 10.0));
-    rig.T_robot_camera.push_back(mount(position, yaw, pitch_down, roll));
-  }
   rig.board_centre_height_m = random.uniform(0.35, 0.6);
   rig.board_spin_rad = random.uniform(-kPi, kPi);
   rig.board_inclination_rad = deg_to_rad(random.uniform(-25.0, 25.0));
+  for (int i = 0; i < cameras; ++i) {
+    const RigCamera camera = depth_camera("camera" + std::to_string(i + 1));
+    Rigid3 T_robot_camera = random_mount(random);
+    while (!useful(rig, camera, T_robot_camera)) T_robot_camera = random_mount(random);
+    rig.cameras.push_back(camera);
+    rig.T_robot_camera.push_back(T_robot_camera);
+  }
   return rig;
 }
 
