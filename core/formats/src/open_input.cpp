@@ -12,6 +12,15 @@ fs::path observations_in(const fs::path& path) {
   return fs::is_directory(path, ignored) ? path / "observations.json" : path;
 }
 
+// Observations replace the images where a run was copied without them.
+void open_run(const RunFolder& run, Input* input) {
+  std::error_code ignored;
+  if (!fs::exists(run.recording(), ignored) && fs::exists(run.observations_file(), ignored))
+    input->observations = load_observations(run.observations_file());
+  else
+    input->recording = load_recording(run.recording());
+}
+
 }  // namespace
 
 Input open_input(const fs::path& path) {
@@ -20,7 +29,7 @@ Input open_input(const fs::path& path) {
   input.path = path;
   switch (input.kind) {
     case InputKind::kRun:
-      input.recording = load_recording(RunFolder{path}.recording());
+      open_run(RunFolder{path}, &input);
       break;
     case InputKind::kRecording:
       input.recording = load_recording(path);

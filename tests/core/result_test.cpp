@@ -1,0 +1,227 @@
+#include "rigproof/core/result.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "error_text.h"
+#include "pose_near.h"
+#include "sample_data.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+struct ResultFile : TempFolder {
+  Result load(const std::string& text) const {
+    write("r.yaml", text);
+    return load_result(*this / "r.yaml");
+  }
+  std::string problems(const std::string& text) const {
+    return error_text([&] { load(text); });
+  }
+};
+
+TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
+  const TempFolder folder;
+  const Result a = sample_result();
+  save_result(a, folder / "a.yaml");
+  const Result b = load_result(folder / "a.yaml");
+  EXPECT_EQ(b.method, "ml");
+  EXPECT_EQ(b.status, ResultStatus::kSolved);
+  EXPECT_EQ(a.reasons, b.reasons);
+  EXPECT_EQ(a.notes, b.notes);
+  for (std::size_t i = 0; i < 2; ++i) {
+    // The sign of the quaternion is free, its bits are not.
+    EXPECT_TRUE(IsPoseNear(a.camera_to_robot[i].T_parent_child, b.camera_to_robot[i].T_parent_child, 0.0, 1e-15));
+    EXPECT_EQ(a.camera_to_robot[i].covariance->triangularView<Eigen::Upper>().toDenseMatrix(),
+              b.camera_to_robot[i].covariance->triangularView<Eigen::Upper>().toDenseMatrix());
+  }
+  EXPECT_FALSE(b.camera_to_camera[0].covariance);
+  EXPECT_EQ(a.joint_covariance->triangularView<Eigen::Upper>().toDenseMatrix(),
+            b.joint_covariance->triangularView<Eigen::Upper>().toDenseMatrix());
+  EXPECT_EQ(b.use[0].left_out[0].reason, "board cut off");
+  EXPECT_EQ(b.residuals[1].rms, 1.01);
+  EXPECT_EQ(b.find("left", "center"), &b.camera_to_camera[0]);
+  EXPECT_EQ(b.find("left", "right"), nullptr);
+  save_result(b, folder / "b.yaml");
+  EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
+}
+
+TEST(Result, IsReadable) {
+  const TempFolder folder;
+  save_result(sample_result(), folder / "a.yaml");
+  const std::string text = folder.read("a.yaml");
+  EXPECT_THAT(text, HasSubstr("  - sentence: pose of left in base_footprint\n    parent: base_footprint\n"
+                              "    child: left\n    translation_m: ["));
+  EXPECT_THAT(text, HasSubstr("    stddev: {tx_cm: "));
+  EXPECT_THAT(text, Not(HasSubstr("solve_s"))) << "results are byte-identical across runs";
+}
+
+EstimatedTransform partial_transform(const Rigid3& T) {
+  EstimatedTransform transform{"robot", "left", T, {}, {}};
+  transform.observable = {false, false, true, true, true, false};
+  return transform;
+}
+
+// Unknown degrees have no number on disk; what is known survives: height, roll, pitch and their covariance.
+TEST(Result, UnobservableDegreesAreAbsent) {
+  const TempFolder folder;
+  Result result;
+  result.method = "ml";
+  result.status = ResultStatus::kPartial;
+  RandomStream random(1, "partial");
+  result.camera_to_robot = {partial_transform(random_transform(random))};
+  result.camera_to_robot[0].covariance = random_covariance(random, 6, 1e-3);
+  save_result(result, folder / "a.yaml");
+  const std::string text = folder.read("a.yaml");
+  EXPECT_THAT(text, HasSubstr("unobservable: [tx, ty, rz]"));
+  EXPECT_THAT(text, HasSubstr("tz_m: "));
+  for (const char* absent : {"tx_m", "ty_m", "yaw_rad", "translation_m", "quaternion", "tx_cm", "rz_deg"})
+    EXPECT_THAT(text, Not(HasSubstr(absent)));
+  const Result again = load_result(folder / "a.yaml");
+  const EstimatedTransform& t = again.camera_to_robot.at(0);
+  EXPECT_EQ(t.observable, result.camera_to_robot[0].observable);
+  EXPECT_EQ(t.T_parent_child.translation.z(), result.camera_to_robot[0].T_parent_child.translation.z());
+  EXPECT_EQ((*t.covariance)(2, 2), (*result.camera_to_robot[0].covariance)(2, 2));
+  EXPECT_TRUE(std::isinf((*t.covariance)(0, 0)));
+  save_result(again, folder / "b.yaml");
+  // The attitude passes through angles and back: it may move in its last digits, nothing else may.
+  const Rigid3 moved = load_result(folder / "b.yaml").camera_to_robot[0].T_parent_child;
+  EXPECT_TRUE(IsPoseNear(t.T_parent_child, moved, 0.0, 1e-14));
+}
+
+// What differs between the truth and the partial answer is a turn about the robot's z axis and nothing else.
+TEST(Result, APartialAttitudeIsTheTrueOneUpToHeading) {
+  const TempFolder folder;
+  RandomStream random(2, "heading");
+  for (int i = 0; i < 20; ++i) {
+    Result result;
+    result.status = ResultStatus::kPartial;
+    const Rigid3 T = random_transform(random);
+    result.camera_to_robot = {partial_transform(T)};
+    save_result(result, folder / "a.yaml");
+    const Rigid3 loaded = load_result(folder / "a.yaml").camera_to_robot[0].T_parent_child;
+    const Eigen::Vector3d turn = so3_log(T.rotation * loaded.rotation.conjugate());
+    EXPECT_LT(turn.head<2>().norm(), 1e-12) << turn.transpose();
+  }
+}
+
+// The variance of a tilt about a fixed axis of the robot, whatever the heading: its covariance turns with the axes.
+TEST(Result, APartialCovarianceIsInTheAxesOfZeroHeading) {
+  const TempFolder folder;
+  Result result;
+  result.status = ResultStatus::kPartial;
+  // A camera that looks along robot y: yaw 90 degrees. rx is then a pitch of the camera, ry a roll.
+  Eigen::Matrix3d R;
+  R << 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0;
+  result.camera_to_robot = {partial_transform(Rigid3(Eigen::Quaterniond(R), {0.0, 0.0, 1.0}))};
+  Vector6d variances;
+  variances << 1.0, 1.0, 1e-6, 4e-6, 9e-6, 1.0;
+  result.camera_to_robot[0].covariance = variances.asDiagonal();
+  save_result(result, folder / "a.yaml");
+  const Matrix6d c = *load_result(folder / "a.yaml").camera_to_robot[0].covariance;
+  EXPECT_NEAR(c(3, 3), 9e-6, 1e-18);
+  EXPECT_NEAR(c(4, 4), 4e-6, 1e-18);
+}
+
+TEST(Result, NothingObservableIsWrittenToo) {
+  const TempFolder folder;
+  Result result;
+  result.status = ResultStatus::kRefused;
+  result.camera_to_robot = {partial_transform(Rigid3())};
+  result.camera_to_robot[0].observable.fill(false);
+  result.camera_to_robot[0].covariance = Matrix6d::Identity();
+  save_result(result, folder / "a.yaml");
+  EXPECT_THAT(folder.read("a.yaml"), Not(HasSubstr("_m: [")));
+  EXPECT_FALSE(load_result(folder / "a.yaml").camera_to_robot.at(0).observable[0]);
+}
+
+// ----------------------------------------------------------------------------------------- results of somebody else
+
+const char* const kLeft = "{parent: robot, child: left, translation_m: [1, 2, 3], quaternion_xyzw: [0, 0, 0, 1]}";
+
+TEST(ForeignResult, AListAMapOrTransforms) {
+  const ResultFile file;
+  for (const std::string& text : std::vector<std::string>{
+           "- " + std::string(kLeft), "left: " + std::string(kLeft), "transforms:\n  - " + std::string(kLeft),
+           "method: theirs\ntransforms:\n  left: " + std::string(kLeft),
+           "left: {parent: robot, translation_m: [1, 2, 3], quaternion_xyzw: [0, 0, 0, 1]}",
+           "[" + std::string(kLeft) + "]"}) {
+    const Result result = file.load(text + "\n");
+    ASSERT_EQ(result.camera_to_robot.size(), 1U) << text;
+    EXPECT_EQ(result.camera_to_robot[0].child, "left");
+    EXPECT_EQ(result.camera_to_robot[0].T_parent_child.translation, Eigen::Vector3d(1.0, 2.0, 3.0));
+    EXPECT_EQ(result.status, ResultStatus::kSolved);
+    EXPECT_FALSE(result.camera_to_robot[0].covariance);
+  }
+}
+
+TEST(ForeignResult, JsonIsYamlToo) {
+  const ResultFile file;
+  EXPECT_EQ(file.load(R"([{"parent": "robot", "child": "left", "translation_m": [1, 2, 3],
+                           "quaternion_xyzw": [0, 0, 0, 1]}])")
+                .camera_to_robot.size(),
+            1U);
+}
+
+TEST(ForeignResult, AParentThatIsACameraMakesAPair) {
+  const ResultFile file;
+  const Result result =
+      file.load("- " + std::string(kLeft) +
+                "\n- {parent: left, child: right, translation_m: [0, 0, 0.5], quaternion_xyzw: [0, 0, 0, 1]}\n");
+  EXPECT_EQ(result.camera_to_robot.size(), 1U);
+  ASSERT_EQ(result.camera_to_camera.size(), 1U);
+  EXPECT_EQ(result.camera_to_camera[0].child, "right");
+}
+
+TEST(ForeignResult, StandardDeviationsBecomeACovariance) {
+  const ResultFile file;
+  const Result result = file.load(
+      "left: {parent: robot, translation_m: [1, 2, 3], quaternion_xyzw: [0, 0, 0, 1],\n"
+      "       stddev: {tx_cm: 1, ty_cm: 2, tz_cm: 3, rx_deg: 0.1, ry_deg: 0.2, rz_deg: 0.3}}\n");
+  ASSERT_TRUE(result.camera_to_robot[0].covariance);
+  EXPECT_DOUBLE_EQ((*result.camera_to_robot[0].covariance)(1, 1), 4e-4);
+  EXPECT_DOUBLE_EQ((*result.camera_to_robot[0].covariance)(5, 5), deg_to_rad(0.3) * deg_to_rad(0.3));
+}
+
+TEST(ForeignResult, EveryKindOfProblemIsNamed) {
+  const ResultFile f;
+  const auto with = [&](const std::string& entry) { return f.problems("- {" + entry + "}\n"); };
+  const std::string pose = "translation_m: [1, 2, 3], quaternion_xyzw: [0, 0, 0, 1]";
+  EXPECT_EQ(f.problems("- {x-note: mine, parent: robot, child: left, " + pose + "}\n"), "");
+  EXPECT_THAT(with("child: left, " + pose), HasSubstr("r.yaml:1: [0].parent: is missing; it must be a frame's name"));
+  EXPECT_THAT(with("parent: robot, child: robot, " + pose), HasSubstr("is the parent, too"));
+  EXPECT_THAT(with("parent: robot, child: left, translation: [1, 2, 3], quaternion_xyzw: [0, 0, 0, 1]"),
+              HasSubstr("[0].translation: unknown key; did you mean \"translation_m\"?"));
+  EXPECT_THAT(with("parent: robot, child: left, translation_m: [1, 2, 3], quaternion_xyzw: [0, 0, 0, 2]"),
+              HasSubstr("has the norm 2; it must be 1 within 0.001, order x y z w"));
+  EXPECT_THAT(with("parent: robot, child: left, translation_m: [1, .nan, 3], quaternion_xyzw: [0, 0, 0, 1]"),
+              HasSubstr("[0].translation_m[1]: .nan: must be a number"));
+  EXPECT_THAT(with("parent: robot, child: left, sentence: pose of robot in left, " + pose),
+              HasSubstr("contradicts parent and child, which say \"pose of left in robot\""));
+  EXPECT_THAT(f.problems("- " + std::string(kLeft) + "\n- " + kLeft + "\n"),
+              HasSubstr("the pose of left in robot is given twice"));
+  EXPECT_THAT(f.problems(""), HasSubstr("holds no transform"));
+  EXPECT_THAT(f.problems("hello\n"), HasSubstr("must be a list or a map of transforms"));
+  EXPECT_THAT(f.problems("left: 5\n"), HasSubstr("left: 5: must be a block of keys"));
+  EXPECT_THAT(with("parent: robot, child: left, unobservable: [tx], " + pose), HasSubstr("[0].ty_m: is missing"));
+  EXPECT_THAT(with("parent: robot, child: left, unobservable: [x], " + pose),
+              HasSubstr("must be a list of tx, ty, tz"));
+}
+
+TEST(Result, ACovarianceThatIsNoneIsNamed) {
+  const ResultFile f;
+  const std::string head = "- {parent: r, child: l, translation_m: [0, 0, 0], quaternion_xyzw: [0, 0, 0, 1], ";
+  EXPECT_THAT(f.problems(head + "covariance_m_rad: [[1, 2, 0, 0, 0, 0], [1, 0, 0, 0, 0], [1, 0, 0, 0], [1, 0, 0], "
+                                "[1, 0], [1]]}\n"),
+              HasSubstr("is no covariance"));
+  EXPECT_THAT(f.problems(head + "covariance_m_rad: [[1]]}\n"), HasSubstr("must be an upper triangle of 6 rows"));
+  EXPECT_THAT(f.problems("format: rigproof-result\nversion: 1\nstatus: solved\njoint_covariance_m_rad: [[1]]\n"),
+              HasSubstr("must be an upper triangle of 0 rows"));
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,50 @@
+#include "rigproof/truth/truth.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "error_text.h"
+#include "pose_near.h"
+#include "sample_truth.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Truth, RoundTripKeepsEveryValueAndEveryByte) {
+  const TempFolder folder;
+  const Truth a = sample_truth();
+  save_truth(a, folder / "a.yaml");
+  const Truth b = load_truth(folder / "a.yaml");
+  EXPECT_EQ(a.scene, b.scene);
+  EXPECT_EQ(a.seed, b.seed) << "all 64 bits";
+  EXPECT_EQ(a.board, b.board);
+  ASSERT_EQ(b.cameras.size(), 2U);
+  EXPECT_EQ(b.cameras[0].name, "left");
+  EXPECT_EQ(a.cameras[0].camera.distortion, b.cameras[0].camera.distortion);
+  EXPECT_EQ(a.cameras[0].depth_scale, b.cameras[0].depth_scale);
+  EXPECT_FALSE(b.cameras[1].depth_scale);
+  EXPECT_TRUE(IsPoseNear(a.cameras[1].T_robot_camera, b.cameras[1].T_robot_camera, 0.0, 1e-15));
+  ASSERT_EQ(b.stops.size(), a.stops.size());
+  EXPECT_EQ(a.stops[2].stamp_s, b.stops[2].stamp_s);
+  EXPECT_EQ(a.odometry_scale, b.odometry_scale);
+  EXPECT_EQ(a.odometry_noise.sigma_xy_m, b.odometry_noise.sigma_xy_m);
+  save_truth(b, folder / "b.yaml");
+  EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
+}
+
+TEST(Truth, ProblemsAreNamed) {
+  const TempFolder folder;
+  folder.write("t.yaml",
+               "format: rigproof-truth\nversion: 1\nseed: -1\nstops: 5\ncameras: {left: {depth_scale: 50}}\n");
+  const std::string text = error_text([&] { load_truth(folder / "t.yaml"); });
+  for (const char* part : {"t.yaml:3: seed: -1: must be a whole number, >= 0", "t.yaml:4: stops: 5: must be a list",
+                           "cameras.left.depth_scale: 50: allowed is 0.1 to 10",
+                           "cameras.left.T_robot_camera: is missing", "T_world_board: is missing", "board: is missing"})
+    EXPECT_THAT(text, HasSubstr(part));
+}
+
+}  // namespace
+}  // namespace rigproof
