@@ -1,0 +1,169 @@
+// Throughput of a whole generation against the bare passes, rendered and read back, in as many processes; and memory.
+//
+//   bench_generation [throughput] [POSES=100] [ROUNDS=3] [key: value ..]   wall time and CPU time, and their ratio
+//   bench_generation memory [FEW=100] [MANY=2000] [key: value ..]          largest resident set, one run after the
+//   other
+//
+// Further arguments are lines of a run's configuration, e.g. "sensor_noise: none" or "image_scale: 0.5".
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "rigproof/core/error.h"
+#include "rigproof/generator/generate.h"
+#include "rigproof/sim/renderer.h"
+#include "scenario.h"
+#include "worker_pool.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace rigproof;
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+struct Cost {
+  double wall_s = 0.0, cpu_s = 0.0;
+  long largest_kb = 0;
+};
+
+// Runs the work in a process of its own, so that its descendants' costs can be told apart.
+template <typename Work>
+Cost measure(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    try {
+      work();
+    } catch (const Error& error) {
+      std::fprintf(stderr, "%s\n", error.what());
+      ::_exit(1);
+    }
+    rusage children{}, self{};
+    ::getrusage(RUSAGE_CHILDREN, &children);
+    ::getrusage(RUSAGE_SELF, &self);
+    std::printf("  main process %ld MB, render process %ld MB\n", self.ru_maxrss / 1024, children.ru_maxrss / 1024);
+    std::fflush(stdout);
+    ::_exit(0);
+  }
+  int status = 0;
+  rusage usage{};
+  ::wait4(pid, &status, 0, &usage);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) std::exit(1);
+  const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {wall_s, seconds(usage.ru_utime) + seconds(usage.ru_stime), usage.ru_maxrss};
+}
+
+int processes() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
+
+// The same passes of the same views, rendered and read, nothing else.
+void render_bare(const GenerateConfig& config) {
+  const Scenario scenario = resolve_scenario(config);
+  WorkerPool pool(
+      processes(),
+      [&](std::string*) {
+        ::setenv("LP_NUM_THREADS", "1", 1);
+        RenderOptions options;
+        options.board_at_double = config.render.board_at_double;
+        options.whole_at_double = config.render.whole_at_double;
+        const auto renderer = std::make_shared<Renderer>(*scenario.world, options);
+        return [&scenario, renderer](std::uint32_t frame) {
+          scenario.world->place_robot(scenario.plan.stops[frame / scenario.camera_count()].T_scene_robot());
+          renderer->render_bare(frame % scenario.camera_count());
+          return std::string();
+        };
+      },
+      600.0);
+  std::uint32_t next = 0;
+  for (std::size_t done = 0; done < scenario.frame_count();) {
+    while (next < scenario.frame_count() && pool.wants_job()) pool.submit(next++);
+    for (const WorkerEvent& event : pool.wait(100)) {
+      if (event.kind == WorkerEvent::Kind::kDone) ++done;
+      if (event.kind == WorkerEvent::Kind::kFailed || event.kind == WorkerEvent::Kind::kDied) throw Error(event.text);
+    }
+  }
+}
+
+fs::path scratch() {
+  std::string name = (fs::temp_directory_path() / "bench-generation-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) std::exit(1);
+  return name;
+}
+
+Cost generate_once(const GenerateConfig& config) {
+  const fs::path folder = scratch();
+  GenerateOptions options;
+  options.output = folder;
+  options.jobs = processes();
+  const Cost cost = measure([&] { generate(config, options); });
+  fs::remove_all(folder);
+  return cost;
+}
+
+void throughput(const GenerateConfig& config, int rounds) {
+  const double images = 3.0 * static_cast<double>(config.poses);
+  std::vector<double> wall_ratios, cpu_ratios;
+  for (int round = 0; round < rounds; ++round) {
+    const Cost bare = measure([&] { render_bare(config); });
+    const Cost whole = generate_once(config);
+    wall_ratios.push_back(bare.wall_s / whole.wall_s);
+    cpu_ratios.push_back(bare.cpu_s / whole.cpu_s);
+    std::printf(
+        "bare %.1f images/s, %.1f ms CPU an image; generate %.1f images/s, %.1f ms CPU; ratio %.3f (CPU %.3f)\n",
+        images / bare.wall_s, 1e3 * bare.cpu_s / images, images / whole.wall_s, 1e3 * whole.cpu_s / images,
+        wall_ratios.back(), cpu_ratios.back());
+    std::fflush(stdout);
+  }
+  std::sort(wall_ratios.begin(), wall_ratios.end());
+  std::sort(cpu_ratios.begin(), cpu_ratios.end());
+  std::printf("median ratio %.3f (CPU %.3f), goal 0.65\n", wall_ratios[wall_ratios.size() / 2],
+              cpu_ratios[cpu_ratios.size() / 2]);
+}
+
+void memory(GenerateConfig config, const std::vector<int>& poses) {
+  for (const int count : poses) {
+    config.poses = count;
+    const Cost cost = generate_once(config);
+    std::printf("%d poses: largest process %ld MB, %.1f s\n", count, cost.largest_kb / 1024, cost.wall_s);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  std::string text;
+  std::vector<int> numbers;
+  bool measure_memory = false;
+  for (const std::string& argument : arguments) {
+    if (argument == "memory") measure_memory = true;
+    if (argument.find(':') != std::string::npos) text += argument + "\n";
+    if (!argument.empty() && std::isdigit(static_cast<unsigned char>(argument[0])))
+      numbers.push_back(std::stoi(argument));
+  }
+  try {
+    GenerateConfig config = parse_generate_config(text, "arguments");
+    if (measure_memory) {
+      memory(config, numbers.empty() ? std::vector<int>{100, 2000} : numbers);
+    } else {
+      if (!numbers.empty()) config.poses = numbers[0];
+      throughput(config, numbers.size() > 1 ? numbers[1] : 3);
+    }
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+  return 0;
+}
