@@ -78,9 +78,18 @@ void Canvas::polyline(const std::vector<Eigen::Vector2d>& points, const Color& c
   cv::polylines(pixels_, fixed(points), closed, bgr(color), thick(thickness), cv::LINE_AA, kShift);
 }
 
-void Canvas::polygon(const std::vector<Eigen::Vector2d>& points, const Color& fill) {
-  const std::vector<std::vector<cv::Point>> polygons = {fixed(points)};
-  cv::fillPoly(pixels_, polygons, bgr(fill), cv::LINE_AA, kShift);
+void Canvas::polygon(const std::vector<Eigen::Vector2d>& points, const Color& fill, double opacity) {
+  std::vector<std::vector<cv::Point>> polygons = {fixed(points)};
+  if (opacity >= 1.0) return cv::fillPoly(pixels_, polygons, bgr(fill), cv::LINE_AA, kShift);
+  cv::Rect area = cv::boundingRect(polygons[0]);
+  area = cv::Rect(area.x >> kShift, area.y >> kShift, (area.width >> kShift) + 2, (area.height >> kShift) + 2);
+  area &= cv::Rect(0, 0, pixels_.cols, pixels_.rows);
+  if (area.empty()) return;
+  cv::Mat below = pixels_(area), above = below.clone();
+  const cv::Point origin(-area.x * (1 << kShift), -area.y * (1 << kShift));
+  for (cv::Point& p : polygons[0]) p += origin;
+  cv::fillPoly(above, polygons, bgr(fill), cv::LINE_AA, kShift);
+  cv::addWeighted(above, opacity, below, 1.0 - opacity, 0.0, below);
 }
 
 void Canvas::disc(const Eigen::Vector2d& centre, double radius, const Color& fill) {
@@ -158,6 +167,13 @@ double round_step(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
   const double leading = value / power;
   return power * (leading >= 5.0 ? 5.0 : leading >= 2.0 ? 2.0 : 1.0);
+}
+
+double round_up(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double leading : {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0})
+    if (value <= leading * power * (1.0 + 1e-9)) return leading * power;
+  return 10.0 * power;
 }
 
 std::string number(double value) {

@@ -38,7 +38,8 @@ class Canvas {
   void dashed(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Color& color, double thickness = 1.0,
               double dash = 6.0);
   void polyline(const std::vector<Eigen::Vector2d>& points, const Color& color, double thickness, bool closed);
-  void polygon(const std::vector<Eigen::Vector2d>& points, const Color& fill);
+  /// `opacity` below 1 lets what is underneath shine through.
+  void polygon(const std::vector<Eigen::Vector2d>& points, const Color& fill, double opacity = 1.0);
   void disc(const Eigen::Vector2d& centre, double radius, const Color& fill);
   void ring(const Eigen::Vector2d& centre, double radius, const Color& color, double thickness = 1.0);
   void rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Color& fill);
@@ -68,6 +69,9 @@ void draw_camera_legend(Canvas* canvas, const std::vector<std::string>& names, d
 
 /// 1, 2 or 5 times a power of ten that is nearest below `value`.
 double round_step(double value);
+
+/// The least of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten that is not below `value`: the end of an axis.
+double round_up(double value);
 
 /// A number as pictures show it: up to three significant digits.
 std::string number(double value);

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "inspect_pictures.h"
+#include "rigproof/calib/pnp.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof::inspect_detail {
@@ -57,6 +58,7 @@ class Drive {
       driven_.push_back(index ? input.truth->stops[*index].T_world_robot : odometry_.back());
     }
     if (input.truth) align_odometry();
+    find_board();
     for (const BoardView& view : input.observations.board_views)
       seen_.insert({view.stop, static_cast<std::size_t>(view.camera)});
   }
@@ -64,7 +66,7 @@ class Drive {
   void save(const std::filesystem::path& file) {
     prepare_map();
     draw_grid();
-    for (std::size_t i = 0; i < driven_.size(); ++i) draw_frusta(i, 0.16);
+    for (std::size_t i = 0; i < driven_.size(); ++i) draw_frusta(i, driven_.size() > 40 ? 0.08 : 0.14);
     draw_tracks();
     draw_board();
     for (std::size_t i = 0; i < driven_.size(); ++i) draw_stop(i);
@@ -96,11 +98,28 @@ class Drive {
     map_.fit();
   }
 
+  // Of the truth, or as the first view tells whose camera has a pose.
+  void find_board() {
+    if (has_truth()) {
+      T_world_board_ = input_.truth->T_world_board;
+      return;
+    }
+    for (const BoardView& view : input_.observations.board_views) {
+      const RigCamera& camera = input_.observations.cameras[static_cast<std::size_t>(view.camera)];
+      const auto T_robot_camera = camera_pose(input_, camera.name);
+      if (!T_robot_camera) continue;
+      const auto board = estimate_board_pose(view.corners, input_.observations.board, camera.camera);
+      if (!board) continue;
+      T_world_board_ = driven_[static_cast<std::size_t>(view.stop)] * *T_robot_camera * board->T_camera_board;
+      return;
+    }
+  }
+
   std::vector<Point> board_outline() const {
     std::vector<Point> points;
-    if (has_truth())
-      for (const Eigen::Vector3d& corner : input_.truth->board.outline())
-        points.emplace_back((input_.truth->T_world_board * corner).head<2>());
+    if (T_world_board_)
+      for (const Eigen::Vector3d& corner : input_.observations.board.outline())
+        points.emplace_back((*T_world_board_ * corner).head<2>());
     return points;
   }
 
@@ -110,7 +129,9 @@ class Drive {
     const Point high = map_.unmap({kMargin + kMapWidth, kTitleHeight});
     for (double x = std::ceil(low.x() / step) * step; x <= high.x(); x += step) {
       canvas_.line(map_(Point(x, low.y())), map_(Point(x, high.y())), kRule, 0.8);
-      canvas_.text(map_(Point(x, low.y())) + Point(3.0, -5.0), number(step * std::round(x / step)) + " m", 7.5, kGrey);
+      if (map_(Point(x, low.y())).x() < kMargin + kMapWidth - 45.0)
+        canvas_.text(map_(Point(x, low.y())) + Point(3.0, -5.0), number(step * std::round(x / step)) + " m", 7.5,
+                     kGrey);
     }
     for (double y = std::ceil(low.y() / step) * step; y <= high.y(); y += step) {
       canvas_.line(map_(Point(low.x(), y)), map_(Point(high.x(), y)), kRule, 0.8);
@@ -131,13 +152,13 @@ class Drive {
   }
 
   // Only cameras that see the board from here: what the drive is good for.
-  void draw_frusta(std::size_t stop, double strength) {
+  void draw_frusta(std::size_t stop, double opacity) {
     for (std::size_t camera = 0; camera < input_.observations.cameras.size(); ++camera) {
       const RigCamera& rig_camera = input_.observations.cameras[camera];
       const auto T_robot_camera = camera_pose(input_, rig_camera.name);
       if (!T_robot_camera || seen_.count({static_cast<int>(stop), camera}) == 0) continue;
-      canvas_.polygon(wedge(driven_[stop] * *T_robot_camera, rig_camera.camera, kFrustumLength),
-                      camera_color(camera).pale(strength));
+      canvas_.polygon(wedge(driven_[stop] * *T_robot_camera, rig_camera.camera, kFrustumLength), camera_color(camera),
+                      opacity);
     }
   }
 
@@ -152,13 +173,13 @@ class Drive {
   }
 
   void draw_board() {
-    const std::vector<Point> outline = board_outline();
-    if (outline.empty()) return;
-    const Rigid3& T = input_.truth->T_world_board;
-    const Eigen::Vector3d left = T * input_.truth->board.outline()[0], right = T * input_.truth->board.outline()[1];
+    if (!T_world_board_) return;
+    const Rigid3& T = *T_world_board_;
+    const std::vector<Eigen::Vector3d> outline = input_.observations.board.outline();
+    const Eigen::Vector3d left = T * outline[0], right = T * outline[1];
     canvas_.line(map_(left), map_(right), kBoard, 5.0);
     // The printed face looks along -z of the board.
-    const Eigen::Vector3d middle = T * input_.truth->board.centre();
+    const Eigen::Vector3d middle = T * input_.observations.board.centre();
     const Eigen::Vector3d front = middle - 0.25 * (T.rotation * Eigen::Vector3d::UnitZ());
     canvas_.line(map_(middle), map_(front), kBoard, 1.5);
     canvas_.text(map_(right) + Point(8.0, 4.0), "board", 8.5, kBoard);
@@ -173,7 +194,7 @@ class Drive {
       return Point(centre + radius * Point(std::cos(heading + angle), -std::sin(heading + angle)));
     };
     const std::vector<Point> arrow = {at(0.0, size), at(2.5, size), at(kPi, 0.35 * size), at(-2.5, size)};
-    canvas_.polygon(arrow, kInk.pale(0.35 + 0.65 * age));
+    canvas_.polygon(arrow, kInk.pale(0.45 + 0.55 * age));
     canvas_.polyline(arrow, kPaper, 0.5, true);
     const std::size_t every = driven_.size() > 40 ? 10 : driven_.size() > 15 ? 5 : 1;
     if (i % every == 0 || i + 1 == driven_.size())
@@ -219,12 +240,14 @@ class Drive {
     y += 8.0;
     canvas_.polygon({{x + 22.0, y - 4.0}, {x + 4.0, y - 10.0}, {x + 9.0, y - 4.0}, {x + 4.0, y + 2.0}}, kInk);
     entry(has_truth() ? "true stop, heading" : "stop by odometry, heading");
+    if (T_world_board_) {
+      canvas_.line({x, y - 4.0}, {x + 24.0, y - 4.0}, kBoard, 5.0);
+      entry(has_truth() ? "board" : "board, from one view");
+    }
     if (!has_truth()) return;
     canvas_.dashed({x, y - 4.0}, {x + 24.0, y - 4.0}, kOdometry, 1.2, 4.0);
     canvas_.disc({x + 12.0, y - 4.0}, 2.6, kOdometry);
     entry("odometry");
-    canvas_.line({x, y - 4.0}, {x + 24.0, y - 4.0}, kBoard, 5.0);
-    entry("board");
     y += 8.0;
     canvas_.text({x, y}, "end of odometry off by", 8.5, kGrey);
     const Rigid3 error = driven_.back().inverse() * odometry_.back();
@@ -238,6 +261,7 @@ class Drive {
   Canvas canvas_;
   Map map_;
   std::vector<Rigid3> driven_, odometry_;
+  std::optional<Rigid3> T_world_board_;
   std::set<std::pair<int, std::size_t>> seen_;
 };
 

@@ -73,10 +73,35 @@ class Mosaic {
     else if (!image_folder(input_).empty())
       canvas->text(corner + 0.5 * size, "image cannot be read", 9.0, kGrey, Align::kCentre);
     draw_corners_of(canvas, view, corner, kThumbWidth / camera.camera.width_px, color);
+    if (!picture.empty()) draw_inset(canvas, view, picture, corner, size);
     canvas->frame(corner, size, color, 1.5);
     std::string caption = camera.name + ", stop " + std::to_string(view.stop);
     if (const auto distance = distance_to_board(input_, view)) caption += ", " + number(*distance) + " m";
     canvas->text(corner + Eigen::Vector2d(2.0, size.y() + 16.0), caption, 8.5, kInk);
+  }
+
+  // A board that is small in the image is shown again, larger, in the corner that is farthest from it.
+  static void draw_inset(Canvas* canvas, const BoardView& view, const cv::Mat& picture, const Eigen::Vector2d& corner,
+                         const Eigen::Vector2d& size) {
+    Eigen::Vector2d low = view.corners[0].pixel, high = low;
+    for (const CornerObservation& c : view.corners) {
+      low = low.cwiseMin(c.pixel);
+      high = high.cwiseMax(c.pixel);
+    }
+    const Eigen::Vector2d middle = 0.5 * (low + high);
+    const int side = static_cast<int>(1.8 * (high - low).maxCoeff());
+    const cv::Rect crop =
+        cv::Rect(static_cast<int>(middle.x()) - side / 2, static_cast<int>(middle.y()) - side / 2, side, side) &
+        cv::Rect(0, 0, picture.cols, picture.rows);
+    if (crop.width < 8 || crop.height < 8 || 3 * crop.width > picture.cols) return;
+    const double scale = 0.5 * size.y() / std::max(crop.width, crop.height);
+    const Eigen::Vector2d inset(scale * crop.width, scale * crop.height);
+    const Eigen::Vector2d at(middle.x() < 0.5 * picture.cols ? size.x() - inset.x() - 6.0 : 6.0,
+                             middle.y() < 0.5 * picture.rows ? size.y() - inset.y() - 6.0 : 6.0);
+    canvas->image(picture(crop), corner + at, inset);
+    draw_corners_of(canvas, view, corner + at - scale * Eigen::Vector2d(crop.x, crop.y), scale,
+                    camera_color(static_cast<std::size_t>(view.camera)));
+    canvas->frame(corner + at, inset, kPaper, 2.0);
   }
 
   static void draw_corners_of(Canvas* canvas, const BoardView& view, const Eigen::Vector2d& origin, double scale,

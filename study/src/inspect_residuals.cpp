@@ -42,8 +42,8 @@ class ResidualDrawing {
         side_height_(kSide + 2.0 * (kHistogramHeight + kGap + 8.0)),
         canvas_(static_cast<int>(2.0 * kMargin + kPlaneWidth + kGap + kSide),
                 static_cast<int>(kTitleHeight + std::max(plane_height_ + 70.0, side_height_) + kMargin)),
-        // Twice the typical distance fills the side plots; never less than a tenth of a thousandth of a pixel.
-        range_px_(std::max(1e-4, 1.6 * std::max(statistics_.typical, 2.0 * picture.stated_sigma_px))) {}
+        // The side plots hold nearly all of what is typical, and two of the stated sigmas.
+        range_px_(round_up(std::max({1e-6, 1.3 * statistics_.typical, 2.5 * picture.stated_sigma_px}))) {}
 
   void save(const std::filesystem::path& file) {
     draw_title(&canvas_, picture_.title, picture_.subtitle);
