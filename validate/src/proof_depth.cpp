@@ -2,9 +2,10 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <opencv2/imgcodecs.hpp>
+#include <variant>
 
 #include "proof_parts.h"
+#include "rigproof/calib/image_io.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/validate/figures.h"
@@ -22,7 +23,7 @@ struct Sample {
 };
 
 struct Frame {
-  cv::Mat depth;
+  Image16 depth;
   Rigid3 T_world_camera;
   Rigid3 T_board_camera;
 };
@@ -111,12 +112,13 @@ bool DepthProof::read_frame(const CameraFrame& recorded, Frame* frame) const {
   const std::optional<std::size_t> stop = stop_at(truth_, recorded.stamp_s);
   if (!stop) return false;
   const auto file = path_inside(recording_.folder, recorded.depth_file);
-  const std::vector<std::uint8_t> bytes = read_binary_file(file);
-  frame->depth = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  if (frame->depth.type() != CV_16UC1 || frame->depth.cols != camera_.width_px ||
-      frame->depth.rows != camera_.height_px)
-    throw Error(file.string() + ": not a 16-bit grey image of " + std::to_string(camera_.width_px) + "x" +
-                std::to_string(camera_.height_px) + " pixels, as the depth of " + rig_camera_.name + " has to be");
+  std::variant<Image16, Unreadable> image = read_depth_image(file);
+  if (const auto* unreadable = std::get_if<Unreadable>(&image)) throw Error(file.string() + ": " + unreadable->reason);
+  frame->depth = std::get<Image16>(std::move(image));
+  if (frame->depth.width != camera_.width_px || frame->depth.height != camera_.height_px)
+    throw Error(file.string() + ": " + std::to_string(frame->depth.width) + "x" + std::to_string(frame->depth.height) +
+                " pixels, the depth of " + rig_camera_.name + " has to have " + std::to_string(camera_.width_px) + "x" +
+                std::to_string(camera_.height_px));
   frame->T_world_camera = truth_.stops[*stop].T_world_robot * T_robot_depth_;
   frame->T_board_camera = truth_.T_world_board.inverse() * frame->T_world_camera;
   return true;
@@ -133,7 +135,7 @@ std::optional<double> depth_of_plane(const Rigid3& T_target_camera, const Eigen:
 Sample DepthProof::sample_at(const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) const {
   const DepthStream& stream = *rig_camera_.depth;
   const int right = camera_.width_px - 1, bottom = camera_.height_px - 1;
-  const auto metres = [&](int x, int y) { return stream.unit_m * frame.depth.at<std::uint16_t>(y, x); };
+  const auto metres = [&](int x, int y) { return stream.unit_m * frame.depth.at(x, y); };
   Sample sample;
   sample.z = scale_ * z;
   sample.ray = ray.norm();
@@ -169,8 +171,8 @@ void DepthProof::collect_pixel(const Frame& frame, int u, int v) {
 
 void DepthProof::collect(const Frame& frame) {
   const int stride = std::max(1, options_.depth_stride_px);
-  for (int v = stride / 2; v < frame.depth.rows; v += stride)
-    for (int u = stride / 2; u < frame.depth.cols; u += stride) collect_pixel(frame, u, v);
+  for (int v = stride / 2; v < frame.depth.height; v += stride)
+    for (int u = stride / 2; u < frame.depth.width; u += stride) collect_pixel(frame, u, v);
 }
 
 std::vector<double> DepthProof::whitened(const std::vector<Sample>& samples, const Hypothesis& hypothesis) const {
