@@ -97,6 +97,8 @@ std::variant<Image8, Unreadable> decode_png(const Bytes& bytes) {
   if (!header) return Unreadable{bytes.size() < 33 ? "truncated PNG" : "damaged PNG (header)"};
   if (too_large(header->width, header->height)) return Unreadable{size_problem(header->width, header->height)};
   if (header->is_plain() && header->bit_depth == 8) return detection::decode_png_grey(bytes, *header);
+  // OpenCV's decoder prints what it thinks of damaged files.
+  if (const std::optional<Unreadable> damage = detection::find_png_damage(bytes)) return *damage;
   return decode_with_opencv(bytes);
 }
 

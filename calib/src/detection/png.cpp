@@ -199,6 +199,12 @@ std::optional<PngHeader> read_png_header(const Bytes& bytes) {
   return header;
 }
 
+std::optional<Unreadable> find_png_damage(const Bytes& bytes) {
+  const std::variant<Compressed, Unreadable> gathered = gather_pixels(bytes);
+  if (const auto* failure = std::get_if<Unreadable>(&gathered)) return *failure;
+  return std::nullopt;
+}
+
 std::variant<Image8, Unreadable> decode_png_grey(const Bytes& bytes, const PngHeader& header) {
   Image8 image(static_cast<int>(header.width), static_cast<int>(header.height));
   const auto channels = static_cast<std::size_t>(header.channels());

@@ -28,6 +28,9 @@ bool is_png(const std::vector<std::uint8_t>& bytes);
 /// Absent if the header is broken.
 std::optional<PngHeader> read_png_header(const std::vector<std::uint8_t>& bytes);
 
+/// What is wrong with the chunks, if anything: the file ends early, or a checksum fails.
+std::optional<Unreadable> find_png_damage(const std::vector<std::uint8_t>& bytes);
+
 /// A plain 8-bit PNG as grey.
 std::variant<Image8, Unreadable> decode_png_grey(const std::vector<std::uint8_t>& bytes, const PngHeader& header);
 /// A plain 16-bit grey PNG.

@@ -118,15 +118,18 @@ double rms_px(const ReprojectionSystem& system, std::size_t corners) {
   return std::sqrt(system.squared_px / static_cast<double>(corners));
 }
 
-// How much worse the other pose explains the corners. Where it slid into the better one's minimum, it is judged
-// where IPPE put it.
-double ambiguity(const RefinedPose& best, const RefinedPose& other, const Rigid3& other_start,
+// How much worse the other pose explains the corners. Where both starts slid into one minimum, the worse start is
+// judged where IPPE put it.
+double ambiguity(const RefinedPose& best, const RefinedPose& other, const std::vector<Rigid3>& starts,
                  const std::vector<CornerObservation>& corners, const Board& board, const Camera& camera) {
   constexpr double kSamePoseRad = 0.01;
+  const auto rms_at = [&](const Rigid3& pose) {
+    const ReprojectionSystem system = linearise(pose, corners, board, camera);
+    return system.valid ? rms_px(system, corners.size()) : std::numeric_limits<double>::infinity();
+  };
   const bool same = transform_error(other.pose, best.pose).tail<3>().norm() < kSamePoseRad;
-  const ReprojectionSystem system = same ? linearise(other_start, corners, board, camera) : other.system;
-  if (!system.valid) return std::numeric_limits<double>::infinity();
-  return rms_px(system, corners.size()) / std::max(rms_px(best.system, corners.size()), 1e-12);
+  const double rms = same ? std::max(rms_at(starts[0]), rms_at(starts[1])) : rms_at(other.pose);
+  return rms / std::max(rms_px(best.system, corners.size()), 1e-12);
 }
 
 }  // namespace
@@ -146,9 +149,8 @@ std::optional<BoardPose> estimate_board_pose(const std::vector<CornerObservation
   result.covariance = found.system.normal.ldlt().solve(Matrix6d::Identity());
   if (!result.covariance.allFinite()) return std::nullopt;
   result.reprojection_rms_px = rms_px(found.system, corners.size());
-  result.ambiguity_ratio = poses.size() < 2
-                               ? std::numeric_limits<double>::infinity()
-                               : ambiguity(found, poses[1 - best], starts[1 - best], corners, board, camera);
+  result.ambiguity_ratio = poses.size() < 2 ? std::numeric_limits<double>::infinity()
+                                            : ambiguity(found, poses[1 - best], starts, corners, board, camera);
   return result;
 }
 

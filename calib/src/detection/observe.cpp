@@ -1,0 +1,364 @@
+#include "rigproof/calib/observe.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "board_depth.h"
+#include "parallel.h"
+#include "rigproof/calib/checkerboard.h"
+#include "rigproof/calib/image_io.h"
+#include "rigproof/calib/trajectory_alignment.h"
+#include "rigproof/calib/view_poses.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "stops.h"
+
+namespace rigproof {
+namespace {
+
+using detection::PlannedStop;
+using detection::StopPlan;
+
+// Depth images are sampled so that about this many points remain: more tell little about a plane and cost time.
+constexpr int kDepthPoints = 12000;
+// Readable images looked at to tell which board is in them when the stated one is in none.
+constexpr std::size_t kDiagnosedImages = 12;
+
+/// One image of the recording and what came of it.
+struct Sight {
+  int stop = 0;
+  int camera = 0;
+  int frame = 0;
+  bool readable = false;  ///< the image has the right size
+  bool wrong_size = false;
+  std::vector<CornerObservation> corners;
+  std::string reason;  ///< why there are no corners
+};
+
+/// Depth of one image.
+struct PlaneSight {
+  std::optional<PlaneObservation> ground;
+  std::optional<PlaneObservation> board;
+  std::string unreadable;  ///< why the file gave no points
+};
+
+std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
+
+double mean_variance(const std::vector<CornerObservation>& corners) {
+  double sum = 0.0;
+  for (const CornerObservation& corner : corners) sum += corner.covariance_px2.trace();
+  return sum / static_cast<double>(std::max<std::size_t>(corners.size(), 1));
+}
+
+// More corners, then sharper ones, then the earlier frame.
+bool better(const Sight& a, const Sight& b) {
+  if (a.corners.size() != b.corners.size()) return a.corners.size() > b.corners.size();
+  if (a.readable != b.readable) return a.readable;
+  return !a.corners.empty() && mean_variance(a.corners) < mean_variance(b.corners);
+}
+
+template <typename Value>
+std::optional<Value> take(std::variant<Value, Unreadable> read, std::string* reason) {
+  if (auto* failure = std::get_if<Unreadable>(&read)) {
+    *reason = failure->reason;
+    return std::nullopt;
+  }
+  return std::move(std::get<Value>(read));
+}
+
+class Observer {
+ public:
+  Observer(const Recording& recording, const ObserveOptions& options)
+      : recording_(recording), options_(options), plan_(detection::plan_stops(recording, options)) {}
+
+  Observations run() {
+    describe();
+    look_for_boards();
+    refuse_wrong_sizes();
+    choose_frames();
+    refuse_without_board();
+    if (options_.use_depth) look_at_depth();
+    sort_exclusions();
+    return std::move(result_);
+  }
+
+ private:
+  void describe() {
+    const Rig& rig = recording_.rig;
+    result_.source = recording_.folder.string();
+    result_.robot_frame = rig.robot_frame;
+    result_.board = rig.board;
+    result_.cameras = rig.cameras;
+    result_.odometry_noise = rig.odometry_noise;
+    result_.accept = rig.accept;
+    result_.exclusions = plan_.exclusions;
+    for (const PlannedStop& stop : plan_.stops) result_.stops.push_back(stop.stop);
+  }
+
+  const CameraFrame& frame_of(const Sight& sight) const {
+    return recording_.frames[static_cast<std::size_t>(sight.camera)][static_cast<std::size_t>(sight.frame)];
+  }
+
+  void exclude(const Sight& sight, const std::string& reason) {
+    result_.exclusions.push_back({sight.camera, sight.stop, frame_of(sight).color_file, reason});
+  }
+
+  // The file of a frame; a path that leaves the recording is a reason like any other.
+  template <typename Value, typename Read>
+  std::optional<Value> read(const std::string& relative, Read read_file, std::string* reason) const {
+    try {
+      return take<Value>(read_file(path_inside(recording_.folder, relative)), reason);
+    } catch (const Error& failure) {
+      *reason = failure.what();
+      return std::nullopt;
+    }
+  }
+
+  std::optional<Image8> read_image(const Sight& sight, std::string* reason) const {
+    return read<Image8>(frame_of(sight).color_file, read_grey_image, reason);
+  }
+
+  void look(Sight* sight) const {
+    const std::optional<Image8> image = read_image(*sight, &sight->reason);
+    if (!image) return;
+    const Camera& camera = recording_.rig.cameras[static_cast<std::size_t>(sight->camera)].camera;
+    sight->wrong_size = image->width != camera.width_px || image->height != camera.height_px;
+    if (sight->wrong_size) {
+      sight->reason = "image is " + size_text(image->width, image->height) + ", the rig says " +
+                      size_text(camera.width_px, camera.height_px);
+      return;
+    }
+    sight->readable = true;
+    BoardDetection detection = detect_checkerboard(*image, recording_.rig.board);
+    if (auto* missing = std::get_if<BoardNotFound>(&detection))
+      sight->reason = missing->reason;
+    else
+      sight->corners = std::move(std::get<std::vector<CornerObservation>>(detection));
+  }
+
+  void look_for_boards() {
+    for (std::size_t stop = 0; stop < plan_.stops.size(); ++stop)
+      for (std::size_t camera = 0; camera < plan_.stops[stop].frames.size(); ++camera)
+        for (const int frame : plan_.stops[stop].frames[camera])
+          sights_.push_back({static_cast<int>(stop), static_cast<int>(camera), frame, false, false, {}, {}});
+    std::function<bool(std::size_t)> proceed;
+    if (options_.progress) proceed = [this](std::size_t done) { return options_.progress(done, sights_.size()); };
+    const bool finished = detection::for_each_parallel(
+        sights_.size(), options_.threads, [this](std::size_t i) { look(&sights_[i]); }, proceed);
+    if (!finished) throw Error("interrupted", ExitCode::kTryAgain);
+  }
+
+  // Intrinsics of another size are a fault of the whole camera, not of each frame.
+  void refuse_wrong_sizes() const {
+    Problems problems;
+    std::size_t readable = 0;
+    for (std::size_t camera = 0; camera < recording_.rig.cameras.size(); ++camera) {
+      const Sight* wrong = nullptr;
+      std::size_t right = 0;
+      for (const Sight& sight : sights_) {
+        if (static_cast<std::size_t>(sight.camera) != camera) continue;
+        right += sight.readable;
+        if (sight.wrong_size && wrong == nullptr) wrong = &sight;
+      }
+      readable += right;
+      if (wrong == nullptr || right > 0) continue;
+      const std::string name = recording_.rig.cameras[camera].name;
+      problems.add({(recording_.folder / frame_of(*wrong).color_file).string(), 0, "cameras." + name, "",
+                    wrong->reason + "; every image of this camera differs from its intrinsics"});
+    }
+    problems.throw_if_any();
+    if (readable == 0)
+      throw Error(recording_.folder.string() + ": none of " + std::to_string(sights_.size()) +
+                  " images can be read; the first, " + frame_of(sights_.front()).color_file + ": " +
+                  sights_.front().reason);
+  }
+
+  // One frame for each stop and camera.
+  void choose_frames() {
+    for (std::size_t begin = 0; begin < sights_.size();) {
+      std::size_t end = begin + 1, best = begin;
+      for (; end < sights_.size() && sights_[end].stop == sights_[begin].stop &&
+             sights_[end].camera == sights_[begin].camera;
+           ++end)
+        if (better(sights_[end], sights_[best])) best = end;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (sights_[i].corners.empty())
+          exclude(sights_[i], sights_[i].reason);
+        else if (i != best)
+          exclude(sights_[i], "another frame of the same standstill");
+      }
+      keep(sights_[best]);
+      begin = end;
+    }
+  }
+
+  void keep(const Sight& sight) {
+    if (!sight.readable) return;
+    chosen_.push_back(&sight);
+    if (sight.corners.empty()) return;
+    const CameraFrame& frame = frame_of(sight);
+    result_.board_views.push_back({sight.stop, sight.camera, frame.stamp_s, frame.color_file, sight.corners});
+  }
+
+  void refuse_without_board() const {
+    if (!result_.board_views.empty()) return;
+    std::map<std::string, std::size_t> reasons;
+    for (const Sight* sight : chosen_) ++reasons[sight->reason];
+    const Board& board = recording_.rig.board;
+    std::string text = recording_.folder.string() + ": the board of " + size_text(board.squares_x, board.squares_y) +
+                       " squares is in none of " + std::to_string(chosen_.size()) + " readable images (";
+    bool first = true;
+    for (const auto& [reason, count] : reasons) {
+      text += (first ? "" : ", ") + std::to_string(count) + " " + reason;
+      first = false;
+    }
+    text += ")";
+    if (const std::optional<CheckerboardSize> seen = board_in_images())
+      text += "; " + describe_size_mismatch(*seen, board);
+    throw Error(text);
+  }
+
+  // The size of board that most of some evenly spread images show.
+  std::optional<CheckerboardSize> board_in_images() const {
+    std::map<std::pair<int, int>, int> votes;
+    const std::size_t step = std::max<std::size_t>(1, chosen_.size() / kDiagnosedImages);
+    for (std::size_t i = 0; i < chosen_.size(); i += step) {
+      std::string ignored;
+      const std::optional<Image8> image = read_image(*chosen_[i], &ignored);
+      if (!image) continue;
+      if (const auto size = find_any_checkerboard(*image))
+        ++votes[{size->inner_corners_long, size->inner_corners_short}];
+    }
+    const auto most =
+        std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most == votes.end()) return std::nullopt;
+    return CheckerboardSize{most->first.first, most->first.second};
+  }
+
+  std::optional<DepthPoints> read_points(const Sight& sight, std::string* reason) const {
+    const CameraFrame& frame = frame_of(sight);
+    const RigCamera& camera = recording_.rig.cameras[static_cast<std::size_t>(sight.camera)];
+    if (!frame.depth_file.empty()) {
+      const std::optional<Image16> depth = read<Image16>(frame.depth_file, read_depth_image, reason);
+      if (!depth) return std::nullopt;
+      const Camera& depth_camera = camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
+      if (depth->width != depth_camera.width_px || depth->height != depth_camera.height_px) {
+        *reason = "depth image is " + size_text(depth->width, depth->height) + ", the rig says " +
+                  size_text(depth_camera.width_px, depth_camera.height_px);
+        return std::nullopt;
+      }
+      int stride = 1;
+      while ((depth->width / stride) * (depth->height / stride) > kDepthPoints) ++stride;
+      return points_from_depth(*depth, camera, stride);
+    }
+    std::optional<std::vector<Eigen::Vector3f>> cloud =
+        read<std::vector<Eigen::Vector3f>>(frame.cloud_file, read_point_cloud, reason);
+    if (!cloud) return std::nullopt;
+    return points_of_cloud(std::move(*cloud), *camera.depth);
+  }
+
+  // Clouds come in the colour camera's frame; only what the sensor can measure counts.
+  static DepthPoints points_of_cloud(std::vector<Eigen::Vector3f> cloud, const DepthStream& depth) {
+    const auto min = static_cast<float>(depth.min_m), max = static_cast<float>(depth.max_m);
+    cloud.erase(std::remove_if(cloud.begin(), cloud.end(),
+                               [&](const Eigen::Vector3f& p) { return !(p.z() >= min && p.z() <= max); }),
+                cloud.end());
+    DepthPoints points;
+    points.min_m = depth.min_m;
+    points.max_m = depth.max_m;
+    const std::size_t step = cloud.size() / static_cast<std::size_t>(kDepthPoints) + 1;
+    for (std::size_t i = 0; i < cloud.size(); i += step) points.points.push_back(cloud[i]);
+    return points;
+  }
+
+  PlaneSight look_at_depth(const Sight& sight, const std::optional<Rigid3>& T_camera_board,
+                           const std::optional<Eigen::Vector3d>& up_camera) const {
+    PlaneSight result;
+    const std::optional<DepthPoints> points = read_points(sight, &result.unreadable);
+    if (!points) return result;
+    const DepthNoise& noise = recording_.rig.cameras[static_cast<std::size_t>(sight.camera)].depth->noise;
+    if (!T_camera_board) {
+      result.ground = fit_ground_plane(*points, noise, up_camera).plane;
+      return result;
+    }
+    const detection::SplitPoints split = detection::split_at_board(*points, recording_.rig.board, *T_camera_board);
+    result.ground = fit_ground_plane(split.elsewhere, noise, up_camera).plane;
+    result.board = detection::fit_board_plane(split.on_board, noise, *T_camera_board);
+    return result;
+  }
+
+  // Boards first: how the cameras moved past them tells where up is, so that walls are not taken for the ground.
+  void look_at_depth() {
+    std::vector<const Sight*> with_depth;
+    for (const Sight* sight : chosen_) {
+      const CameraFrame& frame = frame_of(*sight);
+      const bool has_file = !frame.depth_file.empty() || !frame.cloud_file.empty();
+      if (has_file && recording_.rig.cameras[static_cast<std::size_t>(sight->camera)].depth)
+        with_depth.push_back(sight);
+    }
+    if (with_depth.empty()) return;
+    const std::vector<ViewPose> poses = estimate_view_poses(result_).poses;
+    const TrajectoryAlignment alignment = align_trajectories(result_, poses);
+    std::map<std::pair<int, int>, Rigid3> boards;
+    for (const ViewPose& pose : poses) boards[{pose.stop, pose.camera}] = pose.T_camera_board;
+    std::vector<PlaneSight> planes(with_depth.size());
+    detection::for_each_parallel(with_depth.size(), options_.threads, [&](std::size_t i) {
+      const Sight& sight = *with_depth[i];
+      const auto board = boards.find({sight.stop, sight.camera});
+      const auto up = alignment.source == VerticalSource::kMotion
+                          ? alignment.up_camera[static_cast<std::size_t>(sight.camera)]
+                          : std::nullopt;
+      planes[i] = look_at_depth(sight, board == boards.end() ? std::nullopt : std::optional(board->second), up);
+    });
+    for (std::size_t i = 0; i < planes.size(); ++i) keep(*with_depth[i], std::move(planes[i]));
+    vote_on_ground(poses);
+  }
+
+  void keep(const Sight& sight, PlaneSight planes) {
+    const CameraFrame& frame = frame_of(sight);
+    const std::string& file = frame.depth_file.empty() ? frame.cloud_file : frame.depth_file;
+    if (!planes.unreadable.empty()) result_.exclusions.push_back({sight.camera, sight.stop, file, planes.unreadable});
+    const auto add = [&](std::optional<PlaneObservation>& plane, std::vector<PlaneObservation>* to) {
+      if (!plane) return;
+      plane->stop = sight.stop;
+      plane->camera = sight.camera;
+      plane->file = file;
+      to->push_back(std::move(*plane));
+    };
+    add(planes.ground, &result_.ground_planes);
+    add(planes.board, &result_.board_planes);
+  }
+
+  // The planes of all frames must agree with the vertical and with each other.
+  void vote_on_ground(const std::vector<ViewPose>& poses) {
+    const GroundCheck check = check_ground_planes(result_, align_trajectories(result_, poses));
+    std::vector<PlaneObservation> accepted;
+    for (std::size_t i = 0; i < result_.ground_planes.size(); ++i)
+      if (check.accepted[i]) accepted.push_back(std::move(result_.ground_planes[i]));
+    result_.ground_planes = std::move(accepted);
+    result_.exclusions.insert(result_.exclusions.end(), check.rejected.begin(), check.rejected.end());
+  }
+
+  void sort_exclusions() {
+    std::stable_sort(result_.exclusions.begin(), result_.exclusions.end(), [](const Exclusion& a, const Exclusion& b) {
+      return std::tie(a.camera, a.stop, a.file) < std::tie(b.camera, b.stop, b.file);
+    });
+  }
+
+  const Recording& recording_;
+  const ObserveOptions& options_;
+  StopPlan plan_;
+  std::vector<Sight> sights_;         ///< by (stop, camera, frame)
+  std::vector<const Sight*> chosen_;  ///< one readable frame for each (stop, camera)
+  Observations result_;
+};
+
+}  // namespace
+
+Observations observe(const Recording& recording, const ObserveOptions& options) {
+  return Observer(recording, options).run();
+}
+
+}  // namespace rigproof

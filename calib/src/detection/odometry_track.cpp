@@ -1,0 +1,94 @@
+#include "odometry_track.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof::detection {
+namespace {
+
+// Stamps nearer than this are the same.
+constexpr double kSameStamp = 1e-6;
+
+std::string seconds_text(const char* format, double a, double b, double c) {
+  char text[160];
+  std::snprintf(text, sizeof(text), format, a, b, c);
+  return text;
+}
+
+double path_between(const OdometrySample& a, const OdometrySample& b) {
+  return std::hypot(b.x_m - a.x_m, b.y_m - a.y_m) +
+         OdometryTrack::kTurnLever * std::abs(wrap_angle(b.yaw_rad - a.yaw_rad));
+}
+
+}  // namespace
+
+OdometryTrack::OdometryTrack(const std::vector<OdometrySample>& samples, double max_gap_s, double nearest_s)
+    : samples_(samples), odometer_m_(samples.size(), 0.0), max_gap_s_(max_gap_s), nearest_s_(nearest_s) {
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    odometer_m_[i] = odometer_m_[i - 1] + path_between(samples[i - 1], samples[i]);
+}
+
+std::optional<OdometryReading> OdometryTrack::at(double stamp_s, std::string* reason) const {
+  if (samples_.empty()) {
+    *reason = "no odometry";
+    return std::nullopt;
+  }
+  const auto after = std::lower_bound(samples_.begin(), samples_.end(), stamp_s,
+                                      [](const OdometrySample& sample, double t) { return sample.stamp_s < t; });
+  const auto next = static_cast<std::size_t>(after - samples_.begin());
+  const bool has_next = next<samples_.size(), has_previous = next> 0;
+  const double to_next = has_next ? samples_[next].stamp_s - stamp_s : 1e300;
+  const double to_previous = has_previous ? stamp_s - samples_[next - 1].stamp_s : 1e300;
+  if (to_next <= kSameStamp) return sample(next);
+  if (to_previous <= kSameStamp) return sample(next - 1);
+  if (has_next && has_previous && to_next + to_previous <= max_gap_s_) return interpolated(next - 1, stamp_s);
+  const std::size_t nearest = to_next < to_previous ? next : next - 1;
+  if (std::min(to_next, to_previous) <= nearest_s_) {
+    OdometryReading reading = sample(nearest);
+    const std::size_t segment = std::min(nearest, samples_.size() < 2 ? 0 : samples_.size() - 2);
+    if (samples_.size() > 1) reading.sigma_m = velocity(segment).head<2>().norm() * std::min(to_next, to_previous);
+    return reading;
+  }
+  *reason = has_next && has_previous ? seconds_text("odometry gap of %.2f s (%.3f to %.3f s)", to_next + to_previous,
+                                                    samples_[next - 1].stamp_s, samples_[next].stamp_s)
+                                     : seconds_text("no odometry at %.3f s (it covers %.3f to %.3f s)", stamp_s,
+                                                    samples_.front().stamp_s, samples_.back().stamp_s);
+  return std::nullopt;
+}
+
+OdometryReading OdometryTrack::sample(std::size_t index) const {
+  const OdometrySample& s = samples_[index];
+  return {s.x_m, s.y_m, s.yaw_rad, 0.0, odometer_m_[index]};
+}
+
+// Mean velocity between a sample and the next [m/s, m/s, rad/s].
+Eigen::Vector3d OdometryTrack::velocity(std::size_t before) const {
+  const OdometrySample &a = samples_[before], &b = samples_[before + 1];
+  return Eigen::Vector3d(b.x_m - a.x_m, b.y_m - a.y_m, wrap_angle(b.yaw_rad - a.yaw_rad)) / (b.stamp_s - a.stamp_s);
+}
+
+OdometryReading OdometryTrack::interpolated(std::size_t before, double stamp_s) const {
+  const OdometrySample &a = samples_[before], &b = samples_[before + 1];
+  const double gap = b.stamp_s - a.stamp_s, u = (stamp_s - a.stamp_s) / gap;
+  const Rigid3 T_a_b = planar_pose(a.x_m, a.y_m, a.yaw_rad).inverse() * planar_pose(b.x_m, b.y_m, b.yaw_rad);
+  const Rigid3 T = planar_pose(a.x_m, a.y_m, a.yaw_rad) * se3_exp(u * se3_log(T_a_b));
+  OdometryReading reading;
+  reading.x_m = T.translation.x();
+  reading.y_m = T.translation.y();
+  reading.yaw_rad = a.yaw_rad + u * wrap_angle(b.yaw_rad - a.yaw_rad);
+  reading.odometer_m = odometer_m_[before] + u * (odometer_m_[before + 1] - odometer_m_[before]);
+  // The twist is not quite constant: its change to the neighbouring segments bounds the acceleration within this one,
+  // and an acceleration c deviates by c u (1 - u) gap^2 / 2 from the constant twist.
+  double change = 0.0;
+  if (before > 0) change = std::max(change, (velocity(before) - velocity(before - 1)).head<2>().norm());
+  if (before + 2 < samples_.size())
+    change = std::max(change, (velocity(before + 1) - velocity(before)).head<2>().norm());
+  reading.sigma_m = 0.5 * u * (1.0 - u) * change * gap;
+  return reading;
+}
+
+}  // namespace rigproof::detection
