@@ -1,5 +1,6 @@
 #include "depth.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rigproof {
@@ -11,11 +12,6 @@ constexpr double kSmoothBend = 2e-3, kSmoothCounts = 4.0;
 
 std::int32_t window_depth(std::uint32_t packed) { return static_cast<std::int32_t>(packed >> 8U); }
 
-// Bend of four samples in a row, of which the middle two are blended.
-bool is_smooth(double a, double b, double c, double d, double tolerance) {
-  return std::abs(a - 2.0 * b + c) <= tolerance && std::abs(b - 2.0 * c + d) <= tolerance;
-}
-
 // Nearness in counts from the far plane; 1/z = slope * (nearness + offset / slope).
 double nearness(const WindowDepth& source, int x, int y) { return kFar - window_depth(source.row(y)[x]); }
 
@@ -24,23 +20,27 @@ float depth_of(const mujoco::DepthLaw& law, double nearness_counts) {
   return static_cast<float>(1.0 / (law.offset_per_m + nearness_counts * law.slope_per_m));
 }
 
+// Slope at the sample c from the smoother of its two sides (a b c and c d e); 0 where neither is smooth.
+double one_sided_slope(double a, double b, double c, double d, double e, double tolerance) {
+  const double bend_before = std::abs(a - 2.0 * b + c), bend_after = std::abs(c - 2.0 * d + e);
+  if (std::min(bend_before, bend_after) > tolerance) return 0.0;
+  return bend_before < bend_after ? c - b : d - c;
+}
+
 float sample_depth(const WindowDepth& source, const mujoco::DepthLaw& law, double offset_counts, float x, float y) {
   if (!(x >= -0.5F && y >= -0.5F)) return 0.0F;
-  const int nearest_x = static_cast<int>(x + 0.5F), nearest_y = static_cast<int>(y + 0.5F);
-  if (nearest_x >= source.width || nearest_y >= source.height) return 0.0F;
-  const double nearest = nearness(source, nearest_x, nearest_y);
-  const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
-  const bool inside = ix >= 1 && iy >= 1 && ix + 2 < source.width && iy + 2 < source.height;
+  const int ix = static_cast<int>(x + 0.5F), iy = static_cast<int>(y + 0.5F);
+  if (ix >= source.width || iy >= source.height) return 0.0F;
+  const double nearest = nearness(source, ix, iy);
+  const bool inside = ix >= 2 && iy >= 2 && ix + 2 < source.width && iy + 2 < source.height;
   if (!inside || nearest <= 0.0) return depth_of(law, nearest);
-  const auto at = [&](int dx, int dy) { return nearness(source, ix + dx, iy + dy); };
   const double tolerance = kSmoothBend * (nearest + offset_counts) + kSmoothCounts;
-  const double d00 = at(0, 0), d10 = at(1, 0), d01 = at(0, 1), d11 = at(1, 1);
-  const bool smooth =
-      is_smooth(at(-1, 0), d00, d10, at(2, 0), tolerance) && is_smooth(at(-1, 1), d01, d11, at(2, 1), tolerance) &&
-      is_smooth(at(0, -1), d00, d01, at(0, 2), tolerance) && is_smooth(at(1, -1), d10, d11, at(1, 2), tolerance);
-  if (!smooth) return depth_of(law, nearest);
-  const double fx = static_cast<double>(x) - ix, fy = static_cast<double>(y) - iy;
-  return depth_of(law, (1.0 - fy) * ((1.0 - fx) * d00 + fx * d10) + fy * ((1.0 - fx) * d01 + fx * d11));
+  const auto along = [&](int k) { return nearness(source, ix + k, iy); };
+  const auto across = [&](int k) { return nearness(source, ix, iy + k); };
+  const double slope_x = one_sided_slope(along(-2), along(-1), nearest, along(1), along(2), tolerance);
+  const double slope_y = one_sided_slope(across(-2), across(-1), nearest, across(1), across(2), tolerance);
+  const double dx = static_cast<double>(x) - ix, dy = static_cast<double>(y) - iy;
+  return depth_of(law, nearest + dx * slope_x + dy * slope_y);
 }
 
 }  // namespace

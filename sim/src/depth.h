@@ -20,8 +20,9 @@ struct WindowDepth {
 /// Every pixel's depth as it is; 0 at the far plane. `depth_m` is resized.
 void convert_depth(const WindowDepth& source, const mujoco::DepthLaw& law, ImageF* depth_m);
 
-/// Depth of a row of pixels at (xs, ys) of the source. 1/z is linear in the picture of a plane, so blending it is exact
-/// on planes; where the neighbours do not lie on one smooth surface the nearest one counts. Outside: 0.
+/// Depth of a row of pixels at (xs, ys) of the source: the nearest sample's, carried along the slope of the surface
+/// that it lies on. 1/z is linear in the picture of a plane, so this is exact on planes, and edges stay sharp. Outside:
+/// 0.
 void sample_depth_row(const WindowDepth& source, const mujoco::DepthLaw& law, const float* xs, const float* ys,
                       int count, float* depth_m);
 

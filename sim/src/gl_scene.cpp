@@ -17,6 +17,10 @@ void set_vector(float* out, const Eigen::Vector3d& in) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(in[i]);
 }
 
+void shift_by(const Eigen::Vector3d& camera, float* position) {
+  for (int i = 0; i < 3; ++i) position[i] = static_cast<float>(static_cast<double>(position[i]) - camera[i]);
+}
+
 int rounded_up(int size) { return (size + kSizeStep - 1) / kSizeStep * kSizeStep; }
 
 }  // namespace
@@ -116,13 +120,20 @@ void GlScene::look_from(const Rigid3& T_world_camera, bool with_ceiling) {
   mjvCamera any_camera;
   mjv_defaultCamera(&any_camera);
   mjv_updateScene(world.model.get(), world.data.get(), &visible_, nullptr, &any_camera, mjCAT_ALL, &scene_);
+  centre_on(T_world_camera.translation);
   const Eigen::Matrix3d R = T_world_camera.rotation_matrix();
   for (mjvGLCamera& eye : scene_.camera) {
-    set_vector(eye.pos, T_world_camera.translation);
+    set_vector(eye.pos, Eigen::Vector3d::Zero());
     set_vector(eye.forward, R.col(2));
     set_vector(eye.up, -R.col(1));
   }
   index_segments();
+}
+
+// Puts the camera into the origin: single precision is finest there, and GL's matrices are single.
+void GlScene::centre_on(const Eigen::Vector3d& camera) {
+  for (int i = 0; i < scene_.ngeom; ++i) shift_by(camera, scene_.geoms[i].pos);
+  for (int i = 0; i < scene_.nlight; ++i) shift_by(camera, scene_.lights[i].pos);
 }
 
 void GlScene::index_segments() {

@@ -54,6 +54,7 @@ class GlScene {
   void make_targets(int width, int height);
   void release_targets();
   void tune_textures();
+  void centre_on(const Eigen::Vector3d& camera);
   void index_segments();
 
   EglContext context_;

@@ -44,7 +44,7 @@ struct SceneDescription {
   std::filesystem::path mjcf;
   std::vector<SceneTexture> textures;
   FloorArea drivable_area;
-  double near_m = 0.2;  ///< nothing nearer than this to a camera is seen; depth resolution depends on it
+  double near_m = 0.35;  ///< nothing nearer than this to a camera is seen; depth resolution depends on it
   double far_m = 20.0;
   std::array<double, 3> sky_zenith = {0.5, 0.6, 0.8};
   std::array<double, 3> sky_horizon = {0.8, 0.85, 0.9};
