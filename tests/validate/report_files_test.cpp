@@ -115,7 +115,8 @@ TEST(JsonReport, HoldsErrorsExactly) {
 
 TEST(JsonReport, BadBytesDoNotThrow) {
   const Truth truth = make_truth();
-  EXPECT_NO_THROW(nlohmann::json::parse(to_json({record_of(truth, exact_result(truth), "bad \xff byte")})));
+  const auto json = nlohmann::json::parse(to_json({record_of(truth, exact_result(truth), "bad \xff byte")}));
+  EXPECT_EQ(json["results"][0]["subject"], "bad \xef\xbf\xbd byte");  // U+FFFD
 }
 
 TEST(ReportFiles, AreWrittenWhole) {

@@ -78,7 +78,6 @@ class CornerProof {
 
   const Truth& truth_;
   std::size_t camera_;
-  const ProofOptions& options_;
   CameraProof* proof_;
   std::vector<View> views_;
   std::size_t without_stop_ = 0;
@@ -87,7 +86,7 @@ class CornerProof {
 
 CornerProof::CornerProof(const Observations& observations, const Truth& truth, std::size_t observed_camera,
                          std::size_t camera, const ProofOptions& options, CameraProof* proof)
-    : truth_(truth), camera_(camera), options_(options), proof_(proof) {
+    : truth_(truth), camera_(camera), proof_(proof) {
   double variance = 0.0;
   for (const BoardView& view : observations.board_views) {
     if (view.camera != static_cast<int>(observed_camera)) continue;
