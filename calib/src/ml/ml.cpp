@@ -129,14 +129,23 @@ void anneal(ml::Problem* problem, ml::State* state) {
   problem->loss.c2 = c2;
 }
 
+// The worst view of every stop, if it is wrong: what it had bent of the stop's other views may then straighten.
 bool leave_out_wrong_views(ml::Problem* problem, const ml::State& state) {
   constexpr double kWrongView = 0.05;  // mean weight: nearly every corner is tens of sigmas off
-  bool changed = false;
-  for (std::size_t v = 0; v < problem->view_left_out.size(); ++v) {
+  const std::vector<BoardView>& views = problem->observations().board_views;
+  std::vector<double> worst(problem->observations().stops.size(), kWrongView);
+  std::vector<std::optional<std::size_t>> wrong(worst.size());
+  for (std::size_t v = 0; v < views.size(); ++v) {
     if (problem->view_left_out[v]) continue;
-    if (problem->view_fit(state, v).mean_weight >= kWrongView) continue;
-    problem->view_left_out[v] = changed = true;
+    const std::size_t stop = static_cast<std::size_t>(views[v].stop);
+    const double weight = problem->view_fit(state, v).mean_weight;
+    if (weight >= worst[stop]) continue;
+    worst[stop] = weight;
+    wrong[stop] = v;
   }
+  bool changed = false;
+  for (const std::optional<std::size_t>& view : wrong)
+    if (view) problem->view_left_out[*view] = changed = true;
   return changed;
 }
 
@@ -222,12 +231,46 @@ class Estimator {
     ml::SolverOptions solver;
     solver.tolerance = options_.tolerance;
     fit.summary = ml::minimise_with_levels(levels, solver, &problem, &fit.state);
-    if (leave_out_wrong_views(&problem, fit.state))
+    if (reseat_poses(problem, &fit.state)) fit.summary = ml::minimise_with_levels(levels, solver, &problem, &fit.state);
+    constexpr int kRounds = 8;  // one for each camera at a stop
+    for (int round = 0; round < kRounds && leave_out_wrong_views(&problem, fit.state); ++round)
       fit.summary = ml::minimise_with_levels(levels, solver, &problem, &fit.state);
     fit.minus_two_log_likelihood = ml::minus_two_log_likelihood(problem, fit.state);
     fit.noise = problem.noise;
     fit.view_left_out = problem.view_left_out;
     return fit;
+  }
+
+  // A stop that started from a wrong view may sit where its right views cannot pull it back: every view proposes a
+  // pose, and the one that most views agree with is taken.
+  bool reseat_poses(const ml::Problem& problem, ml::State* state) const {
+    constexpr double kBetter = 0.25;  // of a view's weight: noise moves less
+    bool changed = false;
+    std::vector<std::vector<const ViewPose*>> views_at(used_.stops.size());
+    for (const ViewPose& view : views_) views_at[static_cast<std::size_t>(view.stop)].push_back(&view);
+    for (std::size_t i = 0; i < views_at.size(); ++i) {
+      const auto agreement = [&] {
+        double sum = 0.0;
+        for (const ViewPose* view : views_at[i])
+          sum += problem.view_fit(*state, static_cast<std::size_t>(view->view)).mean_weight;
+        return sum;
+      };
+      double best = agreement() + kBetter;
+      if (best > static_cast<double>(views_at[i].size()) - 0.5) continue;
+      ml::RobotPose kept = state->poses[i];
+      for (const ViewPose* view : views_at[i]) {
+        const Rigid3& X = state->T_robot_camera[static_cast<std::size_t>(view->camera)];
+        state->poses[i] =
+            ml::RobotPose::from_transform(state->T_world_board * view->T_camera_board.inverse() * X.inverse());
+        const double weight = agreement();
+        if (weight <= best) continue;
+        best = weight;
+        kept = state->poses[i];
+        changed = true;
+      }
+      state->poses[i] = kept;
+    }
+    return changed;
   }
 
   bool has_pose(std::size_t view) const {

@@ -84,7 +84,7 @@ class Planner {
     const GeometricRig& rig = config_.rig;
     const std::size_t c = rig.min_cameras_per_stop > 1 ? rig.cameras.size() / 2 : stop % rig.cameras.size();
     const double distance = random_.uniform(rig.min_distance_m, rig.max_distance_m);
-    const double bearing = random_.uniform(-0.9, 0.9);
+    const double bearing = random_.uniform(-rig.max_bearing_rad, rig.max_bearing_rad);
     const Rigid3& X = rig.T_robot_camera[c];
     const Eigen::Vector3d axis = X.rotation * Eigen::Vector3d::UnitZ();
     const double towards_board = bearing + kPi + random_.uniform(-0.5, 0.5);

@@ -63,7 +63,8 @@ GeometricRig reference_rig() {
   }
   rig.min_cameras_per_stop = 3;
   rig.min_distance_m = 0.9;
-  rig.max_distance_m = 3.4;
+  rig.max_distance_m = 4.4;
+  rig.max_bearing_rad = 0.5;
   return rig;
 }
 

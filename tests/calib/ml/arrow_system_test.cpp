@@ -1,0 +1,102 @@
+#include "ml/arrow_system.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "rigproof/core/random.h"
+
+namespace rigproof::ml {
+namespace {
+
+constexpr int kPoses = 7, kGlobals = 9;
+
+Eigen::MatrixXd random_matrix(RandomStream& random, int rows, int columns) {
+  Eigen::MatrixXd matrix(rows, columns);
+  for (int i = 0; i < rows * columns; ++i) matrix(i) = random.normal();
+  return matrix;
+}
+
+// A sum of squares over neighbouring poses and the globals, so positive definite and of the arrow's shape.
+ArrowSystem random_system(Eigen::MatrixXd* dense, Eigen::VectorXd* gradient) {
+  RandomStream random(3, "arrow test");
+  const int n = 6 * kPoses + kGlobals;
+  *dense = Eigen::MatrixXd::Zero(n, n);
+  for (int i = 0; i < kPoses; ++i) {
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(20, n);
+    const int first = std::max(0, i - 1);
+    J.middleCols(6 * first, 6 * (i - first + 1)) = random_matrix(random, 20, 6 * (i - first + 1));
+    J.rightCols(kGlobals) = random_matrix(random, 20, kGlobals);
+    *dense += J.transpose() * J;
+  }
+  *gradient = random_matrix(random, n, 1);
+  ArrowSystem system(kPoses, kGlobals);
+  for (int i = 0; i < kPoses; ++i) {
+    system.diagonal[static_cast<std::size_t>(i)] = dense->block<6, 6>(6 * i, 6 * i);
+    if (i > 0) system.coupling[static_cast<std::size_t>(i)] = dense->block<6, 6>(6 * i, 6 * i - 6);
+  }
+  system.pose_global = dense->topRightCorner(6 * kPoses, kGlobals);
+  system.global = dense->bottomRightCorner(kGlobals, kGlobals);
+  system.pose_gradient = gradient->head(6 * kPoses);
+  system.global_gradient = gradient->tail(kGlobals);
+  return system;
+}
+
+// Everything is compared with dense linear algebra of condition about 1e3: 1e-10 leaves three digits of room.
+constexpr double kTolerance = 1e-10;
+
+TEST(ArrowSystem, StepEqualsTheDenseSolution) {
+  Eigen::MatrixXd dense;
+  Eigen::VectorXd gradient, pose_step, global_step;
+  const ArrowSystem system = random_system(&dense, &gradient);
+  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
+  ASSERT_TRUE(eliminated && eliminated->step(&pose_step, &global_step));
+  const Eigen::VectorXd expected = -dense.ldlt().solve(gradient);
+  EXPECT_LE((expected.head(6 * kPoses) - pose_step).norm(), kTolerance);
+  EXPECT_LE((expected.tail(kGlobals) - global_step).norm(), kTolerance);
+}
+
+TEST(ArrowSystem, CovarianceEqualsTheDenseInverse) {
+  Eigen::MatrixXd dense;
+  Eigen::VectorXd gradient;
+  const ArrowSystem system = random_system(&dense, &gradient);
+  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
+  ASSERT_TRUE(eliminated);
+  const Eigen::MatrixXd inverse = dense.inverse();
+  const Eigen::MatrixXd globals = eliminated->schur().inverse();
+  EXPECT_LE((inverse.bottomRightCorner(kGlobals, kGlobals) - globals).norm(), kTolerance);
+  const EliminatedSystem::PoseCovariance covariance = eliminated->pose_covariance(globals);
+  EXPECT_LE((inverse.topRightCorner(6 * kPoses, kGlobals) - covariance.with_globals).norm(), kTolerance);
+  for (int i = 0; i < kPoses; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    EXPECT_LE((inverse.block<6, 6>(6 * i, 6 * i) - covariance.diagonal[k]).norm(), kTolerance);
+    if (i == 0) continue;
+    EXPECT_LE((inverse.block<6, 6>(6 * i, 6 * i - 6) - covariance.with_previous[k]).norm(), kTolerance);
+  }
+}
+
+TEST(ArrowSystem, LogDeterminantEqualsTheDenseOne) {
+  Eigen::MatrixXd dense;
+  Eigen::VectorXd gradient;
+  const auto eliminated = EliminatedSystem::eliminate(random_system(&dense, &gradient), 0.0);
+  ASSERT_TRUE(eliminated);
+  const double expected = 2.0 * Eigen::MatrixXd(dense.llt().matrixL()).diagonal().array().log().sum();
+  EXPECT_NEAR(expected, eliminated->log_determinant_of_poses() + eliminated->log_determinant_of_globals(), 1e-9);
+}
+
+TEST(ArrowSystem, FixedUnknownsDoNotMove) {
+  Eigen::MatrixXd dense;
+  Eigen::VectorXd gradient, pose_step, global_step;
+  ArrowSystem system = random_system(&dense, &gradient);
+  system.fix_pose_unknown(2, 4);
+  system.fix_global_unknown(3);
+  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
+  ASSERT_TRUE(eliminated && eliminated->step(&pose_step, &global_step));
+  EXPECT_EQ(pose_step[6 * 2 + 4], 0.0);
+  EXPECT_EQ(global_step[3], 0.0);
+}
+
+TEST(ArrowSystem, SingularPosesAreReported) { EXPECT_FALSE(EliminatedSystem::eliminate(ArrowSystem(2, 1), 0.0)); }
+
+}  // namespace
+}  // namespace rigproof::ml

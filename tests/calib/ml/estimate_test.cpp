@@ -1,0 +1,302 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
+
+#include "calibration_truth.h"
+#include "pose_near.h"
+#include "rigproof/calib/ml.h"
+#include "rigproof/geometric/geometric.h"
+
+namespace rigproof {
+namespace {
+
+// The levels that were drawn from are told, so that information and covariance match the data.
+MlOptions told() {
+  MlOptions options;
+  options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
+  options.estimate_corner_level = options.estimate_plane_level = false;
+  return options;
+}
+
+GeometricConfig noise_free(GeometricConfig config) {
+  config.corner_sigma_px = 0.0;
+  config.inverse_depth_sigma_per_m = 0.0;
+  config.lambda = 0.0;
+  return config;
+}
+
+void expect_exact(const GeometricRun& run, const MlEstimate& estimate, double tolerance) {
+  ASSERT_EQ(estimate.state.T_robot_camera.size(), run.truth.cameras.size());
+  for (std::size_t c = 0; c < run.truth.cameras.size(); ++c)
+    EXPECT_TRUE(IsPoseNear(run.truth.cameras[c].T_robot_camera, estimate.state.T_robot_camera[c], tolerance, tolerance))
+        << "camera " << c;
+}
+
+Eigen::VectorXd joint_error(const MlEstimate& estimate, const Truth& truth) {
+  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(truth.cameras.size()));
+  for (std::size_t c = 0; c < truth.cameras.size(); ++c)
+    error.segment<6>(6 * static_cast<Eigen::Index>(c)) =
+        se3_log(estimate.state.T_robot_camera[c] * truth.cameras[c].T_robot_camera.inverse());
+  return error;
+}
+
+// NEES of all cameras together; 18 degrees of freedom for three.
+double nees(const MlEstimate& estimate, const Truth& truth) {
+  const Eigen::VectorXd error = joint_error(estimate, truth);
+  const Eigen::MatrixXd covariance =
+      to_left_perturbation(estimate.result.joint_covariance.value(), estimate.state.T_robot_camera);
+  return error.dot(covariance.ldlt().solve(error));
+}
+
+double mean_nees(GeometricConfig config, const MlOptions& options, int trials) {
+  double sum = 0.0;
+  for (int trial = 0; trial < trials; ++trial) {
+    config.seed = static_cast<std::uint64_t>(1000 + trial);
+    const GeometricRun run = draw_geometric_run(config);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
+    EXPECT_EQ(estimate.result.status, ResultStatus::kSolved) << "seed " << config.seed;
+    if (estimate.result.joint_covariance) sum += nees(estimate, run.truth) / trials;
+  }
+  return sum;
+}
+
+// Exact data leave only rounding; 1e-8 m and rad is the figure.
+TEST(MlRecovery, IsExactWithoutNoise) {
+  GeometricConfig config = noise_free({});
+  config.stops = 12;
+  const GeometricRun run = draw_geometric_run(config);
+  expect_exact(run, estimate_maximum_likelihood(run.observations, told()), 1e-8);
+}
+
+TEST(MlRecovery, IsExactForEveryMountingAndBoard) {
+  for (int i = 0; i < 40; ++i) {
+    GeometricConfig config = noise_free({});
+    config.seed = static_cast<std::uint64_t>(i);
+    config.rig = random_rig(config.seed, 1 + i % 8);
+    config.stops = 24;
+    const GeometricRun run = draw_geometric_run(config);
+    SCOPED_TRACE(i);
+    expect_exact(run, estimate_maximum_likelihood(run.observations, told()), 1e-8);
+  }
+}
+
+TEST(MlRecovery, FindsSystematicErrorsSuspensionAndDepthScale) {
+  GeometricConfig config = noise_free({});
+  config.odometry_scale = 1.02;
+  config.odometry_yaw_factor = 1.05;
+  config.suspension_height_sigma_m = 0.001;
+  config.suspension_tilt_sigma_rad = 0.001;
+  config.stops = 40;
+  MlOptions options = told();
+  options.suspension_height_sigma_m = config.suspension_height_sigma_m;
+  options.suspension_tilt_sigma_rad = config.suspension_tilt_sigma_rad;
+  const GeometricRun run = draw_geometric_run(config);
+  const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
+  // The slack's mean is not zero in a sample of 40: it shifts height and tilt by sigma / sqrt(40).
+  expect_exact(run, estimate, 4.0 * 0.001 / std::sqrt(40.0));
+  EXPECT_NEAR(estimate.state.odometry_scale, 1.02, 1e-4);
+  EXPECT_NEAR(estimate.state.odometry_yaw_factor, 1.05, 1e-4);
+}
+
+TEST(MlRecovery, CalibratesTheDepthScaleOnTheBoard) {
+  GeometricConfig config;
+  config.depth_scale_sigma = 0.01;
+  config.board_planes = true;
+  config.stops = 60;
+  const GeometricRun run = draw_geometric_run(config);
+  const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+  // 60 boards of 60 points at sigma 0.0025/m and 2 m: 0.0025 * 2 / sqrt(3600) = 8e-5, four times that.
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(estimate.state.depth_scale[c], *run.truth.cameras[c].depth_scale, 4e-4);
+}
+
+// 150 trials of chi-square with 18 degrees of freedom: standard deviation of the mean 0.49; the goal's band is 1.5.
+TEST(MlUncertainty, IsTruePerIncrement) {
+  GeometricConfig config;
+  config.stops = 15;
+  EXPECT_NEAR(mean_nees(config, told(), 150), 18.0, 1.5);
+}
+
+TEST(MlUncertainty, IsTruePerPose) {
+  GeometricConfig config;
+  config.stops = 15;
+  config.odometry_model = OdometryModel::kPerPose;
+  EXPECT_NEAR(mean_nees(config, told(), 150), 18.0, 1.5);
+}
+
+TEST(MlUncertainty, IsNearlyTrueWithEstimatedSigmas) {
+  GeometricConfig config;
+  config.stops = 20;
+  config.declare_odometry_model = config.declare_odometry_sigmas = false;
+  config.suspension_height_sigma_m = 0.001;
+  config.suspension_tilt_sigma_rad = 0.001;
+  // At most 30 % off; 60 trials scatter by 4 %.
+  EXPECT_NEAR(mean_nees(config, {}, 60), 18.0, 0.3 * 18.0);
+}
+
+TEST(MlUncertainty, EqualsTheBoundAtTheOptimumOfExactData) {
+  GeometricConfig config = noise_free({});
+  config.stops = 15;
+  GeometricRun run = draw_geometric_run(config);
+  // Exact data, but told to be noisy: the residuals are zero, so only the loss's efficiency differs from the bound.
+  run.observations.odometry_noise.sigma_xy_m = run.truth.odometry_noise.sigma_xy_m = 0.002;
+  run.observations.odometry_noise.sigma_yaw_rad = run.truth.odometry_noise.sigma_yaw_rad = 0.01;
+  const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+  const InformationBound bound = cramer_rao_bound(run.observations, state_of(run.truth), noise_of(run.truth));
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Vector6d ratio =
+        estimate.result.camera_to_robot[c].covariance->diagonal().cwiseQuotient(bound.camera_to_robot[c].diagonal());
+    // A zero residual has weight one instead of its expectation: up to 1 / E[w] = 1.4 less variance for planes.
+    EXPECT_GT(ratio.minCoeff(), 0.7);
+    EXPECT_LT(ratio.maxCoeff(), 1.05);
+  }
+}
+
+TEST(MlRobustness, WrongCornersOdometryAndPlanesCostLittle) {
+  GeometricConfig config;
+  config.stops = 40;
+  config.corner_outlier_fraction = 0.02;
+  config.odometry_outlier_fraction = 0.05;
+  config.plane_outlier_fraction = 0.05;
+  double error2 = 0.0, bound2 = 0.0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    config.seed = seed;
+    const GeometricRun run = draw_geometric_run(config);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+    ASSERT_EQ(estimate.result.status, ResultStatus::kSolved) << estimate.result.reasons.front();
+    const InformationBound bound = cramer_rao_bound(run.observations, state_of(run.truth), noise_of(run.truth));
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vector6d error = transform_error(estimate.state.T_robot_camera[c], run.truth.cameras[c].T_robot_camera);
+      error2 += error.cwiseQuotient(bound.camera_to_robot[c].diagonal().cwiseSqrt()).squaredNorm();
+      bound2 += 6.0;
+    }
+  }
+  // The bound of clean data; least squares is off by 4 to 40 here. 1.3 covers the scatter of 20 trials.
+  EXPECT_LT(std::sqrt(error2 / bound2), 1.3);
+}
+
+TEST(MlOdometry, TellsTheTwoNoiseModelsApart) {
+  for (const OdometryModel model : {OdometryModel::kPerIncrement, OdometryModel::kPerPose}) {
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+      GeometricConfig config;
+      config.seed = seed;
+      config.stops = 25;
+      config.odometry_model = model;
+      config.declare_odometry_model = config.declare_odometry_sigmas = false;
+      const GeometricRun run = draw_geometric_run(config);
+      const MlEstimate estimate = estimate_maximum_likelihood(run.observations);
+      EXPECT_TRUE(estimate.odometry.decided_from_data);
+      EXPECT_EQ(estimate.odometry.model, model) << "seed " << seed;
+      // 24 increments estimate a sigma to 1 / sqrt(2 * 48 / 2) = 14 %; four times that.
+      EXPECT_NEAR(estimate.noise.odometry_xy_m, 0.002, 0.0012);
+      EXPECT_NEAR(estimate.noise.odometry_yaw_rad, 0.01, 0.008);
+    }
+  }
+}
+
+// Cameras back to back never share a view: the odometry links them.
+TEST(MlRig, CamerasWithoutOverlapAreLinkedByOdometry) {
+  GeometricConfig config;
+  config.rig = random_rig(11, 3);
+  config.stops = 45;
+  config.lambda = 0.2;
+  const GeometricRun run = draw_geometric_run(config);
+  const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+  ASSERT_EQ(estimate.result.status, ResultStatus::kSolved);
+  EXPECT_EQ(estimate.result.camera_to_camera.size(), 3U);
+  EXPECT_LT(nees(estimate, run.truth), 45.0);  // chi-square, 18 degrees of freedom: 4e-4
+}
+
+TEST(MlRig, ACameraThatSawNothingHasNoPose) {
+  GeometricConfig config;
+  config.stops = 15;
+  GeometricRun run = draw_geometric_run(config);
+  std::vector<BoardView>& views = run.observations.board_views;
+  views.erase(std::remove_if(views.begin(), views.end(), [](const BoardView& v) { return v.camera == 1; }),
+              views.end());
+  const Result result = estimate_maximum_likelihood(run.observations, told()).result;
+  EXPECT_EQ(result.status, ResultStatus::kPartial);
+  EXPECT_EQ(result.camera_to_robot.size(), 2U);
+  EXPECT_EQ(result.find("base_footprint", "center"), nullptr);
+  ASSERT_FALSE(result.reasons.empty());
+  EXPECT_NE(result.reasons.back().find("center never saw the board"), std::string::npos);
+}
+
+TEST(MlRig, ASwappedViewIsLeftOutAndNamed) {
+  GeometricConfig config;
+  config.stops = 15;
+  GeometricRun run = draw_geometric_run(config);
+  std::vector<BoardView>& views = run.observations.board_views;
+  std::swap(views[9].corners, views[30].corners);
+  const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+  int left_out = 0;
+  for (const CameraUse& use : estimate.result.use)
+    for (const Exclusion& exclusion : use.left_out) left_out += exclusion.reason.rfind("residual ", 0) == 0 ? 1 : 0;
+  EXPECT_EQ(left_out, 2);
+  EXPECT_LT(nees(estimate, run.truth), 45.0);
+}
+
+// The result must not depend on names and frames that we choose. Solved to rounding, so 1e-9 is the figure.
+struct Equivariance : testing::Test {
+  Equivariance() {
+    GeometricConfig config;
+    config.stops = 20;
+    run = draw_geometric_run(config);
+    options = told();
+    options.tolerance = 1e-18;
+    base = estimate_maximum_likelihood(run.observations, options);
+  }
+  void expect_same(const Observations& observations) const {
+    const MlEstimate other = estimate_maximum_likelihood(observations, options);
+    for (const EstimatedTransform& expected : base.result.camera_to_robot) {
+      const EstimatedTransform* actual = other.result.find(expected.parent, expected.child);
+      ASSERT_NE(actual, nullptr);
+      EXPECT_TRUE(IsPoseNear(expected.T_parent_child, actual->T_parent_child, 1e-9, 1e-9)) << expected.child;
+    }
+  }
+  GeometricRun run;
+  MlOptions options;
+  MlEstimate base;
+};
+
+TEST_F(Equivariance, ToTheWorldFrame) {
+  Observations moved = run.observations;
+  const Rigid3 T_new_old = planar_pose(3.0, -2.0, 2.5);
+  for (Stop& stop : moved.stops) {
+    const Rigid3 T = T_new_old * planar_pose(stop.x_m, stop.y_m, stop.yaw_rad);
+    stop.x_m = T.translation.x();
+    stop.y_m = T.translation.y();
+    stop.yaw_rad = yaw_of(T);
+  }
+  expect_same(moved);
+}
+
+TEST_F(Equivariance, ToTheBoardFrame) {
+  Observations turned = run.observations;
+  const int last = turned.board.corner_count() - 1;
+  for (BoardView& view : turned.board_views) {
+    for (CornerObservation& corner : view.corners) corner.id = last - corner.id;
+    std::reverse(view.corners.begin(), view.corners.end());
+  }
+  expect_same(turned);
+}
+
+TEST_F(Equivariance, ToTheOrderOfCameras) {
+  Observations shuffled = run.observations;
+  const auto renumber = [](int camera) { return (camera + 1) % 3; };
+  for (int c = 0; c < 3; ++c)
+    shuffled.cameras[static_cast<std::size_t>(renumber(c))] = run.observations.cameras[static_cast<std::size_t>(c)];
+  const auto by_stop_and_camera = [](const auto& a, const auto& b) {
+    return std::tie(a.stop, a.camera) < std::tie(b.stop, b.camera);
+  };
+  for (BoardView& view : shuffled.board_views) view.camera = renumber(view.camera);
+  for (PlaneObservation& plane : shuffled.ground_planes) plane.camera = renumber(plane.camera);
+  std::sort(shuffled.board_views.begin(), shuffled.board_views.end(), by_stop_and_camera);
+  std::sort(shuffled.ground_planes.begin(), shuffled.ground_planes.end(), by_stop_and_camera);
+  expect_same(shuffled);
+}
+
+}  // namespace
+}  // namespace rigproof

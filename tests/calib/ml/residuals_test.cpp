@@ -1,0 +1,185 @@
+#include "ml/residuals.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "rigproof/core/random.h"
+
+namespace rigproof::ml {
+namespace {
+
+// Central differences at this step are exact to about 1e-9 of the derivative for residuals of order one; the pixel's
+// third derivative is larger, hence the relative tolerance below.
+constexpr double kStep = 1e-5;
+constexpr double kTolerance = 2e-7;
+
+Eigen::MatrixXd differences(int unknowns, const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& residual) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(unknowns);
+  Eigen::MatrixXd J(residual(zero).size(), unknowns);
+  for (int i = 0; i < unknowns; ++i) {
+    Eigen::VectorXd step = zero;
+    step[i] = kStep;
+    J.col(i) = (residual(step) - residual(-step)) / (2.0 * kStep);
+  }
+  return J;
+}
+
+void expect_near(const Eigen::MatrixXd& expected, const Eigen::MatrixXd& actual) {
+  EXPECT_LE((expected - actual).cwiseAbs().maxCoeff(), kTolerance * (1.0 + expected.cwiseAbs().maxCoeff()))
+      << "differences\n"
+      << expected << "\nanalytic\n"
+      << actual;
+}
+
+Rigid3 moved(const Rigid3& T, const Eigen::VectorXd& step) {
+  return Rigid3(T.rotation * so3_exp(step.tail<3>()), T.translation + step.head<3>());
+}
+
+RobotPose moved(RobotPose pose, const Eigen::VectorXd& step) {
+  pose.x_m += step[0];
+  pose.y_m += step[1];
+  pose.yaw_rad += step[2];
+  pose.height_m += step[3];
+  pose.roll_rad += step[4];
+  pose.pitch_rad += step[5];
+  return pose;
+}
+
+struct Residuals : testing::TestWithParam<int> {
+  Residuals() {
+    RandomStream random(static_cast<std::uint64_t>(GetParam()), "residuals test");
+    const auto vector = [&random](double size) {
+      return Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size));
+    };
+    // The camera looks along the robot's x axis at a board two metres ahead, all of it tilted at random.
+    const Eigen::Quaterniond optical((Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished());
+    T_robot_camera = Rigid3(so3_exp(vector(0.3)) * optical, Eigen::Vector3d(0.2, 0.1, 0.8) + vector(0.2));
+    pose = {random.uniform(-1, 1),       random.uniform(-1, 1),     random.uniform(-3, 3),
+            random.uniform(-0.05, 0.05), random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)};
+    const Rigid3 T_robot_board(so3_exp(vector(0.4)) * optical, Eigen::Vector3d(2.5, 0.2, 0.7) + vector(0.2));
+    T_world_board = pose.transform() * T_robot_board;
+    camera = Camera::symmetric(1280, 720, 640.0);
+    camera.lens = Lens::kBrownConrady;
+    camera.distortion = {-0.05, 0.02, 0.001, -0.002, 0.003};
+    corner = {random.uniform(0, 0.3), random.uniform(0, 0.3), 0.0};
+  }
+
+  Rigid3 T_robot_camera, T_world_board;
+  RobotPose pose;
+  Camera camera;
+  Eigen::Vector3d corner;
+};
+
+TEST_P(Residuals, CornerByEveryUnknown) {
+  // Unknowns in the order camera, board, pose.
+  const auto residual = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+    const ViewGeometry view = view_geometry(moved(T_robot_camera, step.head<6>()),
+                                            moved(T_world_board, step.segment<6>(6)), moved(pose, step.tail<6>()));
+    CornerResidual value;
+    EXPECT_TRUE(corner_residual(camera, view.T_camera_board, corner, {100.0, 200.0}, &value));
+    return value.value;
+  };
+  const ViewGeometry view = view_geometry(T_robot_camera, T_world_board, pose);
+  CornerResidual value;
+  ASSERT_TRUE(corner_residual(camera, view.T_camera_board, corner, {100.0, 200.0}, &value));
+  Eigen::MatrixXd twist(6, 18);
+  twist << view.twist_by_camera, view.twist_by_board, view.twist_by_pose;
+  expect_near(differences(18, residual), value.by_twist * twist);
+}
+
+TEST_P(Residuals, CornerByIntrinsics) {
+  const Rigid3 T_camera_board = view_geometry(T_robot_camera, T_world_board, pose).T_camera_board;
+  const auto residual = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+    Camera changed = camera;
+    changed.fx_px *= 1.0 + step[0];
+    changed.fy_px *= 1.0 + step[0];
+    changed.cx_px += step[1];
+    changed.cy_px += step[2];
+    CornerResidual value;
+    EXPECT_TRUE(corner_residual(changed, T_camera_board, corner, {0.0, 0.0}, &value));
+    return value.value;
+  };
+  CornerResidual value;
+  ASSERT_TRUE(corner_residual(camera, T_camera_board, corner, {0.0, 0.0}, &value));
+  expect_near(differences(3, residual), value.by_intrinsics);
+}
+
+TEST_P(Residuals, BoardPlaneByEveryUnknown) {
+  const double bias = 0.01;
+  const auto residual = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+    const ViewGeometry view = view_geometry(moved(T_robot_camera, step.head<6>()),
+                                            moved(T_world_board, step.segment<6>(6)), moved(pose, step.segment<6>(12)));
+    return board_plane_residual(view.T_camera_board, bias + step[18], {0.1, 0.2, 0.3}).value;
+  };
+  const ViewGeometry view = view_geometry(T_robot_camera, T_world_board, pose);
+  const BoardPlaneResidual value = board_plane_residual(view.T_camera_board, bias, {0.1, 0.2, 0.3});
+  Eigen::MatrixXd J(3, 19);
+  J << value.by_twist * view.twist_by_camera, value.by_twist * view.twist_by_board, value.by_twist * view.twist_by_pose,
+      value.by_depth_bias;
+  expect_near(differences(19, residual), J);
+}
+
+TEST_P(Residuals, GroundByEveryUnknown) {
+  const double bias = -0.01;
+  const auto residual = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+    return ground_residual(moved(T_robot_camera, step.head<6>()), moved(pose, step.segment<6>(6)), bias + step[12],
+                           {0.1, 0.2, 0.3})
+        .value;
+  };
+  const GroundResidual value = ground_residual(T_robot_camera, pose, bias, {0.1, 0.2, 0.3});
+  Eigen::MatrixXd J(3, 13);
+  J << value.by_camera, value.by_pose, value.by_depth_bias;
+  expect_near(differences(13, residual), J);
+}
+
+TEST_P(Residuals, IncrementByEveryUnknown) {
+  RobotPose to = pose;
+  to.x_m += 0.7;
+  to.y_m -= 0.4;
+  to.yaw_rad += 0.5;
+  const Eigen::Vector3d measured(0.6, 0.1, 0.45);
+  const auto residual = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+    Eigen::VectorXd from_step = Eigen::VectorXd::Zero(6), to_step = Eigen::VectorXd::Zero(6);
+    from_step.head<3>() = step.head<3>();
+    to_step.head<3>() = step.segment<3>(3);
+    return increment_residual(moved(pose, from_step), moved(to, to_step), 1.02 + step[6], 0.97 + step[7], measured)
+        .value;
+  };
+  const IncrementResidual value = increment_residual(pose, to, 1.02, 0.97, measured);
+  Eigen::MatrixXd J(3, 8);
+  J << value.by_from, value.by_to, value.by_scale, value.by_yaw_factor;
+  expect_near(differences(8, residual), J);
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, Residuals, testing::Range(0, 8));
+
+TEST(GroundResidual, IsZeroOnTheTruePlane) {
+  const Rigid3 T_robot_camera(so3_exp({-1.9, 0.3, -0.4}), {0.3, 0.1, 0.7});
+  RobotPose pose;
+  pose.height_m = 0.01;
+  pose.roll_rad = 0.02;
+  const Rigid3 T_world_camera = pose.transform() * T_robot_camera;
+  // Any point on the floor has a . p = 1.
+  const Eigen::Vector3d a = -ground_residual(T_robot_camera, pose, 0.0, Eigen::Vector3d::Zero()).value;
+  const Eigen::Vector3d on_floor = T_world_camera.inverse() * Eigen::Vector3d(1.2, -0.7, 0.0);
+  EXPECT_NEAR(-a.dot(on_floor), 1.0, 1e-12);
+}
+
+TEST(RobotPose, SurvivesTheTransform) {
+  RobotPose pose;
+  pose.x_m = 1.0;
+  pose.y_m = -2.0;
+  pose.yaw_rad = 2.9;
+  pose.height_m = 0.01;
+  pose.roll_rad = 0.03;
+  pose.pitch_rad = -0.02;
+  const RobotPose again = RobotPose::from_transform(pose.transform());
+  EXPECT_NEAR(again.yaw_rad, pose.yaw_rad, 1e-12);
+  EXPECT_NEAR(again.roll_rad, pose.roll_rad, 1e-12);
+  EXPECT_NEAR(again.pitch_rad, pose.pitch_rad, 1e-12);
+  EXPECT_NEAR(again.height_m, pose.height_m, 1e-15);
+}
+
+}  // namespace
+}  // namespace rigproof::ml
