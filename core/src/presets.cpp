@@ -16,7 +16,9 @@ Camera read_nominal_camera(MapReader& map) {
   map.require("height_px", "the height of the image in pixels");
   const int width = static_cast<int>(map.integer("width_px", {1.0, 32768.0}).value_or(1));
   const int height = static_cast<int>(map.integer("height_px", {1.0, 32768.0}).value_or(1));
-  return Camera::symmetric(width, height, 0.5 * width / std::tan(0.5 * deg_to_rad(*field_of_view)));
+  const double focal_px = 0.5 * width / std::tan(0.5 * deg_to_rad(*field_of_view));
+  // Whole where it is meant to be: 640, not 640.0000000000001.
+  return Camera::symmetric(width, height, std::round(focal_px * 1e6) * 1e-6);
 }
 
 // What the data sheet of a stereo camera gives: sigma of 1/z = s / (f B).

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "error_text.h"
 #include "temp_folder.h"
 
@@ -165,6 +167,79 @@ TEST(Fields, IncludesThatNeverEndAreRefused) {
   Config config;
   EXPECT_THAT(error_text([&] { read_fields(file, fields_of(config)); }), HasSubstr("include each other without end"));
 }
+
+TEST(Fields, AnIncludeThatDoesNotExistIsNamed) {
+  EXPECT_THAT(problems_of("include: nowhere.yaml\n"),
+              HasSubstr("demo.yaml:1: include: nowhere.yaml: there is no such file beside this one, and no preset"));
+  EXPECT_THAT(problems_of("include: {a: 1}\n"), HasSubstr("include: a block: must be text"));
+}
+
+TEST(Fields, WrongShapesAreNamed) {
+  EXPECT_EQ(problems_of("odometry: 5\n"), "demo.yaml:1: odometry: 5: must be a block of keys");
+  EXPECT_EQ(problems_of("wheels: {name: a}\n"), "demo.yaml:1: wheels: a block: must be a list of blocks");
+  EXPECT_EQ(problems_of("tags: a\n"), "demo.yaml:1: tags: a: must be a list of texts");
+  EXPECT_EQ(problems_of("heights_m: [1, 1, 1, 1, 1]\n"),
+            "demo.yaml:1: heights_m: a list of 5: must be a list of 1 to 4 numbers");
+  EXPECT_EQ(problems_of("seed: 1.5\n"), "demo.yaml:1: seed: 1.5: must be a whole number, 0 to 1e+18");
+  EXPECT_EQ(problems_of("near_m:\n"), "demo.yaml:1: near_m: nothing: must be a number, 0.1 to 100");
+  EXPECT_EQ(problems_of("[1, 2]\n"), "demo.yaml:1: a list of 2: must be a block of keys");
+}
+
+TEST(Fields, WrongDistributionsAreNamed) {
+  const auto lambda = [](const std::string& text) { return problems_of("odometry: {lambda: " + text + "}\n"); };
+  EXPECT_EQ(lambda("{uniform: [2, 1]}"),
+            "demo.yaml:1: odometry.lambda.uniform: 2, 1: must be [low, high] with low <= high");
+  EXPECT_EQ(
+      lambda("{gamma: 1}"),
+      "demo.yaml:1: odometry.lambda: a block: must be a number, {uniform: [low, high]}, {normal: {mean: m, stddev: "
+      "s}} or {choice: [..]}");
+  EXPECT_EQ(lambda("{normal: {mean: 1}}"),
+            "demo.yaml:1: odometry.lambda.normal.stddev: is missing; it must be a number, >= 0");
+  EXPECT_EQ(lambda("{choice: []}"),
+            "demo.yaml:1: odometry.lambda.choice: a list of 0: must be a list of 1 to 10000 numbers");
+  EXPECT_EQ(lambda("11"), "demo.yaml:1: odometry.lambda: 11: allowed is 0 to 10");
+  EXPECT_EQ(lambda("{normal: {mean: 1, stddev: 0.5}}"),
+            "demo.yaml:1: odometry.lambda: a block: draws from -2 to 4, allowed is 0 to 10");
+}
+
+// ------------------------------------------------------------------------------------------------------------- schema
+
+using Json = nlohmann::json;
+
+Json schema_json() {
+  Config config;
+  return Json::parse(schema_of_fields("Demo", fields_of(config)));
+}
+
+TEST(Schema, SaysWhatTheReaderAllows) {
+  const Json schema = schema_json();
+  EXPECT_EQ(schema["$schema"], "http://json-schema.org/draft-07/schema#");
+  EXPECT_EQ(schema["title"], "Demo");
+  EXPECT_EQ(schema["additionalProperties"], false);
+  const Json& properties = schema["properties"];
+  EXPECT_EQ(properties["near_m"],
+            Json::parse(R"({"type": "number", "minimum": 0.1, "maximum": 100.0, "description": "Nearest distance.",
+                            "default": 0.5})"));
+  EXPECT_EQ(properties["seed"]["type"], "integer");
+  EXPECT_EQ(properties["clouds"]["default"], false);
+  EXPECT_EQ(properties["heights_m"]["maxItems"], 4);
+  const Json& odometry = properties["odometry"];
+  EXPECT_EQ(odometry["additionalProperties"], false);
+  EXPECT_EQ(odometry["properties"]["model"]["enum"], Json::parse(R"(["per_pose", "per_increment"])"));
+  EXPECT_EQ(odometry["properties"]["lambda"]["anyOf"].size(), 4U);
+  EXPECT_EQ(odometry["properties"]["lambda"]["anyOf"][0]["maximum"], 10.0);
+  EXPECT_EQ(properties["wheels"]["items"]["properties"]["radius_m"]["default"], 0.165);
+  EXPECT_TRUE(properties.contains("include"));
+  EXPECT_TRUE(properties.contains("$schema"));
+}
+
+TEST(Schema, LeavesTheConfigurationAlone) {
+  Config config;
+  schema_of_fields("Demo", fields_of(config));
+  EXPECT_TRUE(config.wheels.empty());
+}
+
+TEST(Fields, AFileMayNameItsSchema) { EXPECT_EQ(problems_of("$schema: ./config.schema.json\nseed: 1\n"), ""); }
 
 }  // namespace
 }  // namespace rigproof

@@ -105,7 +105,7 @@ TEST(HostileInput, ThousandsOfDamagedFiles) {
   const TempFolder folder;
   for (const Reader& reader : all_readers()) {
     RandomStream random(1, reader.name);
-    for (int i = 0; i < 1500; ++i) {
+    for (int i = 0; i < 700; ++i) {
       SCOPED_TRACE(reader.name + " " + std::to_string(i));
       throws_error(reader, folder.write(reader.name, mutated(reader.content, random)));
     }
@@ -134,7 +134,7 @@ TEST(HostileInput, LargeCountsAreRefusedBeforeTheyAreAllocated) {
   folder.write("rig.yaml", "board: {squares: [2000000000, 2000000001], square_mm: 1}\ncameras: {}\n");
   EXPECT_NE(error_text([&] { load_rig(folder / "rig.yaml"); }), "");
   std::string cameras = "board: {squares: [6, 5], square_mm: 1}\ncameras:\n";
-  for (int i = 0; i < 100000; ++i) cameras += "  c" + std::to_string(i) + ": {}\n";
+  for (int i = 0; i < 20000; ++i) cameras += "  c" + std::to_string(i) + ": {}\n";
   folder.write("rig.yaml", cameras);
   EXPECT_NE(error_text([&] { load_rig(folder / "rig.yaml"); }), "");
 }

@@ -371,7 +371,7 @@ TEST(Rig, UnitsOfKeysLoseNothing) {
 }
 
 TEST(Presets, EverySensorAndBoardLoads) {
-  EXPECT_EQ(load_sensor_preset("d455").camera.fx_px, 640.0000000000001) << "90 degrees over 1280 pixels";
+  EXPECT_EQ(load_sensor_preset("d455").camera.fx_px, 640.0) << "90 degrees over 1280 pixels";
   for (const char* name : {"d435", "d455", "l515", "ideal", "fisheye"}) {
     const SensorPreset preset = load_sensor_preset(name);
     EXPECT_FALSE(preset.description.empty());

@@ -31,6 +31,8 @@ class TempFolder {
   std::filesystem::path write(const std::string& name, const std::string& content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());
+    // A new file: some file systems flush one that is cut to nothing and written again, which costs milliseconds.
+    std::filesystem::remove(file);
     std::ofstream stream(file, std::ios::binary);
     stream << content;
     if (!stream.flush()) throw std::runtime_error("cannot write " + file.string());
