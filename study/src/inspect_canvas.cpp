@@ -177,9 +177,16 @@ double round_up(double value) {
 }
 
 std::string number(double value) {
-  std::array<char, 40> buffer;
-  const int length = std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  return std::string(buffer.data(), static_cast<std::size_t>(std::max(0, length)));
+  constexpr int kDigits = 3, kMaxDecimals = 5;
+  const double magnitude = std::abs(value);
+  if (!(magnitude > 0.0) || !std::isfinite(magnitude)) return magnitude > 0.0 ? "inf" : "0";
+  const int decimals = std::clamp(kDigits - 1 - static_cast<int>(std::floor(std::log10(magnitude))), 0, kMaxDecimals);
+  std::array<char, 400> buffer;  // a double has at most 309 digits before the point
+  const int length = std::snprintf(buffer.data(), buffer.size(), "%.*f", decimals, value);
+  std::string text(buffer.data(), static_cast<std::size_t>(std::max(0, length)));
+  if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
 }
 
 cv::Mat read_color(const std::filesystem::path& folder, const std::string& file) {

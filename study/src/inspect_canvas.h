@@ -73,7 +73,7 @@ double round_step(double value);
 /// The least of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten that is not below `value`: the end of an axis.
 double round_up(double value);
 
-/// A number as pictures show it: up to three significant digits.
+/// A number as pictures show it: up to three significant digits and five decimals, no powers of ten.
 std::string number(double value);
 
 /// The image as BGR; empty where it cannot be read.

@@ -116,7 +116,7 @@ class ResidualDrawing {
     }
     if (picture_.stated_sigma_px > 0.0) canvas_.ring(centre, scale * picture_.stated_sigma_px, kInk, 1.4);
     canvas_.frame(origin, {kSide, kSide}, kGrey, 1.0);
-    canvas_.text(origin + Point(8.0, 16.0), "u right, v down; grid " + number(step) + " px", 8.0, kGrey);
+    canvas_.text(origin + Point(0.0, kSide + 15.0), "u right, v down; grid " + number(step) + " px", 8.0, kGrey);
     if (outside > 0)
       canvas_.text(origin + Point(8.0, kSide - 8.0), std::to_string(outside) + " beyond " + number(range_px_) + " px",
                    8.0, kAccent);

@@ -47,6 +47,14 @@ TEST(Explanation, AllCamerasShareAShift) {
   EXPECT_THAT(found->sentence, HasSubstr("too far forward"));
 }
 
+TEST(Explanation, ASharedTiltComesFromTheGround) {
+  Vector6d tilt = Vector6d::Zero();
+  tilt[4] = 0.003;
+  const auto found = explain(make_truth(), {tilt, tilt, tilt});
+  ASSERT_TRUE(found);
+  EXPECT_THAT(found->sentence, testing::AllOf(HasSubstr("(ground)"), HasSubstr("0.17 deg pitched too far down")));
+}
+
 TEST(Explanation, ScaleOfEverything) {
   const Truth truth = make_truth();
   Result result = exact_result(truth);

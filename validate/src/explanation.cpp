@@ -98,6 +98,13 @@ std::string axis_in_words(int axis, double value) {
   return number + (axis < 3 ? " cm " : " deg ") + word;
 }
 
+// What all cameras share comes from the odometry along x, y and about z, and from the ground in the other three.
+std::string shared_source(const std::vector<int>& axes) {
+  bool odometry = false, ground = false;
+  for (const int axis : axes) (axis == 0 || axis == 1 || axis == 5 ? odometry : ground) = true;
+  return odometry && ground ? "odometry and ground" : ground ? "ground" : "odometry";
+}
+
 double Search::mean_error(int axis) const {
   double sum = 0.0;
   for (const TransformError& error : comparison_.camera_to_robot) sum += error.error[axis];
@@ -148,12 +155,13 @@ std::optional<Explanation> Search::shared_axis() {
     Poses corrected = estimates_of(comparison_);
     for (Rigid3& T : corrected) T.translation[axis] -= value;
     if (!cures(corrected)) continue;
-    return Explanation{Explanation::Kind::kSharedAxis,
-                       "",
-                       axis,
-                       value,
-                       0,
-                       "all cameras share this error (odometry or ground): they are " + axis_in_words(axis, value)};
+    return Explanation{
+        Explanation::Kind::kSharedAxis,
+        "",
+        axis,
+        value,
+        0,
+        "all cameras share this error (" + shared_source({axis}) + "): they are " + axis_in_words(axis, value)};
   }
   return std::nullopt;
 }
@@ -209,14 +217,18 @@ std::optional<Explanation> Search::shared_motion() {
   for (Rigid3& T : corrected) T = undo * T;
   if (!cures(corrected)) return std::nullopt;
   Vector6d shown = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());
-  for (int axis = 0; axis < 6; ++axis)
-    if (failed("", axis)) shown[axis] = mean_error(axis);
+  std::vector<int> axes;
+  for (int axis = 0; axis < 6; ++axis) {
+    if (!failed("", axis)) continue;
+    shown[axis] = mean_error(axis);
+    axes.push_back(axis);
+  }
   return Explanation{Explanation::Kind::kSharedMotion,
                      "",
                      -1,
                      mean.head<3>().norm(),
                      0,
-                     "all cameras share this error (odometry): they are " + describe_axes(shown)};
+                     "all cameras share this error (" + shared_source(axes) + "): they are " + describe_axes(shown)};
 }
 
 }  // namespace

@@ -130,6 +130,13 @@ bool cameras_share_error(const Comparison& comparison) {
   return comparison.camera_to_robot.size() > 1 && metres_shared && radians_shared;
 }
 
+// Along z the cameras can only share what the ground says, otherwise what the odometry says.
+const char* shared_source(const Comparison& comparison) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const TransformError& error : comparison.camera_to_robot) sum += error.error.head<3>();
+  return std::abs(sum.z()) > sum.head<2>().norm() ? "ground" : "odometry";
+}
+
 const TransformError& worst_pair(const Comparison& comparison) {
   // Ten centimetres weigh as much as a tenth of a radian.
   return *std::max_element(comparison.camera_to_camera.begin(), comparison.camera_to_camera.end(),
@@ -138,7 +145,9 @@ const TransformError& worst_pair(const Comparison& comparison) {
 
 std::string between_cameras(const Comparison& comparison) {
   if (comparison.camera_to_camera.empty()) return "";
-  const std::string shared = cameras_share_error(comparison) ? "The cameras share this error (odometry). " : "";
+  const std::string shared = cameras_share_error(comparison)
+                                 ? std::string("The cameras share this error (") + shared_source(comparison) + "). "
+                                 : "";
   const std::string which =
       comparison.camera_to_camera.size() > 1 && shared.empty() ? " (" + worst_pair(comparison).name() + ")" : "";
   return " " + shared + "Between cameras: worst " + short_figure(100.0 * comparison.worst_between_m()) + " cm, " +
