@@ -30,6 +30,7 @@ void read_odometry_key(MapReader& map, Rig* rig) {
 Rig read_rig(const YamlTree& tree, const fs::path& folder, Problems* problems) {
   Rig rig;
   MapReader map(tree, "", problems);
+  map.find("$schema");
   rig.name = map.text("name").value_or("");
   rig.robot_frame = map.text("robot_frame").value_or(rig.robot_frame);
   map.require("board", "{squares: [columns, rows], square_mm: side}");

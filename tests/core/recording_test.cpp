@@ -3,10 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "error_text.h"
 #include "pose_near.h"
 #include "rigproof/core/odometry_csv.h"
 #include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/yaml.h"
 #include "sample_data.h"
 #include "temp_folder.h"
 
@@ -368,6 +372,33 @@ TEST(Rig, UnitsOfKeysLoseNothing) {
     EXPECT_NEAR(once / 1000.0, si, 2.3e-16 * si);
     EXPECT_EQ(value_in_unit(once / 1000.0, 1000.0), once);
   }
+}
+
+using Json = nlohmann::json;
+
+// Every key of the file must be one that the schema knows, down to the last block.
+void expect_allowed(const YamlTree& tree, const Json& schema, const Json& root, const std::string& path) {
+  Json here = schema;
+  if (here.contains("$ref")) here = root.at(Json::json_pointer(here["$ref"].get<std::string>().substr(1)));
+  if (here.contains("anyOf")) {
+    const std::size_t block = here["anyOf"].size() - 1;
+    if (tree.is_map()) expect_allowed(tree, Json(here["anyOf"][block]), root, path);
+    return;
+  }
+  for (const auto& [key, value] : tree.entries) {
+    const Json& properties = here.value("properties", Json::object());
+    const bool named = properties.contains(key);
+    const bool free = here.contains("additionalProperties") && here["additionalProperties"].is_object();
+    ASSERT_TRUE(named || free) << path << "." << key;
+    expect_allowed(value, named ? properties.at(key) : here["additionalProperties"], root, path + "." + key);
+  }
+}
+
+TEST(Rig, TheSchemaKnowsEveryKeyThatIsWritten) {
+  const TempFolder folder;
+  save_rig(sample_rig(), folder / "rig.yaml");
+  const Json schema = Json::parse(std::ifstream(std::string(RIGPROOF_SOURCE_DIR) + "/config/schema/rig.json"));
+  expect_allowed(read_yaml_file(folder / "rig.yaml"), schema, schema, "rig");
 }
 
 TEST(Presets, EverySensorAndBoardLoads) {
