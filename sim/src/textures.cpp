@@ -133,8 +133,8 @@ void draw_plaster(Canvas* canvas) {
 
 void draw_vinyl(Canvas* canvas) {
   draw_grid(canvas, {canvas->cells(4), canvas->cells(4), false, 2.0F, 0.06F, 0.0F}, 10);
-  sprinkle(canvas, 20, 140, 0.7F, 0.45F, 0.25F);
-  sprinkle(canvas, 30, 60, 0.4F, 0.40F, 0.30F);
+  sprinkle(canvas, 20, 190, 0.7F, 0.45F, 0.13F);
+  sprinkle(canvas, 30, 110, 0.35F, 0.42F, 0.17F);
   modulate(canvas, canvas->noise(1, 6, 6, 4), 0.03F);
 }
 
@@ -169,11 +169,11 @@ void draw_wood(Canvas* canvas) {
 }
 
 void draw_asphalt(Canvas* canvas) {
-  const CellularNoise stones = canvas->cellular(1, 150);
+  const CellularNoise stones = canvas->cellular(1, 230);
   canvas->shade([&](int x, int y, const Rgb& c) {
     const float value = stones.value.at(x, y);
-    const float stone = 0.55F + 0.9F * value * value;
-    return std::max(0.2F, 1.0F + canvas->contrast * (stone - 0.85F)) * c;
+    const float stone = 0.7F + 0.55F * value * value;
+    return std::max(0.2F, 1.0F + canvas->contrast * (stone - 0.88F)) * c;
   });
   modulate(canvas, canvas->noise(2, 3, 3, 5, 0.6F), 0.10F);
   const NoiseField patches = canvas->noise(3, 2, 2, 4);
