@@ -24,7 +24,8 @@ FrameMaker::FrameMaker(const Scenario& scenario, const std::filesystem::path& ru
     : scenario_(scenario),
       run_{run},
       renderer_(*scenario.world, render_options(scenario, device)),
-      png_(static_cast<int>(scenario.config.png_level)) {
+      png_(static_cast<int>(scenario.config.png_level),
+           scenario.config.sensor_noise == "none" ? PngContent::kClean : PngContent::kNoisy) {
   for (std::size_t i = 0; i < scenario.camera_count(); ++i) {
     sensors_.emplace_back(scenario.sensors[i]);
     if (scenario.config.clouds == "none") continue;

@@ -5,16 +5,20 @@
 #include <isa-l/igzip_lib.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "literal_deflate.h"
 #include "rigproof/core/error.h"
 
 namespace rigproof {
 namespace {
 
 constexpr std::uint8_t kSignature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+// Deflate with a window of 32 kB, "fastest".
+constexpr std::uint8_t kZlibHeader[2] = {0x78, 0x01};
 constexpr std::uint8_t kColorTypeGrey = 0, kColorTypeRgb = 2;
 // Filter 2, "up": the difference to the byte above. On the first row that is the byte itself. It vectorises, and on
 // rendered images it compresses within a few per cent of the adaptive choice.
@@ -40,8 +44,12 @@ void filter_row(const std::uint8_t* row, const std::uint8_t* above, std::size_t 
 
 struct PngEncoder::Impl {
   int level = 1;
+  PngContent content = PngContent::kClean;
   isal_zstream stream{};
-  std::vector<std::uint8_t> level_buffer, piece, row, above, png;
+  LiteralDeflate literals;
+  std::uint32_t adler = 1;
+  std::vector<std::uint8_t> level_buffer, piece, png;
+  std::array<std::vector<std::uint8_t>, 2> scratch;
   std::size_t used = 0;  ///< bytes of `png` that are written
 
   void reserve(std::size_t more) {
@@ -86,6 +94,12 @@ struct PngEncoder::Impl {
   }
 
   void begin_deflate() {
+    if (content == PngContent::kNoisy) {
+      append(kZlibHeader, sizeof kZlibHeader);
+      literals.begin();
+      adler = 1;
+      return;
+    }
     isal_deflate_init(&stream);
     stream.gzip_flag = IGZIP_ZLIB;
     stream.level = static_cast<std::uint32_t>(level);
@@ -93,7 +107,15 @@ struct PngEncoder::Impl {
     stream.level_buf_size = static_cast<std::uint32_t>(level_buffer.size());
   }
 
+  void code_literals(std::size_t bytes, bool last) {
+    reserve(LiteralDeflate::bound(bytes));
+    used = static_cast<std::size_t>(literals.append(piece.data(), bytes, last, png.data() + used) - png.data());
+    adler = isal_adler32(adler, piece.data(), bytes);
+    if (last) append_u32(adler);
+  }
+
   void deflate_piece(std::size_t bytes, bool last) {
+    if (content == PngContent::kNoisy) return code_literals(bytes, last);
     stream.next_in = piece.data();
     stream.avail_in = static_cast<std::uint32_t>(bytes);
     stream.end_of_stream = last ? 1 : 0;
@@ -107,45 +129,47 @@ struct PngEncoder::Impl {
     } while (stream.avail_in > 0 || stream.avail_out == 0 || (last && stream.internal_state.state != ZSTATE_END));
   }
 
-  // fill_row(y, bytes) writes row y as PNG wants its bytes.
-  template <typename FillRow>
-  void append_pixels(int height, std::size_t row_bytes, const FillRow& fill_row) {
+  // row_of(y, scratch) gives the bytes of row y as PNG wants them, in the image itself or in the scratch memory; the
+  // row before it stays valid.
+  template <typename RowOf>
+  void append_pixels(int height, std::size_t row_bytes, const RowOf& row_of) {
     const std::size_t chunk = begin_chunk("IDAT");
-    row.assign(row_bytes, 0);
-    above.assign(row_bytes, 0);
+    for (std::vector<std::uint8_t>& row : scratch) row.assign(row_bytes, 0);
+    const std::uint8_t* above = scratch[1].data();
     const std::size_t line = row_bytes + 1;
     const int rows_a_piece = std::max(1, static_cast<int>(kPieceBytes / line));
     piece.resize(static_cast<std::size_t>(rows_a_piece) * line);
     begin_deflate();
     for (int y0 = 0; y0 < height; y0 += rows_a_piece) {
       const int rows = std::min(rows_a_piece, height - y0);
-      for (int i = 0; i < rows; ++i) {
-        std::uint8_t* out = piece.data() + static_cast<std::size_t>(i) * line;
-        fill_row(y0 + i, row.data());
+      for (int y = y0; y < y0 + rows; ++y) {
+        std::uint8_t* out = piece.data() + static_cast<std::size_t>(y - y0) * line;
+        const std::uint8_t* row = row_of(y, scratch[static_cast<std::size_t>(y % 2)].data());
         out[0] = kFilterUp;
-        filter_row(row.data(), above.data(), row_bytes, out + 1);
-        std::swap(row, above);
+        filter_row(row, above, row_bytes, out + 1);
+        above = row;
       }
       deflate_piece(static_cast<std::size_t>(rows) * line, y0 + rows == height);
     }
     end_chunk(chunk);
   }
 
-  template <typename FillRow>
+  template <typename RowOf>
   std::string_view encode(int width, int height, std::uint8_t bit_depth, std::uint8_t color_type, std::size_t row_bytes,
-                          const FillRow& fill_row) {
+                          const RowOf& row_of) {
     if (width <= 0 || height <= 0) throw Error("an empty image cannot be encoded as PNG");
     used = 0;
     append_header(width, height, bit_depth, color_type);
-    append_pixels(height, row_bytes, fill_row);
+    append_pixels(height, row_bytes, row_of);
     end_chunk(begin_chunk("IEND"));
     return {reinterpret_cast<const char*>(png.data()), used};
   }
 };
 
-PngEncoder::PngEncoder(int level) : impl_(std::make_unique<Impl>()) {
+PngEncoder::PngEncoder(int level, PngContent content) : impl_(std::make_unique<Impl>()) {
   if (level < 0 || level > 3) throw Error("PNG level " + std::to_string(level) + ": must be 0 to 3");
   impl_->level = level;
+  impl_->content = content;
   impl_->level_buffer.resize(level_buffer_size(level));
 }
 
@@ -157,7 +181,7 @@ std::string_view PngEncoder::encode(const Image8& image) {
   }
   const std::size_t row_bytes = image.row_length();
   return impl_->encode(image.width, image.height, 8, image.channels == 3 ? kColorTypeRgb : kColorTypeGrey, row_bytes,
-                       [&](int y, std::uint8_t* out) { std::memcpy(out, image.row(y), row_bytes); });
+                       [&](int y, std::uint8_t*) { return image.row(y); });
 }
 
 std::string_view PngEncoder::encode(const Image16& image) {
@@ -169,6 +193,7 @@ std::string_view PngEncoder::encode(const Image16& image) {
       out[2 * i] = static_cast<std::uint8_t>(pixels[i] >> 8U);
       out[2 * i + 1] = static_cast<std::uint8_t>(pixels[i]);
     }
+    return static_cast<const std::uint8_t*>(out);
   });
 }
 

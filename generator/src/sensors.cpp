@@ -37,24 +37,6 @@ std::vector<std::uint8_t> noise_table(const ImageNoise& noise) {
   return table;
 }
 
-// White noise, then moving sums over `side` pixels along x; each sum has the variance `side`.
-void horizontal_sums(int width, int side, const std::vector<float>& normals, RandomStream* random,
-                     std::vector<std::uint32_t>* words, std::vector<float>* row, float* out) {
-  const std::size_t count = static_cast<std::size_t>(width + side - 1);
-  words->resize((count + 1) / 2);
-  row->resize(2 * words->size());
-  random->fill(words->data(), words->size());
-  for (std::size_t i = 0; i < words->size(); ++i) {
-    (*row)[2 * i] = normals[(*words)[i] & 0xFFFFU];
-    (*row)[2 * i + 1] = normals[(*words)[i] >> 16U];
-  }
-  for (int x = 0; x < width; ++x) out[x] = (*row)[static_cast<std::size_t>(x)];
-  for (int k = 1; k < side; ++k) {
-    const float* shifted = row->data() + k;
-    for (int x = 0; x < width; ++x) out[x] += shifted[x];
-  }
-}
-
 const std::vector<float>& depth_quantiles() {
   static const std::vector<float> table = normal_quantiles(kDepthBits);
   return table;
@@ -72,16 +54,23 @@ struct StereoConstants {
 // Far beyond any stereo camera's, small enough to count its steps in an int.
 constexpr float kMaxDisparityPx = 1e5F;
 
+// No branches in the two functions below, so that the loop over pixels becomes vector code.
+std::uint16_t rounded_count(float measured_m, std::int32_t valid, float scale_over_unit, float min_m, float max_m) {
+  const float within = std::min(measured_m, 2.0F * max_m);
+  const std::int32_t good =
+      valid & static_cast<std::int32_t>(within >= min_m) & static_cast<std::int32_t>(within <= max_m);
+  return static_cast<std::uint16_t>(static_cast<std::int32_t>(within * scale_over_unit + 0.5F) * good);
+}
+
 std::uint16_t stereo_count(float z_m, float normal, const StereoConstants& c) {
-  // A pixel without depth divides by one instead of zero, and is marked invalid below.
+  // A pixel without depth divides by one instead of zero, and is marked invalid.
   const float ideal = std::min(c.disparity_m / (z_m > 0.0F ? z_m : 1.0F), kMaxDisparityPx);
   const float disparity = ideal + c.sigma_px * normal;
   // Disparities are positive where they matter, so that truncation after adding a half rounds.
   const float rounded = static_cast<float>(static_cast<std::int32_t>(disparity * c.steps + 0.5F)) * c.per_step;
-  const float measured_m = c.disparity_m / rounded;
-  const bool valid = z_m > 0.0F && rounded > 0.0F && measured_m >= c.min_m && measured_m <= c.max_m;
-  const float count = valid ? measured_m * c.scale_over_unit + 0.5F : 0.0F;
-  return static_cast<std::uint16_t>(static_cast<std::int32_t>(count));
+  const std::int32_t valid = static_cast<std::int32_t>(z_m > 0.0F) & static_cast<std::int32_t>(rounded > 0.0F);
+  const float measured_m = c.disparity_m / (rounded > 0.0F ? rounded : 1.0F);
+  return rounded_count(measured_m, valid, c.scale_over_unit, c.min_m, c.max_m);
 }
 
 struct FlightConstants {
@@ -92,9 +81,7 @@ struct FlightConstants {
 
 std::uint16_t flight_count(float z_m, float normal, const FlightConstants& c) {
   const float measured_m = z_m + (c.constant_m + c.proportional * z_m) * normal;
-  const bool valid = z_m > 0.0F && measured_m >= c.min_m && measured_m <= c.max_m;
-  const float count = valid ? measured_m * c.scale_over_unit + 0.5F : 0.0F;
-  return static_cast<std::uint16_t>(static_cast<std::int32_t>(count));
+  return rounded_count(measured_m, static_cast<std::int32_t>(z_m > 0.0F), c.scale_over_unit, c.min_m, c.max_m);
 }
 
 // The largest depth that the 16-bit image can hold bounds the range as well.
@@ -117,6 +104,17 @@ FlightConstants flight_constants(const DepthSensing& depth, double scale) {
   return {static_cast<float>(depth.stream.noise.constant_m), static_cast<float>(depth.stream.noise.proportional),
           static_cast<float>(scale / depth.stream.unit_m), static_cast<float>(depth.stream.min_m),
           farthest_m(depth, scale)};
+}
+
+template <typename Count>
+void sense_rows(const ImageF& depth_m, CorrelatedNormals* normals, Image16* counts, const Count& count) {
+  for (int y = 0; y < depth_m.height; ++y) {
+    const float* noise = normals->next_row();
+    const float* depth = depth_m.row(y);
+    std::uint16_t* out = counts->row(y);
+    const std::size_t width = depth_m.row_length();
+    for (std::size_t x = 0; x < width; ++x) out[x] = count(depth[x], noise[x]);
+  }
 }
 
 void round_to_unit(const ImageF& depth_m, double unit_m, double scale, Image16* counts) {
@@ -146,27 +144,44 @@ std::vector<float> normal_quantiles(int bits) {
   return quantiles;
 }
 
-void correlated_normals(int width, int height, int side, RandomStream random, std::vector<float>* field) {
-  if (side < 1) throw Error("correlation of depth noise: " + std::to_string(side) + " px; must be 1 or more");
-  const std::vector<float>& normals = depth_quantiles();
-  const std::size_t w = static_cast<std::size_t>(width);
-  field->resize(w * static_cast<std::size_t>(height));
-  // A ring of the last `side` rows of horizontal sums; `sums` is their total, which has the variance side^2. The total
-  // is built anew for each row: a running difference would let rounding errors grow down the image.
-  std::vector<float> ring(w * static_cast<std::size_t>(side)), row;
-  std::vector<std::uint32_t> words;
-  const float scale = 1.0F / static_cast<float>(side);
-  for (int y = 0; y < height + side - 1; ++y) {
-    horizontal_sums(width, side, normals, &random, &words, &row, ring.data() + w * static_cast<std::size_t>(y % side));
-    if (y < side - 1) continue;
-    float* out = field->data() + w * static_cast<std::size_t>(y - side + 1);
-    std::copy_n(ring.data(), w, out);
-    for (int k = 1; k < side; ++k) {
-      const float* sums = ring.data() + w * static_cast<std::size_t>(k);
-      for (std::size_t x = 0; x < w; ++x) out[x] += sums[x];
-    }
-    for (std::size_t x = 0; x < w; ++x) out[x] *= scale;
+CorrelatedNormals::CorrelatedNormals(int width, int side, RandomStream random)
+    : width_(static_cast<std::size_t>(width)), side_(static_cast<std::size_t>(side)), random_(random) {
+  if (width < 1 || side < 1) throw Error("correlated noise: width and side must be 1 or more");
+  words_.resize((width_ + side_) / 2);
+  white_.resize(2 * words_.size());
+  out_.resize(width_);
+  ring_.resize(width_ * side_);
+  for (std::size_t i = 1; i < side_; ++i) add_sums();
+}
+
+// White noise, and its moving sums over `side` pixels along x, which have the variance `side`.
+void CorrelatedNormals::add_sums() {
+  const float* normals = depth_quantiles().data();
+  random_.fill(words_.data(), words_.size());
+  for (std::size_t i = 0; i < words_.size(); ++i) {
+    white_[2 * i] = normals[words_[i] & 0xFFFFU];
+    white_[2 * i + 1] = normals[words_[i] >> 16U];
   }
+  float* sums = ring_.data() + oldest_ * width_;
+  std::copy_n(white_.data(), width_, sums);
+  for (std::size_t k = 1; k < side_; ++k) {
+    for (std::size_t x = 0; x < width_; ++x) sums[x] += white_[x + k];
+  }
+  oldest_ = (oldest_ + 1) % side_;
+}
+
+// The total of the ring has the variance side^2. It is built anew for every row: a running difference would let
+// rounding errors grow down the image.
+const float* CorrelatedNormals::next_row() {
+  add_sums();
+  std::copy_n(ring_.data(), width_, out_.data());
+  for (std::size_t k = 1; k < side_; ++k) {
+    const float* sums = ring_.data() + k * width_;
+    for (std::size_t x = 0; x < width_; ++x) out_[x] += sums[x];
+  }
+  const float scale = 1.0F / static_cast<float>(side_);
+  for (float& value : out_) value *= scale;
+  return out_.data();
 }
 
 Sensor::Sensor(const SensorModel& model) : model_(model) {
@@ -198,19 +213,13 @@ void Sensor::sense_depth(const ImageF& depth_m, double unit_m, RandomStream rand
   if (!model_.depth_noise) return round_to_unit(depth_m, unit_m, model_.depth_scale, counts);
   const DepthSensing& depth = *model_.depth_noise;
   const int side = std::max(1, static_cast<int>(std::lround(depth.stream.noise.correlation_px)));
-  std::vector<float> normals;
-  correlated_normals(depth_m.width, depth_m.height, side, random, &normals);
-  const std::size_t count = depth_m.pixels.size();
+  CorrelatedNormals normals(depth_m.width, side, random);
   if (depth.stream.noise.law == DepthNoise::Law::kStereo) {
     const StereoConstants constants = stereo_constants(depth, model_.depth_scale);
-    for (std::size_t i = 0; i < count; ++i) {
-      counts->pixels[i] = stereo_count(depth_m.pixels[i], normals[i], constants);
-    }
+    sense_rows(depth_m, &normals, counts, [&](float z_m, float n) { return stereo_count(z_m, n, constants); });
   } else {
     const FlightConstants constants = flight_constants(depth, model_.depth_scale);
-    for (std::size_t i = 0; i < count; ++i) {
-      counts->pixels[i] = flight_count(depth_m.pixels[i], normals[i], constants);
-    }
+    sense_rows(depth_m, &normals, counts, [&](float z_m, float n) { return flight_count(z_m, n, constants); });
   }
 }
 

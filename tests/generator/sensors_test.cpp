@@ -83,8 +83,12 @@ TEST(Sensors, ImageNoiseIsIndependentBetweenPixelsAndColors) {
 
 TEST(Sensors, CorrelatedNormalsHaveUnitVarianceAndTheWindowsCorrelation) {
   constexpr int kSide = 4, kSize = 512;
+  CorrelatedNormals normals(kSize, kSide, RandomStream(2, "depth noise"));
   std::vector<float> field;
-  correlated_normals(kSize, kSize, kSide, RandomStream(2, "depth noise"), &field);
+  for (int y = 0; y < kSize; ++y) {
+    const float* row = normals.next_row();
+    field.insert(field.end(), row, row + kSize);
+  }
   const auto at = [&](int x, int y) { return static_cast<double>(field[static_cast<std::size_t>(y * kSize + x)]); };
   for (int shift = 0; shift <= kSide + 1; ++shift) {
     double along_x = 0.0, along_y = 0.0;

@@ -9,11 +9,17 @@
 
 namespace rigproof {
 
+/// What deflate can hope for.
+enum class PngContent {
+  kClean,  ///< repetitions are searched for
+  kNoisy   ///< none are: twice as fast and no larger, where every pixel is noisy
+};
+
 /// Reuses its buffers from image to image. One thread at a time.
 class PngEncoder {
  public:
-  /// @param level 0 (fastest) to 3 (smallest), as ISA-L counts. Throws Error outside of that.
-  explicit PngEncoder(int level = 1);
+  /// @param level 0 (fastest) to 3 (smallest), as ISA-L counts; clean content only. Throws Error outside of that.
+  explicit PngEncoder(int level = 1, PngContent content = PngContent::kClean);
   ~PngEncoder();
   PngEncoder(const PngEncoder&) = delete;
   PngEncoder& operator=(const PngEncoder&) = delete;

@@ -38,7 +38,7 @@ struct SensorModel {
   double depth_scale = 1.0;  ///< measured over true depth, an error of the device
 };
 
-/// Prepared tables of one model. Const after construction; scratch memory is the caller's.
+/// Prepared tables of one model. Const after construction.
 class Sensor {
  public:
   explicit Sensor(const SensorModel& model);
@@ -56,9 +56,24 @@ class Sensor {
   std::vector<std::uint8_t> noisy_levels_;  ///< [level][10 random bits] -> level
 };
 
-/// Field of standard normal numbers whose correlation is that of a moving average over side x side pixels, so that
-/// side^2 pixels hold one independent measurement. Row-major, width * height.
-void correlated_normals(int width, int height, int side, RandomStream random, std::vector<float>* field);
+/// Standard normal numbers whose correlation is that of a moving average over side x side pixels, so that side^2 pixels
+/// hold one independent measurement. Given row by row, from the top.
+class CorrelatedNormals {
+ public:
+  CorrelatedNormals(int width, int side, RandomStream random);
+  /// The next row, `width` numbers; valid until the next call.
+  const float* next_row();
+
+ private:
+  void add_sums();
+
+  std::size_t width_, side_;
+  RandomStream random_;
+  std::vector<std::uint32_t> words_;
+  std::vector<float> white_, out_;
+  std::vector<float> ring_;  ///< the last `side` rows of moving sums along x
+  std::size_t oldest_ = 0;   ///< row of the ring that comes next
+};
 
 /// Quantile of the standard normal distribution at the middles of 2^bits equal probabilities, increasing.
 std::vector<float> normal_quantiles(int bits);
