@@ -26,6 +26,9 @@ constexpr int kDepthPoints = 12000;
 // Readable images looked at to tell which board is in them when the stated one is in none.
 constexpr std::size_t kDiagnosedImages = 12;
 
+// Height sigmas of one camera's planes differ by the share of the image that the floor fills, a few times at most.
+constexpr double kMaxUncertaintyRatio = 10.0;
+
 /// One image of the recording and what came of it.
 struct Sight {
   int stop = 0;
@@ -57,6 +60,12 @@ bool better(const Sight& a, const Sight& b) {
   if (a.corners.size() != b.corners.size()) return a.corners.size() > b.corners.size();
   if (a.readable != b.readable) return a.readable;
   return !a.corners.empty() && mean_variance(a.corners) < mean_variance(b.corners);
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 template <typename Value>
@@ -313,6 +322,7 @@ class Observer {
       planes[i] = look_at_depth(sight, board == boards.end() ? std::nullopt : std::optional(board->second), up);
     });
     for (std::size_t i = 0; i < planes.size(); ++i) keep(*with_depth[i], std::move(planes[i]));
+    drop_uncertain_planes();
     vote_on_ground(poses);
   }
 
@@ -329,6 +339,22 @@ class Observer {
     };
     add(planes.ground, &result_.ground_planes);
     add(planes.board, &result_.board_planes);
+  }
+
+  // A plane far less certain than its camera's others is a mixture of surfaces; its vote would agree with any height.
+  void drop_uncertain_planes() {
+    std::map<int, std::vector<double>> sigmas;
+    for (const PlaneObservation& plane : result_.ground_planes)
+      sigmas[plane.camera].push_back(height_above(plane).sigma_m);
+    std::vector<PlaneObservation> certain;
+    for (PlaneObservation& plane : result_.ground_planes) {
+      const double sigma = height_above(plane).sigma_m;
+      if (sigma <= kMaxUncertaintyRatio * median_of(sigmas[plane.camera]))
+        certain.push_back(std::move(plane));
+      else
+        result_.exclusions.push_back({plane.camera, plane.stop, plane.file, "ground plane is too uncertain"});
+    }
+    result_.ground_planes = std::move(certain);
   }
 
   // The planes of all frames must agree with the vertical and with each other.

@@ -1,0 +1,144 @@
+#include "stops.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "odometry_track.h"
+#include "rigproof/core/error.h"
+
+namespace rigproof::detection {
+namespace {
+
+// Drives a circle of 2 m radius at 0.5 m/s, sampled at 20 Hz.
+std::vector<OdometrySample> circle(double seconds) {
+  std::vector<OdometrySample> samples;
+  for (int i = 0; i * 0.05 <= seconds; ++i) {
+    const double t = i * 0.05, yaw = 0.25 * t;
+    samples.push_back({t, 2.0 * std::sin(yaw), 2.0 - 2.0 * std::cos(yaw), yaw});
+  }
+  return samples;
+}
+
+Recording recording_with(std::vector<std::vector<double>> stamps, std::vector<OdometrySample> odometry) {
+  Recording recording;
+  recording.folder = "somewhere";
+  recording.odometry = std::move(odometry);
+  for (std::size_t camera = 0; camera < stamps.size(); ++camera) {
+    recording.rig.cameras.emplace_back();
+    recording.frames.emplace_back();
+    for (std::size_t i = 0; i < stamps[camera].size(); ++i) {
+      CameraFrame frame;
+      frame.color_file = std::to_string(camera) + "/" + std::to_string(i) + ".png";
+      frame.stamp_s = stamps[camera][i];
+      recording.frames.back().push_back(frame);
+    }
+  }
+  return recording;
+}
+
+TEST(OdometryTrack, FollowsArcsBetweenSamples) {
+  const std::vector<OdometrySample> samples = circle(10.0);
+  const OdometryTrack track(samples, 0.5, 0.02);
+  std::string reason;
+  for (const double t : {0.0, 0.017, 3.333, 9.99}) {
+    const auto reading = track.at(t, &reason);
+    ASSERT_TRUE(reading.has_value());
+    // Constant twist: the interpolation is exact up to rounding.
+    EXPECT_NEAR(reading->x_m, 2.0 * std::sin(0.25 * t), 1e-12);
+    EXPECT_NEAR(reading->y_m, 2.0 - 2.0 * std::cos(0.25 * t), 1e-12);
+    EXPECT_NEAR(reading->yaw_rad, 0.25 * t, 1e-12);
+  }
+  EXPECT_EQ(track.at(samples[7].stamp_s, &reason)->sigma_m, 0.0);
+}
+
+TEST(OdometryTrack, StatesItsInterpolationError) {
+  // Accelerates at 1 m/s^2, sampled every 0.2 s: the twist between samples is off by up to 5 mm.
+  std::vector<OdometrySample> samples;
+  for (int i = 0; i < 20; ++i) samples.push_back({0.2 * i, 0.5 * 0.04 * i * i, 0.0, 0.0});
+  const OdometryTrack track(samples, 0.5, 0.02);
+  std::string reason;
+  const double t = 2.1;
+  const auto reading = track.at(t, &reason);
+  ASSERT_TRUE(reading.has_value());
+  const double error = std::abs(reading->x_m - 0.5 * t * t);
+  EXPECT_NEAR(error, 0.005, 1e-9);
+  EXPECT_NEAR(reading->sigma_m, error, 1e-9);
+}
+
+TEST(OdometryTrack, NamesGapsAndEnds) {
+  std::vector<OdometrySample> samples = circle(10.0);
+  samples.erase(samples.begin() + 41, samples.begin() + 80);  // 2.00 to 4.00 s
+  const OdometryTrack track(samples, 0.5, 0.02);
+  std::string reason;
+  EXPECT_FALSE(track.at(3.0, &reason));
+  EXPECT_EQ(reason, "odometry gap of 2.00 s (2.000 to 4.000 s)");
+  EXPECT_FALSE(track.at(11.0, &reason));
+  EXPECT_EQ(reason, "no odometry at 11.000 s (it covers 0.000 to 10.000 s)");
+  // A sample 15 ms away serves, with the way covered in that time as its uncertainty.
+  const auto near = track.at(10.015, &reason);
+  ASSERT_TRUE(near.has_value());
+  EXPECT_NEAR(near->sigma_m, 0.5 * 0.015, 1e-4);
+  EXPECT_FALSE(OdometryTrack({}, 0.5, 0.02).at(0.0, &reason));
+}
+
+TEST(OdometryTrack, YawWrapsTheShortWay) {
+  const std::vector<OdometrySample> samples = {{0.0, 0.0, 0.0, 3.1}, {0.1, 0.0, 0.0, -3.1}};
+  std::string reason;
+  const auto reading = OdometryTrack(samples, 0.5, 0.02).at(0.05, &reason);
+  EXPECT_NEAR(std::abs(std::remainder(reading->yaw_rad, 2.0 * M_PI)), M_PI, 1e-9);
+}
+
+TEST(Stops, JoinFramesOfOneMoment) {
+  const Recording recording = recording_with({{1.0, 2.0, 3.0}, {1.015, 2.01}, {0.995, 3.004}}, circle(10.0));
+  const StopPlan plan = plan_stops(recording, {});
+  ASSERT_EQ(plan.stops.size(), 3U);
+  EXPECT_TRUE(plan.exclusions.empty());
+  EXPECT_EQ(plan.stops[0].frames[2], std::vector<int>{0});
+  EXPECT_TRUE(plan.stops[1].frames[2].empty());
+  EXPECT_EQ(plan.stops[2].frames[2], std::vector<int>{1});
+  EXPECT_NEAR(plan.stops[0].stop.stamp_s, 1.0, 1e-12);
+}
+
+TEST(Stops, AStandstillIsOneStop) {
+  // Stands from 0 to 2 s, drives 1 m until 4 s, stands until 6 s; a camera at 10 Hz.
+  std::vector<OdometrySample> odometry;
+  for (int i = 0; i <= 120; ++i) {
+    const double t = 0.05 * i;
+    odometry.push_back({t, std::min(std::max(0.0, 0.5 * (t - 2.0)), 1.0), 0.0, 0.0});
+  }
+  std::vector<double> stamps;
+  for (int i = 0; i <= 60; ++i) stamps.push_back(0.1 * i);
+  const Recording recording = recording_with({stamps}, odometry);
+  const StopPlan plan = plan_stops(recording, {});
+  // 21 frames stand, 19 drive, 21 stand.
+  ASSERT_EQ(plan.stops.size(), 21U);
+  EXPECT_EQ(plan.stops.front().frames[0], (std::vector<int>{0, 10, 20}));
+  EXPECT_EQ(plan.stops.back().frames[0], (std::vector<int>{40, 50, 60}));
+  EXPECT_NEAR(plan.stops.back().stop.x_m, 1.0, 1e-12);
+  EXPECT_EQ(plan.exclusions.size(), 36U);
+  EXPECT_EQ(plan.exclusions.front().reason, "another frame of the same standstill");
+}
+
+TEST(Stops, FramesWithoutOdometryAreNamed) {
+  const StopPlan plan = plan_stops(recording_with({{1.0, 2.0, 99.0}}, circle(10.0)), {});
+  EXPECT_EQ(plan.stops.size(), 2U);
+  ASSERT_EQ(plan.exclusions.size(), 1U);
+  EXPECT_EQ(plan.exclusions[0].stop, -1);
+  EXPECT_EQ(plan.exclusions[0].file, "0/2.png");
+}
+
+TEST(Stops, RefuseWhatCannotBeAnswered) {
+  EXPECT_THROW(plan_stops(recording_with({{}, {}}, circle(1.0)), {}), Error);
+  try {
+    plan_stops(recording_with({{1000.0, 1001.0}}, circle(1.0)), {});
+    FAIL() << "stamps that never meet are an error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("odometry covers 0.000 to 1.000 s, the frames 1000.000 to 1001.000 s"));
+  }
+}
+
+}  // namespace
+}  // namespace rigproof::detection
