@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace rigproof {
 namespace {
@@ -10,10 +11,8 @@ constexpr std::int32_t kFar = (1 << 24) - 1;
 // Largest bend of 1/z from pixel to pixel on a surface, relative to 1/z, and in counts of the buffer.
 constexpr double kSmoothBend = 2e-3, kSmoothCounts = 4.0;
 
-std::int32_t window_depth(std::uint32_t packed) { return static_cast<std::int32_t>(packed >> 8U); }
-
-// Nearness in counts from the far plane; 1/z = slope * (nearness + offset / slope).
-double nearness(const WindowDepth& source, int x, int y) { return kFar - window_depth(source.row(y)[x]); }
+// Counts from the far plane; 1/z = offset + slope * nearness.
+std::int32_t nearness(std::uint32_t packed) { return kFar - static_cast<std::int32_t>(packed >> 8U); }
 
 float depth_of(const mujoco::DepthLaw& law, double nearness_counts) {
   if (nearness_counts <= 0.0) return 0.0F;
@@ -21,9 +20,10 @@ float depth_of(const mujoco::DepthLaw& law, double nearness_counts) {
 }
 
 // Slope at the sample c from the smoother of its two sides (a b c and c d e); 0 where neither is smooth.
-double one_sided_slope(double a, double b, double c, double d, double e, double tolerance) {
-  const double bend_before = std::abs(a - 2.0 * b + c), bend_after = std::abs(c - 2.0 * d + e);
-  if (std::min(bend_before, bend_after) > tolerance) return 0.0;
+std::int32_t one_sided_slope(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d, std::int32_t e,
+                             std::int32_t tolerance) {
+  const std::int32_t bend_before = std::abs(a - 2 * b + c), bend_after = std::abs(c - 2 * d + e);
+  if (std::min(bend_before, bend_after) > tolerance) return 0;
   return bend_before < bend_after ? c - b : d - c;
 }
 
@@ -31,16 +31,17 @@ float sample_depth(const WindowDepth& source, const mujoco::DepthLaw& law, doubl
   if (!(x >= -0.5F && y >= -0.5F)) return 0.0F;
   const int ix = static_cast<int>(x + 0.5F), iy = static_cast<int>(y + 0.5F);
   if (ix >= source.width || iy >= source.height) return 0.0F;
-  const double nearest = nearness(source, ix, iy);
+  const std::uint32_t* centre = source.row(iy) + ix;
+  const std::int32_t nearest = nearness(*centre);
   const bool inside = ix >= 2 && iy >= 2 && ix + 2 < source.width && iy + 2 < source.height;
-  if (!inside || nearest <= 0.0) return depth_of(law, nearest);
-  const double tolerance = kSmoothBend * (nearest + offset_counts) + kSmoothCounts;
-  const auto along = [&](int k) { return nearness(source, ix + k, iy); };
-  const auto across = [&](int k) { return nearness(source, ix, iy + k); };
-  const double slope_x = one_sided_slope(along(-2), along(-1), nearest, along(1), along(2), tolerance);
-  const double slope_y = one_sided_slope(across(-2), across(-1), nearest, across(1), across(2), tolerance);
+  if (!inside || nearest <= 0) return depth_of(law, nearest);
+  const auto tolerance = static_cast<std::int32_t>(kSmoothBend * (nearest + offset_counts) + kSmoothCounts);
+  const auto slope = [&](std::ptrdiff_t step) {
+    return one_sided_slope(nearness(centre[-2 * step]), nearness(centre[-step]), nearest, nearness(centre[step]),
+                           nearness(centre[2 * step]), tolerance);
+  };
   const double dx = static_cast<double>(x) - ix, dy = static_cast<double>(y) - iy;
-  return depth_of(law, nearest + dx * slope_x + dy * slope_y);
+  return depth_of(law, nearest + dx * slope(1) + dy * slope(-static_cast<std::ptrdiff_t>(source.width)));
 }
 
 }  // namespace
@@ -56,7 +57,7 @@ void convert_depth(const WindowDepth& source, const mujoco::DepthLaw& law, Image
     float* out = depth_m->row(y);
     for (int x = 0; x < source.width; ++x) {
       // The difference of the integers is exact in float; 1/z from the depth itself would cancel digits.
-      const std::int32_t counts = kFar - window_depth(in[x]);
+      const std::int32_t counts = nearness(in[x]);
       const float depth = 1.0F / (offset + slope * static_cast<float>(counts));
       out[x] = counts > 0 ? depth : 0.0F;
     }

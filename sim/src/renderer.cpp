@@ -332,7 +332,7 @@ void Renderer::render_bare(std::size_t camera) {
   if (impl_->options.color) gl.read_color();
   if (impl_->options.depth) gl.read_depth();
   const PixelRect region = impl_->options.color ? impl_->region_at_double(plan, T_world_camera) : PixelRect();
-  if (!region.empty() && !plan.lens) {
+  if (!region.empty()) {  // for a lens: as many pixels of about the same things
     gl.draw(frustum_of(plan.camera, region, 2), Pass::kColor);
     gl.read_color();
   }
