@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "ml/contradictions.h"
 #include "ml/covariance.h"
 #include "ml/robust_views.h"
 #include "ml/solver.h"
@@ -325,8 +326,8 @@ class Estimator {
     *sigma *= std::sqrt(std::max(redundancy, kNextToNone) / (std::max(redundancy, kNextToNone) - 2.0));
   }
 
-  // The noise levels by which the uncertainty is stated.
-  ml::NoiseLevels stated_levels() const {
+  // The noise levels by which the uncertainty is stated; looks for contradictions on the way.
+  ml::NoiseLevels stated_levels() {
     ml::Problem problem = final_problem(fit_.noise);
     ml::GroupSums sums;
     const ml::ArrowSystem system = problem.linearise(fit_.state, ml::Weighting::kInformation, nullptr, &sums);
@@ -334,6 +335,7 @@ class Estimator {
     if (!eliminated) return fit_.noise;
     const Eigen::MatrixXd covariance = ml::invert_information(eliminated->schur()).covariance;
     problem.add_leverage(fit_.state, eliminated->pose_covariance(covariance), covariance, &sums);
+    contradictions_ = ml::find_contradictions(problem, fit_.state, sums);
     ml::NoiseLevels levels = fit_.noise;
     const ml::NoiseLevels nominal;
     if (!original_.odometry_noise.sigma_xy_m)
@@ -366,6 +368,7 @@ class Estimator {
     free_ = J * globals_.free_directions;
     report_cameras();
     report_pairs();
+    report_contradictions();
     report_status();
     report_residuals(sums);
   }
@@ -481,6 +484,37 @@ class Estimator {
     if (std::find(reasons.begin(), reasons.end(), sentence) == reasons.end()) reasons.push_back(sentence);
   }
 
+  // The sense of the odometry's turns tells up from down. Planes that then hang above the cameras say that the turns
+  // are mirrored, or belong to other stops.
+  void check_upside_down() {
+    int above = 0;
+    for (const PlaneObservation& plane : original_.ground_planes) {
+      const std::optional<Eigen::Vector3d>& up = alignment_.up_camera[static_cast<std::size_t>(plane.camera)];
+      if (up && up->dot(-plane.inverse_depth_plane.normalized()) < -0.9) ++above;
+    }
+    if (2 * above <= static_cast<int>(original_.ground_planes.size())) return;
+    contradictions_.odometry.push_back(
+        "By the odometry's turns the ground would lie above the cameras; a mirrored frame, turns of the other sign, or "
+        "shifted stamps.");
+  }
+
+  // What rests on contradictory data is no answer; reasons say what the likely cause is.
+  void report_contradictions() {
+    check_upside_down();
+    Result& result = estimate_.result;
+    for (const std::string& sentence : contradictions_.odometry) add_reason(sentence);
+    for (const std::string& sentence : contradictions_.cameras) add_reason(sentence);
+    const bool all = !contradictions_.cameras.empty();
+    if (!all && contradictions_.odometry.empty()) return;
+    for (EstimatedTransform& transform : result.camera_to_robot) {
+      for (const std::size_t axis : {0U, 1U, 5U}) transform.observable[axis] = false;
+      if (all) transform.observable.fill(false);
+    }
+    if (all)
+      for (EstimatedTransform& transform : result.camera_to_camera) transform.observable.fill(false);
+    result.joint_covariance.reset();
+  }
+
   void report_status() {
     Result& result = estimate_.result;
     bool all = true, any = false;
@@ -555,6 +589,7 @@ class Estimator {
   InitialGuess guess_;
   ml::State start_;
   Fit fit_;
+  ml::Contradictions contradictions_;
   ml::GlobalCovariance globals_;
   Eigen::MatrixXd joint_;
   Eigen::MatrixXd free_;

@@ -1,5 +1,6 @@
 list(APPEND calib_sources
   src/ml/arrow_system.cpp
+  src/ml/contradictions.cpp
   src/ml/covariance.cpp
   src/ml/information.cpp
   src/ml/ml.cpp

@@ -87,7 +87,7 @@ class Planner {
     const double bearing = random_.uniform(-rig.max_bearing_rad, rig.max_bearing_rad);
     const Rigid3& X = rig.T_robot_camera[c];
     const Eigen::Vector3d axis = X.rotation * Eigen::Vector3d::UnitZ();
-    const double towards_board = bearing + kPi + random_.uniform(-0.5, 0.5);
+    const double towards_board = bearing + kPi + random_.uniform(-rig.max_aim_error_rad, rig.max_aim_error_rad);
     const double yaw = towards_board - std::atan2(axis.y(), axis.x());
     const Eigen::Vector3d lever = rotation_z(yaw) * X.translation;
     return {distance * std::cos(bearing) - lever.x(), distance * std::sin(bearing) - lever.y(), yaw};

@@ -63,8 +63,9 @@ GeometricRig reference_rig() {
   }
   rig.min_cameras_per_stop = 3;
   rig.min_distance_m = 0.9;
-  rig.max_distance_m = 4.4;
-  rig.max_bearing_rad = 0.5;
+  rig.max_distance_m = 3.8;
+  rig.max_bearing_rad = 0.62;
+  rig.max_aim_error_rad = 0.3;
   return rig;
 }
 

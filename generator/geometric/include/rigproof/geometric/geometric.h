@@ -22,7 +22,8 @@ struct GeometricRig {
   int min_cameras_per_stop = 1;        ///< cameras that see the whole board from every stop
   double min_distance_m = 1.0;         ///< of the camera that is aimed at the board
   double max_distance_m = 3.0;
-  double max_bearing_rad = 0.9;  ///< of that camera about the board's normal
+  double max_bearing_rad = 0.9;    ///< of that camera about the board's normal
+  double max_aim_error_rad = 0.5;  ///< between its axis and the board's centre
 };
 
 /// The reference scene of the accuracy goals: three cameras (fx 640, 1280x720) that see the same board of 4x3 inner

@@ -1,0 +1,20 @@
+// Data that contradict each other: found in the residuals and the nuisances of a solution, with the likely cause.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ml/problem.h"
+
+namespace rigproof::ml {
+
+/// Contradictions in sentences; what they make unusable.
+struct Contradictions {
+  std::vector<std::string> odometry;  ///< x, y and yaw in the robot cannot be trusted
+  std::vector<std::string> cameras;   ///< nothing can be trusted
+};
+
+/// @param sums of the solution, with leverage
+Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums);
+
+}  // namespace rigproof::ml
