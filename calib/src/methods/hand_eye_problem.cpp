@@ -34,17 +34,21 @@ struct MotionCost {
   }
 };
 
+// Both directions of a pair, each with half the weight, so that the order of the cameras does not matter.
 struct CameraPairCost {
   Rigid3 B_j, B_k, X_reference_j, X_reference_k;
 
   template <typename T>
   bool operator()(const T* error_j, const T* error_k, T* residual) const {
-    const RigidOf<T> X_jk = RigidOf<T>::at(X_reference_j, error_j).inverse() * RigidOf<T>::at(X_reference_k, error_k);
-    hand_eye_residual(RigidOf<T>::from(B_j), X_jk, RigidOf<T>::from(B_k), residual);
+    const RigidOf<T> X_j = RigidOf<T>::at(X_reference_j, error_j), X_k = RigidOf<T>::at(X_reference_k, error_k);
+    const RigidOf<T> motion_j = RigidOf<T>::from(B_j), motion_k = RigidOf<T>::from(B_k);
+    hand_eye_residual(motion_j, X_j.inverse() * X_k, motion_k, residual);
+    hand_eye_residual(motion_k, X_k.inverse() * X_j, motion_j, residual + 6);
+    for (int i = 0; i < 12; ++i) residual[i] *= T(M_SQRT1_2);
     return true;
   }
   static ceres::CostFunction* Create(const CameraPairCost& cost) {
-    return new ceres::AutoDiffCostFunction<CameraPairCost, 6, 6, 6>(new CameraPairCost(cost));
+    return new ceres::AutoDiffCostFunction<CameraPairCost, 12, 6, 6>(new CameraPairCost(cost));
   }
 };
 
@@ -130,6 +134,31 @@ Blocks make_blocks(const HandEyeProblem& problem) {
   return blocks;
 }
 
+Eigen::Index row(std::size_t camera) { return 6 * static_cast<Eigen::Index>(camera); }
+
+struct NormalEquations {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd g;  // J^T r
+};
+
+NormalEquations normal_equations(const Blocks& blocks, std::size_t cameras) {
+  NormalEquations normal{Eigen::MatrixXd::Zero(row(cameras), row(cameras)), Eigen::VectorXd::Zero(row(cameras))};
+  for (const std::vector<Block>* group : {&blocks.motions, &blocks.pairs, &blocks.heights}) {
+    for (const Block& block : *group) {
+      for (std::size_t a = 0; a < block.cameras.size(); ++a) {
+        const Eigen::MatrixXd weighted = block.weight * block.jacobians[a].transpose();
+        normal.g.segment<6>(row(block.cameras[a])) += weighted * block.residual;
+        for (std::size_t b = 0; b < block.cameras.size(); ++b)
+          normal.H.block<6, 6>(row(block.cameras[a]), row(block.cameras[b])) += weighted * block.jacobians[b];
+      }
+    }
+  }
+  // Planar motion says nothing about a height: without a plane it stays where it started.
+  for (std::size_t camera = 0; camera < cameras; ++camera)
+    if (normal.H(row(camera) + 2, row(camera) + 2) < 1e-9) normal.H(row(camera) + 2, row(camera) + 2) = 1.0;
+  return normal;
+}
+
 double loss_scale(const std::vector<Block>& blocks) {
   std::vector<double> norms;
   for (const Block& block : blocks) norms.push_back(block.residual.norm());
@@ -193,9 +222,23 @@ void store_residuals(const std::array<double, 3>& scales, HandEyeProblem* proble
   }
 }
 
+// Ceres stops when the cost no longer falls, which leaves half of the digits of the minimum. A few reweighted
+// Gauss-Newton steps give the rest, so that the answer does not depend on the frames in which the data are told.
+void polish(const std::array<double, 3>& scales, HandEyeProblem* problem) {
+  for (int step = 0; step < 5; ++step) {
+    store_residuals(scales, problem);
+    const NormalEquations normal = normal_equations(make_blocks(*problem), problem->X.size());
+    const Eigen::VectorXd errors = normal.H.ldlt().solve(-normal.g);
+    // Far from the minimum nothing is polished.
+    if (!(errors.norm() < 1e-5)) return;
+    for (std::size_t k = 0; k < problem->X.size(); ++k)
+      problem->X[k] = apply_transform_error(problem->X[k], errors.segment<6>(row(k)));
+  }
+}
+
 // Linear response to noise -------------------------------------------------------------------------------------------
 
-using Sensitivity = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+using Sensitivity = Eigen::MatrixXd;  // of a residual to a source of noise
 
 Vector6d residual_of(const Rigid3& A, const Rigid3& X, const Rigid3& B) {
   Vector6d residual;
@@ -208,11 +251,11 @@ template <typename Residual>
 Sensitivity sensitivity(const Residual& residual, const std::vector<int>& axes) {
   // Third derivatives are of order one: the step's square and rounding over the step are both about 1e-10.
   constexpr double kStep = 1e-5;
-  Sensitivity D(6, static_cast<Eigen::Index>(axes.size()));
+  Sensitivity D(residual(Vector6d::Zero()).size(), static_cast<Eigen::Index>(axes.size()));
   for (std::size_t i = 0; i < axes.size(); ++i) {
     Vector6d error = Vector6d::Zero();
     error(axes[i]) = kStep;
-    D.col(static_cast<Eigen::Index>(i)) = (residual(error) - residual(-error)) / (2.0 * kStep);
+    D.col(static_cast<Eigen::Index>(i)) = (residual(error) - residual(Vector6d(-error))) / (2.0 * kStep);
   }
   return D;
 }
@@ -243,28 +286,13 @@ class NoisePropagation {
     for (const Source& source : odometry_)
       if (source.response.size() > 0)
         meat += source.response * odometry_variance.asDiagonal() * source.response.transpose();
-    const Eigen::MatrixXd H_inverse = normal_matrix().ldlt().solve(Eigen::MatrixXd::Identity(size_, size_));
+    const Eigen::MatrixXd H_inverse =
+        normal_equations(blocks_, problem_.X.size()).H.ldlt().solve(Eigen::MatrixXd::Identity(size_, size_));
     const Eigen::MatrixXd covariance = H_inverse * meat * H_inverse.transpose();
     return 0.5 * (covariance + covariance.transpose());
   }
 
  private:
-  Eigen::MatrixXd normal_matrix() const {
-    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size_, size_);
-    for (const std::vector<Block>* group : {&blocks_.motions, &blocks_.pairs, &blocks_.heights})
-      for (const Block& block : *group)
-        for (std::size_t a = 0; a < block.cameras.size(); ++a)
-          for (std::size_t b = 0; b < block.cameras.size(); ++b)
-            H.block<6, 6>(row(block.cameras[a]), row(block.cameras[b])) +=
-                block.weight * block.jacobians[a].transpose() * block.jacobians[b];
-    // Planar motion says nothing about a height: without a plane it stays where it started.
-    for (std::size_t camera = 0; camera < problem_.X.size(); ++camera)
-      if (H(row(camera) + 2, row(camera) + 2) < 1e-9) H(row(camera) + 2, row(camera) + 2) = 1.0;
-    return H;
-  }
-
-  static Eigen::Index row(std::size_t camera) { return 6 * static_cast<Eigen::Index>(camera); }
-
   void add_response(const Block& block, const Sensitivity& D, Source* source) const {
     if (source->response.size() == 0) source->response = Eigen::MatrixXd::Zero(size_, D.cols());
     for (std::size_t a = 0; a < block.cameras.size(); ++a)
@@ -305,15 +333,19 @@ class NoisePropagation {
 
   void add_pair(const CameraPairTerm& term, const Block& block) {
     const CameraPairCost cost = cost_of(problem_, term);
-    const Rigid3 X_jk = cost.X_reference_j.inverse() * cost.X_reference_k;
-    std::array<const ViewPose*, 4> views = {term.from_j, term.to_j, term.from_k, term.to_k};
+    const std::array<const ViewPose*, 4> views = {term.from_j, term.to_j, term.from_k, term.to_k};
     for (std::size_t i = 0; i < views.size(); ++i) {
       const Sensitivity D = sensitivity(
           [&](const Vector6d& error) {
             std::array<Rigid3, 4> poses;
             for (std::size_t v = 0; v < views.size(); ++v)
               poses[v] = v == i ? apply_transform_error(views[v]->T_camera_board, error) : views[v]->T_camera_board;
-            return residual_of(relative_view(poses[0], poses[1]), X_jk, relative_view(poses[2], poses[3]));
+            const CameraPairCost noisy = {relative_view(poses[0], poses[1]), relative_view(poses[2], poses[3]),
+                                          cost.X_reference_j, cost.X_reference_k};
+            constexpr std::array<double, 6> kZero{};
+            Vector12d residual;
+            noisy(kZero.data(), kZero.data(), residual.data());
+            return residual;
           },
           kAllAxes);
       add_response(block, D, view_source(*views[i]));
@@ -415,6 +447,7 @@ bool minimise(HandEyeProblem* problem) {
     scales = {loss_scale(blocks.motions), loss_scale(blocks.pairs), loss_scale(blocks.heights)};
     usable = solve_once(blocks, scales, problem);
   }
+  polish(scales, problem);
   store_residuals(scales, problem);
   return usable;
 }

@@ -20,12 +20,14 @@ struct MotionTerm {
   Vector6d residual = Vector6d::Zero();
 };
 
+using Vector12d = Eigen::Matrix<double, 12, 1>;
+
 /// Two cameras that saw the board at the same two stops: |B_j X_jk - X_jk B_k|^2.
 struct CameraPairTerm {
   std::size_t camera_j, camera_k;
   const ViewPose *from_j, *to_j, *from_k, *to_k;
   double weight = 1.0;
-  Vector6d residual = Vector6d::Zero();
+  Vector12d residual = Vector12d::Zero();  ///< both directions, each times sqrt(1/2)
 };
 
 /// Height of the camera over the ground of one frame: (X_z - z)^2.

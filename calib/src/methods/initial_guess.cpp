@@ -146,28 +146,35 @@ class ClosedForm {
     links_.push_back({&from, &to, motion.translation.head<2>(), yaw_of(motion), to.stop - from.stop, 1.0});
   }
 
-  // psi_l - psi_k of every camera against the first one, along the most certain links.
+  // psi_l - psi_k between two cameras; certainty 0 if no link joins them.
+  struct YawDifference {
+    double angle = 0.0, certainty = 0.0;
+  };
+
+  // psi_k - psi_first of every camera, along the most certain differences.
   void relate_yaws() {
+    std::vector<std::vector<YawDifference>> differences(cameras_, std::vector<YawDifference>(cameras_));
+    for (std::size_t k = 0; k < cameras_; ++k) {
+      for (std::size_t l = k + 1; l < cameras_; ++l) {
+        differences[k][l] = yaw_difference(static_cast<int>(k), static_cast<int>(l));
+        differences[l][k] = {-differences[k][l].angle, differences[k][l].certainty};
+      }
+    }
     yaw_.assign(cameras_, 0.0);
     std::vector<bool> known(cameras_, false);
-    const std::size_t first = static_cast<std::size_t>(level_.front().camera);
-    known[first] = true;
-    for (std::size_t round = 1; round < cameras_; ++round) extend_yaws(&known);
+    known[static_cast<std::size_t>(level_.front().camera)] = true;
+    for (std::size_t round = 1; round < cameras_; ++round) extend_yaws(differences, &known);
   }
 
-  void extend_yaws(std::vector<bool>* known) {
-    double best = 0.0;
+  void extend_yaws(const std::vector<std::vector<YawDifference>>& differences, std::vector<bool>* known) {
+    double best = 0.0, best_yaw = 0.0;
     std::size_t best_camera = 0;
-    double best_yaw = 0.0;
     for (std::size_t k = 0; k < cameras_; ++k) {
       for (std::size_t l = 0; l < cameras_; ++l) {
-        if (!(*known)[k] || (*known)[l]) continue;
-        double certainty = 0.0;
-        const double difference = yaw_difference(static_cast<int>(k), static_cast<int>(l), &certainty);
-        if (certainty <= best) continue;
-        best = certainty;
+        if (!(*known)[k] || (*known)[l] || differences[k][l].certainty <= best) continue;
+        best = differences[k][l].certainty;
         best_camera = l;
-        best_yaw = yaw_[k] + difference;
+        best_yaw = yaw_[k] + differences[k][l].angle;
       }
     }
     if (best <= 0.0) return;
@@ -176,7 +183,7 @@ class ClosedForm {
   }
 
   // psi_l - psi_k = (heading_l - heading_k) - turn of the odometry: a robust mean on the circle.
-  double yaw_difference(int k, int l, double* certainty) const {
+  YawDifference yaw_difference(int k, int l) const {
     std::vector<std::pair<double, double>> samples;  // angle, information
     for (const Link& link : links_) {
       const bool forward = link.from->camera == k && link.to->camera == l;
@@ -185,18 +192,18 @@ class ClosedForm {
       const double variance = 1e-6 + kOdometrySigma_rad * kOdometrySigma_rad * link.steps;
       samples.emplace_back(forward ? angle : -angle, link.from->weight * link.to->weight / variance);
     }
-    double mean = 0.0, softness = kPi;
+    YawDifference result;
+    double softness = kPi;
     for (int round = 0; round < 10 && !samples.empty(); ++round) {
       Vector2d sum = Vector2d::Zero();
       for (const auto& [angle, information] : samples) {
-        const double off = round == 0 ? 0.0 : wrap_angle(angle - mean) / softness;
+        const double off = round == 0 ? 0.0 : wrap_angle(angle - result.angle) / softness;
         sum += information / (1.0 + off * off) * Vector2d(std::cos(angle), std::sin(angle));
       }
-      mean = std::atan2(sum.y(), sum.x());
-      *certainty = sum.norm();
+      result = {std::atan2(sum.y(), sum.x()), sum.norm()};
       softness = std::max(0.02, 0.5 * softness);
     }
-    return mean;
+    return result;
   }
 
   // The cameras' own measure of how the robot turned along a link.
@@ -287,25 +294,40 @@ class ClosedForm {
     board_height_ = ground_offset().value_or(-lowest);
   }
 
-  // Height of the board's origin over the ground: the median over all accepted planes.
+  // Heights over the accepted planes of one camera, less `base_m`.
+  void collect_heights(int camera, double base_m, std::vector<double>* heights) const {
+    for (std::size_t i = 0; i < observations_.ground_planes.size(); ++i)
+      if (ground_.accepted[i] && observations_.ground_planes[i].camera == camera)
+        heights->push_back(height_above(observations_.ground_planes[i]).height_m - base_m);
+  }
+
+  static std::optional<double> median(std::vector<double> values) {
+    if (values.empty()) return std::nullopt;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
+  // Height of the board's origin over the ground, from all cameras.
   std::optional<double> ground_offset() const {
     std::vector<double> offsets;
-    for (std::size_t i = 0; i < observations_.ground_planes.size(); ++i) {
-      const std::size_t k = static_cast<std::size_t>(observations_.ground_planes[i].camera);
-      if (ground_.accepted[i] && seen_[k])
-        offsets.push_back(height_above(observations_.ground_planes[i]).height_m - mean_height_[k]);
-    }
-    if (offsets.empty()) return std::nullopt;
-    const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
-    std::nth_element(offsets.begin(), middle, offsets.end());
-    return *middle;
+    for (std::size_t k = 0; k < cameras_; ++k)
+      if (seen_[k]) collect_heights(static_cast<int>(k), mean_height_[k], &offsets);
+    return median(offsets);
+  }
+
+  // A camera's own planes know its height best.
+  double camera_height(std::size_t k) const {
+    std::vector<double> heights;
+    collect_heights(static_cast<int>(k), 0.0, &heights);
+    return median(heights).value_or(mean_height_[k] + board_height_);
   }
 
   Rigid3 camera_pose(std::size_t k) const {
     const double yaw = psi_ + yaw_[k];
     const Eigen::Quaterniond R(rotation_z(yaw).toRotationMatrix() * R_level_camera_[k]);
     const Vector2d t = t_.segment<2>(2 * static_cast<Eigen::Index>(k));
-    return Rigid3(R, Vector3d(t.x(), t.y(), mean_height_[k] + board_height_));
+    return Rigid3(R, Vector3d(t.x(), t.y(), camera_height(k)));
   }
 
   // Heading and position of the robot in the levelled board frame, through the camera of a view.
@@ -316,35 +338,33 @@ class ClosedForm {
     return view.position - rotation2(robot_heading(view)) * t_.segment<2>(2 * view.camera);
   }
 
-  // The most trusted view of a stop, null if there is none.
-  const LevelView* best_view(int stop) const {
-    const LevelView* best = nullptr;
-    for (const LevelView& view : level_) {
-      if (view.stop != stop) continue;
-      if (best == nullptr || view.weight / view.variance > best->weight / best->variance) best = &view;
-    }
-    return best;
+  static double certainty(const LevelView& view) { return view.weight / view.variance; }
+
+  // The first view that is no outlier, or the most certain one of its stop.
+  const LevelView& anchor_view() const {
+    const auto good = std::find_if(level_.begin(), level_.end(), [](const LevelView& v) { return v.weight >= 0.5; });
+    const LevelView* anchor = good == level_.end() ? &level_.front() : &*good;
+    for (const LevelView& view : level_)
+      if (view.stop == anchor->stop && certainty(view) > certainty(*anchor)) anchor = &view;
+    return *anchor;
   }
 
   void place_board(InitialGuess* guess) {
-    // The first view that is no outlier ties the board to the odometry.
-    const LevelView* anchor = &level_.front();
-    for (const LevelView& view : level_) {
-      if (view.weight < 0.5) continue;
-      anchor = best_view(view.stop);
-      break;
-    }
-    const Rigid3& robot = odometry_[static_cast<std::size_t>(anchor->stop)];
-    board_yaw_ = yaw_of(robot) - robot_heading(*anchor);
-    board_position_ = robot.translation.head<2>() - rotation2(board_yaw_) * robot_position(*anchor);
+    // One view ties the board to the odometry, and so to the world.
+    const LevelView& anchor = anchor_view();
+    const Rigid3& robot = odometry_[static_cast<std::size_t>(anchor.stop)];
+    board_yaw_ = yaw_of(robot) - robot_heading(anchor);
+    board_position_ = robot.translation.head<2>() - rotation2(board_yaw_) * robot_position(anchor);
     guess->T_world_board = Rigid3(Eigen::Quaterniond(rotation_z(board_yaw_).toRotationMatrix() * R_level_board_),
                                   Vector3d(board_position_.x(), board_position_.y(), board_height_));
   }
 
   void place_robot(InitialGuess* guess) {
     std::vector<const LevelView*> by_stop(odometry_.size(), nullptr);
-    for (const LevelView& view : level_)
-      if (view.weight >= kOutlierWeight) by_stop[static_cast<std::size_t>(view.stop)] = best_view(view.stop);
+    for (const LevelView& view : level_) {
+      const LevelView*& best = by_stop[static_cast<std::size_t>(view.stop)];
+      if (view.weight >= kOutlierWeight && (best == nullptr || certainty(view) > certainty(*best))) best = &view;
+    }
     std::vector<bool> placed(odometry_.size(), false);
     for (std::size_t i = 0; i < odometry_.size(); ++i) {
       if (by_stop[i] == nullptr) continue;

@@ -172,8 +172,19 @@ class MemrocSolver {
     const int index = solved_index(k);
     if (index >= 0) return problem_.X[static_cast<std::size_t>(index)];
     const std::optional<Rigid3>& guess = guess_.T_robot_camera[static_cast<std::size_t>(k)];
-    if (guess) return guess;
-    return pose_from_ground(k);
+    return guess ? levelled_by_ground(k, *guess) : pose_from_ground(k);
+  }
+
+  // Where the motion does not determine everything the planes' normals show the vertical better than it.
+  Rigid3 levelled_by_ground(int k, const Rigid3& X) const {
+    Eigen::Vector3d up_camera = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < observations_.ground_planes.size(); ++i)
+      if (ground_.accepted[i] && observations_.ground_planes[i].camera == k)
+        up_camera -= observations_.ground_planes[i].inverse_depth_plane.normalized();
+    if (up_camera.norm() < 0.5) return X;
+    const Eigen::Quaterniond correction =
+        Eigen::Quaterniond::FromTwoVectors(X.rotation * up_camera, Eigen::Vector3d::UnitZ());
+    return Rigid3(correction * X.rotation, X.translation);
   }
 
   // Roll, pitch and height of a camera that saw the ground but never the board.
@@ -297,8 +308,9 @@ class MemrocSolver {
       rotations.push_back(rad_to_deg(term.residual.tail<3>().norm()));
     }
     for (const CameraPairTerm& term : problem_.pairs) {
-      pair_translations.push_back(term.residual.head<3>().norm());
-      pair_rotations.push_back(rad_to_deg(term.residual.tail<3>().norm()));
+      pair_translations.push_back(std::hypot(term.residual.segment<3>(0).norm(), term.residual.segment<3>(6).norm()));
+      pair_rotations.push_back(
+          rad_to_deg(std::hypot(term.residual.segment<3>(3).norm(), term.residual.segment<3>(9).norm())));
     }
     for (const HeightTerm& term : problem_.heights) heights.push_back(term.residual_m);
     add_residual("motions, translation", "m", translations);

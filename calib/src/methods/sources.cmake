@@ -1,7 +1,9 @@
 # Board poses, the vertical, the closed-form start, observability, the ground, and the MEMROC family.
 find_package(Ceres 2.0 REQUIRED)
+find_package(PCL 1.12 REQUIRED COMPONENTS common sample_consensus)
 list(APPEND calib_sources
   src/methods/estimate_view_poses.cpp
+  src/methods/ground_plane.cpp
   src/methods/hand_eye_problem.cpp
   src/methods/initial_guess.cpp
   src/methods/memroc.cpp
@@ -10,4 +12,4 @@ list(APPEND calib_sources
   src/methods/shared_views.cpp
   src/methods/trajectory_alignment.cpp
   src/methods/view_poses.cpp)
-list(APPEND calib_private_libraries Ceres::ceres)
+list(APPEND calib_private_libraries Ceres::ceres pcl_common pcl_sample_consensus)

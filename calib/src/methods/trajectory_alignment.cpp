@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "rigproof/core/conventions.h"
 
@@ -214,14 +216,15 @@ struct Normal {
 };
 
 std::vector<Normal> plane_normals(const Observations& observations, const std::vector<ViewPose>& views) {
+  std::map<std::pair<int, int>, const ViewPose*> view_at;
+  for (const ViewPose& view : views) view_at[{view.stop, view.camera}] = &view;
   std::vector<Normal> normals;
   for (const PlaneObservation& plane : observations.ground_planes) {
     const double length = plane.inverse_depth_plane.norm();
     if (!(length > 0.0)) continue;
     Normal normal{plane.camera, -plane.inverse_depth_plane / length, std::nullopt};
-    for (const ViewPose& view : views)
-      if (view.stop == plane.stop && view.camera == plane.camera)
-        normal.in_board = view.T_camera_board.rotation.conjugate() * normal.in_camera;
+    const auto view = view_at.find({plane.stop, plane.camera});
+    if (view != view_at.end()) normal.in_board = view->second->T_camera_board.rotation.conjugate() * normal.in_camera;
     normals.push_back(normal);
   }
   return normals;

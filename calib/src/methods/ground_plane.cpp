@@ -1,0 +1,376 @@
+#include "rigproof/calib/ground_plane.h"
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/sample_consensus/sac_model_plane.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
+
+namespace rigproof {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Points that RANSAC sees: enough to find a plane of a tenth of the image, few enough for a millisecond.
+constexpr std::size_t kRansacPoints = 1200;
+constexpr int kRansacIterations = 600;
+// Stretches image directions against inverse depth, so that distance to a plane is nearly its inverse-depth residual.
+constexpr float kDirectionScale = 10.0F;
+constexpr int kMaxPlanes = 3;
+// Without a known vertical, a plane whose normal is nearer than this to the image's up is "below the camera".
+constexpr double kBelowCamera_rad = 1.2;
+// A lower parallel plane is the floor if it has at least this share of the largest one's points.
+constexpr double kFloorShare = 0.2;
+// Residual noise is never believed to be less than this share of the sensor's.
+constexpr double kMinNoiseShare = 0.05;
+
+// A depth measurement as 1/z over its ray (x/z, y/z, 1).
+struct Measurement {
+  Vector3d ray;
+  double inverse_depth;
+  double sigma;
+};
+
+std::vector<Measurement> measurements_of(const DepthPoints& points, const DepthNoise& noise) {
+  std::vector<Measurement> measurements;
+  measurements.reserve(points.points.size());
+  const double rounding_variance = points.unit_m * points.unit_m / 12.0;
+  for (const Eigen::Vector3f& point : points.points) {
+    const Vector3d p = point.cast<double>();
+    if (!p.allFinite() || !(p.z() > 0.0)) continue;
+    const double sensor = noise.inverse_depth_sigma(p.z());
+    const double rounding = rounding_variance / std::pow(p.z(), 4);
+    // An exact sensor still has a scale to tell inliers by.
+    const double sigma = std::max(1e-6, std::sqrt(sensor * sensor + rounding));
+    measurements.push_back({Vector3d(p.x() / p.z(), p.y() / p.z(), 1.0), 1.0 / p.z(), sigma});
+  }
+  return measurements;
+}
+
+double residual_sigmas(const Measurement& m, const Vector3d& a) { return (m.inverse_depth - a.dot(m.ray)) / m.sigma; }
+
+// Which normals a plane may have.
+struct NormalCone {
+  Vector3d up;
+  double max_angle_rad;
+
+  bool contains(const Vector3d& a) const {
+    return -a.dot(up) >= std::cos(max_angle_rad) * a.norm() && a.allFinite() && a.norm() > 0.0;
+  }
+};
+
+// From n . (s u, s v, w) + d = 0 to w = a . (u, v, 1).
+Vector3d inverse_depth_plane(const Eigen::VectorXf& plane) {
+  const Eigen::Vector4d p = plane.head<4>().cast<double>();
+  return Vector3d(kDirectionScale * p(0), kDirectionScale * p(1), p(3)) / -p(2);
+}
+
+// PCL's plane model, restricted to planes that may be the ground. Samples of others are no model at all, so that they
+// cost no count.
+class GroundModel : public pcl::SampleConsensusModelPlane<pcl::PointXYZ> {
+ public:
+  GroundModel(const PointCloudConstPtr& cloud, const NormalCone& cone)
+      : SampleConsensusModelPlane(cloud, false), cone_(cone) {}
+
+  bool computeModelCoefficients(const pcl::Indices& samples, Eigen::VectorXf& coefficients) const override {
+    const Eigen::Vector3f normal = normal_of(samples).normalized();
+    coefficients.resize(4);
+    for (Eigen::Index i = 0; i < 3; ++i) coefficients(i) = normal(i);
+    coefficients(3) = -normal.dot(point(samples[0]));
+    return std::abs(coefficients(2)) > 1e-6F && cone_.contains(inverse_depth_plane(coefficients));
+  }
+
+ protected:
+  // As PCL's own, but for the message on the console.
+  bool isSampleGood(const pcl::Indices& samples) const override {
+    const float lengths =
+        (point(samples[1]) - point(samples[0])).norm() * (point(samples[2]) - point(samples[0])).norm();
+    return normal_of(samples).norm() > 1e-3F * lengths;
+  }
+
+ private:
+  Eigen::Vector3f point(pcl::index_t index) const {
+    return (*input_)[static_cast<std::size_t>(index)].getVector3fMap();
+  }
+  Eigen::Vector3f normal_of(const pcl::Indices& samples) const {
+    return (point(samples[1]) - point(samples[0])).cross(point(samples[2]) - point(samples[0]));
+  }
+
+  NormalCone cone_;
+};
+
+// RANSAC with PCL's seeded sampling. PCL's own loop writes to the console where it finds nothing; a library must not.
+std::optional<Eigen::VectorXf> best_model(GroundModel* model, double threshold, std::size_t points) {
+  constexpr double kLogMissProbability = -6.9;  // one in a thousand
+  std::optional<Eigen::VectorXf> best;
+  std::size_t best_count = 0;
+  int iterations = 0, wanted = kRansacIterations;
+  for (int draws = 0; iterations < wanted && draws < 10 * kRansacIterations; ++draws) {
+    pcl::Indices samples;
+    model->getSamples(iterations, samples);
+    if (samples.empty()) break;
+    Eigen::VectorXf coefficients;
+    if (!model->computeModelCoefficients(samples, coefficients)) continue;
+    ++iterations;
+    const std::size_t count = model->countWithinDistance(coefficients, threshold);
+    if (count <= best_count) continue;
+    best_count = count;
+    best = coefficients;
+    const double share = static_cast<double>(count) / static_cast<double>(points);
+    const double needed = kLogMissProbability / std::log1p(-std::min(0.999, share * share * share));
+    wanted = std::min(wanted, 1 + static_cast<int>(needed));
+  }
+  return best;
+}
+
+// Spread evenly over the list whatever its rows are: multiples of the golden section.
+std::vector<std::size_t> sample_indices(std::size_t size) {
+  const std::size_t count = std::min(size, kRansacPoints);
+  std::vector<std::size_t> indices;
+  indices.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double fraction = count == size ? static_cast<double>(i) / static_cast<double>(size)
+                                          : std::fmod(static_cast<double>(i) * 0.6180339887498949, 1.0);
+    const std::size_t index = count == size ? i : static_cast<std::size_t>(fraction * static_cast<double>(size));
+    indices.push_back(std::min(index, size - 1));
+  }
+  return indices;
+}
+
+double median_sigma(const std::vector<Measurement>& measurements) {
+  std::vector<double> sigmas;
+  sigmas.reserve(measurements.size());
+  for (const Measurement& m : measurements) sigmas.push_back(m.sigma);
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return *middle;
+}
+
+// The largest plane inside the cone, as RANSAC sees it.
+std::optional<Vector3d> ransac_plane(const std::vector<Measurement>& measurements, const NormalCone& cone,
+                                     double inlier_sigmas) {
+  if (measurements.size() < 3) return std::nullopt;
+  const auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (const std::size_t index : sample_indices(measurements.size())) {
+    const Measurement& m = measurements[index];
+    cloud->push_back({kDirectionScale * static_cast<float>(m.ray.x()), kDirectionScale * static_cast<float>(m.ray.y()),
+                      static_cast<float>(m.inverse_depth)});
+  }
+  GroundModel model(cloud, cone);
+  const std::optional<Eigen::VectorXf> best =
+      best_model(&model, inlier_sigmas * median_sigma(measurements), cloud->size());
+  if (!best) return std::nullopt;
+  return inverse_depth_plane(*best);
+}
+
+struct Refined {
+  Vector3d a = Vector3d::Zero();
+  Matrix3d information = Matrix3d::Zero();  // under the stated sigmas, all points independent
+  std::vector<const Measurement*> inliers;  // in the order of the image
+  double rms = 0.0;                         // in sigmas
+};
+
+// Range limits cut the noise off on one side, so points are chosen by where the plane is, not by what was measured.
+struct RangeLimits {
+  double min_inverse_m, max_inverse_m;
+
+  bool safe(const Measurement& m, const Vector3d& a, double margin_sigmas) const {
+    const double predicted = a.dot(m.ray);
+    return predicted - margin_sigmas * m.sigma > min_inverse_m && predicted + margin_sigmas * m.sigma < max_inverse_m;
+  }
+};
+
+// 1.4826 times the median of |residual| is sigma for a Gaussian.
+double robust_scale(const std::vector<const Measurement*>& inliers, const Vector3d& a) {
+  std::vector<double> sizes;
+  sizes.reserve(inliers.size());
+  for (const Measurement* m : inliers) sizes.push_back(std::abs(residual_sigmas(*m, a)));
+  if (sizes.empty()) return 1.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return 1.4826 * *middle;
+}
+
+std::vector<const Measurement*> select_inliers(const std::vector<Measurement>& measurements, const Vector3d& a,
+                                               double width_sigmas, const RangeLimits& limits) {
+  std::vector<const Measurement*> inliers;
+  for (const Measurement& m : measurements)
+    if (std::abs(residual_sigmas(m, a)) < width_sigmas && limits.safe(m, a, width_sigmas)) inliers.push_back(&m);
+  return inliers;
+}
+
+// Weighted least squares of 1/z = a . ray.
+bool fit(Refined* refined) {
+  Matrix3d H = Matrix3d::Zero();
+  Vector3d g = Vector3d::Zero();
+  for (const Measurement* m : refined->inliers) {
+    const double weight = 1.0 / (m->sigma * m->sigma);
+    H += weight * m->ray * m->ray.transpose();
+    g += weight * m->inverse_depth * m->ray;
+  }
+  const Eigen::LDLT<Matrix3d> solver(H);
+  if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-12)) return false;
+  refined->a = solver.solve(g);
+  refined->information = H;
+  double sum = 0.0;
+  for (const Measurement* m : refined->inliers) sum += std::pow(residual_sigmas(*m, refined->a), 2);
+  refined->rms = std::sqrt(sum / static_cast<double>(refined->inliers.size()));
+  return true;
+}
+
+std::optional<Refined> refine(const std::vector<Measurement>& measurements, const Vector3d& seed,
+                              const RangeLimits& limits, double inlier_sigmas) {
+  Refined refined;
+  refined.a = seed;
+  double scale = 1.0;
+  for (int round = 0; round < 12; ++round) {
+    std::vector<const Measurement*> inliers = select_inliers(measurements, refined.a, inlier_sigmas * scale, limits);
+    const bool settled = round > 0 && inliers == refined.inliers;
+    refined.inliers = std::move(inliers);
+    if (refined.inliers.size() < 3) return std::nullopt;
+    if (settled) break;
+    if (!fit(&refined)) return std::nullopt;
+    // A sensor that is noisier than it says keeps its inliers, up to three times.
+    scale = std::clamp(robust_scale(refined.inliers, refined.a), 1.0, 3.0);
+  }
+  return refined;
+}
+
+// Points that share one measurement, from the residuals' autocorrelation along rows: the sum over lags gives the
+// length in points, and noise is taken to be as long down the columns.
+double correlated_points(const Refined& refined) {
+  constexpr std::size_t kMaxLag = 30;
+  constexpr double kNoCorrelation = 0.1;
+  std::vector<double> residuals;
+  std::vector<int> rows;
+  double square = 0.0;
+  for (const Measurement* m : refined.inliers) {
+    const bool new_row = !residuals.empty() && m->ray.x() <= refined.inliers[residuals.size() - 1]->ray.x();
+    rows.push_back(rows.empty() ? 0 : rows.back() + (new_row ? 1 : 0));
+    residuals.push_back(residual_sigmas(*m, refined.a));
+    square += residuals.back() * residuals.back();
+  }
+  if (!(square > 0.0)) return 1.0;
+  const double mean_square = square / static_cast<double>(residuals.size());
+  double length = 1.0;
+  for (std::size_t lag = 1; lag <= kMaxLag && lag < residuals.size(); ++lag) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t i = lag; i < residuals.size(); ++i) {
+      if (rows[i] != rows[i - lag]) continue;
+      sum += residuals[i] * residuals[i - lag];
+      ++count;
+    }
+    if (count < 50 || sum / static_cast<double>(count) < kNoCorrelation * mean_square) break;
+    length += 2.0 * sum / (static_cast<double>(count) * mean_square);
+  }
+  return length * length;
+}
+
+PlaneObservation to_observation(const Refined& refined, double points_per_measurement) {
+  PlaneObservation plane;
+  const double shared = std::max({1.0, points_per_measurement, correlated_points(refined)});
+  // Residuals cut at three sigma have 0.973 of a Gaussian's variance.
+  const double noise = std::max(kMinNoiseShare * kMinNoiseShare, refined.rms * refined.rms / 0.973);
+  plane.inverse_depth_plane = refined.a;
+  plane.covariance_per_m2 = noise * shared * refined.information.ldlt().solve(Matrix3d::Identity());
+  plane.inlier_points = static_cast<int>(refined.inliers.size());
+  plane.effective_points = static_cast<double>(refined.inliers.size()) / shared;
+  plane.residual_rms = refined.rms;
+  return plane;
+}
+
+// Planes of the cone, largest first, each without the points of those before it.
+std::vector<Refined> find_planes(const std::vector<Measurement>& measurements, const NormalCone& cone,
+                                 const RangeLimits& limits, const GroundPlaneOptions& options, int max_planes) {
+  std::vector<Refined> planes;
+  std::vector<Measurement> rest = measurements;
+  while (static_cast<int>(planes.size()) < max_planes) {
+    const std::optional<Vector3d> seed = ransac_plane(rest, cone, options.inlier_sigmas);
+    if (!seed) break;
+    std::optional<Refined> plane = refine(measurements, *seed, limits, options.inlier_sigmas);
+    if (!plane || static_cast<int>(plane->inliers.size()) < options.min_inliers || !cone.contains(plane->a)) break;
+    const Vector3d a = plane->a;
+    planes.push_back(std::move(*plane));
+    const auto of_plane = [&](const Measurement& m) {
+      return std::abs(residual_sigmas(m, a)) < 2.0 * options.inlier_sigmas;
+    };
+    rest.erase(std::remove_if(rest.begin(), rest.end(), of_plane), rest.end());
+    if (static_cast<int>(rest.size()) < options.min_inliers) break;
+  }
+  return planes;
+}
+
+// The lowest plane that is not a mere speck.
+const Refined& floor_of(const std::vector<Refined>& planes) {
+  std::size_t most = 0;
+  for (const Refined& plane : planes) most = std::max(most, plane.inliers.size());
+  const Refined* lowest = &planes.front();
+  for (const Refined& plane : planes) {
+    const bool large = static_cast<double>(plane.inliers.size()) >= kFloorShare * static_cast<double>(most);
+    if (large && plane.a.norm() < lowest->a.norm()) lowest = &plane;
+  }
+  return *lowest;
+}
+
+void check_size(const Image16& depth, const Camera& camera, const std::string& name) {
+  if (depth.width == camera.width_px && depth.height == camera.height_px) return;
+  throw Error("camera " + name + ": depth image is " + std::to_string(depth.width) + "x" +
+              std::to_string(depth.height) + ", its intrinsics are for " + std::to_string(camera.width_px) + "x" +
+              std::to_string(camera.height_px));
+}
+
+}  // namespace
+
+DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int stride) {
+  if (!camera.depth) throw Error("camera " + camera.name + ": has no depth stream");
+  if (stride < 1) throw Error("stride: " + std::to_string(stride) + ": allowed is 1 and more");
+  const DepthStream& stream = *camera.depth;
+  const Camera& optics = stream.own_camera ? stream.own_camera->camera : camera.camera;
+  check_size(depth, optics, camera.name);
+  DepthPoints result;
+  result.points_per_measurement = std::max(1.0, std::pow(stream.noise.correlation_px / stride, 2));
+  result.unit_m = stream.unit_m;
+  result.min_m = stream.min_m;
+  result.max_m = stream.max_m;
+  for (int y = stride / 2; y < depth.height; y += stride) {
+    for (int x = stride / 2; x < depth.width; x += stride) {
+      const double z = stream.unit_m * depth.at(x, y);
+      Vector3d ray;
+      if (!(z > 0.0) || z < stream.min_m || z > stream.max_m || !optics.unproject(Eigen::Vector2d(x, y), &ray))
+        continue;
+      Vector3d point = z * ray;
+      if (stream.own_camera) point = stream.own_camera->T_color_depth * point;
+      if (point.z() > 0.0) result.points.push_back(point.cast<float>());
+    }
+  }
+  return result;
+}
+
+GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noise,
+                                const std::optional<Vector3d>& up_camera, const GroundPlaneOptions& options) {
+  const std::vector<Measurement> measurements = measurements_of(points, noise);
+  if (static_cast<int>(measurements.size()) < options.min_inliers)
+    return {std::nullopt, "only " + std::to_string(measurements.size()) + " depth points"};
+  const RangeLimits limits{1.0 / points.max_m, points.min_m > 0.0 ? 1.0 / points.min_m : 1e9};
+  std::vector<Refined> planes;
+  if (up_camera) {
+    planes = find_planes(measurements, {up_camera->normalized(), options.max_tilt_rad}, limits, options, kMaxPlanes);
+    if (planes.empty()) return {std::nullopt, "no plane is level"};
+  } else {
+    const Vector3d image_up = -Vector3d::UnitY();
+    planes = find_planes(measurements, {image_up, kBelowCamera_rad}, limits, options, 1);
+    if (planes.empty()) planes = find_planes(measurements, {image_up, kPi}, limits, options, 1);
+    if (planes.empty()) return {std::nullopt, "no plane in the depth image"};
+  }
+  return {to_observation(floor_of(planes), points.points_per_measurement), {}};
+}
+
+}  // namespace rigproof
