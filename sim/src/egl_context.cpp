@@ -246,7 +246,6 @@ void EglContext::load_functions() {
   load("glReadPixels", &gl_.ReadPixels);
   load("glPixelStorei", &gl_.PixelStorei);
   load("glReadBuffer", &gl_.ReadBuffer);
-  load("glDrawBuffer", &gl_.DrawBuffer);
   load("glBindTexture", &gl_.BindTexture);
   load("glTexParameteri", &gl_.TexParameteri);
   load("glTexParameterf", &gl_.TexParameterf);

@@ -21,7 +21,6 @@ struct GlFunctions {
   decltype(&glReadPixels) ReadPixels;
   decltype(&glPixelStorei) PixelStorei;
   decltype(&glReadBuffer) ReadBuffer;
-  decltype(&glDrawBuffer) DrawBuffer;
   decltype(&glBindTexture) BindTexture;
   decltype(&glTexParameteri) TexParameteri;
   decltype(&glTexParameterf) TexParameterf;
