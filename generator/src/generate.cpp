@@ -25,10 +25,10 @@ constexpr int kProgressPeriodMs = 100;
 // A render process that is silent for this long hangs: a frame takes a fraction of a second, a start a few.
 constexpr double kPatienceS = 300.0;
 
-// Bytes a pixel and milliseconds a megapixel on one core, measured with llvmpipe (docs/generation.md).
-constexpr double kColorBytesClean = 0.45, kColorBytesNoisy = 1.35;
-constexpr double kDepthBytesClean = 0.05, kDepthBytesNoisy = 0.75;
-constexpr double kMillisecondsClean = 60.0, kMillisecondsNoisy = 85.0;
+// Bytes a pixel and milliseconds a megapixel on one core, measured with llvmpipe in the indoor lab.
+constexpr double kColorBytesClean = 1.2, kColorBytesNoisy = 1.8;
+constexpr double kDepthBytesClean = 0.2, kDepthBytesNoisy = 0.76;
+constexpr double kMillisecondsClean = 55.0, kMillisecondsNoisy = 65.0;
 constexpr double kCloudBytes = 12.0;
 
 int available_cores() {

@@ -13,8 +13,9 @@ namespace {
 // variance is 0.3 % too small, an order below what 8-bit rounding does.
 constexpr int kColorBits = 10;
 constexpr std::uint32_t kColorMask = (1U << kColorBits) - 1U;
-// Depth noise is drawn with sixteen bits: cut off at 4.3 sigma.
-constexpr int kDepthBits = 16;
+// Depth noise is drawn with twelve bits, cut off at 3.7 sigma before the moving average; the table stays in the cache.
+constexpr int kDepthBits = 12;
+constexpr std::uint32_t kDepthMask = (1U << kDepthBits) - 1U;
 
 double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi); }
 double normal_probability(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
@@ -159,8 +160,8 @@ void CorrelatedNormals::add_sums() {
   const float* normals = depth_quantiles().data();
   random_.fill(words_.data(), words_.size());
   for (std::size_t i = 0; i < words_.size(); ++i) {
-    white_[2 * i] = normals[words_[i] & 0xFFFFU];
-    white_[2 * i + 1] = normals[words_[i] >> 16U];
+    white_[2 * i] = normals[words_[i] & kDepthMask];
+    white_[2 * i + 1] = normals[words_[i] >> (32 - kDepthBits)];
   }
   float* sums = ring_.data() + oldest_ * width_;
   std::copy_n(white_.data(), width_, sums);
