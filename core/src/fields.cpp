@@ -121,10 +121,18 @@ class Reader : public FieldVisitor {
   MapReader map_;
 };
 
+// Built in place: g++ with sanitizers takes the move of a variant for a read of what it does not hold.
+template <typename Kind>
+std::optional<Distribution> distribution_of(Kind kind) {
+  std::optional<Distribution> distribution;
+  distribution.emplace(Distribution::Kind(std::in_place_type<Kind>, std::move(kind)));
+  return distribution;
+}
+
 std::optional<Distribution> read_uniform(const YamlTree& tree, const std::string& path, Problems* problems) {
   const auto ends = read_numbers(tree, path, 2, 2, {}, problems);
   if (!ends) return std::nullopt;
-  if ((*ends)[0] <= (*ends)[1]) return Distribution(Distribution::Uniform{(*ends)[0], (*ends)[1]});
+  if ((*ends)[0] <= (*ends)[1]) return distribution_of(Distribution::Uniform{(*ends)[0], (*ends)[1]});
   problems->add({tree.file, tree.line, path, number_text((*ends)[0]) + ", " + number_text((*ends)[1]),
                  "must be [low, high] with low <= high"});
   return std::nullopt;
@@ -138,13 +146,13 @@ std::optional<Distribution> read_normal(const YamlTree& tree, const std::string&
   const auto stddev = map.number("stddev", {0.0});
   map.finish();
   if (!mean || !stddev) return std::nullopt;
-  return Distribution(Distribution::Normal{*mean, *stddev});
+  return distribution_of(Distribution::Normal{*mean, *stddev});
 }
 
 std::optional<Distribution> read_choice(const YamlTree& tree, const std::string& path, Problems* problems) {
   const auto values = read_numbers(tree, path, 1, 10000, {}, problems);
   if (!values) return std::nullopt;
-  return Distribution(Distribution::Choice{*values});
+  return distribution_of(Distribution::Choice{*values});
 }
 
 std::optional<Distribution> read_distribution(const YamlTree& tree, const std::string& path, Problems* problems) {

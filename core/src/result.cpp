@@ -138,6 +138,9 @@ HeadingFree without_heading(const EstimatedTransform& transform, bool parent_is_
   return out;
 }
 
+// Angles pass through a rotation when they are read; at a resolution of 1e-12 rad they come back as they were.
+double rounded_angle(double angle_rad) { return parse_number(fixed_text(angle_rad, 12)).value_or(angle_rad); }
+
 void add_partial_pose(const EstimatedTransform& transform, const Eigen::Vector3d& rpy, YamlTree* tree) {
   YamlTree unobservable = YamlTree::sequence();
   unobservable.flow = true;
@@ -148,7 +151,8 @@ void add_partial_pose(const EstimatedTransform& transform, const Eigen::Vector3d
       tree->set(kTranslationKeys[i],
                 YamlTree::number(transform.T_parent_child.translation[static_cast<Eigen::Index>(i)]));
   for (std::size_t i = 0; i < 3; ++i)
-    if (transform.observable[3 + i]) tree->set(kAngleKeys[i], YamlTree::number(rpy[static_cast<Eigen::Index>(i)]));
+    if (transform.observable[3 + i])
+      tree->set(kAngleKeys[i], YamlTree::number(rounded_angle(rpy[static_cast<Eigen::Index>(i)])));
   tree->set("unobservable", std::move(unobservable));
 }
 
@@ -161,9 +165,8 @@ void add_covariance(const Matrix6d& covariance, const Observable& observable, Ya
     rows.push_back(row);
     // For people: four digits. The covariance below has them all.
     const double unit = i < 3 ? kCmPerM : kDegPerRad;
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%.4g", unit * std::sqrt(std::max(0.0, covariance(row, row))));
-    stddev.set(kStddevKeys[i], YamlTree::number(parse_number(digits).value_or(0.0)));
+    const double sigma = unit * std::sqrt(std::max(0.0, covariance(row, row)));
+    stddev.set(kStddevKeys[i], YamlTree::number(parse_number(short_text(sigma, 4)).value_or(sigma)));
   }
   tree->set("covariance_m_rad", upper_triangle(covariance, rows));
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 #include <limits>
 
@@ -311,11 +310,7 @@ double value_in_unit(double value, double units_per_si) {
   if (!std::isfinite(exact)) return exact;
   const double inf = std::numeric_limits<double>::infinity();
   std::vector<double> candidates;
-  for (const int digits : {12, 15, 16}) {
-    char buffer[40];
-    std::snprintf(buffer, sizeof buffer, "%.*g", digits, exact);
-    candidates.push_back(parse_number(buffer).value_or(exact));
-  }
+  for (const int digits : {12, 15, 16}) candidates.push_back(parse_number(short_text(exact, digits)).value_or(exact));
   candidates.push_back(exact);
   candidates.push_back(std::nextafter(exact, -inf));
   candidates.push_back(std::nextafter(exact, inf));

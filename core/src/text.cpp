@@ -42,6 +42,13 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+std::string formatted(double value, std::chars_format format, int precision) {
+  // Room for the largest double in fixed notation.
+  char buffer[400];
+  const auto result = std::to_chars(buffer, buffer + sizeof buffer, value, format, precision);
+  return result.ec == std::errc() ? std::string(buffer, result.ptr) : std::to_string(value);
+}
+
 // "yaw" of "yaw_deg": names carry their unit behind the last underscore.
 std::string_view without_unit(std::string_view name) { return name.substr(0, name.rfind('_')); }
 
@@ -58,6 +65,12 @@ std::string number_text(double value) {
   const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
   return std::string(buffer, result.ptr);
 }
+
+std::string short_text(double value, int significant_digits) {
+  return formatted(value, std::chars_format::general, significant_digits);
+}
+
+std::string fixed_text(double value, int decimals) { return formatted(value, std::chars_format::fixed, decimals); }
 
 std::optional<double> parse_number(std::string_view text) {
   const std::optional<double> value = parse_whole<double>(text);

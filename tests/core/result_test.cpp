@@ -88,9 +88,7 @@ TEST(Result, UnobservableDegreesAreAbsent) {
   EXPECT_EQ((*t.covariance)(2, 2), (*result.camera_to_robot[0].covariance)(2, 2));
   EXPECT_TRUE(std::isinf((*t.covariance)(0, 0)));
   save_result(again, folder / "b.yaml");
-  // The attitude passes through angles and back: it may move in its last digits, nothing else may.
-  const Rigid3 moved = load_result(folder / "b.yaml").camera_to_robot[0].T_parent_child;
-  EXPECT_TRUE(IsPoseNear(t.T_parent_child, moved, 0.0, 1e-14));
+  EXPECT_EQ(text, folder.read("b.yaml"));
 }
 
 // What differs between the truth and the partial answer is a turn about the robot's z axis and nothing else.

@@ -21,6 +21,9 @@ TEST(Text, NumbersReadBackToTheSameBits) {
   }
   EXPECT_EQ(number_text(0.1), "0.1");
   EXPECT_EQ(number_text(100.0), "100");
+  EXPECT_EQ(short_text(0.123456, 3), "0.123");
+  EXPECT_EQ(fixed_text(-2.0 / 3.0, 4), "-0.6667");
+  EXPECT_EQ(fixed_text(1e300, 12).size(), 314U);
 }
 
 TEST(Text, OnlyWholeFiniteNumbersAreNumbers) {

@@ -18,6 +18,9 @@ struct NumberRange {
 
 /// The shortest text that reads back to the same double; independent of the locale.
 std::string number_text(double value);
+/// With so many significant digits ("%.4g"), or so many decimals ("%.3f"); independent of the locale.
+std::string short_text(double value, int significant_digits);
+std::string fixed_text(double value, int decimals);
 /// A finite number that spans the whole text ("0.5", "+2", "1e-3"); nothing for "nan", "inf", "", "3 m".
 std::optional<double> parse_number(std::string_view text);
 /// A whole number that spans the whole text.
