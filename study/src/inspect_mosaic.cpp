@@ -83,6 +83,7 @@ class Mosaic {
   // A board that is small in the image is shown again, larger, in the corner that is farthest from it.
   static void draw_inset(Canvas* canvas, const BoardView& view, const cv::Mat& picture, const Eigen::Vector2d& corner,
                          const Eigen::Vector2d& size) {
+    if (view.corners.empty()) return;
     Eigen::Vector2d low = view.corners[0].pixel, high = low;
     for (const CornerObservation& c : view.corners) {
       low = low.cwiseMin(c.pixel);
@@ -109,6 +110,7 @@ class Mosaic {
     std::vector<Eigen::Vector2d> points;
     for (const CornerObservation& c : view.corners)
       points.push_back(origin + scale * (c.pixel + Eigen::Vector2d(0.5, 0.5)));
+    if (points.empty()) return;
     canvas->polyline(points, kPaper, 2.2, false);
     canvas->polyline(points, color, 1.0, false);
     for (std::size_t i = 0; i < points.size(); ++i) {

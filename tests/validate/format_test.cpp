@@ -74,6 +74,23 @@ TEST(Format, ErrorsWithoutSigmasAndWithAGate) {
   EXPECT_THAT(lines[7], HasSubstr("right is 0.62 cm too high"));
 }
 
+TEST(Format, TheSameRunToldByOthersStandsBeside) {
+  const Truth truth = make_truth();
+  Result theirs = make_result(truth, {Vector6d::Zero(), Vector6d::Zero(), in_cm_deg(0, 0, .63, 0, 0, 0)});
+  theirs.method = "theirs";
+  Result ml = shared_error_result(truth),
+         joint = make_result(truth, {Vector6d::Zero(), Vector6d::Zero(), in_cm_deg(0, 0, .012, 0, 0, 0)});
+  ml.method = "ml";
+  joint.method = "joint_memroc";
+  Budget budget;
+  budget.camera_to_robot = in_cm_deg(1, 1, .2, .1, .1, .1);
+  const std::vector<Comparison> all = {compare(theirs, truth), compare(ml, truth), compare(joint, truth)};
+  EXPECT_EQ(format_same_run(all[0], budget, all),
+            "  The data allow .0030 cm (1 sigma of ml). Same run: ml +.0030, joint_memroc +.012 cm.\n");
+  EXPECT_EQ(format_same_run(all[1], budget, all), "");
+  EXPECT_EQ(format_same_run(all[0], budget, {}), "");
+}
+
 TEST(Format, VerdictTellsWhetherSigmasAreHonest) {
   const Truth truth = make_truth();
   Result result = shared_error_result(truth);

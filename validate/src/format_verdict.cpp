@@ -145,6 +145,32 @@ std::string format_verdict(const Comparison& comparison, const Gate& gate, const
          (nees.empty() ? "" : "  " + nees + "\n");
 }
 
+std::string format_same_run(const Comparison& comparison, const Budget& budget,
+                            const std::vector<Comparison>& same_run) {
+  const std::optional<Explanation> cause = explain_failures(comparison, budget);
+  if (!cause || cause->kind != Explanation::Kind::kOneAxis) return "";
+  const double factor = cause->axis < 3 ? 100.0 : rad_to_deg(1.0);
+  const std::string unit = cause->axis < 3 ? " cm" : " deg";
+  std::vector<std::string> others;
+  std::optional<std::pair<double, std::string>> least_sigma;
+  for (const Comparison& other : same_run) {
+    if (other.method == comparison.method) continue;
+    for (const TransformError& error : other.camera_to_robot) {
+      if (error.child != cause->camera || !error.observable[static_cast<std::size_t>(cause->axis)]) continue;
+      const double value = factor * error.error[cause->axis];
+      others.push_back(other.method + " " + signed_figure(value, decimals_for(value, 2)));
+      if (!error.z(cause->axis)) continue;
+      const double sigma = factor * (*error.sigma)[cause->axis];
+      if (!least_sigma || sigma < least_sigma->first) least_sigma = {sigma, other.method};
+    }
+  }
+  if (others.empty()) return "";
+  const std::string allowed = least_sigma ? "The data allow " + short_figure(least_sigma->first) + unit +
+                                                " (1 sigma of " + least_sigma->second + "). "
+                                          : "";
+  return "  " + allowed + "Same run: " + joined(others) + unit + ".\n";
+}
+
 std::string format_suspicion(const Comparison& comparison) {
   if (!comparison.suspicion) return "";
   const ConventionSuspicion& s = *comparison.suspicion;

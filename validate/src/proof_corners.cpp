@@ -89,7 +89,7 @@ CornerProof::CornerProof(const Observations& observations, const Truth& truth, s
     : truth_(truth), camera_(camera), proof_(proof) {
   double variance = 0.0;
   for (const BoardView& view : observations.board_views) {
-    if (view.camera != static_cast<int>(observed_camera)) continue;
+    if (view.camera != static_cast<int>(observed_camera) || view.corners.empty()) continue;
     const std::optional<std::size_t> stop = stop_at(truth, view.stamp_s);
     if (!stop) {
       ++without_stop_;

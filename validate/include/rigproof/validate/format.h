@@ -19,6 +19,12 @@ std::string format_errors(const Comparison& comparison, const Gate* gate = nullp
 /// "PASS  36/36 within 4 sigma; sigmas honest: NEES 16.9 (95 %: 8.2-31.5)", or what failed and the one cause.
 std::string format_verdict(const Comparison& comparison, const Gate& gate, const Budget& budget);
 
+/// Where one camera's one axis is to blame, what the same data gave others: "The data allow 0.003 cm (1 sigma of ml).
+/// Same run: ml +.003, joint_memroc +.012." Empty if nothing or nobody compares. `same_run` may hold `comparison` too,
+/// which is left out by its method's name.
+std::string format_same_run(const Comparison& comparison, const Budget& budget,
+                            const std::vector<Comparison>& same_run);
+
 /// "sigmas honest: NEES 16.9 (95 %: 8.2-31.5)" without a newline; empty where no covariance was stated.
 std::string format_nees(const Comparison& comparison);
 
