@@ -72,7 +72,7 @@ std::optional<Homography> homography_of(const Board& board, const std::vector<Me
 }
 
 std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, const Homography& H,
-                                    const std::vector<std::pair<int, Vector2d>>& seeds, double blur_px) {
+                                    const std::vector<std::pair<int, Vector2d>>& seeds, double blur_px, bool coarse) {
   std::vector<MeasuredCorner> corners(static_cast<std::size_t>(board.corner_count()));
   for (int id = 0; id < board.corner_count(); ++id) {
     MeasuredCorner& corner = corners[static_cast<std::size_t>(id)];
@@ -84,6 +84,7 @@ std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, cons
     corner.window.centre = seed != seeds.end() ? seed->second : centre;
     corner.window.dark_diagonal = Board::is_dark(id % board.inner_corners_x(), id / board.inner_corners_x());
     corner.window.blur_px = blur_px;
+    corner.window.coarse = coarse;
     corner.fit = fit_saddle(grey, corner.window);
   }
   return corners;
@@ -164,17 +165,16 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   result.reason = "no board";
   if (!H) return result;
   constexpr double kFirstBlur = 0.9;
-  std::vector<MeasuredCorner> corners = measure(grey, board, *H, placement.seeds, kFirstBlur);
-  for (int pass = 0; pass < 1; ++pass) {
-    H = homography_of(board, corners);
-    if (!H) break;
+  std::vector<MeasuredCorner> corners = measure(grey, board, *H, placement.seeds, kFirstBlur, true);
+  H = homography_of(board, corners);
+  if (H) {
     drop_outliers(board, *H, options, &corners);
     std::vector<std::pair<int, Vector2d>> fitted;
     for (const MeasuredCorner& corner : corners)
       if (corner.fit.status == SaddleStatus::kFitted) fitted.emplace_back(corner.id, corner.fit.pixel);
-    corners = measure(grey, board, *H, fitted, std::clamp(median_of(corners, blur_of), 0.4, 6.0));
+    corners = measure(grey, board, *H, fitted, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false);
+    drop_outliers(board, *H, options, &corners);
   }
-  if (H) drop_outliers(board, *H, options, &corners);
   result.outside = count(corners, SaddleStatus::kOutsideImage);
   result.reason = fault_of(board, corners, options);
   if (!result.reason.empty()) return result;

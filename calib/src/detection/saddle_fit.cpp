@@ -46,7 +46,8 @@ constexpr double kMinBlur = 0.3;  // a pixel alone has sqrt(1/12)
 constexpr double kQuantisationVariance = 1.0 / 12.0;
 constexpr double kFirstNoiseVariance = 4.0;
 constexpr int kMaxIterations = 25;
-constexpr double kConvergedStep = 3e-4;  // a tenth of what a corner can be measured to [px]
+// A tenth of what a corner can be measured to, and enough to centre the window [px].
+constexpr double kConvergedStep = 3e-4, kCoarseStep = 0.03;
 
 /// erf(s / sqrt 2) and the density exp(-s^2/2) / sqrt(2 pi), from a table with cubic interpolation: error 1e-9.
 class NormalTable {
@@ -64,7 +65,7 @@ class NormalTable {
     return step_[i] * (2.0 * t3 - 3.0 * t2 + 1.0) + m0 * (t3 - 2.0 * t2 + t) + step_[i + 1] * (3.0 * t2 - 2.0 * t3) +
            m1 * (t3 - t2);
   }
-  static double density(double s) { return std::exp(-0.5 * s * s) * kInverseRoot; }
+  static double density(double s) { return std::abs(s) > kLimit ? 0.0 : std::exp(-0.5 * s * s) * kInverseRoot; }
 
  private:
   NormalTable() {
@@ -106,7 +107,7 @@ BlurredSign blurred_sign(double s1, double s2, double rho, double root) {
   BlurredSign result;
   result.value = table.step(s1) * table.step(s2);
   const bool at_both = std::abs(s1) < 4.5 && std::abs(s2) < 4.5;
-  if (at_both && std::abs(rho) > 1e-3) result.value += correlation_term(s1, s2, rho);
+  if (at_both && std::abs(rho) > 0.01) result.value += correlation_term(s1, s2, rho);
   result.by_s1 = 2.0 * NormalTable::density(s1) * table.step((s2 - rho * s1) / root);
   result.by_s2 = 2.0 * NormalTable::density(s2) * table.step((s1 - rho * s2) / root);
   return result;
@@ -181,9 +182,8 @@ System linearise(const std::vector<Pixel>& pixels, const Parameters& p, double n
     const double error = model(p, first, second, rho, pixel, &derivative) - pixel.grey;
     system.residual_squares += error * error;
     system.gradient += error * derivative;
-    system.normal.selfadjointView<Eigen::Lower>().rankUpdate(derivative);
+    system.normal.noalias() += derivative * derivative.transpose();
   }
-  system.normal = system.normal.selfadjointView<Eigen::Lower>();
   system.cost = system.residual_squares;
   for (const Parameter curve : {kCurve1, kCurve2})
     add_prior(curve, p[curve], noise_variance / (kCurvatureSigma * kCurvatureSigma), &system);
@@ -274,7 +274,8 @@ double noise_variance_of(const System& system, std::size_t pixels) {
 }
 
 // Levenberg-Marquardt. The noise variance only weighs the priors against the pixels.
-Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, double noise_variance, double reach) {
+Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, double noise_variance, double reach,
+                 double converged_step) {
   Minimum best{start, linearise(pixels, start, noise_variance), false};
   double damping = 1e-4;
   for (int iteration = 0; iteration < kMaxIterations && damping < 1e6 && !best.converged; ++iteration) {
@@ -284,7 +285,7 @@ Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, doub
     Parameters next = best.parameters + step;
     next[kBlur1] = std::max(next[kBlur1], kMinBlur);
     next[kBlur2] = std::max(next[kBlur2], kMinBlur);
-    const bool small = std::hypot(step[kX], step[kY]) < kConvergedStep;
+    const bool small = std::hypot(step[kX], step[kY]) < converged_step;
     System system;
     if (is_plausible(next, reach)) system = linearise(pixels, next, noise_variance);
     if (!is_plausible(next, reach) || !(system.cost <= best.system.cost)) {
@@ -317,9 +318,11 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
     return fit;
   }
   const double reach = 0.6 * std::min(window.square.col(0).norm(), window.square.col(1).norm());
-  Minimum minimum = minimise(*pixels, first_guess(window, *pixels), kFirstNoiseVariance, reach);
-  const double noise_variance = noise_variance_of(minimum.system, pixels->size());
-  if (minimum.converged) minimum = minimise(*pixels, minimum.parameters, noise_variance, reach);
+  const std::vector<Pixel>& used = *pixels;
+  Minimum minimum = minimise(used, first_guess(window, used), kFirstNoiseVariance, reach, kCoarseStep);
+  const double noise_variance = noise_variance_of(minimum.system, used.size());
+  if (minimum.converged && !window.coarse)
+    minimum = minimise(used, minimum.parameters, noise_variance, reach, kConvergedStep);
   const Parameters& p = minimum.parameters;
   const bool right_colours = (p[kContrast] > 0.0) == window.dark_diagonal;
   if (!minimum.converged || !right_colours) return fit;

@@ -15,6 +15,7 @@ struct SaddleWindow {
   Eigen::Matrix2d square = Eigen::Matrix2d::Identity();
   bool dark_diagonal = true;  ///< the squares at +x +y and -x -y of the corner are dark
   double blur_px = 0.8;       ///< first guess of the edges' blur
+  bool coarse = false;        ///< stop at a few hundredths of a pixel
 };
 
 enum class SaddleStatus { kFitted, kOutsideImage, kNoSaddle, kTooSmall };
