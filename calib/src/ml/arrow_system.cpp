@@ -7,6 +7,9 @@
 namespace rigproof::ml {
 namespace {
 
+// Information of an unknown that is fixed: its variance vanishes beside every other.
+constexpr double kFixedInformation = 1e30;
+
 double log_diagonal(const Eigen::MatrixXd& triangle) { return triangle.diagonal().array().abs().log().sum(); }
 
 }  // namespace
@@ -23,7 +26,8 @@ void ArrowSystem::fix_pose_unknown(int pose, int unknown) {
   const std::size_t i = static_cast<std::size_t>(pose);
   diagonal[i].row(unknown).setZero();
   diagonal[i].col(unknown).setZero();
-  diagonal[i](unknown, unknown) = 1.0;
+  diagonal[i](unknown, unknown) = kFixedInformation;
+  ++fixed_unknowns;
   coupling[i].row(unknown).setZero();
   if (i + 1 < coupling.size()) coupling[i + 1].col(unknown).setZero();
   pose_global.row(6 * pose + unknown).setZero();
@@ -33,7 +37,8 @@ void ArrowSystem::fix_pose_unknown(int pose, int unknown) {
 void ArrowSystem::fix_global_unknown(int unknown) {
   global.row(unknown).setZero();
   global.col(unknown).setZero();
-  global(unknown, unknown) = 1.0;
+  global(unknown, unknown) = kFixedInformation;
+  ++fixed_unknowns;
   pose_global.col(unknown).setZero();
   global_gradient[unknown] = 0.0;
 }
@@ -41,6 +46,7 @@ void ArrowSystem::fix_global_unknown(int unknown) {
 std::optional<EliminatedSystem> EliminatedSystem::eliminate(const ArrowSystem& system, double damping) {
   const int n = system.poses(), globals = system.globals();
   EliminatedSystem result;
+  result.log_determinant_ = -system.fixed_unknowns * std::log(kFixedInformation);  // they are none of the unknowns
   result.inverse_pivot_.resize(static_cast<std::size_t>(n));
   result.factor_.resize(static_cast<std::size_t>(n), Matrix6d::Zero());
   result.solved_.resize(6 * n, globals + 1);

@@ -22,7 +22,8 @@ struct ArrowSystem {
 
   int poses() const { return static_cast<int>(diagonal.size()); }
   int globals() const { return static_cast<int>(global.rows()); }
-  /// Takes an unknown of a pose out of the equations: its step is zero.
+  int fixed_unknowns = 0;
+  /// Takes an unknown of a pose out of the equations: its step and its variance are zero.
   void fix_pose_unknown(int pose, int unknown);
   void fix_global_unknown(int unknown);
 };

@@ -183,6 +183,7 @@ TEST(MlOdometry, TellsTheTwoNoiseModelsApart) {
       GeometricConfig config;
       config.seed = seed;
       config.stops = 25;
+      config.lambda = 0.5;  // not the level that the estimation starts from
       config.odometry_model = model;
       config.declare_odometry_model = config.declare_odometry_sigmas = false;
       const GeometricRun run = draw_geometric_run(config);
@@ -190,8 +191,8 @@ TEST(MlOdometry, TellsTheTwoNoiseModelsApart) {
       EXPECT_TRUE(estimate.odometry.decided_from_data);
       EXPECT_EQ(estimate.odometry.model, model) << "seed " << seed;
       // 24 increments estimate a sigma to 1 / sqrt(2 * 48 / 2) = 14 %; four times that.
-      EXPECT_NEAR(estimate.noise.odometry_xy_m, 0.002, 0.0012);
-      EXPECT_NEAR(estimate.noise.odometry_yaw_rad, 0.01, 0.008);
+      EXPECT_NEAR(estimate.noise.odometry_xy_m, 0.001, 0.0006);
+      EXPECT_NEAR(estimate.noise.odometry_yaw_rad, 0.005, 0.003);
     }
   }
 }

@@ -90,6 +90,60 @@ TEST(Refusal, HealthyDrivesAreNot) {
   }
 }
 
+bool mentions(const Result& result, const std::string& words) {
+  for (const std::string& reason : result.reasons)
+    if (reason.find(words) != std::string::npos) return true;
+  return false;
+}
+
+// Data that contradict each other, with and without declared noise.
+class Contradictory : public testing::TestWithParam<bool> {
+ protected:
+  Contradictory() {
+    GeometricConfig config;
+    config.stops = 15;
+    config.declare_odometry_model = config.declare_odometry_sigmas = GetParam();
+    observations = draw_geometric_run(config).observations;
+  }
+  void expect_unusable(const std::string& words) const {
+    const Result result = estimate_maximum_likelihood(observations).result;
+    EXPECT_NE(result.status, ResultStatus::kSolved);
+    EXPECT_TRUE(mentions(result, words)) << testing::PrintToString(result.reasons);
+    for (const EstimatedTransform& transform : result.camera_to_robot) EXPECT_FALSE(transform.observable[0]);
+  }
+  Observations observations;
+};
+
+TEST_P(Contradictory, OdometryInMillimetres) {
+  for (Stop& stop : observations.stops) {
+    stop.x_m *= 1000.0;
+    stop.y_m *= 1000.0;
+  }
+  expect_unusable("odometry");
+}
+
+TEST_P(Contradictory, OdometryMirrored) {
+  for (Stop& stop : observations.stops) {
+    stop.y_m = -stop.y_m;
+    stop.yaw_rad = -stop.yaw_rad;
+  }
+  expect_unusable("odometry");
+}
+
+TEST_P(Contradictory, StampsShiftedByOneStop) {
+  for (std::size_t i = 0; i + 1 < observations.stops.size(); ++i) observations.stops[i] = observations.stops[i + 1];
+  expect_unusable("odometry");
+}
+
+TEST_P(Contradictory, IntrinsicsOfAnotherCamera) {
+  observations.cameras[1].camera.fx_px *= 1.3;
+  observations.cameras[1].camera.cx_px += 60.0;
+  const Result result = estimate_maximum_likelihood(observations).result;
+  EXPECT_NE(result.status, ResultStatus::kSolved);
+}
+
+INSTANTIATE_TEST_SUITE_P(Declared, Contradictory, testing::Bool());
+
 TEST(Refusal, NoBoardAtAllIsSaid) {
   GeometricConfig config;
   config.stops = 5;
