@@ -206,33 +206,35 @@ double cauchy_weight(const Block& block, double scale) {
   return 1.0 / (1.0 + block.residual.squaredNorm() / (scale * scale));
 }
 
-void store_residuals(const std::array<double, 3>& scales, HandEyeProblem* problem) {
-  const Blocks blocks = make_blocks(*problem);
+// Residuals and robust weights at problem->X, in the terms and in the blocks that are returned.
+Blocks store_residuals(const std::array<double, 3>& scales, HandEyeProblem* problem) {
+  Blocks blocks = make_blocks(*problem);
   for (std::size_t i = 0; i < blocks.motions.size(); ++i) {
     problem->motions[i].residual = blocks.motions[i].residual;
-    problem->motions[i].weight = cauchy_weight(blocks.motions[i], scales[0]);
+    problem->motions[i].weight = blocks.motions[i].weight = cauchy_weight(blocks.motions[i], scales[0]);
   }
   for (std::size_t i = 0; i < blocks.pairs.size(); ++i) {
     problem->pairs[i].residual = blocks.pairs[i].residual;
-    problem->pairs[i].weight = cauchy_weight(blocks.pairs[i], scales[1]);
+    problem->pairs[i].weight = blocks.pairs[i].weight = cauchy_weight(blocks.pairs[i], scales[1]);
   }
   for (std::size_t i = 0; i < blocks.heights.size(); ++i) {
     problem->heights[i].residual_m = blocks.heights[i].residual(0);
-    problem->heights[i].weight = cauchy_weight(blocks.heights[i], scales[2]);
+    problem->heights[i].weight = blocks.heights[i].weight = cauchy_weight(blocks.heights[i], scales[2]);
   }
+  return blocks;
 }
 
 // Ceres stops when the cost no longer falls, which leaves half of the digits of the minimum. A few reweighted
 // Gauss-Newton steps give the rest, so that the answer does not depend on the frames in which the data are told.
 void polish(const std::array<double, 3>& scales, HandEyeProblem* problem) {
   for (int step = 0; step < 5; ++step) {
-    store_residuals(scales, problem);
-    const NormalEquations normal = normal_equations(make_blocks(*problem), problem->X.size());
+    const NormalEquations normal = normal_equations(store_residuals(scales, problem), problem->X.size());
     const Eigen::VectorXd errors = normal.H.ldlt().solve(-normal.g);
     // Far from the minimum nothing is polished.
     if (!(errors.norm() < 1e-5)) return;
     for (std::size_t k = 0; k < problem->X.size(); ++k)
       problem->X[k] = apply_transform_error(problem->X[k], errors.segment<6>(row(k)));
+    if (errors.norm() < 1e-12) return;
   }
 }
 
