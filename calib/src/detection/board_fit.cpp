@@ -140,6 +140,18 @@ double smallest_square(const std::vector<MeasuredCorner>& corners) {
   return smallest;
 }
 
+// The squares' outer corners lie in the image, so that what is missing is hidden and not beyond the image's edge.
+bool outline_in_image(const Board& board, const Homography& H, const Image8& grey) {
+  for (const int x : {-1, board.inner_corners_x()}) {
+    for (const int y : {-1, board.inner_corners_y()}) {
+      Vector2d p;
+      if (!H.map(Vector2d(x, y), &p) || p.minCoeff() < -0.5 || p.x() > grey.width - 0.5 || p.y() > grey.height - 0.5)
+        return false;
+    }
+  }
+  return true;
+}
+
 // Why a measured board cannot be used; empty if it can.
 std::string fault_of(const Board& board, const std::vector<MeasuredCorner>& corners,
                      const CheckerboardOptions& options) {
@@ -177,6 +189,9 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   }
   result.outside = count(corners, SaddleStatus::kOutsideImage);
   result.reason = fault_of(board, corners, options);
+  const bool incomplete = count(corners, SaddleStatus::kFitted) < board.corner_count();
+  if (result.reason.empty() && incomplete && (!H || !outline_in_image(board, *H, grey)))
+    result.reason = "board cut off";
   if (!result.reason.empty()) return result;
   for (const MeasuredCorner& corner : corners) {
     if (corner.fit.status != SaddleStatus::kFitted) continue;

@@ -128,18 +128,22 @@ class BoardFinder {
       : grey_(grey), board_(board), options_(options), pyramid_(grey) {}
 
   BoardDetection find() {
-    for (const std::size_t level : pyramid_.search_order())
-      if (try_grids(detection::search_grids(pyramid_, level, 4))) return std::move(fit_.corners);
+    // Whole grids of any level before parts: a part may belong to something else that is chequered.
+    for (const std::size_t level : pyramid_.search_order()) {
+      hypotheses_.push_back(detection::rank_hypotheses(detection::search_grids(pyramid_, level, 4), board_));
+      if (try_hypotheses(hypotheses_.back(), board_.corner_count())) return std::move(fit_.corners);
+    }
+    if (try_parts()) return std::move(fit_.corners);
     if (!best_part_) return BoardNotFound{"no board"};
     if (const std::optional<CornerGrid> grid = detection::opencv_corner_grid(grey_, board_))
-      if (try_grids({*grid})) return std::move(fit_.corners);
+      if (try_hypotheses(detection::rank_hypotheses({*grid}, board_), part_size())) return std::move(fit_.corners);
     return BoardNotFound{reason_.empty() ? reason_for_part(*best_part_, grey_, board_) : reason_};
   }
 
  private:
-  bool try_grids(const std::vector<CornerGrid>& grids) {
-    for (const BoardHypothesis& hypothesis : rank_hypotheses(grids, board_)) {
-      if (hypothesis.corners < part_size()) break;
+  bool try_hypotheses(const std::vector<BoardHypothesis>& hypotheses, int min_corners) {
+    for (const BoardHypothesis& hypothesis : hypotheses) {
+      if (hypothesis.corners < static_cast<std::size_t>(min_corners)) break;
       fit_ = fit_hypothesis(grey_, board_, hypothesis, options_);
       if (!fit_.corners.empty()) return true;
       const bool better = !best_part_ || hypothesis.corners > best_part_->corners;
@@ -149,14 +153,38 @@ class BoardFinder {
     }
     return false;
   }
-  std::size_t part_size() const {
-    return std::max<std::size_t>(4, static_cast<std::size_t>(kPartOfBoard * board_.corner_count()));
+  // Parts of two boards in one image: the one with more corners, and neither where they are equal.
+  bool try_parts() {
+    BoardFit best;
+    bool unique = true;
+    for (const std::vector<BoardHypothesis>& of_level : hypotheses_) {
+      for (const BoardHypothesis& hypothesis : of_level) {
+        if (!try_hypotheses({hypothesis}, part_size())) continue;
+        const bool same = !best.corners.empty() && same_board(best.corners, fit_.corners);
+        if (fit_.corners.size() == best.corners.size() && !same) unique = false;
+        if (fit_.corners.size() <= best.corners.size()) continue;
+        best = std::move(fit_);
+        unique = true;
+      }
+    }
+    fit_ = std::move(best);
+    if (!unique) reason_ = "two boards, both partly hidden";
+    return unique && !fit_.corners.empty();
   }
+  static bool same_board(const std::vector<CornerObservation>& a, const std::vector<CornerObservation>& b) {
+    constexpr double kSamePlacePx = 2.0;
+    for (const CornerObservation& corner : a)
+      for (const CornerObservation& other : b)
+        if (corner.id == other.id) return (corner.pixel - other.pixel).norm() < kSamePlacePx;
+    return false;
+  }
+  int part_size() const { return std::max(4, static_cast<int>(kPartOfBoard * board_.corner_count())); }
 
   const Image8& grey_;
   const Board& board_;
   const CheckerboardOptions& options_;
   Pyramid pyramid_;
+  std::vector<std::vector<BoardHypothesis>> hypotheses_;  ///< by level searched
   BoardFit fit_;
   std::optional<BoardHypothesis> best_part_;
   std::string reason_;
