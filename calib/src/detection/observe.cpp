@@ -68,6 +68,12 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
+// A file holds the upper triangle: what is solved from memory must not differ from it by the other one's rounding.
+template <typename Matrix>
+void mirror_upper_triangle(Matrix* covariance) {
+  *covariance = Matrix(covariance->template selfadjointView<Eigen::Upper>());
+}
+
 template <typename Value>
 std::optional<Value> take(std::variant<Value, Unreadable> read, std::string* reason) {
   if (auto* failure = std::get_if<Unreadable>(&read)) {
@@ -89,6 +95,7 @@ class Observer {
     choose_frames();
     refuse_without_board();
     if (options_.use_depth) look_at_depth();
+    make_symmetric();
     sort_exclusions();
     return std::move(result_);
   }
@@ -365,6 +372,13 @@ class Observer {
       if (check.accepted[i]) accepted.push_back(std::move(result_.ground_planes[i]));
     result_.ground_planes = std::move(accepted);
     result_.exclusions.insert(result_.exclusions.end(), check.rejected.begin(), check.rejected.end());
+  }
+
+  void make_symmetric() {
+    for (BoardView& view : result_.board_views)
+      for (CornerObservation& corner : view.corners) mirror_upper_triangle(&corner.covariance_px2);
+    for (auto* planes : {&result_.ground_planes, &result_.board_planes})
+      for (PlaneObservation& plane : *planes) mirror_upper_triangle(&plane.covariance_per_m2);
   }
 
   void sort_exclusions() {
