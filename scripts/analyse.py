@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Runs clang-tidy over the sources of the compilation database in build/release, two answers at a time.
+"""Runs clang-tidy over the program's sources in the compilation database of build/release, one answer a core.
+
+Tests and benchmarks are left to the compilers: they would double the time.
 
 A file that passed is remembered by the hash of everything that went into the answer (its preprocessed text, its
 flags, .clang-tidy and the tool's version), under ~/.cache/rigproof/analysis, and is not analysed again.
@@ -35,6 +37,10 @@ def answer_key(entry: dict, salt: bytes) -> str:
     return hashlib.sha256(salt + relative_flags.encode() + content + text.stderr).hexdigest()
 
 
+def is_test(name: str) -> bool:
+    return os.path.relpath(name, ROOT).split(os.sep)[0] in ("tests", "bench")
+
+
 def analyse(entry: dict, salt: bytes) -> tuple[str, bool, str]:
     name = os.path.relpath(entry["file"], ROOT)
     stamp = CACHE / answer_key(entry, salt)
@@ -55,7 +61,7 @@ def main() -> int:
     wanted = {str(pathlib.Path(name).resolve()) for name in sys.argv[1:]}
     entries = [entry for entry in json.loads(DATABASE.read_text())
                if entry["file"].startswith(str(ROOT)) and "/build/" not in entry["file"]
-               and (not wanted or entry["file"] in wanted)]
+               and (entry["file"] in wanted if wanted else not is_test(entry["file"]))]
     CACHE.mkdir(parents=True, exist_ok=True)
     version = subprocess.run([TIDY, "--version"], capture_output=True, check=False).stdout
     salt = version + (ROOT / ".clang-tidy").read_bytes()

@@ -20,7 +20,8 @@ struct Board {
   int inner_corners_y() const { return squares_y - 1; }
   int corner_count() const { return inner_corners_x() * inner_corners_y(); }
   Eigen::Vector3d corner(int id) const {
-    return {square_m * (id % inner_corners_x()), square_m * (id / inner_corners_x()), 0.0};
+    const int ix = id % inner_corners_x(), iy = id / inner_corners_x();
+    return {square_m * ix, square_m * iy, 0.0};
   }
   std::vector<Eigen::Vector3d> corners() const;
   /// The four outer corners of the squares, in the order (-,-), (+,-), (+,+), (-,+) [board frame, m].
