@@ -163,7 +163,8 @@ WorkerEvent WorkerPool::read_event(std::size_t index) {
   ssize_t size = -1;
   do {
     size = ::recv(worker.socket, message.data(), message.size(), 0);
-  } while (size < 0 && errno == EINTR);
+    // Told once of a process that ended with jobs unread; its last message lies behind.
+  } while (size < 0 && (errno == EINTR || errno == ECONNRESET));
   if (size <= 0) return bury(index, "");
   message.resize(static_cast<std::size_t>(size));
   worker.last_heard = std::chrono::steady_clock::now();

@@ -80,6 +80,23 @@ TEST(WorkerPool, ExceptionArrivesAsItsMessage) {
   EXPECT_EQ(event.text, "no EGL: install libegl1");
 }
 
+// With jobs unread the kernel reports a broken connection before the message.
+TEST(WorkerPool, FailureToPrepareIsToldThoughJobsWait) {
+  WorkerPool pool(
+      1,
+      [](std::string*) -> WorkerPool::Handler {
+        ::usleep(20000);
+        throw Error("no EGL");
+      },
+      kPatienceS);
+  pool.submit(1);
+  pool.submit(2);
+  ::usleep(100000);
+  const WorkerEvent event = first_trouble(&pool);
+  EXPECT_EQ(event.kind, WorkerEvent::Kind::kFailed);
+  EXPECT_EQ(event.text, "no EGL");
+}
+
 TEST(WorkerPool, ProcessThatHangsCountsAsDead) {
   WorkerPool pool(
       1,
