@@ -16,6 +16,8 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
+bool is_binary(std::string_view text) { return text.find('\0') != std::string_view::npos; }
+
 bool CsvLines::next(std::vector<std::string_view>* fields) {
   fields->clear();
   while (!rest_.empty()) {
@@ -54,7 +56,7 @@ bool CsvColumns::read_header(const std::vector<std::string_view>& fields, const 
     if (found == names.end() && i < required) {
       const auto nearest = nearest_name(wanted[i], names);
       problems->add({file, line, wanted[i], "",
-                     "the column is missing" + (nearest ? "; is \"" + for_message(*nearest) + "\" meant?" : "") +
+                     "the column is missing" + (nearest ? "; is \"" + for_message(*nearest) + "\" meant?" : ";") +
                          " Columns: " + for_message(joined(names))});
     }
     needed_ = std::max(needed_, static_cast<std::size_t>(place_[i] + 1));

@@ -40,6 +40,9 @@ class CsvColumns {
   std::size_t needed_ = 0;
 };
 
+/// True for what no text editor wrote: a picture in the place of a table.
+bool is_binary(std::string_view text);
+
 /// Adds at most a bounded number of problems of one file and then says how many more there are.
 class LimitedProblems {
  public:

@@ -27,11 +27,11 @@ void Problems::sort() {
 }
 
 std::string Problems::text() const {
+  // A file that is wrong throughout must not push the first problem off the screen.
+  constexpr std::size_t kMost = 40;
   std::string text;
-  for (const Problem& problem : problems_) {
-    if (!text.empty()) text += '\n';
-    text += problem.text();
-  }
+  for (std::size_t i = 0; i < problems_.size() && i < kMost; ++i) text += (i == 0 ? "" : "\n") + problems_[i].text();
+  if (problems_.size() > kMost) text += "\nand " + std::to_string(problems_.size() - kMost) + " more problems";
   return text;
 }
 

@@ -51,21 +51,27 @@ std::vector<OdometrySample> read_odometry_csv(const std::filesystem::path& file,
     problems->add({"", 0, "", "", error.what()});
     return odometry;
   }
+  if (is_binary(text)) {
+    problems->add({file.string(), 0, "", "", "is no text; it needs rows of stamp_s,x_m,y_m,yaw_rad"});
+    return odometry;
+  }
   LimitedProblems limited(file.string());
   CsvLines lines(text);
   CsvColumns columns;
   std::vector<std::string_view> fields;
-  bool first = true;
+  bool first = true, any_row = false;
   Problems header_problems;
   while (header_problems.empty() && lines.next(&fields)) {
     const bool header =
         first && columns.read_header(fields, kColumns, kColumns.size(), file.string(), lines.line(), &header_problems);
     first = false;
+    any_row = any_row || !header;
     if (!header) read_row(columns, fields, lines.line(), &odometry, &limited);
   }
   problems->append(header_problems);
   limited.move_to(problems);
-  if (first) problems->add({file.string(), 0, "", "", "is empty; it needs rows of stamp_s,x_m,y_m,yaw_rad"});
+  if (!any_row && header_problems.empty())
+    problems->add({file.string(), 0, "", "", "is empty; it needs rows of stamp_s,x_m,y_m,yaw_rad"});
   return odometry;
 }
 

@@ -44,7 +44,7 @@ struct Sight {
 struct PlaneSight {
   std::optional<PlaneObservation> ground;
   std::optional<PlaneObservation> board;
-  std::string unreadable;  ///< why the file gave no points
+  std::string problem;  ///< why there is no ground plane
 };
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
@@ -119,6 +119,10 @@ class Observer {
 
   void exclude(const Sight& sight, const std::string& reason) {
     result_.exclusions.push_back({sight.camera, sight.stop, frame_of(sight).color_file, reason});
+  }
+
+  void exclude_depth(int camera, int stop, const std::string& file, const std::string& reason) {
+    result_.exclusions.push_back({camera, stop, file, kDepthReason + reason});
   }
 
   // The file of a frame; a path that leaves the recording is a reason like any other.
@@ -218,19 +222,25 @@ class Observer {
     result_.board_views.push_back({sight.stop, sight.camera, frame.stamp_s, frame.color_file, sight.corners});
   }
 
+  // Why the board was not found, without what differs from image to image, the most frequent first.
+  std::vector<std::pair<std::string, std::size_t>> common_reasons() const {
+    std::map<std::string, std::size_t> counts;
+    for (const Sight* sight : chosen_) ++counts[sight->reason.substr(0, sight->reason.find(" ("))];
+    std::vector<std::pair<std::string, std::size_t>> reasons(counts.begin(), counts.end());
+    std::stable_sort(reasons.begin(), reasons.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    return reasons;
+  }
+
   void refuse_without_board() const {
     if (!result_.board_views.empty()) return;
-    std::map<std::string, std::size_t> reasons;
-    for (const Sight* sight : chosen_) ++reasons[sight->reason];
+    const std::vector<std::pair<std::string, std::size_t>> reasons = common_reasons();
     const Board& board = recording_.rig.board;
     std::string text = recording_.folder.string() + ": the board of " + size_text(board.squares_x, board.squares_y) +
                        " squares is in none of " + std::to_string(chosen_.size()) + " readable images (";
-    bool first = true;
-    for (const auto& [reason, count] : reasons) {
-      text += (first ? "" : ", ") + std::to_string(count) + " " + reason;
-      first = false;
-    }
-    text += ")";
+    constexpr std::size_t kShown = 3;
+    for (std::size_t i = 0; i < reasons.size() && i < kShown; ++i)
+      text += (i == 0 ? "" : ", ") + std::to_string(reasons[i].second) + " " + reasons[i].first;
+    text += reasons.size() > kShown ? ", ..)" : ")";
     if (const std::optional<CheckerboardSize> seen = board_in_images())
       text += "; " + describe_size_mismatch(*seen, board);
     throw Error(text);
@@ -292,15 +302,20 @@ class Observer {
   PlaneSight look_at_depth(const Sight& sight, const std::optional<Rigid3>& T_camera_board,
                            const std::optional<Eigen::Vector3d>& up_camera) const {
     PlaneSight result;
-    const std::optional<DepthPoints> points = read_points(sight, &result.unreadable);
+    const std::optional<DepthPoints> points = read_points(sight, &result.problem);
     if (!points) return result;
     const DepthNoise& noise = recording_.rig.cameras[static_cast<std::size_t>(sight.camera)].depth->noise;
+    const auto fit_ground = [&](const DepthPoints& elsewhere) {
+      GroundPlaneFit fit = fit_ground_plane(elsewhere, noise, up_camera);
+      result.ground = std::move(fit.plane);
+      if (!result.ground) result.problem = fit.reason;
+    };
     if (!T_camera_board) {
-      result.ground = fit_ground_plane(*points, noise, up_camera).plane;
+      fit_ground(*points);
       return result;
     }
     const detection::SplitPoints split = detection::split_at_board(*points, recording_.rig.board, *T_camera_board);
-    result.ground = fit_ground_plane(split.elsewhere, noise, up_camera).plane;
+    fit_ground(split.elsewhere);
     result.board = detection::fit_board_plane(split.on_board, noise, *T_camera_board);
     return result;
   }
@@ -310,8 +325,10 @@ class Observer {
     std::vector<const Sight*> with_depth;
     for (const Sight* sight : chosen_) {
       const CameraFrame& frame = frame_of(*sight);
-      const bool has_file = !frame.depth_file.empty() || !frame.cloud_file.empty();
-      if (has_file && recording_.rig.cameras[static_cast<std::size_t>(sight->camera)].depth)
+      if (!recording_.rig.cameras[static_cast<std::size_t>(sight->camera)].depth) continue;
+      if (frame.depth_file.empty() && frame.cloud_file.empty())
+        exclude_depth(sight->camera, sight->stop, frame.color_file, "no depth image of this name");
+      else
         with_depth.push_back(sight);
     }
     if (with_depth.empty()) return;
@@ -336,7 +353,7 @@ class Observer {
   void keep(const Sight& sight, PlaneSight planes) {
     const CameraFrame& frame = frame_of(sight);
     const std::string& file = frame.depth_file.empty() ? frame.cloud_file : frame.depth_file;
-    if (!planes.unreadable.empty()) result_.exclusions.push_back({sight.camera, sight.stop, file, planes.unreadable});
+    if (!planes.problem.empty()) exclude_depth(sight.camera, sight.stop, file, planes.problem);
     const auto add = [&](std::optional<PlaneObservation>& plane, std::vector<PlaneObservation>* to) {
       if (!plane) return;
       plane->stop = sight.stop;
@@ -359,7 +376,7 @@ class Observer {
       if (sigma <= kMaxUncertaintyRatio * median_of(sigmas[plane.camera]))
         certain.push_back(std::move(plane));
       else
-        result_.exclusions.push_back({plane.camera, plane.stop, plane.file, "ground plane is too uncertain"});
+        exclude_depth(plane.camera, plane.stop, plane.file, "ground plane is too uncertain");
     }
     result_.ground_planes = std::move(certain);
   }

@@ -55,7 +55,7 @@ std::optional<OdometryReading> OdometryTrack::at(double stamp_s, std::string* re
   }
   *reason = has_next && has_previous ? seconds_text("odometry gap of %.2f s (%.3f to %.3f s)", to_next + to_previous,
                                                     samples_[next - 1].stamp_s, samples_[next].stamp_s)
-                                     : seconds_text("no odometry at %.3f s (it covers %.3f to %.3f s)", stamp_s,
+                                     : seconds_text("no odometry (at %.3f s; it covers %.3f to %.3f s)", stamp_s,
                                                     samples_.front().stamp_s, samples_.back().stamp_s);
   return std::nullopt;
 }

@@ -427,7 +427,7 @@ GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noi
                                 const std::optional<Vector3d>& up_camera, const GroundPlaneOptions& options) {
   const std::vector<Measurement> measurements = measurements_of(points, noise);
   if (static_cast<int>(measurements.size()) < options.min_inliers)
-    return {std::nullopt, "only " + std::to_string(measurements.size()) + " depth points"};
+    return {std::nullopt, "only " + std::to_string(measurements.size()) + " points in the sensor's range"};
   const RangeLimits limits{1.0 / points.max_m, points.min_m > 0.0 ? 1.0 / points.min_m : 1e9};
   std::vector<Refined> planes;
   if (up_camera) {

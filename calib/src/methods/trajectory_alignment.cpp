@@ -320,7 +320,7 @@ void fill_from_own_planes(const Context& context, TrajectoryAlignment* alignment
 }
 
 Exclusion rejection(const PlaneObservation& plane, const std::string& reason) {
-  return {plane.camera, plane.stop, plane.file, reason};
+  return {plane.camera, plane.stop, plane.file, std::string(kDepthReason) + reason};
 }
 
 std::string degrees_text(double angle_rad) { return std::to_string(std::lround(rad_to_deg(angle_rad))) + " deg"; }

@@ -245,7 +245,9 @@ TEST_F(ObserveTest, WithoutDepthThereAreNoPlanes) {
   const Observations seen = observe(recording_);
   EXPECT_TRUE(seen.ground_planes.empty());
   EXPECT_TRUE(seen.board_planes.empty());
-  EXPECT_TRUE(seen.exclusions.empty());
+  EXPECT_FALSE(seen.exclusions.empty());
+  for (const Exclusion& exclusion : seen.exclusions)
+    EXPECT_EQ(exclusion.reason, std::string(kDepthReason) + "no depth image of this name");
 }
 
 TEST_F(ObserveTest, ProgressCountsAndInterrupts) {

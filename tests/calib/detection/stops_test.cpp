@@ -75,7 +75,7 @@ TEST(OdometryTrack, NamesGapsAndEnds) {
   EXPECT_FALSE(track.at(3.0, &reason));
   EXPECT_EQ(reason, "odometry gap of 2.00 s (2.000 to 4.000 s)");
   EXPECT_FALSE(track.at(11.0, &reason));
-  EXPECT_EQ(reason, "no odometry at 11.000 s (it covers 0.000 to 10.000 s)");
+  EXPECT_EQ(reason, "no odometry (at 11.000 s; it covers 0.000 to 10.000 s)");
   // A sample 15 ms away serves, with the way covered in that time as its uncertainty.
   const auto near = track.at(10.015, &reason);
   ASSERT_TRUE(near.has_value());

@@ -178,7 +178,7 @@ TEST(GroundPlane, SaysWhyThereIsNone) {
   Scene scene(4);
   const GroundPlaneFit empty = fit(scene, Image16(640, 360));
   EXPECT_FALSE(empty.plane);
-  EXPECT_THAT(empty.reason, HasSubstr("0 depth points"));
+  EXPECT_THAT(empty.reason, HasSubstr("only 0 points"));
   const Plane wall{Vector3d(0.0, 0.0, -1.0), 1.5};
   const GroundPlaneFit only_wall = fit(scene, scene.render({{wall, nullptr}}, 0.0019), Vector3d(0.0, -1.0, 0.0));
   EXPECT_FALSE(only_wall.plane);

@@ -48,7 +48,7 @@ class Problems {
   void sort();
   bool empty() const { return problems_.empty(); }
   const std::vector<Problem>& all() const { return problems_; }
-  /// One line a problem.
+  /// One line a problem; of very many only the first 40.
   std::string text() const;
   /// Throws Error with all problems if there is any.
   void throw_if_any() const;

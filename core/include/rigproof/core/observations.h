@@ -51,6 +51,9 @@ struct Stop {
   double interpolation_sigma_m = 0.0;
 };
 
+/// Begins the reason of an exclusion that concerns the depth of a frame only, not its image.
+inline constexpr const char* kDepthReason = "depth: ";
+
 /// A frame that calibration does not use, and why, in words.
 struct Exclusion {
   int camera = 0;
