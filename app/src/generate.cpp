@@ -39,8 +39,14 @@ std::filesystem::path output_of(const GenerateArguments& arguments, const Genera
 }
 
 GenerateReport generate_with_progress(const GenerateArguments& arguments, const GenerateConfig& config,
-                                      const Terminal& terminal) {
+                                      const Terminal& terminal,
+                                      const std::function<void(const std::string& gl_renderer)>& on_renderer) {
   GenerateOptions options;
+  bool told = false;
+  options.on_renderer = [&](const std::string& gl_renderer) {
+    told = true;
+    if (on_renderer) on_renderer(gl_renderer);
+  };
   options.output = output_of(arguments, config);
   options.jobs = arguments.common.jobs;
   options.fresh = arguments.fresh;
@@ -51,6 +57,7 @@ GenerateReport generate_with_progress(const GenerateArguments& arguments, const 
     options.progress = progress.callback();
     report = generate(config, options);
   }
+  if (!told && on_renderer) on_renderer(report.gl_renderer);
   if (!report.complete)
     throw Error("interrupted; the same command resumes " + options.output.string(), ExitCode::kTryAgain);
   const std::string count = std::to_string(report.images) + "/" + std::to_string(report.images) + " images";

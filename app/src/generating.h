@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string>
 
 #include "commands.h"
 #include "rigproof/generator/config.h"
@@ -16,9 +18,11 @@ GenerateConfig configuration_of(const GenerateArguments& arguments);
 /// Where the run goes: --output, else runs/<name of the configuration>.
 std::filesystem::path output_of(const GenerateArguments& arguments, const GenerateConfig& config);
 
-/// Generates or resumes and prints a line about it. Throws Error with ExitCode::kTryAgain if the user interrupts.
+/// Generates or resumes and prints a line about it; `on_renderer` is called before the first image. Throws Error with
+/// ExitCode::kTryAgain if the user interrupts.
 GenerateReport generate_with_progress(const GenerateArguments& arguments, const GenerateConfig& config,
-                                      const Terminal& terminal);
+                                      const Terminal& terminal,
+                                      const std::function<void(const std::string& gl_renderer)>& on_renderer = {});
 
 /// Prints what generating would take.
 int print_plan(const GenerateArguments& arguments, const GenerateConfig& config);

@@ -9,7 +9,7 @@
 
 namespace rigproof {
 
-/// A budget by file or by preset name ("budgets/ci"); the default one for an empty path.
+/// A budget by file or by the name of a shipped one ("ci"); the default one for an empty path.
 Budget budget_of(const std::filesystem::path& file);
 
 bool all_passed(const std::vector<ValidationRecord>& records);

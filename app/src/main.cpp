@@ -102,7 +102,8 @@ void add_validate(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<ValidateArguments>();
   command->add_option("RUN", arguments->run, "Folder of a generated run, with its truth/")->required();
   command->add_option("RESULT", arguments->results, "Result files; default every one in the run's results/");
-  command->add_option("--budget", arguments->budget, "Limits on the error; default 4 of the stated sigmas");
+  command->add_option("--budget", arguments->budget,
+                      "Limits on the error: a file, or ci, paper, honest; default 4 of the stated sigmas");
   command->add_option("--junit", arguments->junit, "Also write the checks as JUnit XML");
   command->add_flag("--paper", arguments->paper, "Print the numbers published for the paper's methods beside");
   add_common(command, arguments->common);
@@ -115,7 +116,8 @@ void add_run(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<RunArguments>();
   add_generate_options(command, arguments->generate);
   command->add_option("-m,--method", arguments->methods, "As `rigproof methods` lists them; may be repeated");
-  command->add_option("--budget", arguments->budget, "Limits on the error; default 4 of the stated sigmas");
+  command->add_option("--budget", arguments->budget,
+                      "Limits on the error: a file, or ci, paper, honest; default 4 of the stated sigmas");
   command->add_option("--junit", arguments->junit, "Also write the checks as JUnit XML");
   command->callback([arguments, &action] { action = [arguments] { return run_command(*arguments); }; });
 }

@@ -8,6 +8,7 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/rigid3.h"
+#include "rigproof/core/text.h"
 #include "rigproof/validate/body_angles.h"
 
 namespace rigproof {
@@ -59,41 +60,125 @@ std::vector<std::string> pose_cells(const EstimatedTransform& transform) {
   return cells;
 }
 
-std::string stop_list(const std::vector<int>& stops) {
-  constexpr std::size_t kShown = 6;
-  std::string text;
-  for (std::size_t i = 0; i < stops.size() && i < kShown; ++i)
-    text += (text.empty() ? "" : ", ") + std::to_string(stops[i]);
-  if (stops.size() > kShown) text += ", ..";
-  return text;
+/// Frames that were left out for one reason.
+struct ReasonGroup {
+  std::string reason;
+  std::vector<int> stops;
+};
+
+bool concerns_depth(const Exclusion& exclusion) { return exclusion.reason.rfind(kDepthReason, 0) == 0; }
+
+std::vector<Exclusion> exclusions_of(const CameraUse& use, bool depth) {
+  std::vector<Exclusion> chosen;
+  std::copy_if(use.left_out.begin(), use.left_out.end(), std::back_inserter(chosen),
+               [depth](const Exclusion& exclusion) { return concerns_depth(exclusion) == depth; });
+  return chosen;
 }
 
-// "18 no board, 1 residual 2.4 px (20)": the most frequent reasons first.
-std::string reasons_left_out(const std::vector<Exclusion>& left_out) {
-  std::map<std::string, std::vector<int>> stops_by_reason;
-  for (const Exclusion& exclusion : left_out) stops_by_reason[exclusion.reason].push_back(exclusion.stop);
-  std::vector<std::pair<std::string, std::vector<int>>> groups(stops_by_reason.begin(), stops_by_reason.end());
+// What stands in brackets differs from frame to frame: only a reason that is alone keeps it. Most frequent first.
+std::vector<ReasonGroup> by_reason(const std::vector<Exclusion>& left_out) {
+  std::map<std::string, std::vector<const Exclusion*>> alike;
+  for (const Exclusion& exclusion : left_out)
+    alike[exclusion.reason.substr(0, exclusion.reason.find(" ("))].push_back(&exclusion);
+  std::vector<ReasonGroup> groups;
+  for (const auto& [reason, exclusions] : alike) {
+    const std::string& whole = exclusions.front()->reason;
+    const bool same = std::all_of(exclusions.begin(), exclusions.end(),
+                                  [&whole](const Exclusion* exclusion) { return exclusion->reason == whole; });
+    groups.push_back({same ? whole : reason, {}});
+    for (const Exclusion* exclusion : exclusions) groups.back().stops.push_back(exclusion->stop);
+  }
   std::stable_sort(groups.begin(), groups.end(),
-                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
+                   [](const ReasonGroup& a, const ReasonGroup& b) { return a.stops.size() > b.stops.size(); });
+  return groups;
+}
+
+// " (3, 17)", for a few frames that belong to stops.
+std::string stop_list(const std::vector<int>& stops) {
+  constexpr std::size_t kMost = 6;
+  if (stops.size() > kMost || std::find(stops.begin(), stops.end(), -1) != stops.end()) return "";
+  std::string text;
+  for (const int stop : stops) text += (text.empty() ? "" : ", ") + std::to_string(stop);
+  return " (" + text + ")";
+}
+
+// "18 no board, 1 residual 2.4 px (20)".
+std::string reasons_text(const std::vector<Exclusion>& left_out) {
   constexpr std::size_t kShown = 3;
+  const std::vector<ReasonGroup> groups = by_reason(left_out);
   std::string text;
   for (std::size_t i = 0; i < groups.size() && i < kShown; ++i) {
     text += text.empty() ? "" : ", ";
-    if (groups.size() > 1) text += std::to_string(groups[i].second.size()) + " ";
-    text += groups[i].first;
-    if (groups[i].second.size() <= 6) text += " (" + stop_list(groups[i].second) + ")";
+    if (groups.size() > 1) text += std::to_string(groups[i].stops.size()) + " ";
+    text += groups[i].reason + stop_list(groups[i].stops);
   }
-  if (groups.size() > kShown) text += ", ..";
-  return text;
+  return text + (groups.size() > kShown ? ", .." : "");
 }
 
-void print_poses(const Terminal& terminal, const Result& result) {
-  if (result.camera_to_robot.empty()) return;
+// "2 left out: board cut off (3, 17)  depth of 1 left out: truncated PNG (5)".
+std::string left_out_text(const CameraUse& use) {
+  if (use.left_out.empty()) return use.used == 0 ? "no image" : "";
+  const std::vector<Exclusion> images = exclusions_of(use, false);
+  std::vector<Exclusion> depth = exclusions_of(use, true);
+  for (Exclusion& exclusion : depth) exclusion.reason.erase(0, std::string(kDepthReason).size());
+  std::string text;
+  if (!images.empty()) text = std::to_string(images.size()) + " left out: " + reasons_text(images);
+  if (depth.empty()) return text;
+  return text + (text.empty() ? "" : "  ") + "depth of " + std::to_string(depth.size()) +
+         " left out: " + reasons_text(depth);
+}
+
+// "left: z unobservable" for every camera is one thing to say.
+std::vector<std::string> shared_reasons(const Result& result) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> cameras_by_reason;
+  for (const std::string& reason : result.reasons) {
+    const std::string head = reason.substr(0, reason.find(": "));
+    const bool of_camera =
+        std::any_of(result.use.begin(), result.use.end(), [&head](const CameraUse& use) { return use.camera == head; });
+    const std::string what = of_camera ? reason.substr(head.size() + 2) : reason;
+    auto known = std::find_if(cameras_by_reason.begin(), cameras_by_reason.end(),
+                              [&what](const auto& entry) { return entry.first == what; });
+    if (known == cameras_by_reason.end()) known = cameras_by_reason.insert(known, {what, {}});
+    if (of_camera) known->second.push_back(head);
+  }
+  std::vector<std::string> texts;
+  for (const auto& [what, cameras] : cameras_by_reason) {
+    const bool all = cameras.size() > 1 && cameras.size() == result.use.size();
+    texts.push_back(cameras.empty() ? what : (all ? "all cameras" : joined(cameras)) + ": " + what);
+  }
+  return texts;
+}
+
+std::vector<std::string> pose_lines(const Result& result) {
+  if (result.camera_to_robot.empty()) return {};
   const std::string& parent = result.camera_to_robot.front().parent;
   std::vector<std::vector<std::string>> rows = {
       {"pose in " + parent, "x [cm]", "y", "z", "roll [deg]", "pitch", "yaw"}};
   for (const EstimatedTransform& transform : result.camera_to_robot) rows.push_back(pose_cells(transform));
-  for (const std::string& line : aligned(rows)) terminal.line(line);
+  return aligned(rows);
+}
+
+// "between cameras: left-center, left-right": the pairs whose six degrees of freedom are known, in spite of a refusal.
+std::string pairs_text(const Result& result) {
+  std::string text;
+  for (const EstimatedTransform& pair : result.camera_to_camera)
+    if (pair.fully_observable()) text += (text.empty() ? "between cameras: " : ", ") + pair.parent + "-" + pair.child;
+  return text;
+}
+
+bool has_any_figure(const EstimatedTransform& transform) {
+  return std::any_of(transform.observable.begin(), transform.observable.end(), [](bool known) { return known; });
+}
+
+// What a refusal leaves standing.
+void print_usable(const Terminal& terminal, const Result& result) {
+  std::vector<std::string> lines;
+  if (std::any_of(result.camera_to_robot.begin(), result.camera_to_robot.end(), has_any_figure))
+    lines = pose_lines(result);
+  if (const std::string pairs = pairs_text(result); !pairs.empty()) lines.push_back(pairs);
+  if (lines.empty()) lines.emplace_back("nothing");
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    terminal.line((i == 0 ? terminal.colored("USABLE", Color::kGood) + "   " : std::string(9, ' ')) + lines[i]);
 }
 
 nlohmann::json transform_as_json(const EstimatedTransform& transform) {
@@ -142,28 +227,44 @@ std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& ro
   return lines;
 }
 
+std::string use_in_short(const Result& result) {
+  int used = 0;
+  std::vector<Exclusion> left_out;
+  for (const CameraUse& use : result.use) {
+    used += use.used;
+    const std::vector<Exclusion> images = exclusions_of(use, false);
+    left_out.insert(left_out.end(), images.begin(), images.end());
+  }
+  std::string text = std::to_string(used) + " used, " + std::to_string(left_out.size()) + " left out";
+  if (left_out.empty()) return text;
+  const std::vector<ReasonGroup> groups = by_reason(left_out);
+  return text + " (" + (groups.size() > 1 ? "mostly " : "") + groups.front().reason + ")";
+}
+
 void print_use(const Terminal& terminal, const Result& result) {
   std::vector<std::vector<std::string>> rows;
   for (const CameraUse& use : result.use) {
     std::vector<std::string> cells = {" " + use.camera, std::to_string(use.used) + " used"};
-    if (!use.left_out.empty())
-      cells.push_back(std::to_string(use.left_out.size()) + " left out: " + reasons_left_out(use.left_out));
     rows.push_back(cells);
   }
   // Reasons differ in length: only the first two columns are padded.
-  std::vector<std::vector<std::string>> heads;
-  for (const auto& row : rows) heads.emplace_back(row.begin(), row.begin() + 2);
-  const std::vector<std::string> lines = aligned(heads);
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    terminal.line(lines[i] + (rows[i].size() > 2 ? "  " + rows[i][2] : ""));
+  const std::vector<std::string> lines = aligned(rows);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string left_out = left_out_text(result.use[i]);
+    terminal.line(lines[i] + (left_out.empty() ? "" : "  " + left_out));
+  }
 }
 
 void print_result(const Terminal& terminal, const Result& result) {
   print_use(terminal, result);
-  print_poses(terminal, result);
-  for (const std::string& reason : result.reasons)
+  for (const std::string& reason : shared_reasons(result))
     terminal.line(terminal.colored("REFUSED", Color::kBad) + "  " + reason);
-  for (const std::string& note : result.notes) terminal.line(terminal.colored("NOTE", Color::kWarning) + "  " + note);
+  if (result.status == ResultStatus::kSolved)
+    for (const std::string& line : pose_lines(result)) terminal.line(line);
+  else
+    print_usable(terminal, result);
+  for (const std::string& note : result.notes)
+    terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + note);
 }
 
 std::string result_as_json(const Result& result) {

@@ -16,20 +16,11 @@
 namespace rigproof {
 namespace {
 
-std::string headline(const GenerateConfig& config, const GenerateReport& report, int jobs) {
+std::string headline(const GenerateConfig& config, const std::string& gl_renderer, int jobs) {
   const unsigned cores = jobs > 0 ? static_cast<unsigned>(jobs) : std::thread::hardware_concurrency();
-  return config.scene + ", " + config.rig + ", seed " + std::to_string(config.seed) + ", " + report.gl_renderer +
-         " on " + std::to_string(cores) + (cores == 1 ? " core" : " cores");
-}
-
-std::string use_in_short(const Result& result) {
-  int used = 0;
-  std::size_t left_out = 0;
-  for (const CameraUse& use : result.use) {
-    used += use.used;
-    left_out += use.left_out.size();
-  }
-  return std::to_string(used) + " used, " + std::to_string(left_out) + " left out";
+  return config.scene + ", " + config.rig + ", seed " + std::to_string(config.seed) + ", " +
+         gl_renderer.substr(0, gl_renderer.find(" (")) + " on " + std::to_string(cores) +
+         (cores == 1 ? " core" : " cores");
 }
 
 /// Solves with every method, saves each result and judges it.
@@ -39,6 +30,7 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
   const Truth truth = load_truth(run.truth_file());
   const Budget budget = budget_of(arguments.budget);
   std::vector<ValidationRecord> records;
+  std::vector<Comparison> comparisons;
   for (const Method* method : methods_by_name(arguments.methods)) {
     const Result result = method->solve(observations);
     save_result(result, run.result_file(result.method));
@@ -47,9 +39,11 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     if (result.status != ResultStatus::kSolved) print_result(terminal, result);
     const Verdict verdict = judge(result, truth, budget);
     records.push_back({result.method, verdict.comparison, budget, verdict.gate});
+    comparisons.push_back(verdict.comparison);
     terminal.text(format_errors(verdict.comparison, &verdict.gate));
     terminal.text(format_suspicion(verdict.comparison));
     terminal.text(format_verdict(verdict.comparison, verdict.gate, budget));
+    terminal.text(format_same_run(verdict.comparison, budget, comparisons));
   }
   return records;
 }
@@ -73,8 +67,9 @@ int run_command(const RunArguments& arguments) {
   const CommonArguments& common = arguments.generate.common;
   const Terminal terminal(common.quiet || common.json);
   const RunFolder run{output_of(arguments.generate, config)};
-  const GenerateReport report = generate_with_progress(arguments.generate, config, terminal);
-  terminal.line(terminal.colored(headline(config, report, common.jobs), Color::kDim));
+  generate_with_progress(arguments.generate, config, terminal, [&](const std::string& gl_renderer) {
+    terminal.line(terminal.colored(headline(config, gl_renderer, common.jobs), Color::kDim));
+  });
   const Input input = open_input(run.root);
   const Observations observations = observe_with_progress(input, common.jobs, terminal);
   save_observations(observations, run.observations_file());

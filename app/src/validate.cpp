@@ -34,10 +34,31 @@ std::string subject_of(const std::filesystem::path& file, const ValidateArgument
   return arguments.results.empty() ? file.stem().string() : file.filename().string();
 }
 
+// What the run's own results make of the same data. One that cannot be read only is not compared with.
+std::vector<Comparison> comparisons_of_run(const RunFolder& run, const Truth& truth,
+                                           const std::vector<ValidationRecord>& records) {
+  std::vector<Comparison> comparisons;
+  if (all_passed(records)) return comparisons;
+  for (const std::filesystem::path& file : result_files(run.results())) {
+    try {
+      comparisons.push_back(compare(load_result(file), truth));
+    } catch (const Error&) {
+      continue;
+    }
+  }
+  return comparisons;
+}
+
 }  // namespace
 
 Budget budget_of(const std::filesystem::path& file) {
-  return file.empty() ? default_budget() : load_budget(find_data_file("config", file.string()));
+  if (file.empty()) return default_budget();
+  std::error_code ignored;
+  const std::string shipped = "budgets/" + file.stem().string();
+  const std::vector<std::string> presets = list_presets("config");
+  const bool is_shipped = !file.has_parent_path() && !std::filesystem::exists(file, ignored) &&
+                          std::find(presets.begin(), presets.end(), shipped) != presets.end();
+  return load_budget(find_data_file("config", is_shipped ? shipped : file.string()));
 }
 
 bool all_passed(const std::vector<ValidationRecord>& records) {
@@ -56,9 +77,11 @@ int validate_command(const ValidateArguments& arguments) {
   if (!arguments.junit.empty()) save_junit(records, arguments.junit);
   if (arguments.common.json) std::puts(to_json(records).c_str());
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
+  const std::vector<Comparison> same_run = comparisons_of_run(run, truth, records);
   for (const ValidationRecord& record : records) {
     if (&record != &records.front()) terminal.line();
     terminal.text(format_validation(record.comparison, record.gate, record.budget, record.subject));
+    terminal.text(format_same_run(record.comparison, record.budget, same_run));
     if (arguments.paper) terminal.text(format_paper(record.comparison));
   }
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);

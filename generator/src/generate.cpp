@@ -179,6 +179,8 @@ class Generation {
                   ", whose images differ in single bits; go on where it was begun, or start over with --fresh");
     }
     keeper_->set_gl_renderer(gl_renderer);
+    if (options_.on_renderer && !renderer_told_) options_.on_renderer(gl_renderer);
+    renderer_told_ = true;
   }
 
   bool report() const {
@@ -190,6 +192,7 @@ class Generation {
   const GenerateOptions& options_;
   ManifestKeeper* keeper_;
   std::size_t already_done_ = 0, rendered_ = 0;
+  bool renderer_told_ = false;
 };
 
 GenerateReport make_report(const Scenario& scenario, const Manifest& manifest, std::size_t rendered) {

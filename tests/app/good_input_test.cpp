@@ -57,6 +57,7 @@ TEST(Command, RunGeneratesCalibratesAndValidates) {
                                                  "image_scale=0.5", "--junit", (scratch / "out.xml").string()});
   ASSERT_EQ(output.exit_code, 0) << output.out << output.err;
   EXPECT_THAT(output.out, testing::AllOf(HasSubstr("seed 0"), HasSubstr("PASS"), HasSubstr("pictures")));
+  EXPECT_LT(output.out.find("indoor_lab, husky_3x_d455"), output.out.find("generate "));
   for (const char* file : {"run.yaml", "recording/rig.yaml", "truth/truth.yaml", "truth/proof.yaml",
                            "truth/config.yaml", "observations.json"})
     EXPECT_TRUE(fs::is_regular_file(run / file)) << file;

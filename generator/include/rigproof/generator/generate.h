@@ -18,6 +18,8 @@ struct GenerateOptions {
   int device = -2;               ///< as RenderOptions::device
   /// (images done, images in all); return false to interrupt. Called from the main process only.
   std::function<bool(std::size_t, std::size_t)> progress;
+  /// Told once what renders, before the first image is done; not called if nothing is left to render.
+  std::function<void(const std::string& gl_renderer)> on_renderer;
 };
 
 /// What --dry-run prints.
