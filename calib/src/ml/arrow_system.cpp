@@ -1,6 +1,7 @@
 #include "ml/arrow_system.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
@@ -119,6 +120,23 @@ EliminatedSystem::PoseCovariance EliminatedSystem::pose_covariance(const Eigen::
     if (i > 0) covariance.with_previous[i] -= rows * W.middleRows<6>(6 * static_cast<Eigen::Index>(i) - 6).transpose();
   }
   return covariance;
+}
+
+GlobalCovariance invert_information(const Eigen::MatrixXd& schur) {
+  // Unknowns in units of their own conditional sigma: a metre and a radian then compare.
+  const Eigen::VectorXd unit = schur.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = unit.asDiagonal() * schur * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const double threshold = 1e-11 * std::max(1.0, eigen.eigenvalues().maxCoeff());
+  const Eigen::Index free = (eigen.eigenvalues().array() < threshold).count();
+  const Eigen::Index determined = schur.rows() - free;
+  const Eigen::MatrixXd V = unit.asDiagonal() * eigen.eigenvectors();
+  GlobalCovariance result;
+  const Eigen::MatrixXd half =
+      V.rightCols(determined) * eigen.eigenvalues().tail(determined).cwiseSqrt().cwiseInverse().asDiagonal();
+  result.covariance = half * half.transpose();
+  result.free_directions = V.leftCols(free);
+  return result;
 }
 
 }  // namespace rigproof::ml

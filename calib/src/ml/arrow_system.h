@@ -59,4 +59,12 @@ class EliminatedSystem {
   double log_determinant_ = 0.0;
 };
 
+/// Covariance of the globals: the inverse of the Schur complement, without the directions that nothing determines.
+struct GlobalCovariance {
+  Eigen::MatrixXd covariance;
+  /// Directions (columns) of the globals that the data leave free, in units of the globals.
+  Eigen::MatrixXd free_directions;
+};
+GlobalCovariance invert_information(const Eigen::MatrixXd& schur);
+
 }  // namespace rigproof::ml

@@ -27,8 +27,9 @@ std::string format(const char* pattern, Args... args) {
 }
 
 // Weighted squares over their expectation, or 0 where chance explains them.
-double chi_square(const GroupSum& sum, int loss_dimensions) {
-  const double redundancy = sum.dimensions - sum.leverage;
+double chi_square(const GroupSum& all, int loss_dimensions) {
+  const GroupSum sum = all.without_outliers();
+  const double redundancy = sum.redundancy();
   if (redundancy < 3.0) return 0.0;
   const double ratio = sum.weighted_square / (cauchy_moments(loss_dimensions).weighted_square * redundancy);
   return ratio > 1.0 + kMaxDeviations * std::sqrt(2.0 / redundancy) ? ratio : 0.0;

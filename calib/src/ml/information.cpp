@@ -29,6 +29,7 @@ ml::State to_state(const Observations& observations, const CalibrationState& val
   state.odometry_yaw_factor = values.odometry_yaw_factor;
   for (const double scale : values.depth_scale) state.depth_bias.push_back(scale - 1.0);
   state.intrinsics.assign(cameras, Eigen::Vector3d::Zero());
+  state.ground_offset.assign(cameras, Eigen::Vector3d::Zero());
   return state;
 }
 
@@ -40,7 +41,8 @@ ml::NoiseLevels to_levels(const CalibrationNoise& noise, std::size_t cameras) {
   levels.suspension_height_m = std::max(noise.suspension_height_m, ml::kMinSuspensionHeight_m);
   levels.suspension_tilt_rad = std::max(noise.suspension_tilt_rad, ml::kMinSuspensionTilt_rad);
   levels.corner_scale.assign(cameras, 1.0);
-  levels.plane_scale.assign(cameras, 1.0);
+  levels.ground_scale.assign(cameras, 1.0);
+  levels.board_plane_scale.assign(cameras, 1.0);
   return levels;
 }
 

@@ -8,6 +8,7 @@
 #include "ml/contradictions.h"
 #include "ml/covariance.h"
 #include "ml/robust_views.h"
+#include "ml/shared_ground_error.h"
 #include "ml/solver.h"
 #include "rigproof/calib/initial_guess.h"
 #include "rigproof/calib/trajectory_alignment.h"
@@ -46,7 +47,8 @@ ml::NoiseLevels starting_levels(const Observations& observations, OdometryModel 
   levels.suspension_tilt_rad =
       std::max(options.suspension_tilt_sigma_rad.value_or(levels.suspension_tilt_rad), ml::kMinSuspensionTilt_rad);
   levels.corner_scale.assign(observations.cameras.size(), 1.0);
-  levels.plane_scale.assign(observations.cameras.size(), 1.0);
+  levels.ground_scale.assign(observations.cameras.size(), 1.0);
+  levels.board_plane_scale.assign(observations.cameras.size(), 1.0);
   return levels;
 }
 
@@ -82,6 +84,7 @@ ml::State starting_state(const Observations& observations, const CalibrationStat
   state.depth_bias.assign(observations.cameras.size(), 0.0);
   for (std::size_t c = 0; c < start.depth_scale.size(); ++c) state.depth_bias[c] = start.depth_scale[c] - 1.0;
   state.intrinsics.assign(observations.cameras.size(), Eigen::Vector3d::Zero());
+  state.ground_offset.assign(observations.cameras.size(), Eigen::Vector3d::Zero());
   return state;
 }
 
@@ -206,6 +209,7 @@ class Estimator {
         used_.ground_planes.push_back(original_.ground_planes[i]);
     for (const PlaneObservation& plane : original_.board_planes)
       if (solved(plane.camera)) used_.board_planes.push_back(plane);
+    if (options_.estimate_plane_level) ground_offset_ = ml::shared_ground_errors(used_);
   }
 
   CalibrationState guessed() const {
@@ -216,9 +220,15 @@ class Estimator {
     return state;
   }
 
+  ml::Priors priors() const {
+    ml::Priors priors = priors_of(used_, options_);
+    priors.ground_offset = ground_offset_;
+    return priors;
+  }
+
   Fit fit(OdometryModel model) const {
     Fit fit;
-    ml::Problem problem(used_, priors_of(used_, options_), starting_levels(used_, model, options_));
+    ml::Problem problem(used_, priors(), starting_levels(used_, model, options_));
     fit.state = start_;
     for (int c = 0; c < problem.layout().cameras; ++c) problem.camera_fixed[static_cast<std::size_t>(c)] = !solved(c);
     for (const Exclusion& excluded : excluded_)
@@ -317,36 +327,55 @@ class Estimator {
                              rad_to_deg(fit_.noise.odometry_yaw_rad)));
   }
 
-  // An estimated level is itself uncertain. With few redundant dimensions its square, as Student's t says, must be
-  // taken nu / (nu - 2) times larger, and with next to none it is no better than the paper's nominal level.
-  static void allow_for_estimation(const ml::GroupSum& sum, double nominal, double* sigma) {
-    constexpr double kNextToNone = 4.0;
-    const double redundancy = sum.dimensions - sum.leverage;
-    if (redundancy <= kNextToNone) *sigma = std::max(*sigma, nominal);
-    *sigma *= std::sqrt(std::max(redundancy, kNextToNone) / (std::max(redundancy, kNextToNone) - 2.0));
+  // The level of a group by which uncertainty is stated. An estimated level is itself uncertain: with few redundant
+  // dimensions its square, as Student's t says, must be taken nu / (nu - 2) times larger. With next to none, the
+  // odometry is far better than the cameras, or there is nearly nothing of it: then the level at which the data would
+  // have told it from less, and at most the paper's nominal one.
+  void allow_for_estimation(Group group, const ml::GroupSums& sums, double ml::NoiseLevels::*level, double nominal,
+                            ml::NoiseLevels* levels) const {
+    constexpr double kNextToNone = 4.0, kSure = 8.0;
+    double& sigma = levels->*level;
+    const double redundancy = ml::sum_of(sums, group).redundancy();
+    if (redundancy > kNextToNone) {
+      sigma *= std::sqrt(redundancy / (redundancy - 2.0));
+      return;
+    }
+    const auto redundancy_at = [&](double trial) {
+      ml::NoiseLevels tried = fit_.noise;
+      tried.*level = trial;
+      const std::optional<ml::GroupSums> at = final_problem(tried).sums_with_leverage(fit_.state);
+      return at ? ml::sum_of(*at, group).redundancy() : 0.0;
+    };
+    double low = sigma, high = std::max(sigma, nominal);
+    if (redundancy_at(high) < kSure) {
+      sigma = high * std::sqrt(kNextToNone / (kNextToNone - 2.0));
+      return;
+    }
+    for (int halving = 0; halving < 6; ++halving) {
+      const double middle = std::sqrt(low * high);
+      (redundancy_at(middle) < kSure ? low : high) = middle;
+    }
+    sigma = high;
   }
 
   // The noise levels by which the uncertainty is stated; looks for contradictions on the way.
   ml::NoiseLevels stated_levels() {
-    ml::Problem problem = final_problem(fit_.noise);
-    ml::GroupSums sums;
-    const ml::ArrowSystem system = problem.linearise(fit_.state, ml::Weighting::kInformation, nullptr, &sums);
-    const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
-    if (!eliminated) return fit_.noise;
-    const Eigen::MatrixXd covariance = ml::invert_information(eliminated->schur()).covariance;
-    problem.add_leverage(fit_.state, eliminated->pose_covariance(covariance), covariance, &sums);
-    contradictions_ = ml::find_contradictions(problem, fit_.state, sums);
+    const ml::Problem problem = final_problem(fit_.noise);
     ml::NoiseLevels levels = fit_.noise;
+    const std::optional<ml::GroupSums> sums = problem.sums_with_leverage(fit_.state);
+    if (!sums) return levels;
+    contradictions_ = ml::find_contradictions(problem, fit_.state, *sums);
     const ml::NoiseLevels nominal;
     if (!original_.odometry_noise.sigma_xy_m)
-      allow_for_estimation(ml::sum_of(sums, Group::kOdometryXy), nominal.odometry_xy_m, &levels.odometry_xy_m);
+      allow_for_estimation(Group::kOdometryXy, *sums, &ml::NoiseLevels::odometry_xy_m, nominal.odometry_xy_m, &levels);
     if (!original_.odometry_noise.sigma_yaw_rad)
-      allow_for_estimation(ml::sum_of(sums, Group::kOdometryYaw), nominal.odometry_yaw_rad, &levels.odometry_yaw_rad);
+      allow_for_estimation(Group::kOdometryYaw, *sums, &ml::NoiseLevels::odometry_yaw_rad, nominal.odometry_yaw_rad,
+                           &levels);
     return levels;
   }
 
   ml::Problem final_problem(const ml::NoiseLevels& levels) const {
-    ml::Problem problem(used_, priors_of(used_, options_), levels);
+    ml::Problem problem(used_, priors(), levels);
     if (!fit_.view_left_out.empty()) problem.view_left_out = fit_.view_left_out;
     for (int c = 0; c < problem.layout().cameras; ++c) problem.camera_fixed[static_cast<std::size_t>(c)] = !solved(c);
     return problem;
@@ -391,7 +420,8 @@ class Estimator {
     noise.odometry_scale_prior = options_.odometry_scale_sigma;
     noise.odometry_yaw_factor_prior = options_.odometry_yaw_factor_sigma;
     estimate_.corner_scale = fit_.noise.corner_scale;
-    estimate_.plane_scale = fit_.noise.plane_scale;
+    estimate_.ground_scale = fit_.noise.ground_scale;
+    estimate_.board_plane_scale = fit_.noise.board_plane_scale;
     estimate_.iterations = fit_.summary.iterations;
     estimate_.converged = fit_.summary.converged;
   }
@@ -564,7 +594,7 @@ class Estimator {
   }
 
   void add_views(int camera, CameraUse* use) const {
-    ml::Problem problem(used_, priors_of(used_, options_), fit_.noise);
+    const ml::Problem problem(used_, priors(), fit_.noise);
     double square = 0.0;
     for (std::size_t v = 0; v < used_.board_views.size(); ++v) {
       const BoardView& view = used_.board_views[v];
@@ -589,6 +619,7 @@ class Estimator {
   InitialGuess guess_;
   ml::State start_;
   Fit fit_;
+  std::vector<Eigen::Matrix3d> ground_offset_;  // covariance of what a camera's ground planes share; empty: none
   ml::Contradictions contradictions_;
   ml::GlobalCovariance globals_;
   Eigen::MatrixXd joint_;

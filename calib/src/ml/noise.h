@@ -1,6 +1,7 @@
 // Noise levels and the robust loss.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "rigproof/core/observations.h"
@@ -14,8 +15,9 @@ struct NoiseLevels {
   double odometry_yaw_rad = 0.01;
   double suspension_height_m = 5e-4;
   double suspension_tilt_rad = 5e-4;
-  std::vector<double> corner_scale;  ///< times the stated sigma of the corners, one a camera
-  std::vector<double> plane_scale;   ///< times the stated sigma of the planes, one a camera
+  std::vector<double> corner_scale;       ///< times the stated sigma of the corners, one a camera
+  std::vector<double> ground_scale;       ///< times the stated sigma of the ground planes, one a camera
+  std::vector<double> board_plane_scale;  ///< times the stated sigma of the board's planes, one a camera
 };
 
 /// Priors, one sigma; a prior of zero fixes its unknown.
@@ -25,6 +27,8 @@ struct Priors {
   std::vector<double> depth_bias;  ///< one a camera
   double focal_relative = 0.0;     ///< 0: the intrinsics are believed
   double principal_point_px = 0.0;
+  /// Of an error that all ground planes of a camera share [1/m^2], one a camera, zero = none; empty = none at all.
+  std::vector<Eigen::Matrix3d> ground_offset;
 };
 
 /// Smallest plausible levels: files do not resolve less, and smaller ones would make the equations stiff.

@@ -124,7 +124,13 @@ void set_normal(const Jacobian& J, const Residual& r, double factor, LocalBlock*
 }
 
 GroupSum sum_of_residual(double square, double weight, int dimensions) {
-  return {square, weight * square, weight * dimensions, 0.0, dimensions};
+  // Noise alone gives 45 whitened squares in three dimensions once in a billion.
+  constexpr double kOutlierWeight = 1.0 / 6.0;
+  GroupSum sum{square, weight * square, weight * dimensions, 0.0, dimensions};
+  if (weight >= kOutlierWeight) return sum;
+  sum.outlier_weighted_square = sum.weighted_square;
+  sum.outlier_dimensions = dimensions;
+  return sum;
 }
 
 // Corners or the board's plane of one view: accumulated on the twist of the board in the camera, then chained.
@@ -169,7 +175,18 @@ GroupSum& GroupSum::operator+=(const GroupSum& other) {
   weight += other.weight;
   leverage += other.leverage;
   dimensions += other.dimensions;
+  outlier_weighted_square += other.outlier_weighted_square;
+  outlier_dimensions += other.outlier_dimensions;
   return *this;
+}
+
+GroupSum GroupSum::without_outliers() const {
+  constexpr int kFew = 5;  // one in five; more say that the level is wrong
+  GroupSum sum = *this;
+  if (kFew * outlier_dimensions > dimensions) return sum;
+  sum.weighted_square -= outlier_weighted_square;
+  sum.dimensions -= outlier_dimensions;
+  return sum;
 }
 
 Problem::Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise_levels)
@@ -177,7 +194,7 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
       view_left_out(observations.board_views.size(), false),
       camera_fixed(observations.cameras.size(), false),
       observations_(observations),
-      layout_(Layout::of(observations, priors.focal_relative > 0.0 || priors.principal_point_px > 0.0)),
+      layout_(Layout::of(observations, priors)),
       priors_(priors),
       ground_planes_(prepare(observations.ground_planes)),
       board_planes_(prepare(observations.board_planes)) {
@@ -280,7 +297,7 @@ void Problem::visit_blocks(const State& state, Weighting weighting, Sink&& sink)
         view_geometry(at(state.T_robot_camera, plane.camera), state.T_world_board, at(state.poses, plane.stop));
     const BoardPlaneResidual residual =
         board_plane_residual(geometry.T_camera_board, at(state.depth_bias, plane.camera), plane.measured);
-    const Eigen::Matrix3d W = plane.whitening / at(noise.plane_scale, plane.camera);
+    const Eigen::Matrix3d W = plane.whitening / at(noise.board_plane_scale, plane.camera);
     const Eigen::Vector3d r = W * residual.value;
     const double s = r.squaredNorm(), w = loss.weight(s);
     TwistSystem system;
@@ -299,19 +316,22 @@ void Problem::visit_blocks(const State& state, Weighting weighting, Sink&& sink)
   }
 
   for (const Plane& plane : ground_planes_) {
-    const GroundResidual residual = ground_residual(at(state.T_robot_camera, plane.camera), at(state.poses, plane.stop),
-                                                    at(state.depth_bias, plane.camera), plane.measured);
-    const Eigen::Matrix3d W = plane.whitening / at(noise.plane_scale, plane.camera);
+    GroundResidual residual = ground_residual(at(state.T_robot_camera, plane.camera), at(state.poses, plane.stop),
+                                              at(state.depth_bias, plane.camera), plane.measured);
+    const Eigen::Matrix3d W = plane.whitening / at(noise.ground_scale, plane.camera);
+    if (layout_.with_ground_offsets) residual.value += at(state.ground_offset, plane.camera);
     const Eigen::Vector3d r = W * residual.value;
     const double s = r.squaredNorm(), w = loss.weight(s);
-    Eigen::Matrix<double, 3, 13> J;
-    J << residual.by_camera, residual.by_pose, residual.by_depth_bias;
+    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 16> J(3, layout_.with_ground_offsets ? 16 : 13);
+    J.leftCols<13>() << residual.by_camera, residual.by_pose, residual.by_depth_bias;
+    if (layout_.with_ground_offsets) J.rightCols<3>().setIdentity();
     J = (W * J).eval();
     block.group = Group::kGround;
     block.camera = plane.camera;
     block.segments = {Segment{-1, layout_.camera(plane.camera), 6}, Segment{plane.stop, 0, 6},
-                      Segment{-1, layout_.depth_bias(plane.camera), 1}, Segment{}};
-    block.segment_count = 3;
+                      Segment{-1, layout_.depth_bias(plane.camera), 1},
+                      Segment{-1, layout_.ground_offset(plane.camera), 3}};
+    block.segment_count = layout_.with_ground_offsets ? 4 : 3;
     block.cost = loss.cost(s);
     block.sum = sum_of_residual(s, w, 3);
     set_normal(J, r, block_factor(weighting, w, 3), &block);
@@ -388,6 +408,13 @@ void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) 
   for (int c = 0; c < layout_.cameras; ++c) {
     const std::size_t i = static_cast<std::size_t>(c);
     add(layout_.depth_bias(c), state.depth_bias[i], priors_.depth_bias[i]);
+    if (has_ground_offset(c)) {
+      const Eigen::Matrix3d information = priors_.ground_offset[i].inverse();
+      const Eigen::Vector3d g = information * state.ground_offset[i];
+      system->global.block<3, 3>(layout_.ground_offset(c), layout_.ground_offset(c)) += information;
+      system->global_gradient.segment<3>(layout_.ground_offset(c)) += g;
+      *cost += g.dot(state.ground_offset[i]);
+    }
     if (!layout_.with_intrinsics) continue;
     add(layout_.intrinsics(c), state.intrinsics[i][0], priors_.focal_relative);
     add(layout_.intrinsics(c) + 1, state.intrinsics[i][1], priors_.principal_point_px);
@@ -406,6 +433,8 @@ void Problem::fix_unknowns(ArrowSystem* system) const {
     if (camera_fixed[static_cast<std::size_t>(c)])
       for (int unknown = 0; unknown < 6; ++unknown) system->fix_global_unknown(layout_.camera(c) + unknown);
     if (priors_.depth_bias[static_cast<std::size_t>(c)] <= 0.0) system->fix_global_unknown(layout_.depth_bias(c));
+    if (layout_.with_ground_offsets && !has_ground_offset(c))
+      for (int unknown = 0; unknown < 3; ++unknown) system->fix_global_unknown(layout_.ground_offset(c) + unknown);
     if (!layout_.with_intrinsics) continue;
     if (priors_.focal_relative <= 0.0) system->fix_global_unknown(layout_.intrinsics(c));
     if (priors_.principal_point_px > 0.0) continue;
@@ -430,6 +459,16 @@ void Problem::add_leverage(const State& state, const EliminatedSystem::PoseCovar
   visit_blocks(state, Weighting::kInformation, LeverageSink(poses, globals, sums));
 }
 
+std::optional<GroupSums> Problem::sums_with_leverage(const State& state) const {
+  GroupSums sums;
+  const ArrowSystem system = linearise(state, Weighting::kInformation, nullptr, &sums);
+  const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
+  if (!eliminated) return std::nullopt;
+  const Eigen::MatrixXd covariance = invert_information(eliminated->schur()).covariance;
+  add_leverage(state, eliminated->pose_covariance(covariance), covariance, &sums);
+  return sums;
+}
+
 double Problem::log_normalisation() const {
   double sum = 0.0;
   const bool increments = noise.odometry_model == OdometryModel::kPerIncrement;
@@ -440,8 +479,10 @@ double Problem::log_normalisation() const {
     if (!view_left_out[v])
       sum += 4.0 * static_cast<double>(views_[v].corners.size()) *
              std::log(noise.corner_scale[static_cast<std::size_t>(views_[v].camera)]);
-  for (const std::vector<Plane>* planes : {&ground_planes_, &board_planes_})
-    for (const Plane& plane : *planes) sum += 6.0 * std::log(noise.plane_scale[static_cast<std::size_t>(plane.camera)]);
+  for (const Plane& plane : ground_planes_)
+    sum += 6.0 * std::log(noise.ground_scale[static_cast<std::size_t>(plane.camera)]);
+  for (const Plane& plane : board_planes_)
+    sum += 6.0 * std::log(noise.board_plane_scale[static_cast<std::size_t>(plane.camera)]);
   return sum;
 }
 

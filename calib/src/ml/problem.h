@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "ml/arrow_system.h"
@@ -29,8 +30,14 @@ struct GroupSum {
   double weight = 0.0;           ///< of w, a dimension
   double leverage = 0.0;         ///< dimensions that the unknowns absorb
   int dimensions = 0;
+  double outlier_weighted_square = 0.0;  ///< the part of residuals that no noise explains
+  int outlier_dimensions = 0;
 
   GroupSum& operator+=(const GroupSum& other);
+  /// Dimensions that the unknowns do not absorb.
+  double redundancy() const { return dimensions - leverage; }
+  /// Without the outliers, as long as they are few: even a bounded loss lets each count for several residuals.
+  GroupSum without_outliers() const;
 };
 /// [group][camera]; groups that know no cameras use camera 0.
 using GroupSums = std::array<std::vector<GroupSum>, kGroupCount>;
@@ -57,6 +64,9 @@ class Problem {
   /// Dimensions of each group that the estimate absorbs: its leverage.
   void add_leverage(const State& state, const EliminatedSystem::PoseCovariance& poses, const Eigen::MatrixXd& globals,
                     GroupSums* sums) const;
+  /// Sums of all groups with leverage, weighted by the information that the loss keeps; absent if the poses are not
+  /// determined.
+  std::optional<GroupSums> sums_with_leverage(const State& state) const;
   /// -2 ln of the normalisation of the residuals: sum of 2 ln sigma over every residual whose sigma may be estimated.
   double log_normalisation() const;
   /// Root mean square of the reprojection error of a view, and the mean weight of its corners.
@@ -93,6 +103,9 @@ class Problem {
   Eigen::Vector3d odometry_sigmas(std::size_t stop) const;
   template <typename Sink>
   void visit_blocks(const State& state, Weighting weighting, Sink&& sink) const;
+  bool has_ground_offset(int camera) const {
+    return layout_.with_ground_offsets && priors_.ground_offset[static_cast<std::size_t>(camera)].norm() > 0.0;
+  }
   void add_priors(const State& state, ArrowSystem* system, double* cost) const;
   void fix_unknowns(ArrowSystem* system) const;
 

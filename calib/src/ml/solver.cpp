@@ -1,6 +1,5 @@
 #include "ml/solver.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,8 +22,9 @@ constexpr Bounds kSuspensionTilt = {kMinSuspensionTilt_rad, 0.02};
 constexpr Bounds kScale = {0.05, 200.0};
 
 // Multiplies sigma so that the weighted squares meet their expectation; returns |log| of the change.
-double update(const GroupSum& sum, int loss_dimensions, const Bounds& bounds, double* sigma) {
-  const double redundancy = sum.dimensions - sum.leverage;
+double update(const GroupSum& all, int loss_dimensions, const Bounds& bounds, double* sigma) {
+  const GroupSum sum = all.without_outliers();
+  const double redundancy = sum.redundancy();
   if (sum.dimensions == 0 || redundancy < kMinRedundancy) return 0.0;
   const double expected = cauchy_moments(loss_dimensions).weighted_square * redundancy;
   // One step changes a level by at most a factor of ten.
@@ -46,9 +46,9 @@ double update_levels(const EstimatedLevels& levels, const GroupSums& sums, Noise
   for (std::size_t c = 0; c < noise->corner_scale.size(); ++c) {
     const int camera = static_cast<int>(c);
     if (levels.corners) take(update(sum_of(sums, Group::kCorners, camera), 2, kScale, &noise->corner_scale[c]));
-    GroupSum planes = sum_of(sums, Group::kGround, camera);
-    planes += sum_of(sums, Group::kBoardPlane, camera);
-    if (levels.planes) take(update(planes, 3, kScale, &noise->plane_scale[c]));
+    if (!levels.planes) continue;
+    take(update(sum_of(sums, Group::kGround, camera), 3, kScale, &noise->ground_scale[c]));
+    take(update(sum_of(sums, Group::kBoardPlane, camera), 3, kScale, &noise->board_plane_scale[c]));
   }
   return change;
 }
@@ -94,23 +94,6 @@ SolverSummary minimise(const Problem& problem, const SolverOptions& options, Sta
   return summary;
 }
 
-GlobalCovariance invert_information(const Eigen::MatrixXd& schur) {
-  // Unknowns in units of their own conditional sigma: a metre and a radian then compare.
-  const Eigen::VectorXd unit = schur.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = unit.asDiagonal() * schur * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const double threshold = 1e-11 * std::max(1.0, eigen.eigenvalues().maxCoeff());
-  const Eigen::Index free = (eigen.eigenvalues().array() < threshold).count();
-  const Eigen::Index determined = schur.rows() - free;
-  const Eigen::MatrixXd V = unit.asDiagonal() * eigen.eigenvectors();
-  GlobalCovariance result;
-  const Eigen::MatrixXd half =
-      V.rightCols(determined) * eigen.eigenvalues().tail(determined).cwiseSqrt().cwiseInverse().asDiagonal();
-  result.covariance = half * half.transpose();
-  result.free_directions = V.leftCols(free);
-  return result;
-}
-
 SolverSummary minimise_with_levels(const EstimatedLevels& levels, const SolverOptions& options, Problem* problem,
                                    State* state) {
   constexpr int kMaxRounds = 40;
@@ -122,13 +105,8 @@ SolverSummary minimise_with_levels(const EstimatedLevels& levels, const SolverOp
     few.tolerance = std::max(options.tolerance, 1e-3);
     for (int round = 0; round < kMaxRounds; ++round) {
       total.iterations += minimise(*problem, few, state).iterations;
-      GroupSums sums;
-      const ArrowSystem system = problem->linearise(*state, Weighting::kInformation, nullptr, &sums);
-      const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
-      if (!eliminated) break;
-      const Eigen::MatrixXd covariance = invert_information(eliminated->schur()).covariance;
-      problem->add_leverage(*state, eliminated->pose_covariance(covariance), covariance, &sums);
-      if (update_levels(levels, sums, &problem->noise) < kSettled) break;
+      const std::optional<GroupSums> sums = problem->sums_with_leverage(*state);
+      if (!sums || update_levels(levels, *sums, &problem->noise) < kSettled) break;
     }
   }
   SolverSummary last = minimise(*problem, options, state);

@@ -31,14 +31,6 @@ struct EstimatedLevels {
   bool any() const { return odometry_xy || odometry_yaw || suspension_height || suspension_tilt || corners || planes; }
 };
 
-/// Covariance of the globals: the inverse of the Schur complement, without the directions that nothing determines.
-struct GlobalCovariance {
-  Eigen::MatrixXd covariance;
-  /// Directions (columns) of the globals that the data leave free, in units of the globals.
-  Eigen::MatrixXd free_directions;
-};
-GlobalCovariance invert_information(const Eigen::MatrixXd& schur);
-
 /// Minimises, re-estimating the levels from the residuals with the redundancy that the unknowns leave (variance
 /// components, i.e. restricted maximum likelihood, with the loss's own expectation), until both settle.
 SolverSummary minimise_with_levels(const EstimatedLevels& levels, const SolverOptions& options, Problem* problem,

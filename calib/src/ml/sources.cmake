@@ -8,5 +8,6 @@ list(APPEND calib_sources
   src/ml/problem.cpp
   src/ml/residuals.cpp
   src/ml/robust_views.cpp
+  src/ml/shared_ground_error.cpp
   src/ml/solver.cpp
   src/ml/state.cpp)

@@ -24,8 +24,9 @@ RobotPose RobotPose::from_transform(const Rigid3& T_world_robot) {
   return pose;
 }
 
-Layout Layout::of(const Observations& observations, bool with_intrinsics) {
-  return {static_cast<int>(observations.stops.size()), static_cast<int>(observations.cameras.size()), with_intrinsics};
+Layout Layout::of(const Observations& observations, const Priors& priors) {
+  return {static_cast<int>(observations.stops.size()), static_cast<int>(observations.cameras.size()),
+          priors.focal_relative > 0.0 || priors.principal_point_px > 0.0, !priors.ground_offset.empty()};
 }
 
 State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pose_step,
@@ -46,6 +47,7 @@ State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pos
     result.T_robot_camera[i] = moved_transform(state.T_robot_camera[i], global_step.segment<6>(layout.camera(c)));
     result.depth_bias[i] += global_step[layout.depth_bias(c)];
     if (layout.with_intrinsics) result.intrinsics[i] += global_step.segment<3>(layout.intrinsics(c));
+    if (layout.with_ground_offsets) result.ground_offset[i] += global_step.segment<3>(layout.ground_offset(c));
   }
   result.T_world_board = moved_transform(state.T_world_board, global_step.segment<6>(layout.board()));
   result.odometry_scale += global_step[layout.odometry_scale()];

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "ml/noise.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/rigid3.h"
 
@@ -29,8 +30,9 @@ struct State {
   std::vector<RobotPose> poses;
   double odometry_scale = 1.0;
   double odometry_yaw_factor = 1.0;
-  std::vector<double> depth_bias;           ///< measured depth = (1 + bias) * true, one a camera
-  std::vector<Eigen::Vector3d> intrinsics;  ///< relative focal length, shift of cx and of cy [px], one a camera
+  std::vector<double> depth_bias;              ///< measured depth = (1 + bias) * true, one a camera
+  std::vector<Eigen::Vector3d> intrinsics;     ///< relative focal length, shift of cx and of cy [px], one a camera
+  std::vector<Eigen::Vector3d> ground_offset;  ///< common to all ground planes of a camera [1/m]
 };
 
 /// Unknowns: six a pose (x, y, yaw, height, roll, pitch), then the globals in the order below. Rotations move by
@@ -39,15 +41,17 @@ struct Layout {
   int poses = 0;
   int cameras = 0;
   bool with_intrinsics = false;
+  bool with_ground_offsets = false;
 
-  static Layout of(const Observations& observations, bool with_intrinsics);
+  static Layout of(const Observations& observations, const Priors& priors);
   int camera(int c) const { return 6 * c; }
   int board() const { return 6 * cameras; }
   int odometry_scale() const { return 6 * cameras + 6; }
   int odometry_yaw_factor() const { return 6 * cameras + 7; }
   int depth_bias(int c) const { return 6 * cameras + 8 + c; }
   int intrinsics(int c) const { return 7 * cameras + 8 + 3 * c; }
-  int globals() const { return 7 * cameras + 8 + (with_intrinsics ? 3 * cameras : 0); }
+  int ground_offset(int c) const { return 7 * cameras + 8 + (with_intrinsics ? 3 * cameras : 0) + 3 * c; }
+  int globals() const { return ground_offset(with_ground_offsets ? cameras : 0); }
 };
 
 /// Moves the state by the steps of the poses (6 * poses) and of the globals.

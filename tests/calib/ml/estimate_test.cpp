@@ -7,6 +7,7 @@
 #include "calibration_truth.h"
 #include "pose_near.h"
 #include "rigproof/calib/ml.h"
+#include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
 
 namespace rigproof {
@@ -134,6 +135,58 @@ TEST(MlUncertainty, IsNearlyTrueWithEstimatedSigmas) {
   config.suspension_tilt_sigma_rad = 0.001;
   // At most 30 % off; 60 trials scatter by 4 %.
   EXPECT_NEAR(mean_nees(config, {}, 60), 18.0, 0.3 * 18.0);
+}
+
+// Without noise a level depth camera rounds the same floor the same way from every stop: its planes agree with each
+// other and are wrong together.
+TEST(MlUncertainty, IsTrueWhereAllGroundPlanesOfACameraShareTheirError) {
+  GeometricConfig config;
+  config.stops = 15;
+  MlOptions options = told();
+  options.estimate_plane_level = true;
+  constexpr int kTrials = 60;
+  double sum = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    config.seed = static_cast<std::uint64_t>(trial);
+    config.inverse_depth_sigma_per_m = 0.0025;
+    GeometricRun run = draw_geometric_run(config);
+    config.inverse_depth_sigma_per_m = 0.0;
+    const std::vector<PlaneObservation> exact = draw_geometric_run(config).observations.ground_planes;
+    RandomStream random(config.seed, "shared ground error");
+    std::vector<Eigen::Vector3d> shared(3);
+    for (Eigen::Vector3d& error : shared) error << random.normal(), random.normal(), random.normal();
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      PlaneObservation& plane = run.observations.ground_planes[i];
+      const Eigen::Matrix3d L = plane.covariance_per_m2.llt().matrixL();
+      plane.inverse_depth_plane = exact[i].inverse_depth_plane + L * shared[static_cast<std::size_t>(plane.camera)];
+    }
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
+    ASSERT_EQ(estimate.result.status, ResultStatus::kSolved);
+    EXPECT_LT(estimate.ground_scale[0], 0.2);
+    sum += nees(estimate, run.truth) / kTrials;
+  }
+  // As if every plane erred by itself it would be hundreds. 60 trials scatter by 4 %.
+  EXPECT_NEAR(sum, 18.0, 0.3 * 18.0);
+}
+
+// Odometry that is far better than the cameras leaves its own level open; the uncertainty must not fall back to the
+// nominal level, which is ten times larger here.
+TEST(MlUncertainty, OfOdometryFarBetterThanTheCamerasIsNotTheNominalOne) {
+  GeometricConfig config;
+  config.stops = 40;
+  config.lambda = 0.0;
+  config.declare_odometry_model = config.declare_odometry_sigmas = false;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    config.seed = seed;
+    const GeometricRun run = draw_geometric_run(config);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations);
+    ASSERT_EQ(estimate.result.status, ResultStatus::kSolved);
+    const InformationBound bound = cramer_rao_bound(run.observations, state_of(run.truth), noise_of(run.truth));
+    const Vector6d ratio =
+        estimate.result.camera_to_robot[0].covariance->diagonal().cwiseQuotient(bound.camera_to_robot[0].diagonal());
+    EXPECT_LT(std::sqrt(ratio.maxCoeff()), 3.0) << "seed " << seed;
+    EXPECT_LT(nees(estimate, run.truth), 45.0) << "seed " << seed;  // chi-square, 18 degrees of freedom: 4e-4
+  }
 }
 
 TEST(MlUncertainty, EqualsTheBoundAtTheOptimumOfExactData) {

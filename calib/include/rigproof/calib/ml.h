@@ -45,7 +45,8 @@ struct MlEstimate {
   CalibrationState state;            ///< at the optimum; empty if there was nothing to solve
   CalibrationNoise noise;            ///< levels that were given or estimated
   std::vector<double> corner_scale;  ///< of the stated corner sigmas, per camera
-  std::vector<double> plane_scale;
+  std::vector<double> ground_scale;  ///< of the stated ground planes' sigmas
+  std::vector<double> board_plane_scale;
   OdometryDecision odometry;
   MotionVerdict motion;
   double cost = 0.0;  ///< robust, whitened
