@@ -35,6 +35,23 @@ TEST_F(ProofOfDepth, CleanDataPass) {
   }
 }
 
+// The stated noise at 6 m is 7 cm; data without noise must not hide furniture behind it. A foot within the rounding of
+// a millimetre and five spreads of the clean data (some millimetres far away) cannot be told from the ground.
+TEST_F(ProofOfDepth, FurnitureIsNoDepthErrorAndItsShareIsTold) {
+  DepthFaults faults;
+  faults.furniture = true;
+  const Proof proof = prove_with(faults);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  const Proof clean = prove_with({});
+  for (std::size_t i = 0; i < proof.cameras.size(); ++i) {
+    EXPECT_LT(std::abs(proof.cameras[i].depth_bias_mm), 0.1);
+    EXPECT_LT(proof.cameras[i].depth_rms_mm, 0.5);
+    EXPECT_LT(proof.cameras[i].depth_max_mm, 10.0);
+    EXPECT_NEAR(clean.cameras[i].depth_ground_share, 1.0, 0.02);
+    EXPECT_NEAR(proof.cameras[i].depth_ground_share, 0.75, 0.15);
+  }
+}
+
 TEST_F(ProofOfDepth, NoiseAsStatedPasses) {
   DepthFaults faults;
   faults.noise_sigmas = 1.0;

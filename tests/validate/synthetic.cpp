@@ -123,6 +123,9 @@ cv::Mat depth_image(const Truth& truth, std::size_t stop, std::size_t camera, co
       c.camera.unproject({u, v}, &ray);
       double z = true_depth(truth, T_world_camera, ray) * (faults.along_ray ? ray.norm() : 1.0);
       if (faults.noise_sigmas > 0.0) z += faults.noise_sigmas * stream.noise.sigma_m(z) * random.normal();
+      const double outward = 1.0 - 4.0 * u / image.cols;
+      const bool is_ground = std::abs((T_world_camera * (z * ray)).z()) < 1e-9;
+      if (faults.furniture && is_ground && outward > 0.0) z *= 1.0 - 0.3 * outward;
       const double counts = std::round(faults.factor * z / stream.unit_m);
       const int row = faults.mirrored_y ? image.rows - 1 - v : v;
       image.at<std::uint16_t>(row, u) = static_cast<std::uint16_t>(std::min(65535.0, std::max(0.0, counts)));

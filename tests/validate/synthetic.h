@@ -37,6 +37,7 @@ struct DepthFaults {
   double factor = 1.0;
   bool mirrored_y = false;
   double noise_sigmas = 0.0;
+  bool furniture = false;  ///< something stands on the ground in the left quarter: its foot meets the ground's depth
 };
 Recording make_depth_recording(const Truth& truth, const std::filesystem::path& folder, const DepthFaults& faults);
 

@@ -58,7 +58,8 @@ std::string format_paper(const Comparison& comparison) {
 
 std::string format_proof(const Proof& proof) {
   TextTable table({0});
-  table.add({"", "views", "corners", "bias u v", "rms u v", "max [px]", "depth pixels", "bias", "rms", "max [mm]"});
+  table.add({"", "views", "corners", "bias u v", "rms u v", "max [px]", "depth pixels", "ground seen", "bias", "rms",
+             "max [mm]"});
   for (const CameraProof& camera : proof.cameras) {
     std::vector<std::string> cells = {camera.camera,
                                       std::to_string(camera.views),
@@ -67,9 +68,11 @@ std::string format_proof(const Proof& proof) {
                                       rms_text(camera.corner_rms_px),
                                       figure(camera.corner_max_px, 3),
                                       std::to_string(camera.depth_pixels)};
-    if (camera.depth_pixels > 0)
+    if (camera.depth_pixels > 0) {
+      cells.push_back(std::to_string(std::lround(100.0 * camera.depth_ground_share)) + " %");
       for (const double value : {camera.depth_bias_mm, camera.depth_rms_mm, camera.depth_max_mm})
         cells.push_back(short_figure(value));
+    }
     table.add(cells);
   }
   std::string text = table.text({" ", "  "});

@@ -62,6 +62,7 @@ YamlTree tree_of(const CameraProof& camera) {
   tree.set("corner_rms_limit_px", YamlTree::number(camera.corner_rms_limit_px));
   tree.set("depth_frames", count_of(camera.depth_frames));
   tree.set("depth_pixels", count_of(camera.depth_pixels));
+  tree.set("depth_ground_share", YamlTree::number(camera.depth_ground_share));
   tree.set("depth_bias_mm", YamlTree::number(camera.depth_bias_mm));
   tree.set("depth_rms_mm", YamlTree::number(camera.depth_rms_mm));
   tree.set("depth_max_mm", YamlTree::number(camera.depth_max_mm));
@@ -98,6 +99,7 @@ CameraProof read_camera(const YamlTree& tree, const std::string& path, Problems*
   read_number(&reader, "corner_rms_limit_px", &camera.corner_rms_limit_px);
   read_count(&reader, "depth_frames", &camera.depth_frames);
   read_count(&reader, "depth_pixels", &camera.depth_pixels);
+  read_number(&reader, "depth_ground_share", &camera.depth_ground_share);
   read_number(&reader, "depth_bias_mm", &camera.depth_bias_mm);
   read_number(&reader, "depth_rms_mm", &camera.depth_rms_mm);
   read_number(&reader, "depth_max_mm", &camera.depth_max_mm);

@@ -77,6 +77,7 @@ class DepthProof {
     return s.measured > 0.0 && std::abs(s.measured - s.z) < 0.02 * s.z + 5.0 * s.sigma;
   }
   void judge_ground(Findings* findings) const;
+  std::vector<const Sample*> on_ground() const;
 
   const Recording& recording_;
   const Truth& truth_;
@@ -250,13 +251,41 @@ std::string DepthProof::explain(double rms_now) const {
          short_figure(options_.depth_max_rms_sigmas) + "), and no known slip of convention explains it";
 }
 
+// The ground itself. Near the feet of what stands on it depth differs by less than the stated noise, so the spread that
+// the data have is the measure: five of it and the rounding about the median. Whether the median is where the truth
+// says is for judge_ground() to tell.
+std::vector<const Sample*> DepthProof::on_ground() const {
+  constexpr double kMadOfNormal = 0.6745;
+  std::vector<const Sample*> chosen;
+  std::vector<double> residuals;
+  for (const Sample& s : ground_) {
+    if (!shows_ground(s)) continue;
+    chosen.push_back(&s);
+    residuals.push_back((s.measured - s.z) / s.sigma);
+  }
+  if (chosen.empty()) return chosen;
+  const double middle = median_of(residuals);
+  for (double& residual : residuals) residual = std::abs(residual - middle);
+  const double spread = median_of(residuals) / kMadOfNormal;
+  const double rounding = rig_camera_.depth->unit_m;
+  chosen.erase(std::remove_if(chosen.begin(), chosen.end(),
+                              [&](const Sample* s) {
+                                return std::abs(s->measured - s->z - middle * s->sigma) >
+                                       5.0 * spread * s->sigma + rounding;
+                              }),
+               chosen.end());
+  return chosen;
+}
+
 void DepthProof::summarise() const {
   std::vector<double> all;
   const auto add = [&all](const Sample& s) { all.push_back(1e3 * (s.measured - s.z)); };
   for (const Sample& s : board_)
     if (s.measured > 0.0) add(s);
-  for (const Sample& s : ground_)
-    if (shows_ground(s)) add(s);
+  const std::vector<const Sample*> ground = on_ground();
+  for (const Sample* s : ground) add(*s);
+  if (!ground_.empty())
+    proof_->depth_ground_share = static_cast<double>(ground.size()) / static_cast<double>(ground_.size());
   proof_->depth_pixels = all.size();
   proof_->depth_bias_mm = mean_of(all);
   double squares = 0.0;

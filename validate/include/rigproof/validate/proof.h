@@ -35,8 +35,9 @@ struct CameraProof {
   double corner_bias_limit_px = 0.0;                         ///< what was allowed
   double corner_rms_limit_px = 0.0;
   std::size_t depth_frames = 0;
-  std::size_t depth_pixels = 0;  ///< on board and ground
-  double depth_bias_mm = 0.0;    ///< depth image against ray-plane intersection, mean of measured - expected
+  std::size_t depth_pixels = 0;     ///< on board and ground
+  double depth_ground_share = 0.0;  ///< of the pixels whose ray meets the ground: those that show it
+  double depth_bias_mm = 0.0;       ///< depth image against ray-plane intersection, mean of measured - expected
   double depth_rms_mm = 0.0;
   double depth_max_mm = 0.0;
   double depth_rms_sigmas = 0.0;  ///< whitened, on the board
