@@ -7,7 +7,7 @@ namespace {
 
 // The binomial needs two pixels more on either side; the image's edge is repeated.
 void smooth_row(const std::uint8_t* source, int width, std::vector<std::int16_t>& padded, std::int16_t* target) {
-  for (int x = -2; x < width + 2; ++x) padded[static_cast<std::size_t>(x + 2)] = source[std::clamp(x, 0, width - 1)];
+  for (int i = 0; i < width + 4; ++i) padded[static_cast<std::size_t>(i)] = source[std::clamp(i - 2, 0, width - 1)];
   const std::int16_t* p = padded.data();
   for (int x = 0; x < width; ++x)
     target[x] = static_cast<std::int16_t>(p[x] + p[x + 4] + 4 * (p[x + 1] + p[x + 3]) + 6 * p[x + 2]);

@@ -63,8 +63,9 @@ Eigen::Matrix3d board_ray_moments(const Board& board, const Rigid3& T_camera_boa
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   const int columns = 2 * board.squares_x, rows = 2 * board.squares_y;
   for (int i = 0; i < columns * rows; ++i) {
-    const double x = board.square_m * (0.5 * (i % columns + 0.5) - 1.0);
-    const double y = board.square_m * (0.5 * (i / columns + 0.5) - 1.0);
+    const int column = i % columns, row = i / columns;
+    const double x = board.square_m * (0.5 * (column + 0.5) - 1.0);
+    const double y = board.square_m * (0.5 * (row + 0.5) - 1.0);
     const Eigen::Vector3d point = T_camera_board * Eigen::Vector3d(x, y, 0.0);
     const Eigen::Vector3d ray = point / point.z();
     sum += ray * ray.transpose();
