@@ -226,10 +226,18 @@ class Estimator {
     return priors;
   }
 
-  Fit fit(OdometryModel model) const {
+  // @param other the other model's solution, if there is one: it differs by the odometry only.
+  Fit fit(OdometryModel model, const Fit* other = nullptr) const {
     Fit fit;
     ml::Problem problem(used_, priors(), starting_levels(used_, model, options_));
-    fit.state = start_;
+    if (other != nullptr) {
+      const ml::NoiseLevels own = problem.noise;
+      problem.noise = other->noise;
+      problem.noise.odometry_model = own.odometry_model;
+      problem.noise.odometry_xy_m = own.odometry_xy_m;
+      problem.noise.odometry_yaw_rad = own.odometry_yaw_rad;
+    }
+    fit.state = other != nullptr ? other->state : start_;
     for (int c = 0; c < problem.layout().cameras; ++c) problem.camera_fixed[static_cast<std::size_t>(c)] = !solved(c);
     for (const Exclusion& excluded : excluded_)
       for (std::size_t v = 0; v < used_.board_views.size(); ++v)
@@ -298,7 +306,7 @@ class Estimator {
       return;
     }
     fit_ = fit(OdometryModel::kPerIncrement);
-    Fit other = fit(OdometryModel::kPerPose);
+    Fit other = fit(OdometryModel::kPerPose, &fit_);
     decision.decided_from_data = true;
     const double difference = other.minus_two_log_likelihood - fit_.minus_two_log_likelihood;
     if (difference < 0.0) std::swap(fit_, other);

@@ -90,10 +90,11 @@ class LeverageSink {
     double trace = 0.0;
     for (int a = 0, row = 0; a < block.segment_count; row += block.segments[static_cast<std::size_t>(a)].size, ++a) {
       const Segment& sa = block.segments[static_cast<std::size_t>(a)];
-      for (int b = 0, column = 0; b < block.segment_count;
+      for (int b = a, column = row; b < block.segment_count;
            column += block.segments[static_cast<std::size_t>(b)].size, ++b) {
         const Segment& sb = block.segments[static_cast<std::size_t>(b)];
-        trace += block.H.block(row, column, sa.size, sb.size).cwiseProduct(covariance(sa, sb)).sum();
+        const double part = block.H.block(row, column, sa.size, sb.size).cwiseProduct(covariance(sa, sb)).sum();
+        trace += (a == b ? 1.0 : 2.0) * part;  // both are symmetric
       }
     }
     sum_of(*sums_, block.group, block.camera).leverage += trace;

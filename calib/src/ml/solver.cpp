@@ -21,37 +21,64 @@ constexpr Bounds kSuspensionHeight = {kMinSuspensionHeight_m, 0.02};
 constexpr Bounds kSuspensionTilt = {kMinSuspensionTilt_rad, 0.02};
 constexpr Bounds kScale = {0.05, 200.0};
 
-// Multiplies sigma so that the weighted squares meet their expectation; returns |log| of the change.
-double update(const GroupSum& all, int loss_dimensions, const Bounds& bounds, double* sigma) {
+// ln of what sigma must be multiplied by so that the weighted squares meet their expectation.
+double log_change(const GroupSum& all, int loss_dimensions) {
   const GroupSum sum = all.without_outliers();
   const double redundancy = sum.redundancy();
   if (sum.dimensions == 0 || redundancy < kMinRedundancy) return 0.0;
   const double expected = cauchy_moments(loss_dimensions).weighted_square * redundancy;
-  // One step changes a level by at most a factor of ten.
-  const double factor = std::clamp(std::sqrt(sum.weighted_square / expected), 0.1, 10.0);
-  const double before = *sigma;
-  *sigma = std::clamp(before * factor, bounds.low, bounds.high);
-  return std::abs(std::log(*sigma / before));
+  return 0.5 * std::log(std::max(sum.weighted_square, 1e-300) / expected);
 }
 
-double update_levels(const EstimatedLevels& levels, const GroupSums& sums, NoiseLevels* noise) {
-  double change = 0.0;
-  const auto take = [&change](double c) { change = std::max(change, c); };
-  if (levels.odometry_xy) take(update(sum_of(sums, Group::kOdometryXy), 3, kOdometryXy, &noise->odometry_xy_m));
-  if (levels.odometry_yaw) take(update(sum_of(sums, Group::kOdometryYaw), 3, kOdometryYaw, &noise->odometry_yaw_rad));
-  if (levels.suspension_height)
-    take(update(sum_of(sums, Group::kSuspensionHeight), 3, kSuspensionHeight, &noise->suspension_height_m));
-  if (levels.suspension_tilt)
-    take(update(sum_of(sums, Group::kSuspensionTilt), 3, kSuspensionTilt, &noise->suspension_tilt_rad));
-  for (std::size_t c = 0; c < noise->corner_scale.size(); ++c) {
-    const int camera = static_cast<int>(c);
-    if (levels.corners) take(update(sum_of(sums, Group::kCorners, camera), 2, kScale, &noise->corner_scale[c]));
-    if (!levels.planes) continue;
-    take(update(sum_of(sums, Group::kGround, camera), 3, kScale, &noise->ground_scale[c]));
-    take(update(sum_of(sums, Group::kBoardPlane, camera), 3, kScale, &noise->board_plane_scale[c]));
+// Estimates the levels round by round. Where a level converges slowly, as those that vanish do, the geometric series of
+// its changes is summed (Aitken).
+class LevelUpdater {
+ public:
+  LevelUpdater(const EstimatedLevels& levels, NoiseLevels* noise) {
+    const auto add = [this](bool wanted, Group group, std::size_t camera, int dimensions, Bounds bounds,
+                            double* sigma) {
+      if (wanted) levels_.push_back({group, static_cast<int>(camera), dimensions, bounds, sigma, 0.0});
+    };
+    add(levels.odometry_xy, Group::kOdometryXy, 0, 3, kOdometryXy, &noise->odometry_xy_m);
+    add(levels.odometry_yaw, Group::kOdometryYaw, 0, 3, kOdometryYaw, &noise->odometry_yaw_rad);
+    add(levels.suspension_height, Group::kSuspensionHeight, 0, 3, kSuspensionHeight, &noise->suspension_height_m);
+    add(levels.suspension_tilt, Group::kSuspensionTilt, 0, 3, kSuspensionTilt, &noise->suspension_tilt_rad);
+    for (std::size_t c = 0; c < noise->corner_scale.size(); ++c) {
+      add(levels.corners, Group::kCorners, c, 2, kScale, &noise->corner_scale[c]);
+      add(levels.planes, Group::kGround, c, 3, kScale, &noise->ground_scale[c]);
+      add(levels.planes, Group::kBoardPlane, c, 3, kScale, &noise->board_plane_scale[c]);
+    }
   }
-  return change;
-}
+
+  /// Largest |ln| by which a level changed.
+  double update(const GroupSums& sums) {
+    double change = 0.0;
+    for (Level& level : levels_) change = std::max(change, level.update(sum_of(sums, level.group, level.camera)));
+    return change;
+  }
+
+ private:
+  struct Level {
+    Group group;
+    int camera, dimensions;
+    Bounds bounds;
+    double* sigma;
+    double last;  // change of the round before; 0 = none to extrapolate from
+
+    double update(const GroupSum& sum) {
+      constexpr double kMostOfARound = 2.302585;  // ln 10
+      double step = log_change(sum, dimensions);
+      const double ratio = last == 0.0 ? 0.0 : step / last;
+      const bool slow = ratio > 0.2 && ratio < 1.0;
+      last = slow ? 0.0 : step;  // after an extrapolation two plain rounds
+      if (slow) step /= 1.0 - ratio;
+      const double before = *sigma;
+      *sigma = std::clamp(before * std::exp(std::clamp(step, -kMostOfARound, kMostOfARound)), bounds.low, bounds.high);
+      return std::abs(std::log(*sigma / before));
+    }
+  };
+  std::vector<Level> levels_;
+};
 
 }  // namespace
 
@@ -103,10 +130,11 @@ SolverSummary minimise_with_levels(const EstimatedLevels& levels, const SolverOp
     SolverOptions few = options;
     few.max_iterations = 4;
     few.tolerance = std::max(options.tolerance, 1e-3);
+    LevelUpdater updater(levels, &problem->noise);
     for (int round = 0; round < kMaxRounds; ++round) {
       total.iterations += minimise(*problem, few, state).iterations;
       const std::optional<GroupSums> sums = problem->sums_with_leverage(*state);
-      if (!sums || update_levels(levels, *sums, &problem->noise) < kSettled) break;
+      if (!sums || updater.update(*sums) < kSettled) break;
     }
   }
   SolverSummary last = minimise(*problem, options, state);
