@@ -34,6 +34,7 @@ endfunction()
 
 # rigproof_add_test(core SOURCES .. LINK .. LABELS unit) makes the GoogleTest program test_core; ctest sees each case.
 # Tests with the label `unit` are also run under the sanitizers; without LABELS that is what a test is.
+# Tests that draw through Mesa have the label `render`: its drivers keep memory that the leak sanitizer would report.
 # FIXTURE names a ctest fixture that its cases need.
 function(rigproof_add_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT;FIXTURE" "SOURCES;LINK;LABELS" ${ARGN})
