@@ -1,4 +1,6 @@
 // `rigproof observe` and `rigproof calibrate`.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -27,6 +29,11 @@ std::string camera_summary(const Observations& observations, int camera) {
 
 }  // namespace
 
+void require_writable(const std::filesystem::path& product_folder) {
+  if (::access(product_folder.c_str(), W_OK) != 0)
+    throw Error(product_folder.string() + ": cannot be written; choose another folder with --output");
+}
+
 Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal) {
   ProgressLine progress(terminal, "observe", "images");
   ObserveOptions options;
@@ -47,6 +54,7 @@ std::vector<const Method*> methods_by_name(const std::vector<std::string>& names
 int observe_command(const ObserveArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   const Input input = open_input(arguments.input);
+  if (arguments.output.empty()) require_writable(product_folder(input));
   const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
   const std::filesystem::path output =
       arguments.output.empty() ? product_folder(input) / "observations.json" : arguments.output;
@@ -73,20 +81,23 @@ int calibrate_command(const CalibrateArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   const std::vector<const Method*> methods = methods_by_name(arguments.methods);
   const Input input = open_input(arguments.input);
+  if (arguments.output.empty()) require_writable(product_folder(input));
   const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
   const std::filesystem::path folder = arguments.output.empty() ? product_folder(input) / "results" : arguments.output;
   bool all_solved = true;
+  std::string json;
   for (const Method* method : methods) {
     const Result result = method->solve(observations);
     const std::filesystem::path file = folder / (result.method + ".yaml");
     save_result(result, file);
     all_solved = all_solved && result.status == ResultStatus::kSolved;
-    if (arguments.common.json) std::puts(result_as_json(result).c_str());
+    json += (json.empty() ? "" : ",\n") + result_as_json(result);
     terminal.line(count_of(observations.cameras.size(), "camera") + " x " +
                   count_of(observations.stops.size(), "stop") + ", method " + result.method);
     print_result(terminal, result);
     terminal.line(std::string(result_status_name(result.status)) + " result  " + file.string());
   }
+  if (arguments.common.json) std::puts(("{\"results\": [\n" + json + "\n]}").c_str());
   return static_cast<int>(all_solved ? ExitCode::kGood : ExitCode::kRefused);
 }
 

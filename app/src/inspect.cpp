@@ -25,6 +25,7 @@ int inspect_command(const InspectArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   InspectInput scene;
   scene.input = open_input(arguments.input);
+  if (arguments.output.empty()) require_writable(product_folder(scene.input));
   scene.results = results_to_draw(arguments, scene.input);
   scene.truth = truth_beside(scene.input);
   scene.observations = observe_with_progress(scene.input, arguments.common.jobs, terminal);

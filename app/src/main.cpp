@@ -185,7 +185,9 @@ int run_main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::kBadInput);
   }
   install_interrupt_handler();
-  return action();
+  const int exit_code = action();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw Error("standard output: cannot be written");
+  return exit_code;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // What `calibrate`, `run` and `inspect` share: observing with a line of progress, and methods by name.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "terminal.h"
 
 namespace rigproof {
+
+/// Throws Error that says what to do if the products of an input cannot go beside it.
+void require_writable(const std::filesystem::path& product_folder);
 
 /// Throws Error with ExitCode::kTryAgain if the user interrupts.
 Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal);

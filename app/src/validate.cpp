@@ -9,6 +9,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/study/workflow.h"
+#include "rigproof/validate/bound.h"
 #include "rigproof/validate/format.h"
 #include "terminal.h"
 
@@ -49,6 +50,13 @@ std::vector<Comparison> comparisons_of_run(const RunFolder& run, const Truth& tr
   return comparisons;
 }
 
+// What the data allow, where the observations are at hand.
+std::string bound_of_run(const RunFolder& run, const Truth& truth) {
+  if (!std::filesystem::is_regular_file(run.observations_file())) return {};
+  const std::optional<DataBound> bound = data_bound(load_observations(run.observations_file()), truth);
+  return bound ? format_bound(*bound) : std::string();
+}
+
 }  // namespace
 
 Budget budget_of(const std::filesystem::path& file) {
@@ -84,6 +92,7 @@ int validate_command(const ValidateArguments& arguments) {
     terminal.text(format_same_run(record.comparison, record.budget, same_run));
     if (arguments.paper) terminal.text(format_paper(record.comparison));
   }
+  terminal.text(bound_of_run(run, truth));
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);
 }
 

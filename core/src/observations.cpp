@@ -436,7 +436,8 @@ Observations load_observations(const std::filesystem::path& file) {
   try {
     json = Json::parse(content);
   } catch (const Json::exception& error) {
-    throw Error(file.string() + ": not valid JSON: " + for_message(error.what()));
+    const std::string what = error.what();  // "[json.exception.parse_error.101] parse error at line 2, ..."
+    throw Error(file.string() + ": not valid JSON: " + for_message(what.substr(what.find("] ") + 2)));
   }
   if (!json.is_object()) throw Error(file.string() + ": must be an object with format " + kFormat);
   return ObservationsReader(json, file.string()).read();

@@ -409,7 +409,8 @@ void read_lists(MapReader& map, Result* result) {
 Result read_own(const YamlTree& tree, Problems* problems) {
   Result result;
   MapReader map(tree, "", problems);
-  map.text("format", {kFormat});
+  // Another kind of file is one problem; every key that it has is no further one.
+  if (!map.text("format", {kFormat})) return result;
   map.require("version", std::to_string(kVersion));
   map.integer("version", {static_cast<double>(kVersion), static_cast<double>(kVersion)});
   result.method = map.text("method").value_or("");

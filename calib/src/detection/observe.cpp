@@ -132,6 +132,8 @@ class Observer {
       return take<Value>(read_file(path_inside(recording_.folder, relative)), reason);
     } catch (const Error& failure) {
       *reason = failure.what();
+      const std::string path = (recording_.folder / relative).string() + ": ";
+      if (reason->rfind(path, 0) == 0) reason->erase(0, path.size());
       return std::nullopt;
     }
   }
