@@ -1,5 +1,6 @@
 // Bad input, as users meet it: one clear error that names what is wrong, the right exit code, nothing half-written.
 
+#include <algorithm>
 #include <cctype>
 #include <sstream>
 
@@ -151,6 +152,119 @@ TEST(BadInput, NoEgl) {
       run_process({"env", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json", RIGPROOF_BINARY_DIR "/app/rigproof",
                    "generate", "--set", "poses=3", "-o", (scratch / "run").string()});
   expect_error(output, AllOf(HasSubstr("EGL"), HasSubstr("libgl1-mesa-dri")));
+}
+
+TEST(BadInput, TablesThatAreNone) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const std::string odometry = read_whole_file(recording / "odometry.csv");
+  const std::string picture = read_whole_file(recording / "left/color/000000.png");
+  write_whole_file(recording / "odometry.csv", picture);
+  const ProcessOutput binary = calibrate(recording, scratch);
+  expect_error(binary, HasSubstr("odometry.csv: is no text"));
+  EXPECT_EQ(std::count(binary.err.begin(), binary.err.end(), '\n'), 1) << binary.err;
+  write_whole_file(recording / "odometry.csv", odometry);
+  write_whole_file(recording / "left/frames.csv", "");
+  expect_error(calibrate(recording, scratch), HasSubstr("left/frames.csv: is empty"));
+  write_whole_file(recording / "left/frames.csv", "file,stamp\n");
+  expect_error(calibrate(recording, scratch), AllOf(HasSubstr("frames.csv:1"), HasSubstr("stamp_s")));
+}
+
+TEST(BadInput, SpoiledDepthIsToldApartFromImages) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const fs::path depth = recording / "left/depth";
+  fs::copy_file(recording / "left/color/000000.png", depth / "000000.png", fs::copy_options::overwrite_existing);
+  write_whole_file(depth / "000001.png", read_whole_file(depth / "000001.png").substr(0, 3000));
+  fs::remove(depth / "000002.png");
+  const ProcessOutput output = calibrate(recording, scratch);
+  EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
+  EXPECT_EQ(output.err, "");
+  EXPECT_THAT(output.out, AllOf(HasSubstr("10 used  depth of 3 left out"), HasSubstr("not a 16-bit grey PNG (0)"),
+                                HasSubstr("truncated PNG (1)"), HasSubstr("no depth image of this name (2)")));
+}
+
+TEST(BadInput, OdometryWithAGapCostsOnlyTheFramesInIt) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  std::istringstream lines(read_whole_file(recording / "odometry.csv"));
+  std::string kept;
+  int number = 0;
+  for (std::string line; std::getline(lines, line); ++number)
+    if (number < 4 || number > 6) kept += line + "\n";
+  write_whole_file(recording / "odometry.csv", kept);
+  const ProcessOutput output = calibrate(recording, scratch);
+  EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
+  EXPECT_THAT(output.out, AllOf(HasSubstr("3 cameras x 7 stops"), HasSubstr("3 left out: odometry gap of 8.00 s")));
+}
+
+TEST(BadInput, HostileFiles) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  std::string laughs = "a: &a [x, x, x, x, x, x, x, x]\n";
+  for (char c = 'b'; c < 'l'; ++c) {
+    const std::string last(1, static_cast<char>(c - 1));
+    laughs += std::string(1, c) + ": &" + c + " [*" + last + ", *" + last + ", *" + last + ", *" + last + "]\n";
+  }
+  for (const std::string& text :
+       {laughs, std::string(200000, '['), std::string("\0\1\2", 3), std::string("cameras: 3")}) {
+    write_whole_file(recording / "rig.yaml", text);
+    const ProcessOutput output = calibrate(recording, scratch);
+    expect_error(output, HasSubstr("rig.yaml"));
+    EXPECT_LT(output.err.size(), 2000U);
+  }
+  for (const char* text : {"", "[[[", "{\"format\": \"rigproof-observations\", \"version\": 1"}) {
+    const ProcessOutput output = calibrate(scratch.write("observations.json", text), scratch);
+    expect_error(output, AllOf(HasSubstr("observations.json"), testing::Not(HasSubstr("json.exception"))));
+  }
+  expect_error(rigproof_command({"validate", small_run().string(), (small_run() / "truth/truth.yaml").string()}),
+               HasSubstr("rigproof-truth: must be"));
+}
+
+TEST(BadInput, FullStandardOutput) {
+  const ProcessOutput output =
+      run_process({"sh", "-c", std::string(RIGPROOF_BINARY_DIR) + "/app/rigproof methods > /dev/full"});
+  expect_error(output, HasSubstr("standard output"));
+}
+
+TEST(BadInput, AFolderOfSomethingElseIsLeftAlone) {
+  const TempFolder scratch;
+  fs::create_directories(scratch / "thesis");
+  write_whole_file(scratch / "thesis/thesis.tex", "precious");
+  expect_error(rigproof_command({"generate", "--fresh", "--set", "poses=3", "-o", (scratch / "thesis").string()}),
+               HasSubstr("thesis.tex"));
+  EXPECT_EQ(scratch.read("thesis/thesis.tex"), "precious");
+}
+
+// ---- interrupted ---------------------------------------------------------------------------------------------------
+
+std::string generate_line(const fs::path& run) {
+  return std::string(RIGPROOF_BINARY_DIR) +
+         "/app/rigproof generate --set poses=24 --set image_scale=0.5 --set sensor_noise=none -o " + run.string();
+}
+
+// Starts a generation, waits until it has begun to write, sends the signal and returns the exit code.
+ProcessOutput interrupted_generation(const fs::path& run, const std::string& signal) {
+  return run_process({"sh", "-c",
+                      generate_line(run) + " & pid=$!; until ls " + run.string() +
+                          "/recording/*/color/*.png >/dev/null 2>&1; do sleep 0.05; done; kill -" + signal +
+                          " $pid; wait $pid"});
+}
+
+TEST(Interrupt, TheSameCommandResumesToTheSameBytes) {
+  const TempFolder scratch;
+  const fs::path run = scratch / "run";
+  const ProcessOutput interrupted = interrupted_generation(run, "TERM");
+  EXPECT_EQ(interrupted.exit_code, 75) << interrupted.out << interrupted.err;
+  EXPECT_THAT(interrupted.err, HasSubstr("resumes"));
+  EXPECT_EQ(run_process({"sh", "-c", generate_line(run)}).exit_code, 0);
+  const fs::path killed = scratch / "killed";
+  EXPECT_EQ(interrupted_generation(killed, "KILL").exit_code, 128 + 9);
+  // Two at once: one of them waits or gives way, and nothing is spoiled.
+  const ProcessOutput both = run_process(
+      {"sh", "-c", generate_line(killed) + " & " + generate_line(killed) + "; a=$?; wait $!; exit $((a + $?))"});
+  EXPECT_THAT(both.exit_code, AnyOf(0, 2, 75)) << both.out << both.err;
+  EXPECT_EQ(tree_content(run), tree_content(killed));
 }
 
 TEST(BadInput, HostileFolder) {

@@ -1,4 +1,5 @@
 // The main job and its parts, as a user types them.
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "cli_fixture.h"
@@ -39,6 +40,35 @@ TEST(Command, ListsWhatThereIs) {
   EXPECT_THAT(rigproof_command({"methods", "--json"}).out, HasSubstr("\"name\": \"joint_memroc\""));
   EXPECT_THAT(rigproof_command({"schema"}).out, HasSubstr("run"));
   EXPECT_THAT(rigproof_command({"schema", "run"}).out, HasSubstr("http://json-schema.org/draft-07/schema#"));
+}
+
+TEST(Command, JsonOutputsAreJson) {
+  const TempFolder scratch;
+  const std::string run = small_run().string();
+  const std::string out = (scratch / "out").string();
+  const std::vector<std::vector<std::string>> commands = {{"methods"},
+                                                          {"scenes"},
+                                                          {"rigs"},
+                                                          {"sensors"},
+                                                          {"boards"},
+                                                          {"doctor"},
+                                                          {"generate", "--dry-run"},
+                                                          {"observe", run, "-o", out + ".json"},
+                                                          {"calibrate", run, "-m", "ml", "-m", "memroc", "-o", out},
+                                                          {"validate", run, out + "/memroc.yaml"}};
+  for (std::vector<std::string> command : commands) {
+    command.emplace_back("--json");
+    const ProcessOutput output = rigproof_command(command);
+    EXPECT_TRUE(nlohmann::json::accept(output.out)) << command.front() << ":\n" << output.out << output.err;
+  }
+}
+
+TEST(Command, BudgetsThatComeAlongGoByTheirNames) {
+  const TempFolder scratch;
+  rigproof_command({"calibrate", small_run().string(), "-m", "joint_memroc", "-o", scratch.path().string()});
+  const std::string result = (scratch / "joint_memroc.yaml").string();
+  const ProcessOutput output = rigproof_command({"validate", small_run().string(), result, "--budget", "ci"});
+  EXPECT_THAT(output.out, HasSubstr("budget ci.yaml")) << output.err;
 }
 
 TEST(Command, DryRunRendersNothing) {
