@@ -1,0 +1,117 @@
+#include "rigproof/validate/bound.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proof_parts.h"
+#include "rigproof/calib/information.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/validate/figures.h"
+
+namespace rigproof {
+namespace {
+
+std::optional<CalibrationState> state_at(const Observations& observations, const Truth& truth) {
+  CalibrationState state;
+  for (const RigCamera& camera : observations.cameras) {
+    const auto same = [&camera](const TrueCamera& c) { return c.name == camera.name; };
+    const auto match = std::find_if(truth.cameras.begin(), truth.cameras.end(), same);
+    if (match == truth.cameras.end()) return std::nullopt;
+    state.T_robot_camera.push_back(match->T_robot_camera);
+    state.depth_scale.push_back(match->depth_scale.value_or(1.0));
+  }
+  for (const Stop& stop : observations.stops) {
+    const std::optional<std::size_t> match = proof_detail::stop_at(truth, stop.stamp_s);
+    if (!match) return std::nullopt;
+    state.T_world_robot.push_back(truth.stops[*match].T_world_robot);
+  }
+  state.T_world_board = truth.T_world_board;
+  state.odometry_scale = truth.odometry_scale;
+  state.odometry_yaw_factor = truth.odometry_yaw_factor;
+  return state;
+}
+
+CalibrationNoise noise_at(const Truth& truth) {
+  CalibrationNoise noise;
+  if (truth.odometry_noise.model != OdometryModel::kUnknown) noise.odometry_model = truth.odometry_noise.model;
+  noise.odometry_xy_m = truth.odometry_noise.sigma_xy_m.value_or(0.0);
+  noise.odometry_yaw_rad = truth.odometry_noise.sigma_yaw_rad.value_or(0.0);
+  return noise;
+}
+
+// Whether directions that the data leave free move this axis of a transform.
+bool is_open(const Eigen::MatrixXd& free, Eigen::Index row) {
+  constexpr double kShare = 1e-4;  // of the direction's largest part
+  for (Eigen::Index column = 0; column < free.cols(); ++column)
+    if (std::abs(free(row, column)) > kShare * free.col(column).cwiseAbs().maxCoeff()) return true;
+  return false;
+}
+
+// Between cameras, what all of them share cancels; where the joint information is singular nothing is claimed.
+AxisBounds between_cameras(const InformationBound& bound) {
+  AxisBounds sigmas;
+  if (bound.free_directions.cols() > 0) return sigmas;
+  for (const InformationBound::Pair& pair : bound.camera_to_camera)
+    for (int axis = 0; axis < 6; ++axis) {
+      std::optional<double>& sigma = sigmas[static_cast<std::size_t>(axis)];
+      sigma = std::max(sigma.value_or(0.0), std::sqrt(pair.covariance(axis, axis)));
+    }
+  return sigmas;
+}
+
+AxisBounds in_robot(const InformationBound& bound) {
+  AxisBounds sigmas;
+  for (int axis = 0; axis < 6; ++axis) {
+    double largest = 0.0;
+    bool open = false;
+    for (std::size_t c = 0; c < bound.camera_to_robot.size(); ++c) {
+      open = open || is_open(bound.free_directions, 6 * static_cast<Eigen::Index>(c) + axis);
+      largest = std::max(largest, std::sqrt(bound.camera_to_robot[c](axis, axis)));
+    }
+    if (!open) sigmas[static_cast<std::size_t>(axis)] = largest;
+  }
+  return sigmas;
+}
+
+std::string sigma_text(const std::optional<double>& sigma, double unit) {
+  if (!sigma) return "-";
+  const double value = unit * *sigma;
+  return figure(value, decimals_for_sigma(value));
+}
+
+// The largest of three axes.
+std::optional<double> worst(const AxisBounds& bounds, std::size_t first) {
+  std::optional<double> result;
+  for (std::size_t axis = first; axis < first + 3; ++axis)
+    if (bounds[axis]) result = std::max(result.value_or(0.0), *bounds[axis]);
+  return result;
+}
+
+constexpr double kCentimetres = 100.0;
+const double kDegrees = rad_to_deg(1.0);
+
+}  // namespace
+
+std::optional<DataBound> data_bound(const Observations& observations, const Truth& truth) {
+  const std::optional<CalibrationState> state = state_at(observations, truth);
+  if (!state || observations.stops.empty()) return std::nullopt;
+  const InformationBound bound = cramer_rao_bound(observations, *state, noise_at(truth));
+  return DataBound{in_robot(bound), between_cameras(bound)};
+}
+
+std::string format_bound(const DataBound& bound) {
+  static const std::array<const char*, 6> kAxes = {"tx", "ty", "tz", "rx", "ry", "rz"};
+  std::string text = "The data allow";
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    text += std::string(" ") + kAxes[axis] + " " +
+            sigma_text(bound.camera_to_robot[axis], axis < 3 ? kCentimetres : kDegrees);
+    if (axis == 2) text += " cm,";
+  }
+  text += " deg (1 sigma)";
+  const std::optional<double> distance = worst(bound.camera_to_camera, 0), angle = worst(bound.camera_to_camera, 3);
+  if (distance && angle)
+    text += "; between cameras " + sigma_text(distance, kCentimetres) + " cm, " + sigma_text(angle, kDegrees) + " deg";
+  return text + ".\n";
+}
+
+}  // namespace rigproof
