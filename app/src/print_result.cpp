@@ -141,8 +141,13 @@ std::vector<std::string> shared_reasons(const Result& result) {
     if (known == cameras_by_reason.end()) known = cameras_by_reason.insert(known, {what, {}});
     if (of_camera) known->second.push_back(head);
   }
+  std::vector<std::string> names;
+  for (const CameraUse& use : result.use) names.push_back(use.camera);
+  const std::string every = joined(names) + ": ";  // as some methods begin such a reason themselves
   std::vector<std::string> texts;
-  for (const auto& [what, cameras] : cameras_by_reason) {
+  for (const auto& [reason, cameras] : cameras_by_reason) {
+    const bool of_every = names.size() > 1 && reason.rfind(every, 0) == 0;
+    const std::string what = of_every ? "all cameras: " + reason.substr(every.size()) : reason;
     const bool all = cameras.size() > 1 && cameras.size() == result.use.size();
     texts.push_back(cameras.empty() ? what : (all ? "all cameras" : joined(cameras)) + ": " + what);
   }

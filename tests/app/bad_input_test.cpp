@@ -314,7 +314,9 @@ TEST(Refusal, StraightLine) {
   std::string places;
   for (int i = 0; i < 8; ++i)
     places += "{x_m: " + std::to_string(0.15 * i) + ", y_m: 0, yaw_deg: 0}" + (i < 7 ? ", " : "");
-  expect_refusal(calibrate_drive(places, scratch), HasSubstr("straight"));
+  expect_refusal(calibrate_drive(places, scratch),
+                 AllOf(HasSubstr("straight"), HasSubstr("REFUSED  all cameras: x, y"), HasSubstr("USABLE   pose in"),
+                       HasSubstr("between cameras: left-center")));
 }
 
 TEST(Refusal, TurnInPlace) {
