@@ -355,7 +355,13 @@ PlaneObservation to_observation(const Refined& refined, double points_per_measur
   return plane;
 }
 
-// Planes of the cone, largest first, each without the points of those before it.
+double most_inliers(const std::vector<Refined>& planes) {
+  std::size_t most = 0;
+  for (const Refined& plane : planes) most = std::max(most, plane.inliers.size());
+  return static_cast<double>(most);
+}
+
+// Planes of the cone, each found among the points below those before it.
 std::vector<Refined> find_planes(const std::vector<Measurement>& measurements, const NormalCone& cone,
                                  const RangeLimits& limits, const GroundPlaneOptions& options, int max_planes) {
   std::vector<Refined> planes;
@@ -367,23 +373,22 @@ std::vector<Refined> find_planes(const std::vector<Measurement>& measurements, c
     if (!plane || static_cast<int>(plane->inliers.size()) < options.min_inliers || !cone.contains(plane->a)) break;
     const Vector3d a = plane->a;
     planes.push_back(std::move(*plane));
-    const auto of_plane = [&](const Measurement& m) {
-      return std::abs(residual_sigmas(m, a)) < 2.0 * options.inlier_sigmas;
-    };
-    rest.erase(std::remove_if(rest.begin(), rest.end(), of_plane), rest.end());
-    if (static_cast<int>(rest.size()) < options.min_inliers) break;
+    // Only a lower plane can still be the floor: its points are farther away than this one along their rays.
+    const auto not_below = [&](const Measurement& m) { return residual_sigmas(m, a) > -2.0 * options.inlier_sigmas; };
+    rest.erase(std::remove_if(rest.begin(), rest.end(), not_below), rest.end());
+    const double enough = std::max<double>(options.min_inliers, kFloorShare * most_inliers(planes));
+    if (static_cast<double>(rest.size()) < enough) break;
   }
   return planes;
 }
 
 // The lowest plane that is neither a mere speck nor a chance alignment of points that belong to other things.
 const Refined& floor_of(const std::vector<Refined>& planes) {
-  std::size_t most = 0;
-  for (const Refined& plane : planes) most = std::max(most, plane.inliers.size());
+  const double most = most_inliers(planes);
   const Refined* lowest = &planes.front();
   for (const Refined& plane : planes) {
     const bool whole = plane.uncluttered != nullptr;
-    const bool large = static_cast<double>(plane.inliers.size()) >= kFloorShare * static_cast<double>(most);
+    const bool large = static_cast<double>(plane.inliers.size()) >= kFloorShare * most;
     if (whole && large && plane.a.norm() < lowest->a.norm()) lowest = &plane;
   }
   return *lowest;
