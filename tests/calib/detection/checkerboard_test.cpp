@@ -135,8 +135,8 @@ TEST(Checkerboard, CovarianceTellsTheErrorUnderNoise) {
   options.clutter = true;
   const Errors errors = measure(d455(), 25, options, 4);
   EXPECT_LT(errors.rms().maxCoeff(), 0.02);
-  // Two degrees of freedom a corner. 400 corners: 4 % of scatter in sigma; beyond it the priors on curvature and light make the
-  // stated sigma slightly too large on straight edges, so within 20 % in sigma.
+  // Two degrees of freedom a corner. 400 corners: 4 % of scatter in sigma; beyond it the priors on curvature and light
+  // make the stated sigma slightly too large on straight edges, so within 20 % in sigma.
   const double ratio = std::sqrt(errors.nees / (2.0 * errors.corners));
   EXPECT_GT(ratio, 0.8);
   EXPECT_LT(ratio, 1.2);

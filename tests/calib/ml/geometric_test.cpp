@@ -33,7 +33,8 @@ TEST(Geometric, DependsOnTheSeedAlone) {
 TEST(Geometric, TheFirstPoseIsTheWorld) {
   GeometricConfig config;
   config.stops = 3;
-  const Rigid3& T = draw_geometric_run(config).truth.stops.front().T_world_robot;
+  const GeometricRun run = draw_geometric_run(config);
+  const Rigid3& T = run.truth.stops.front().T_world_robot;
   EXPECT_NEAR(T.translation.norm(), 0.0, 1e-12);
   EXPECT_NEAR(yaw_of(T), 0.0, 1e-12);
 }
