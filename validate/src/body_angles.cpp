@@ -41,7 +41,7 @@ Rigid3 with_unobservable_from(const Rigid3& T_true, const Rigid3& T_estimate, co
   bool angle_missing = false;
   for (int i = 0; i < 3; ++i) {
     if (!observable[static_cast<std::size_t>(i)]) translation[i] = T_true.translation[i];
-    if (observable[static_cast<std::size_t>(i + 3)]) continue;
+    if (observable[static_cast<std::size_t>(i) + 3U]) continue;
     angles[i] = true_angles[i];
     angle_missing = true;
   }
