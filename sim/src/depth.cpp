@@ -29,7 +29,7 @@ std::int32_t one_sided_slope(std::int32_t a, std::int32_t b, std::int32_t c, std
 
 float sample_depth(const WindowDepth& source, const mujoco::DepthLaw& law, double offset_counts, float x, float y) {
   if (!(x >= -0.5F && y >= -0.5F)) return 0.0F;
-  const int ix = static_cast<int>(x + 0.5F), iy = static_cast<int>(y + 0.5F);
+  const int ix = static_cast<int>(std::floor(x + 0.5F)), iy = static_cast<int>(std::floor(y + 0.5F));
   if (ix >= source.width || iy >= source.height) return 0.0F;
   const std::uint32_t* centre = source.row(iy) + ix;
   const std::int32_t nearest = nearness(*centre);
