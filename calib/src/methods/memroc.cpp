@@ -335,6 +335,7 @@ class MemrocSolver {
 
   // Sentences that cameras share are said once, with all their names.
   void gather_reasons() {
+    if (camera_count_ == 0) result_.reasons.push_back("There is no camera: nothing can be calibrated.");
     std::vector<std::pair<std::string, std::string>> gathered;  // sentence, names
     for (int k = 0; k < camera_count_; ++k) {
       const std::string prefix = camera(k).name + ": ";

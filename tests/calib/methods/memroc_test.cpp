@@ -352,6 +352,14 @@ TEST(JointMemroc, SolvesFromCornersAlone) {
   }
 }
 
+TEST(Registry, EveryMethodRefusesNothingInWords) {
+  for (const Method* method : all_methods()) {
+    const Result result = method->solve(Observations());
+    EXPECT_EQ(result.status, ResultStatus::kRefused) << method->traits().name;
+    EXPECT_FALSE(result.reasons.empty()) << method->traits().name;
+  }
+}
+
 TEST(Registry, FindsMethodsAndNamesTheNearest) {
   EXPECT_EQ(find_method("memroc").traits().name, "memroc");
   EXPECT_EQ(default_method().traits().name, "ml");
