@@ -12,6 +12,7 @@
 
 #include "literal_deflate.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/vector_clones.h"
 
 namespace rigproof {
 namespace {
@@ -36,6 +37,7 @@ void put_u32(std::uint32_t value, std::uint8_t* out) {
   for (int i = 0; i < 4; ++i) out[i] = static_cast<std::uint8_t>(value >> (24 - 8 * i));
 }
 
+RIGPROOF_VECTOR_CLONES
 void filter_row(const std::uint8_t* row, const std::uint8_t* above, std::size_t bytes, std::uint8_t* out) {
   for (std::size_t i = 0; i < bytes; ++i) out[i] = static_cast<std::uint8_t>(row[i] - above[i]);
 }

@@ -5,6 +5,7 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/vector_clones.h"
 
 namespace rigproof {
 namespace {
@@ -118,6 +119,7 @@ void sense_rows(const ImageF& depth_m, CorrelatedNormals* normals, Image16* coun
   }
 }
 
+RIGPROOF_VECTOR_CLONES
 void round_to_unit(const ImageF& depth_m, double unit_m, double scale, Image16* counts) {
   const float per_unit = static_cast<float>(scale / unit_m);
   for (std::size_t i = 0; i < depth_m.pixels.size(); ++i) {

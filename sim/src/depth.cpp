@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "rigproof/core/vector_clones.h"
+
 namespace rigproof {
 namespace {
 
@@ -46,6 +48,7 @@ float sample_depth(const WindowDepth& source, const mujoco::DepthLaw& law, doubl
 
 }  // namespace
 
+RIGPROOF_VECTOR_CLONES
 void convert_depth(const WindowDepth& source, const mujoco::DepthLaw& law, ImageF* depth_m) {
   depth_m->width = source.width;
   depth_m->height = source.height;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "rigproof/core/vector_clones.h"
+
 namespace rigproof {
 namespace {
 
@@ -22,6 +24,7 @@ std::vector<double> gaussian_half(double sigma) {
 }
 
 // line = centre row weighted plus pairs of rows above and below.
+RIGPROOF_VECTOR_CLONES
 void blur_rows(const RgbaView& source, int y, const std::vector<std::uint16_t>& taps, std::uint8_t* line) {
   const int radius = static_cast<int>(taps.size()) - 1, length = source.width * kChannels;
   const std::uint8_t* rows[2 * 16 + 1];
@@ -44,6 +47,7 @@ void blur_rows(const RgbaView& source, int y, const std::vector<std::uint16_t>& 
 }
 
 // Horizontal pass over a line that has `radius` replicated pixels on either side; drops alpha.
+RIGPROOF_VECTOR_CLONES
 void blur_line(const std::uint8_t* line, int width, const std::vector<std::uint16_t>& taps, std::uint8_t* scratch,
                std::uint8_t* rgb) {
   const int radius = static_cast<int>(taps.size()) - 1, length = width * kChannels;
@@ -109,6 +113,7 @@ DoubleReduction::DoubleReduction(double sigma_px) {
   margin_px_ = (radius + 1) / 2;
 }
 
+RIGPROOF_VECTOR_CLONES
 void DoubleReduction::apply(const RgbaView& source, const PixelRect& destination, Image8* rgb) {
   const int taps = static_cast<int>(pair_weights_.size());
   const int length = source.width * kChannels;
@@ -136,6 +141,7 @@ void DoubleReduction::apply(const RgbaView& source, const PixelRect& destination
   }
 }
 
+RIGPROOF_VECTOR_CLONES
 void sample_row(const RgbaView& source, const float* xs, const float* ys, int count, std::uint8_t* rgba) {
   // The last column and row have no neighbour to blend with.
   const float x_max = static_cast<float>(source.width) - 1.01F, y_max = static_cast<float>(source.height) - 1.01F;
