@@ -301,6 +301,13 @@ void read_fields_from_text(const std::string& text, const fs::path& file, const 
   read_tree(parse_yaml(text, file), visit);
 }
 
+void read_fields_of_block(const YamlTree& block, const std::string& path, Problems* problems,
+                          const VisitFields& visit) {
+  Reader reader(block, path, problems);
+  visit(reader);
+  if (block.is_map()) reader.finish();
+}
+
 std::string write_fields(const VisitFields& visit) {
   YamlTree tree = YamlTree::map();
   Writer writer(&tree);

@@ -22,7 +22,7 @@ Camera read_nominal_camera(MapReader& map) {
 }
 
 // What the data sheet of a stereo camera gives: sigma of 1/z = s / (f B).
-void read_stereo_geometry(const YamlTree& tree, const std::string& path, Problems* problems, DepthNoise* noise) {
+std::optional<StereoGeometry> read_stereo_geometry(const YamlTree& tree, const std::string& path, Problems* problems) {
   MapReader map(tree, path, problems);
   for (const char* key : {"width_px", "hfov_deg", "baseline_m", "disparity_sigma_px"}) map.require(key, "a number");
   const auto width = map.number("width_px", {1.0, 32768.0});
@@ -30,20 +30,22 @@ void read_stereo_geometry(const YamlTree& tree, const std::string& path, Problem
   const auto baseline = map.number("baseline_m", {1e-4, 10.0});
   const auto sigma = map.number("disparity_sigma_px", {1e-4, 10.0});
   map.finish();
-  if (!width || !field_of_view || !baseline || !sigma) return;
-  const double focal_px = 0.5 * *width / std::tan(0.5 * deg_to_rad(*field_of_view));
-  noise->law = DepthNoise::Law::kStereo;
-  noise->inverse_depth_sigma_per_m = *sigma / (focal_px * *baseline);
+  if (!width || !field_of_view || !baseline || !sigma) return std::nullopt;
+  return StereoGeometry{0.5 * *width / std::tan(0.5 * deg_to_rad(*field_of_view)), *baseline, *sigma};
 }
 
-DepthStream read_preset_depth(const YamlTree& tree, Problems* problems) {
+void read_preset_depth(const YamlTree& tree, Problems* problems, SensorPreset* preset) {
   MapReader map(tree, "depth", problems);
   DepthStream defaults;
   if (const YamlTree* stereo = map.find("stereo"))
-    read_stereo_geometry(*stereo, "depth.stereo", problems, &defaults.noise);
-  const DepthStream depth = read_depth_stream(map, defaults);
+    preset->stereo = read_stereo_geometry(*stereo, "depth.stereo", problems);
+  if (preset->stereo) {
+    const StereoGeometry& stereo = *preset->stereo;
+    defaults.noise.law = DepthNoise::Law::kStereo;
+    defaults.noise.inverse_depth_sigma_per_m = stereo.disparity_sigma_px / (stereo.focal_px * stereo.baseline_m);
+  }
+  preset->depth = read_depth_stream(map, defaults);
   map.finish();
-  return depth;
 }
 
 }  // namespace
@@ -63,9 +65,13 @@ SensorPreset load_sensor_preset(const std::string& name) {
     block.finish();
   }
   const YamlTree* depth = map.find("depth");
-  if (depth != nullptr && depth->is_map()) preset.depth = read_preset_depth(*depth, &problems);
+  if (depth != nullptr && depth->is_map()) read_preset_depth(*depth, &problems, &preset);
   if (depth != nullptr && !depth->is_map() && depth->scalar != "none") map.problem("depth", "must be none or a block");
+  if (const YamlTree* simulation = map.find("simulation"))
+    read_fields_of_block(*simulation, "simulation", &problems,
+                         [&preset](FieldVisitor& visitor) { preset.simulation.visit(visitor); });
   map.finish("x-");
+  problems.sort();
   problems.throw_if_any();
   return preset;
 }

@@ -39,6 +39,14 @@ Rigid3 required_transform(MapReader& map, const std::string& key) {
   return T;
 }
 
+std::map<std::string, double> read_sensing(const YamlTree& tree, MapReader& camera, Problems* problems) {
+  std::map<std::string, double> sensing;
+  MapReader map(tree, camera.path_of("sensing"), problems);
+  for (const auto& [name, value] : tree.entries)
+    if (const auto number = map.number(name)) sensing[name] = *number;
+  return sensing;
+}
+
 std::vector<TrueCamera> read_cameras(const YamlTree& tree, Problems* problems) {
   std::vector<TrueCamera> cameras;
   for (const auto& [name, value] : tree.entries) {
@@ -53,6 +61,7 @@ std::vector<TrueCamera> read_cameras(const YamlTree& tree, Problems* problems) {
       block.finish();
     }
     camera.depth_scale = map.number("depth_scale", {0.1, 10.0});
+    if (const YamlTree* sensing = map.find("sensing")) camera.sensing = read_sensing(*sensing, map, problems);
     map.finish();
     cameras.push_back(std::move(camera));
   }
@@ -119,6 +128,9 @@ YamlTree tree_of(const TrueCamera& camera) {
   tree.set("T_robot_camera", rigproof::tree_of(camera.T_robot_camera));
   tree.set("intrinsics", rigproof::tree_of(camera.camera));
   if (camera.depth_scale) tree.set("depth_scale", YamlTree::number(*camera.depth_scale));
+  if (camera.sensing.empty()) return tree;
+  YamlTree& sensing = tree.set("sensing", YamlTree::inline_map());
+  for (const auto& [name, value] : camera.sensing) sensing.set(name, YamlTree::number(value));
   return tree;
 }
 

@@ -15,6 +15,8 @@
 
 namespace rigproof {
 
+struct YamlTree;
+
 /// Allowed values of a text: one of `choices`, or anything if there is none.
 struct TextChoices {
   std::vector<std::string> choices;
@@ -69,6 +71,9 @@ using VisitFields = std::function<void(FieldVisitor&)>;
 void read_fields(const std::filesystem::path& file, const VisitFields& visit);
 /// The same from text; `file` is used in messages and to resolve includes.
 void read_fields_from_text(const std::string& text, const std::filesystem::path& file, const VisitFields& visit);
+
+/// The same for a block of a larger file: `path` is its place in that file, problems are left to the caller.
+void read_fields_of_block(const YamlTree& block, const std::string& path, Problems* problems, const VisitFields& visit);
 
 /// YAML with every field and its value: the resolved configuration, which reads back to the same values.
 std::string write_fields(const VisitFields& visit);

@@ -8,6 +8,7 @@
 
 #include "rigproof/core/rig.h"
 #include "rigproof/core/rigid3.h"
+#include "rigproof/core/sensor_simulation.h"
 #include "rigproof/core/yaml.h"
 
 namespace rigproof {
@@ -57,12 +58,21 @@ void set_transform(const Rigid3& T, YamlTree* map);
 /// A value in a key's unit such that value / units_per_si reads back to the same double, with as few digits as can be.
 double value_in_unit(double value, double units_per_si);
 
+/// What a data sheet says of a stereo camera.
+struct StereoGeometry {
+  double focal_px = 0.0;  ///< of the pictures that are matched
+  double baseline_m = 0.0;
+  double disparity_sigma_px = 0.0;
+};
+
 /// A sensor that cameras of a rig name: models/sensors/NAME.yaml.
 struct SensorPreset {
   std::string name;
   std::string description;
   Camera camera;  ///< nominal intrinsics of the colour stream
   std::optional<DepthStream> depth;
+  std::optional<StereoGeometry> stereo;  ///< where the preset gives it; the law in `depth` follows from it
+  SensorSimulation simulation;
 };
 /// Throws Error with every problem of the preset, or with the nearest name if there is none.
 SensorPreset load_sensor_preset(const std::string& name);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,9 @@ struct TrueCamera {
   Rigid3 T_robot_camera;
   Camera camera;                      ///< true intrinsics; the recording may tell others
   std::optional<double> depth_scale;  ///< measured = scale * true, absent without depth
+  /// What else is simulated of this camera's sensor, by name with unit; 1 for a switch that is on. Nothing that is off
+  /// is listed. On disk: block `sensing`.
+  std::map<std::string, double> sensing;
 };
 
 struct TrueStop {
