@@ -45,7 +45,7 @@ std::filesystem::path base_folder(const WorldDescription& description) {
   return std::filesystem::canonical(file).parent_path();
 }
 
-std::string compose_mjcf(const WorldDescription& description) {
+std::string compose_mjcf(const WorldDescription& description, const std::string& more_geoms) {
   const SceneDescription& scene = description.scene;
   const BoardTexture texture = draw_board(description.board, description.board_margin_m);
   const BoardMjcf board = board_mjcf(description.board, description.board_margin_m, description.board_thickness_m,
@@ -58,7 +58,7 @@ std::string compose_mjcf(const WorldDescription& description) {
   };
   return "<mujoco model=\"rigproof_world\">\n<compiler autolimits=\"true\"/>\n" + visual(scene) + "<asset>\n" +
          texture_assets(scene) + board.asset + "</asset>\n" + include(scene.mjcf) + include(description.robot_mjcf) +
-         "<worldbody>\n" + board.body + stand(description) + "</worldbody>\n</mujoco>\n";
+         "<worldbody>\n" + board.body + stand(description) + more_geoms + "</worldbody>\n</mujoco>\n";
 }
 
 }  // namespace rigproof

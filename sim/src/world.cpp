@@ -56,14 +56,6 @@ void fill_texture(mjModel* model, const std::string& name, const std::vector<std
   for (int i = 0; i < copies; ++i) bytes = std::copy(rgb.begin(), rgb.end(), bytes);
 }
 
-ObjectKind classify(const mjModel* model, int geom, int robot_body) {
-  if (model->body_rootid[model->geom_bodyid[geom]] == robot_body) return ObjectKind::kRobot;
-  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
-  const std::string text = name != nullptr ? name : "";
-  if (text == kBoardName) return ObjectKind::kBoard;
-  return text.rfind("floor", 0) == 0 ? ObjectKind::kFloor : ObjectKind::kScene;
-}
-
 // Finds the robot and prepares what later calls rely on.
 void index_model(World::Impl* impl) {
   mjModel* model = impl->model.get();
@@ -75,12 +67,22 @@ void index_model(World::Impl* impl) {
     throw Error(file + ": the body `robot` needs a <freejoint/>, so that it can be placed");
   impl->robot_position = model->jnt_qposadr[joint];
   for (int geom = 0; geom < model->ngeom; ++geom) {
-    impl->geom_kinds.push_back(classify(model, geom, impl->robot_body));
+    impl->geom_kinds.push_back(kind_of_geom(model, geom, impl->robot_body));
     if (impl->geom_kinds.back() == ObjectKind::kRobot) model->geom_group[geom] = kRobotGroup;
   }
   if (std::count(impl->geom_kinds.begin(), impl->geom_kinds.end(), ObjectKind::kFloor) == 0)
     throw Error(impl->description.scene.mjcf.string() +
                 ": the scene has no floor: at least one geom's name must start with `floor`");
+}
+
+}  // namespace
+
+ObjectKind kind_of_geom(const mjModel* model, int geom, int robot_body) {
+  if (model->body_rootid[model->geom_bodyid[geom]] == robot_body) return ObjectKind::kRobot;
+  const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
+  const std::string text = name != nullptr ? name : "";
+  if (text == kBoardName) return ObjectKind::kBoard;
+  return text.rfind("floor", 0) == 0 ? ObjectKind::kFloor : ObjectKind::kScene;
 }
 
 std::string name_of_geom(const mjModel* model, int geom) {
@@ -89,8 +91,6 @@ std::string name_of_geom(const mjModel* model, int geom) {
   const char* body = mj_id2name(model, mjOBJ_BODY, model->geom_bodyid[geom]);
   return (body != nullptr ? std::string(body) + " geom " : "geom ") + std::to_string(geom);
 }
-
-}  // namespace
 
 World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 World::~World() = default;

@@ -25,8 +25,13 @@ inline constexpr int kRobotGroup = 5;
 inline constexpr int kCeilingGroup = 2;
 
 /// The composed MJCF, with every texture declared at its size and left empty.
-std::string compose_mjcf(const WorldDescription& description);
+/// @param more_geoms MJCF of further geoms of the world
+std::string compose_mjcf(const WorldDescription& description, const std::string& more_geoms = "");
 /// The folder that the composed text is compiled in: the robot's, so that its meshes are found.
 std::filesystem::path base_folder(const WorldDescription& description);
+/// What a geom belongs to: by its body, else by its name.
+ObjectKind kind_of_geom(const mjModel* model, int geom, int robot_body);
+/// Its own name, or its body's and its number.
+std::string name_of_geom(const mjModel* model, int geom);
 
 }  // namespace rigproof

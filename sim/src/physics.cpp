@@ -1,0 +1,344 @@
+#include "rigproof/sim/physics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "mujoco_compat.h"
+#include "rigproof/core/error.h"
+#include "world_impl.h"
+
+namespace rigproof {
+namespace {
+
+// How long the robot is given to settle on flat ground before its frame is read.
+constexpr double kSettle_s = 2.0;
+// A rolling part of the robot whose lowest point is nearer than this to the ground at rest stands on it.
+constexpr double kStandsOnGround_m = 0.02;
+// Ground planes of the wheels have collision bits of their own.
+constexpr int kFirstGroundBit = 8;
+constexpr std::size_t kMaxGroundPlanes = 16;
+const char* const kGroundPrefix = "floor_rigproof_";
+
+// Physics needs no pictures.
+WorldDescription without_pictures(WorldDescription description) {
+  for (SceneTexture& texture : description.scene.textures) texture.size_px = 16;
+  return description;
+}
+
+// Planes for the wheels. A pose other than the world's keeps MuJoCo from taking it for granted.
+std::string ground_planes_mjcf(const GroundRelief& ground) {
+  std::string text;
+  for (std::size_t i = 0; !ground.flat() && i < kMaxGroundPlanes; ++i) {
+    text += "  <geom name=\"" + (kGroundPrefix + std::to_string(i)) +
+            "\" type=\"plane\" size=\"1 1 1\" pos=\"1 2 -9\" quat=\"0.9 0.3 0.3 0.1\" contype=\"0\" "
+            "conaffinity=\"0\"/>\n";
+  }
+  return text;
+}
+
+bool rolls(int geom_type) {
+  return geom_type == mjGEOM_SPHERE || geom_type == mjGEOM_CYLINDER || geom_type == mjGEOM_CAPSULE ||
+         geom_type == mjGEOM_ELLIPSOID;
+}
+
+struct Side {
+  std::vector<int> actuators, joint_positions;
+
+  double angle(const mjData* data) const {
+    double sum = 0.0;
+    for (const int position : joint_positions) sum += data->qpos[position];
+    return sum / static_cast<double>(joint_positions.size());
+  }
+};
+
+}  // namespace
+
+class DrivePhysics::Snapshot {
+ public:
+  Snapshot(const mjModel* model, const mjData* data) : data_(mj_makeData(model)) {
+    mj_copyData(data_.get(), model, data);
+  }
+  const mjData* get() const { return data_.get(); }
+
+ private:
+  mujoco::DataPtr data_;
+};
+
+struct DrivePhysics::Impl {
+  std::string robot_file;
+  GroundRelief ground;
+  mujoco::ModelPtr model;
+  mujoco::DataPtr data, probe;
+  int robot_body = -1, robot_position = -1, robot_velocity = -1;
+  std::vector<ObjectKind> kinds;
+  Side left, right;
+  struct GroundPlane {
+    int plane, part;  ///< geoms
+  };
+  std::vector<GroundPlane> ground_planes;
+  Rigid3 T_body_robot;
+
+  Impl(const WorldDescription& description, const PhysicsOptions& options);
+  void find_robot();
+  void find_wheels();
+  void change_robot(const PhysicsOptions& options);
+  void add_payload(double mass_kg, const Eigen::Vector3d& at);
+  void follow_ground();
+  void settle_on_flat_ground();
+  void set_pose(mjData* state, const Rigid3& T_world_body) const;
+  Rigid3 T_world_body() const;
+  std::string first_obstacle(const mjData* state, double clearance_m) const;
+  void use_ground(const GroundRelief& relief);
+};
+
+DrivePhysics::Impl::Impl(const WorldDescription& description, const PhysicsOptions& options)
+    : robot_file(description.robot_mjcf.string()) {
+  std::string complaint;
+  model = mujoco::compile(compose_mjcf(without_pictures(description), ground_planes_mjcf(options.ground)),
+                          base_folder(description), &complaint);
+  if (!model) throw Error(robot_file + ": MuJoCo does not accept it: " + complaint);
+  find_robot();
+  find_wheels();
+  data.reset(mj_makeData(model.get()));
+  probe.reset(mj_makeData(model.get()));
+  if (!data || !probe) throw Error("MuJoCo could not allocate the state of the world");
+  settle_on_flat_ground();
+  change_robot(options);
+  use_ground(options.ground);
+}
+
+void DrivePhysics::Impl::find_robot() {
+  robot_body = mj_name2id(model.get(), mjOBJ_BODY, "robot");
+  const int joint = robot_body < 0 ? -1 : model->body_jntadr[robot_body];
+  if (joint < 0 || model->jnt_type[joint] != mjJNT_FREE)
+    throw Error(robot_file + ": needs a body `robot` with a <freejoint/>");
+  robot_position = model->jnt_qposadr[joint];
+  robot_velocity = model->jnt_dofadr[joint];
+  for (int geom = 0; geom < model->ngeom; ++geom) {
+    kinds.push_back(kind_of_geom(model.get(), geom, robot_body));
+    // Obstacles are seen from afar; they push only where they touch (margin - gap = 0).
+    if (kinds.back() == ObjectKind::kRobot || kinds.back() == ObjectKind::kFloor) continue;
+    model->geom_margin[geom] = model->geom_gap[geom] = kMaxClearance_m;
+  }
+}
+
+void DrivePhysics::Impl::find_wheels() {
+  for (int i = 0; i < model->nu; ++i) {
+    if (model->actuator_trntype[i] != mjTRN_JOINT) continue;
+    const int joint = model->actuator_trnid[2 * i];
+    const int body = model->jnt_bodyid[joint];
+    // A velocity actuator feeds its speed back.
+    const bool is_velocity = model->actuator_biasprm[i * mjNBIAS + 2] < 0.0;
+    if (!is_velocity || model->jnt_type[joint] != mjJNT_HINGE || model->body_parentid[body] != robot_body) continue;
+    Side& side = model->body_pos[3 * body + 1] > 0.0 ? left : right;
+    side.actuators.push_back(i);
+    side.joint_positions.push_back(model->jnt_qposadr[joint]);
+  }
+  if (left.actuators.empty() || right.actuators.empty())
+    throw Error(robot_file +
+                ": cannot drive: needs <velocity> actuators on hinges of wheels to the left and to the "
+                "right of the body `robot`");
+}
+
+void DrivePhysics::Impl::set_pose(mjData* state, const Rigid3& T_world_body) const {
+  mjtNum* q = state->qpos + robot_position;
+  for (int i = 0; i < 3; ++i) q[i] = T_world_body.translation[i];
+  q[3] = T_world_body.rotation.w();
+  for (int i = 0; i < 3; ++i) q[4 + i] = T_world_body.rotation.vec()[i];
+}
+
+Rigid3 DrivePhysics::Impl::T_world_body() const {
+  const mjtNum* q = data->qpos + robot_position;
+  return Rigid3(Eigen::Quaterniond(q[3], q[4], q[5], q[6]), Eigen::Vector3d(q[0], q[1], q[2]));
+}
+
+// The chassis sinks into its contacts by a hair: where it comes to rest on flat ground defines the robot frame.
+void DrivePhysics::Impl::settle_on_flat_ground() {
+  std::vector<int> contype(model->geom_contype, model->geom_contype + model->ngeom);
+  std::vector<int> conaffinity(model->geom_conaffinity, model->geom_conaffinity + model->ngeom);
+  for (int geom = 0; geom < model->ngeom; ++geom) {
+    const ObjectKind kind = kinds[static_cast<std::size_t>(geom)];
+    if (kind == ObjectKind::kRobot || kind == ObjectKind::kFloor) continue;
+    model->geom_contype[geom] = model->geom_conaffinity[geom] = 0;
+  }
+  set_pose(data.get(), Rigid3());
+  while (data->time < kSettle_s) mj_step(model.get(), data.get());
+  const Rigid3 T = T_world_body();
+  T_body_robot = T.inverse() * planar_pose(T.translation.x(), T.translation.y(), yaw_of(T));
+  mj_resetData(model.get(), data.get());
+  std::copy(contype.begin(), contype.end(), model->geom_contype);
+  std::copy(conaffinity.begin(), conaffinity.end(), model->geom_conaffinity);
+}
+
+void DrivePhysics::Impl::add_payload(double mass_kg, const Eigen::Vector3d& at) {
+  // The body's centre of mass moves; both inertias about it follow from the parallel axis theorem. MuJoCo keeps the
+  // principal moments and their axes.
+  mjtNum* mass = model->body_mass + robot_body;
+  Eigen::Map<Eigen::Vector3d> centre(model->body_ipos + 3 * robot_body);
+  mjtNum* q = model->body_iquat + 4 * robot_body;
+  Eigen::Map<Eigen::Vector3d> moments(model->body_inertia + 3 * robot_body);
+  const Eigen::Matrix3d axes = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+  const auto of_point = [](double m, const Eigen::Vector3d& r) {
+    return Eigen::Matrix3d(m * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose()));
+  };
+  const Eigen::Vector3d together = (*mass * centre + mass_kg * at) / (*mass + mass_kg);
+  const Eigen::Matrix3d inertia = axes * moments.asDiagonal() * axes.transpose() + of_point(*mass, centre - together) +
+                                  of_point(mass_kg, at - together);
+  mjtNum full[9], values[3], vectors[9], quat[4];
+  for (int i = 0; i < 9; ++i) full[i] = inertia(i / 3, i % 3);
+  mju_eig3(values, vectors, quat, full);
+  *mass += mass_kg;
+  centre = together;
+  for (int i = 0; i < 3; ++i) moments[i] = values[i];
+  for (int i = 0; i < 4; ++i) q[i] = quat[i];
+}
+
+void DrivePhysics::Impl::change_robot(const PhysicsOptions& options) {
+  for (const Side* side : {&left, &right}) {
+    const double factor = 1.0 + (side == &right ? 0.5 : -0.5) * (options.wheel_diameter_ratio - 1.0);
+    for (const int actuator : side->actuators) {
+      const int body = model->jnt_bodyid[model->actuator_trnid[2 * actuator]];
+      for (int i = 0; i < model->body_geomnum[body]; ++i) {
+        const int geom = model->body_geomadr[body] + i;
+        if (model->geom_contype[geom] == 0 && model->geom_conaffinity[geom] == 0) continue;
+        model->geom_size[3 * geom] *= factor;
+        if (options.friction > 0.0) model->geom_friction[3 * geom] = options.friction;
+        // Of two frictions MuJoCo takes the larger one, unless a priority decides.
+        if (options.friction > 0.0) model->geom_priority[geom] = 1;
+      }
+    }
+  }
+  if (options.payload_kg > 0.0) add_payload(options.payload_kg, options.payload_at_m);
+  mj_setConst(model.get(), data.get());
+  mj_resetData(model.get(), data.get());
+}
+
+// Where the ground is not flat every wheel stands on a plane of its own, which touches the ground under it.
+void DrivePhysics::Impl::use_ground(const GroundRelief& relief) {
+  ground = relief;
+  std::vector<int> planes, parts;
+  mj_kinematics(model.get(), data.get());
+  for (int geom = 0; geom < model->ngeom; ++geom) {
+    const char* name = mj_id2name(model.get(), mjOBJ_GEOM, geom);
+    if (name != nullptr && std::string(name).rfind(kGroundPrefix, 0) == 0) planes.push_back(geom);
+    if (kinds[static_cast<std::size_t>(geom)] != ObjectKind::kRobot || !rolls(model->geom_type[geom])) continue;
+    if (model->geom_contype[geom] == 0 && model->geom_conaffinity[geom] == 0) continue;
+    const double lowest = data->geom_xpos[3 * geom + 2] - model->geom_size[3 * geom];
+    if (lowest < kStandsOnGround_m) parts.push_back(geom);
+  }
+  const std::size_t count = relief.flat() ? 0 : std::min({planes.size(), parts.size(), kMaxGroundPlanes});
+  for (std::size_t i = 0; i < count; ++i) {
+    const int bit = 1 << (kFirstGroundBit + static_cast<int>(i));
+    model->geom_contype[planes[i]] = bit;
+    model->geom_conaffinity[parts[i]] |= bit;
+    ground_planes.push_back({planes[i], parts[i]});
+  }
+  if (relief.flat()) return;
+  for (int geom = 0; geom < model->ngeom; ++geom) {
+    if (kinds[static_cast<std::size_t>(geom)] != ObjectKind::kFloor || model->geom_type[geom] != mjGEOM_PLANE) continue;
+    if (std::find(planes.begin(), planes.end(), geom) != planes.end()) continue;
+    model->geom_contype[geom] = model->geom_conaffinity[geom] = 0;
+  }
+}
+
+void DrivePhysics::Impl::follow_ground() {
+  for (const GroundPlane& entry : ground_planes) {
+    const mjtNum* centre = data->geom_xpos + 3 * entry.part;
+    const Eigen::Vector2d below(centre[0], centre[1]);
+    const Eigen::Vector2d slope = ground.slope(below);
+    const Eigen::Vector3d normal = Eigen::Vector3d(-slope.x(), -slope.y(), 1.0).normalized();
+    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+    mjtNum* position = model->geom_pos + 3 * entry.plane;
+    position[0] = below.x();
+    position[1] = below.y();
+    position[2] = ground.height(below);
+    const std::array<double, 4> quat = {q.w(), q.x(), q.y(), q.z()};
+    std::copy(quat.begin(), quat.end(), model->geom_quat + 4 * entry.plane);
+  }
+}
+
+std::string DrivePhysics::Impl::first_obstacle(const mjData* state, double clearance_m) const {
+  for (int i = 0; i < state->ncon; ++i) {
+    const mjContact& contact = state->contact[i];
+    if (contact.dist >= clearance_m) continue;
+    const ObjectKind a = kinds[static_cast<std::size_t>(contact.geom1)];
+    const ObjectKind b = kinds[static_cast<std::size_t>(contact.geom2)];
+    if ((a == ObjectKind::kRobot) == (b == ObjectKind::kRobot)) continue;
+    if (a == ObjectKind::kFloor || b == ObjectKind::kFloor) continue;
+    return name_of_geom(model.get(), a == ObjectKind::kRobot ? contact.geom2 : contact.geom1);
+  }
+  return {};
+}
+
+DrivePhysics::DrivePhysics(const WorldDescription& description, const PhysicsOptions& options)
+    : impl_(std::make_unique<Impl>(description, options)) {}
+DrivePhysics::~DrivePhysics() = default;
+
+void DrivePhysics::place(double x_m, double y_m, double yaw_rad) {
+  mj_resetData(impl_->model.get(), impl_->data.get());
+  Rigid3 T = planar_pose(x_m, y_m, yaw_rad) * impl_->T_body_robot.inverse();
+  if (!impl_->ground.flat()) {
+    // High enough that no wheel starts within the ground.
+    double top = -1e9;
+    impl_->set_pose(impl_->data.get(), T);
+    mj_kinematics(impl_->model.get(), impl_->data.get());
+    for (const Impl::GroundPlane& entry : impl_->ground_planes) {
+      const mjtNum* centre = impl_->data->geom_xpos + 3 * entry.part;
+      top = std::max(top, impl_->ground.height({centre[0], centre[1]}));
+    }
+    T.translation.z() += top;
+  }
+  impl_->set_pose(impl_->data.get(), T);
+  mj_kinematics(impl_->model.get(), impl_->data.get());
+}
+
+void DrivePhysics::step(double left_rad_s, double right_rad_s) {
+  for (const int actuator : impl_->left.actuators) impl_->data->ctrl[actuator] = left_rad_s;
+  for (const int actuator : impl_->right.actuators) impl_->data->ctrl[actuator] = right_rad_s;
+  impl_->follow_ground();
+  mj_step(impl_->model.get(), impl_->data.get());
+}
+
+double DrivePhysics::step_s() const { return impl_->model->opt.timestep; }
+double DrivePhysics::time_s() const { return impl_->data->time; }
+Rigid3 DrivePhysics::T_world_robot() const { return impl_->T_world_body() * impl_->T_body_robot; }
+double DrivePhysics::left_wheels_rad() const { return impl_->left.angle(impl_->data.get()); }
+double DrivePhysics::right_wheels_rad() const { return impl_->right.angle(impl_->data.get()); }
+
+double DrivePhysics::speed_m_s() const {
+  const mjtNum* v = impl_->data->qvel + impl_->robot_velocity;
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+double DrivePhysics::turn_rate_rad_s() const {
+  const mjtNum* w = impl_->data->qvel + impl_->robot_velocity + 3;
+  return std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+}
+
+double DrivePhysics::tilt_rad() const {
+  const Eigen::Vector3d up = T_world_robot().rotation * Eigen::Vector3d::UnitZ();
+  return std::acos(std::clamp(up.z(), -1.0, 1.0));
+}
+
+std::string DrivePhysics::touched() const { return impl_->first_obstacle(impl_->data.get(), 0.0); }
+
+std::string DrivePhysics::obstacle(const Rigid3& T_world_robot, double clearance_m) const {
+  mjData* probe = impl_->probe.get();
+  impl_->set_pose(probe, T_world_robot * impl_->T_body_robot.inverse());
+  mj_kinematics(impl_->model.get(), probe);
+  mj_comPos(impl_->model.get(), probe);
+  mj_collision(impl_->model.get(), probe);
+  return impl_->first_obstacle(probe, std::min(clearance_m, kMaxClearance_m));
+}
+
+std::shared_ptr<const DrivePhysics::Snapshot> DrivePhysics::save() const {
+  return std::make_shared<const Snapshot>(impl_->model.get(), impl_->data.get());
+}
+
+void DrivePhysics::restore(const Snapshot& snapshot) {
+  mj_copyData(impl_->data.get(), impl_->model.get(), snapshot.get());
+}
+
+}  // namespace rigproof
