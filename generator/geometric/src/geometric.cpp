@@ -105,7 +105,7 @@ class Drawer {
       RigCamera& camera = observations.cameras[c];
       RandomStream random(config_.seed, "geometric depth scale", -1, static_cast<std::int32_t>(c));
       const double depth_scale = 1.0 + random.normal(0.0, config_.depth_scale_sigma);
-      truth.cameras.push_back({camera.name, config_.rig.T_robot_camera[c], camera.camera, depth_scale});
+      truth.cameras.push_back({camera.name, config_.rig.T_robot_camera[c], camera.camera, depth_scale, {}});
       if (!camera.depth) continue;
       camera.depth->noise.inverse_depth_sigma_per_m = config_.inverse_depth_sigma_per_m;
       camera.depth->noise.scale_sigma = config_.depth_scale_sigma;  // what is true is declared
