@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
@@ -75,7 +76,7 @@ Eigen::Matrix3d board_ray_moments(const Board& board, const Rigid3& T_camera_boa
 
 class Drawer {
  public:
-  explicit Drawer(const GeometricConfig& config) : config_(config), scene_(draw_scene(config)) {}
+  Drawer(const GeometricConfig& config, GeometricScene scene) : config_(config), scene_(std::move(scene)) {}
 
   GeometricRun draw() {
     describe();
@@ -261,7 +262,12 @@ OdometryNoise paper_odometry_noise(OdometryModel model, double lambda) {
 
 GeometricRun draw_geometric_run(const GeometricConfig& config) {
   check(config);
-  return Drawer(config).draw();
+  return Drawer(config, draw_scene(config)).draw();
+}
+
+GeometricRun draw_geometric_run(const GeometricConfig& config, const GeometricScene& scene) {
+  check(config);
+  return Drawer(config, scene).draw();
 }
 
 }  // namespace rigproof

@@ -87,5 +87,8 @@ GeometricScene draw_scene(const GeometricConfig& config);
 
 /// The whole run; depends on the configuration alone.
 GeometricRun draw_geometric_run(const GeometricConfig& config);
+/// The same at given true poses, in place of those that the configuration would draw: the noise of a stop depends on
+/// the seed and its number alone.
+GeometricRun draw_geometric_run(const GeometricConfig& config, const GeometricScene& scene);
 
 }  // namespace rigproof
