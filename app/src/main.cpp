@@ -1,13 +1,17 @@
 // The `rigproof` command: parses the command line and calls one function of commands.h. The only place that includes
 // CLI11, and the only one that turns exceptions into messages and exit codes.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <functional>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
 #include "terminal.h"
 
@@ -159,8 +163,23 @@ void add_schema(CLI::App& app, Action& action) {
   command->callback([name, &action] { action = [name] { return schema_command(*name); }; });
 }
 
+// CLI11 would only say that a command is missing.
+void check_command_name(const CLI::App& app, const std::string& name) {
+  if (name.empty() || name[0] == '-') return;
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) known.push_back(command->get_name());
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  throw Error("\"" + for_message(name) + "\": there is no such command; " + suggestion(name, known));
+}
+
+// The command whose help answers the mistake: `rigproof calibrate` or `rigproof`.
+std::string help_command(const CLI::App& app) {
+  const std::vector<CLI::App*> given = app.get_subcommands();
+  return "rigproof " + (given.empty() ? "" : given.front()->get_name() + " ") + "--help";
+}
+
 int run_main(int argc, char** argv) {
-  CLI::App app{"Where is each camera on your robot, how sure are you, and prove it."};
+  CLI::App app{"Where is each camera on your robot, how sure are you, and prove it.", "rigproof"};
   app.set_version_flag("--version", std::string("rigproof ") + version());
   app.require_subcommand(1);
   app.footer(kExitCodes);
@@ -179,10 +198,16 @@ int run_main(int argc, char** argv) {
   add_list(app, "sensors", "The sensor presets", action);
   add_list(app, "boards", "The board presets", action);
   add_schema(app, action);
+  if (argc < 2) {
+    std::fputs(app.help().c_str(), stderr);
+    return static_cast<int>(ExitCode::kBadInput);
+  }
+  check_command_name(app, argv[1]);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::kBadInput);
+    if (error.get_exit_code() == 0) return app.exit(error);  // help or version
+    throw Error(std::string(error.what()) + "\n`" + help_command(app) + "` shows what is allowed.");
   }
   install_interrupt_handler();
   const int exit_code = action();

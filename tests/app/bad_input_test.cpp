@@ -40,7 +40,16 @@ TEST(BadInput, UnknownNamesTellTheNearest) {
   expect_error(rigproof_command({"generate", config.string(), "-o", (scratch / "run").string()}),
                HasSubstr("indoor_lab"));
   EXPECT_FALSE(fs::exists(scratch / "run"));
-  expect_error(rigproof_command({"calibrat"}), testing::_);
+  expect_error(rigproof_command({"calibrat"}), HasSubstr("rigproof: \"calibrat\""));
+  expect_error(rigproof_command({"calibrat"}), HasSubstr("did you mean \"calibrate\"?"));
+}
+
+TEST(BadInput, MistakesOnTheCommandLineSayWhereHelpIs) {
+  expect_error(rigproof_command({}), HasSubstr("Usage: rigproof"));
+  expect_error(rigproof_command({"calibrate"}),
+               AllOf(HasSubstr("rigproof: INPUT is required"), HasSubstr("rigproof calibrate --help")));
+  expect_error(rigproof_command({"calibrate", "x", "--foo"}), HasSubstr("--foo"));
+  expect_error(rigproof_command({"--foo"}), HasSubstr("rigproof --help"));
 }
 
 TEST(BadInput, EveryProblemOfAConfigurationAtOnce) {
