@@ -13,6 +13,7 @@ list(APPEND calib_sources
   src/detection/corner_grid.cpp
   src/detection/homography.cpp
   src/detection/image_io.cpp
+  src/detection/ippe.cpp
   src/detection/observe.cpp
   src/detection/odometry_track.cpp
   src/detection/opencv_seed.cpp
