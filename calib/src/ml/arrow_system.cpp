@@ -11,6 +11,17 @@ namespace {
 // Information of an unknown that is fixed: its variance vanishes beside every other.
 constexpr double kFixedInformation = 1e30;
 
+// Absent unless every eigenvalue is far from zero, which the inverse itself shows: none is below 1 / |A^-1|.
+std::optional<Eigen::MatrixXd> inverse_of_regular(const Eigen::MatrixXd& A) {
+  constexpr double kFarFromZero = 1e-7;
+  const Eigen::LLT<Eigen::MatrixXd> llt(A);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(A.rows(), A.cols()));
+  if (!(inverse.norm() * kFarFromZero < 1.0)) return std::nullopt;
+  inverse = (0.5 * (inverse + inverse.transpose())).eval();
+  return inverse;
+}
+
 double log_diagonal(const Eigen::MatrixXd& triangle) { return triangle.diagonal().array().abs().log().sum(); }
 
 }  // namespace
@@ -50,46 +61,57 @@ std::optional<EliminatedSystem> EliminatedSystem::eliminate(const ArrowSystem& s
   result.log_determinant_ = -system.fixed_unknowns * std::log(kFixedInformation);  // they are none of the unknowns
   result.inverse_pivot_.resize(static_cast<std::size_t>(n));
   result.factor_.resize(static_cast<std::size_t>(n), Matrix6d::Zero());
-  result.solved_.resize(6 * n, globals + 1);
-  result.solved_ << system.pose_global, system.pose_gradient;
+  Eigen::MatrixXd& forward = result.forward_;
+  forward.resize(globals + 1, 6 * n);
+  forward.topRows(globals) = system.pose_global.transpose();
+  forward.row(globals) = system.pose_gradient.transpose();
 
+  Eigen::MatrixXd whitened(globals + 1, 6 * n);  // (D^-1/2 L^-1 [U g])'
   for (int i = 0; i < n; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
+    auto own = forward.middleCols<6>(6 * i);
     Matrix6d pivot = system.diagonal[k];
     pivot.diagonal() *= 1.0 + damping;
     if (i > 0) {
       result.factor_[k] = system.coupling[k] * result.inverse_pivot_[k - 1];
       pivot -= result.factor_[k] * system.coupling[k].transpose();
-      result.solved_.middleRows<6>(6 * i) -= (result.factor_[k] * result.solved_.middleRows<6>(6 * i - 6)).eval();
+      own -= forward.middleCols<6>(6 * i - 6).lazyProduct(result.factor_[k].transpose());
     }
     const Eigen::LLT<Matrix6d> llt(pivot);
     if (llt.info() != Eigen::Success) return std::nullopt;
-    result.inverse_pivot_[k] = llt.solve(Matrix6d::Identity());
+    const Matrix6d inverse_root = llt.matrixL().solve(Matrix6d::Identity());
+    result.inverse_pivot_[k].noalias() = inverse_root.transpose() * inverse_root;
+    whitened.middleCols<6>(6 * i).noalias() = own.lazyProduct(inverse_root.transpose());
     result.log_determinant_ += 2.0 * log_diagonal(llt.matrixLLT());
   }
-  for (int i = n - 1; i >= 0; --i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    result.solved_.middleRows<6>(6 * i) = (result.inverse_pivot_[k] * result.solved_.middleRows<6>(6 * i)).eval();
-    if (i + 1 < n)
-      result.solved_.middleRows<6>(6 * i) -=
-          (result.factor_[k + 1].transpose() * result.solved_.middleRows<6>(6 * i + 6)).eval();
-  }
 
-  Eigen::MatrixXd damped = system.global;
-  damped.diagonal() *= 1.0 + damping;
-  const Eigen::MatrixXd reduced = system.pose_global.transpose() * result.solved_;
-  result.schur_ = damped - reduced.leftCols(globals);
-  result.schur_ = 0.5 * (result.schur_ + result.schur_.transpose()).eval();
-  result.schur_gradient_ = system.global_gradient - reduced.col(globals);
+  // The gradient as one more global: its row of the complement is the reduced gradient.
+  Eigen::MatrixXd reduced = Eigen::MatrixXd::Zero(globals + 1, globals + 1);
+  reduced.selfadjointView<Eigen::Lower>().rankUpdate(whitened, -1.0);
+  result.schur_ = reduced.topLeftCorner(globals, globals).selfadjointView<Eigen::Lower>();
+  result.schur_ += system.global;
+  result.schur_.diagonal() += damping * system.global.diagonal();
+  result.schur_gradient_ = system.global_gradient + reduced.row(globals).head(globals).transpose();
   return result;
+}
+
+void EliminatedSystem::solve_backwards(Eigen::MatrixXd* transposed) const {
+  for (int i = static_cast<int>(inverse_pivot_.size()) - 1; i >= 0; --i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    auto own = transposed->middleCols<6>(6 * i);
+    own = own.lazyProduct(inverse_pivot_[k]).eval();
+    if (k + 1 < inverse_pivot_.size()) own -= transposed->middleCols<6>(6 * i + 6).lazyProduct(factor_[k + 1]);
+  }
 }
 
 bool EliminatedSystem::step(Eigen::VectorXd* pose_step, Eigen::VectorXd* global_step) const {
   const Eigen::LLT<Eigen::MatrixXd> llt(schur_);
   if (llt.info() != Eigen::Success) return false;
   *global_step = -llt.solve(schur_gradient_);
-  const int globals = static_cast<int>(schur_.rows());
-  *pose_step = -solved_.col(globals) - solved_.leftCols(globals) * *global_step;
+  const Eigen::Index globals = schur_.rows();
+  Eigen::MatrixXd transposed = -forward_.row(globals) - global_step->transpose() * forward_.topRows(globals);
+  solve_backwards(&transposed);
+  *pose_step = transposed.transpose();
   return global_step->allFinite() && pose_step->allFinite();
 }
 
@@ -101,11 +123,13 @@ double EliminatedSystem::log_determinant_of_globals() const {
 
 EliminatedSystem::PoseCovariance EliminatedSystem::pose_covariance(const Eigen::MatrixXd& global_covariance) const {
   const std::size_t n = inverse_pivot_.size();
-  const auto W = solved_.leftCols(schur_.rows());
+  Eigen::MatrixXd W = forward_.topRows(schur_.rows());  // (P^-1 U)'
+  solve_backwards(&W);
+  const Eigen::MatrixXd with_globals = -global_covariance * W;
   PoseCovariance covariance;
   covariance.diagonal.resize(n);
   covariance.with_previous.resize(n, Matrix6d::Zero());
-  covariance.with_globals = -W * global_covariance;
+  covariance.with_globals = with_globals.transpose();
   // Backwards through the chain: blocks of P^-1 from those of its factors.
   for (std::size_t i = n; i-- > 0;) {
     covariance.diagonal[i] = inverse_pivot_[i];
@@ -115,9 +139,10 @@ EliminatedSystem::PoseCovariance EliminatedSystem::pose_covariance(const Eigen::
     covariance.diagonal[i] += L.transpose() * covariance.diagonal[i + 1] * L;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    const auto rows = covariance.with_globals.middleRows<6>(6 * static_cast<Eigen::Index>(i));
-    covariance.diagonal[i] -= rows * W.middleRows<6>(6 * static_cast<Eigen::Index>(i)).transpose();
-    if (i > 0) covariance.with_previous[i] -= rows * W.middleRows<6>(6 * static_cast<Eigen::Index>(i) - 6).transpose();
+    const Eigen::Index at = 6 * static_cast<Eigen::Index>(i);
+    const auto own = with_globals.middleCols<6>(at).transpose();
+    covariance.diagonal[i] -= own.lazyProduct(W.middleCols<6>(at));
+    if (i > 0) covariance.with_previous[i] -= own.lazyProduct(W.middleCols<6>(at - 6));
   }
   return covariance;
 }
@@ -126,12 +151,17 @@ GlobalCovariance invert_information(const Eigen::MatrixXd& schur) {
   // Unknowns in units of their own conditional sigma: a metre and a radian then compare.
   const Eigen::VectorXd unit = schur.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = unit.asDiagonal() * schur * unit.asDiagonal();
+  GlobalCovariance result;
+  if (const std::optional<Eigen::MatrixXd> inverse = inverse_of_regular(scaled)) {
+    result.covariance = unit.asDiagonal() * *inverse * unit.asDiagonal();
+    result.free_directions.resize(schur.rows(), 0);
+    return result;
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const double threshold = 1e-11 * std::max(1.0, eigen.eigenvalues().maxCoeff());
   const Eigen::Index free = (eigen.eigenvalues().array() < threshold).count();
   const Eigen::Index determined = schur.rows() - free;
   const Eigen::MatrixXd V = unit.asDiagonal() * eigen.eigenvectors();
-  GlobalCovariance result;
   const Eigen::MatrixXd half =
       V.rightCols(determined) * eigen.eigenvalues().tail(determined).cwiseSqrt().cwiseInverse().asDiagonal();
   result.covariance = half * half.transpose();

@@ -9,13 +9,16 @@
 
 namespace rigproof::ml {
 
+/// Six rows a pose, a column for each global; the rows of one unknown lie together.
+using PoseRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// H = [P U; U' C] with P block tridiagonal (6x6 blocks), and the gradient g.
 struct ArrowSystem {
   ArrowSystem(int poses, int globals);
 
   std::vector<Matrix6d> diagonal;   ///< P(i, i)
   std::vector<Matrix6d> coupling;   ///< P(i, i - 1); the first is unused
-  Eigen::MatrixXd pose_global;      ///< U, 6 poses x globals
+  PoseRows pose_global;             ///< U, 6 poses x globals
   Eigen::MatrixXd global;           ///< C
   Eigen::VectorXd pose_gradient;    ///< 6 poses
   Eigen::VectorXd global_gradient;  ///< globals
@@ -46,14 +49,17 @@ class EliminatedSystem {
   struct PoseCovariance {
     std::vector<Matrix6d> diagonal;       ///< (i, i)
     std::vector<Matrix6d> with_previous;  ///< (i, i - 1)
-    Eigen::MatrixXd with_globals;         ///< 6 poses x globals
+    PoseRows with_globals;                ///< 6 poses x globals
   };
   PoseCovariance pose_covariance(const Eigen::MatrixXd& global_covariance) const;
 
  private:
+  // D^-1 y, then backwards through the chain: the rest of P^-1 after the elimination's L^-1. Six columns a pose.
+  void solve_backwards(Eigen::MatrixXd* transposed) const;
+
   std::vector<Matrix6d> inverse_pivot_;  // D_i^-1 of P = L D L'
   std::vector<Matrix6d> factor_;         // L(i, i - 1)
-  Eigen::MatrixXd solved_;               // P^-1 [U g]
+  Eigen::MatrixXd forward_;              // (L^-1 [U g])'
   Eigen::MatrixXd schur_;
   Eigen::VectorXd schur_gradient_;
   double log_determinant_ = 0.0;

@@ -2,77 +2,111 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <utility>
 
 namespace rigproof::ml {
 namespace {
 
 // Cost of a corner that a trial state puts behind the camera: as bad as a very wrong one, without a slope.
 constexpr double kBehindCameraSquare = 1e8;
-constexpr int kMaxLocal = 21;  // camera, board, pose and three more
-
-using LocalMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLocal, kMaxLocal>;
-using LocalVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxLocal, 1>;
 
 // Unknowns of one pose, or globals where pose is -1.
 struct Segment {
-  int pose, offset, size;
+  int pose, offset;
 };
 
-// One block of residuals: its part of the normal equations on the few unknowns that it depends on.
+// One block of residuals: its part of the normal equations on the few unknowns that it depends on, in segments of the
+// given sizes. Of H the blocks on and below the diagonal count.
+template <int... kSizes>
 struct LocalBlock {
+  static constexpr std::size_t kCount = sizeof...(kSizes);
+  static constexpr int kUnknowns = (kSizes + ...);
+  static constexpr std::array<int, kCount> kSize = {kSizes...};
+  static constexpr int start(std::size_t segment) {
+    int sum = 0;
+    for (std::size_t i = 0; i < segment; ++i) sum += kSize[i];
+    return sum;
+  }
+
   Group group;
   int camera;
-  std::array<Segment, 4> segments;
-  int segment_count;
-  LocalMatrix H;
-  LocalVector g;
+  std::array<Segment, kCount> segments;
+  Eigen::Matrix<double, kUnknowns, kUnknowns> H;
+  Eigen::Matrix<double, kUnknowns, 1> g;
   GroupSum sum;
-  double cost;
+  double cost = 0.0;
+
+  // Fills H and g from a whitened Jacobian with the segments' columns.
+  template <typename Jacobian, typename Residual>
+  void set_normal(const Jacobian& J, const Residual& r, double factor) {
+    H.noalias() = factor * J.transpose() * J;
+    g.noalias() = factor * J.transpose() * r;
+  }
 };
 
-double block_factor(Weighting weighting, double weight, int dimensions) {
+template <typename Visit, std::size_t... kIndices>
+void for_each_index(const Visit& visit, std::index_sequence<kIndices...>) {
+  (visit(std::integral_constant<std::size_t, kIndices>()), ...);
+}
+
+// visit(a, b) for every block of H on and below the diagonal, with the segments' numbers as constants.
+template <typename Block, typename Visit>
+void for_each_pair(const Visit& visit) {
+  for_each_index(
+      [&visit](auto a) {
+        for_each_index([&visit, a](auto b) { visit(a, b); }, std::make_index_sequence<decltype(a)::value + 1>());
+      },
+      std::make_index_sequence<Block::kCount>());
+}
+
+double block_factor(Weighting weighting, double weight, const LossMoments& moments) {
   if (weighting == Weighting::kUnit) return 1.0;
   if (weighting == Weighting::kRobust) return weight;
-  const LossMoments& moments = cauchy_moments(dimensions);
   return weight * moments.efficiency / moments.weight;
 }
 
-// Where local segments meet in an arrow system.
+// Where local segments meet in an arrow system. Of the globals' block only the part below the diagonal is filled.
 class Assembler {
  public:
   Assembler(ArrowSystem* system, double* cost, GroupSums* sums) : system_(system), cost_(cost), sums_(sums) {}
 
-  void operator()(const LocalBlock& block) {
+  template <typename Block>
+  void operator()(const Block& block) {
     *cost_ += block.cost;
     if (sums_ != nullptr) sum_of(*sums_, block.group, block.camera) += block.sum;
-    for (int a = 0, row = 0; a < block.segment_count; row += block.segments[static_cast<std::size_t>(a)].size, ++a) {
-      const Segment& sa = block.segments[static_cast<std::size_t>(a)];
-      gradient(sa) += block.g.segment(row, sa.size);
-      for (int b = 0, column = 0; b < block.segment_count;
-           column += block.segments[static_cast<std::size_t>(b)].size, ++b) {
-        const Segment& sb = block.segments[static_cast<std::size_t>(b)];
-        add(sa, sb, block.H.block(row, column, sa.size, sb.size));
-      }
-    }
+    for_each_index(
+        [&](auto a) {
+          constexpr std::size_t A = decltype(a)::value;
+          gradient<Block::kSize[A]>(block.segments[A]) += block.g.template segment<Block::kSize[A]>(Block::start(A));
+        },
+        std::make_index_sequence<Block::kCount>());
+    for_each_pair<Block>([&](auto a, auto b) {
+      constexpr std::size_t A = decltype(a)::value, B = decltype(b)::value;
+      add<Block::kSize[A], Block::kSize[B]>(
+          block.segments[A], block.segments[B],
+          block.H.template block<Block::kSize[A], Block::kSize[B]>(Block::start(A), Block::start(B)));
+    });
   }
 
  private:
-  Eigen::VectorBlock<Eigen::VectorXd> gradient(const Segment& s) {
-    return s.pose < 0 ? system_->global_gradient.segment(s.offset, s.size)
-                      : system_->pose_gradient.segment(6 * s.pose + s.offset, s.size);
+  template <int kSize>
+  auto gradient(const Segment& s) {
+    return s.pose < 0 ? system_->global_gradient.segment<kSize>(s.offset)
+                      : system_->pose_gradient.segment<kSize>(6 * s.pose + s.offset);
   }
 
-  template <typename Block>
+  template <int kRows, int kColumns, typename Block>
   void add(const Segment& a, const Segment& b, const Block& block) {
-    if (a.pose < 0 && b.pose < 0) {
-      system_->global.block(a.offset, b.offset, a.size, b.size) += block;
-    } else if (a.pose >= 0 && b.pose < 0) {
-      system_->pose_global.block(6 * a.pose + a.offset, b.offset, a.size, b.size) += block;
-    } else if (a.pose >= 0 && a.pose == b.pose) {
-      system_->diagonal[static_cast<std::size_t>(a.pose)].block(a.offset, b.offset, a.size, b.size) += block;
-    } else if (a.pose >= 0 && a.pose == b.pose + 1) {
-      system_->coupling[static_cast<std::size_t>(a.pose)].block(a.offset, b.offset, a.size, b.size) += block;
-    }
+    if (a.pose < 0 && b.pose < 0)
+      system_->global.block<kRows, kColumns>(a.offset, b.offset) += block;
+    else if (b.pose < 0)
+      system_->pose_global.block<kRows, kColumns>(6 * a.pose + a.offset, b.offset) += block;
+    else if (a.pose < 0)
+      system_->pose_global.block<kColumns, kRows>(6 * b.pose + b.offset, a.offset) += block.transpose();
+    else if (a.pose == b.pose)
+      system_->diagonal[static_cast<std::size_t>(a.pose)].block<kRows, kColumns>(a.offset, b.offset) += block;
+    else
+      system_->coupling[static_cast<std::size_t>(a.pose)].block<kRows, kColumns>(a.offset, b.offset) += block;
   }
 
   ArrowSystem* system_;
@@ -86,30 +120,32 @@ class LeverageSink {
   LeverageSink(const EliminatedSystem::PoseCovariance& poses, const Eigen::MatrixXd& globals, GroupSums* sums)
       : poses_(poses), globals_(globals), sums_(sums) {}
 
-  void operator()(const LocalBlock& block) {
+  template <typename Block>
+  void operator()(const Block& block) {
     double trace = 0.0;
-    for (int a = 0, row = 0; a < block.segment_count; row += block.segments[static_cast<std::size_t>(a)].size, ++a) {
-      const Segment& sa = block.segments[static_cast<std::size_t>(a)];
-      for (int b = a, column = row; b < block.segment_count;
-           column += block.segments[static_cast<std::size_t>(b)].size, ++b) {
-        const Segment& sb = block.segments[static_cast<std::size_t>(b)];
-        const double part = block.H.block(row, column, sa.size, sb.size).cwiseProduct(covariance(sa, sb)).sum();
-        trace += (a == b ? 1.0 : 2.0) * part;  // both are symmetric
-      }
-    }
+    for_each_pair<Block>([&](auto a, auto b) {
+      constexpr std::size_t A = decltype(a)::value, B = decltype(b)::value;
+      const double part = product<Block::kSize[A], Block::kSize[B]>(
+          block.segments[A], block.segments[B],
+          block.H.template block<Block::kSize[A], Block::kSize[B]>(Block::start(A), Block::start(B)));
+      trace += (A == B ? 1.0 : 2.0) * part;  // both are symmetric
+    });
     sum_of(*sums_, block.group, block.camera).leverage += trace;
   }
 
  private:
-  LocalMatrix covariance(const Segment& a, const Segment& b) const {
-    if (a.pose < 0 && b.pose < 0) return globals_.block(a.offset, b.offset, a.size, b.size);
-    if (b.pose < 0) return poses_.with_globals.block(6 * a.pose + a.offset, b.offset, a.size, b.size);
-    if (a.pose < 0) return covariance(b, a).transpose();
-    if (a.pose == b.pose)
-      return poses_.diagonal[static_cast<std::size_t>(a.pose)].block(a.offset, b.offset, a.size, b.size);
-    if (a.pose == b.pose + 1)
-      return poses_.with_previous[static_cast<std::size_t>(a.pose)].block(a.offset, b.offset, a.size, b.size);
-    return covariance(b, a).transpose();
+  // Sum of the products of H's elements with the covariance's.
+  template <int kRows, int kColumns, typename Block>
+  double product(const Segment& a, const Segment& b, const Block& H) const {
+    if (a.pose < 0 && b.pose < 0) return H.cwiseProduct(globals_.block<kRows, kColumns>(a.offset, b.offset)).sum();
+    if (b.pose < 0)
+      return H.cwiseProduct(poses_.with_globals.block<kRows, kColumns>(6 * a.pose + a.offset, b.offset)).sum();
+    if (a.pose < 0)
+      return H.transpose()
+          .cwiseProduct(poses_.with_globals.block<kColumns, kRows>(6 * b.pose + b.offset, a.offset))
+          .sum();
+    const std::vector<Matrix6d>& blocks = a.pose == b.pose ? poses_.diagonal : poses_.with_previous;
+    return H.cwiseProduct(blocks[static_cast<std::size_t>(a.pose)].block<kRows, kColumns>(a.offset, b.offset)).sum();
   }
 
   const EliminatedSystem::PoseCovariance& poses_;
@@ -117,56 +153,89 @@ class LeverageSink {
   GroupSums* sums_;
 };
 
-// Fills H and g of a block whose Jacobian J is whitened and has the segments' columns.
-template <typename Jacobian, typename Residual>
-void set_normal(const Jacobian& J, const Residual& r, double factor, LocalBlock* block) {
-  block->H.noalias() = factor * J.transpose() * J;
-  block->g.noalias() = factor * J.transpose() * r;
+// Noise alone gives 45 whitened squares in three dimensions once in a billion.
+constexpr double kOutlierWeight = 1.0 / 6.0;
+
+void add_residual(double square, double weight, int dimensions, GroupSum* sum) {
+  const double weighted = weight * square;
+  sum->square += square;
+  sum->weighted_square += weighted;
+  sum->weight += weight * dimensions;
+  sum->dimensions += dimensions;
+  if (weight >= kOutlierWeight) return;
+  sum->outlier_weighted_square += weighted;
+  sum->outlier_dimensions += dimensions;
 }
 
 GroupSum sum_of_residual(double square, double weight, int dimensions) {
-  // Noise alone gives 45 whitened squares in three dimensions once in a billion.
-  constexpr double kOutlierWeight = 1.0 / 6.0;
-  GroupSum sum{square, weight * square, weight * dimensions, 0.0, dimensions};
-  if (weight >= kOutlierWeight) return sum;
-  sum.outlier_weighted_square = sum.weighted_square;
-  sum.outlier_dimensions = dimensions;
+  GroupSum sum;
+  add_residual(square, weight, dimensions, &sum);
   return sum;
 }
 
-// Corners or the board's plane of one view: accumulated on the twist of the board in the camera, then chained.
-struct TwistSystem {
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d g = Vector6d::Zero();
-  Eigen::Matrix<double, 6, 3> with_extra = Eigen::Matrix<double, 6, 3>::Zero();
-  Eigen::Matrix3d extra = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d extra_gradient = Eigen::Vector3d::Zero();
+// Sum of the loss of many residuals: one logarithm of their product, kept as what it exceeds one by.
+class CostSum {
+ public:
+  explicit CostSum(double c2) : c2_(c2) {}
+  void add(double square) {
+    constexpr double kLargest = 1e200;
+    const double x = square / c2_;
+    excess_ += x + excess_ * x;
+    if (excess_ < kLargest) return;
+    sum_ += std::log1p(excess_);
+    excess_ = 0.0;
+  }
+  double cost() const { return c2_ * (sum_ + std::log1p(excess_)); }
 
-  template <typename JTwist, typename JExtra, typename Residual>
-  void add(const JTwist& J, const JExtra& E, const Residual& r, double factor) {
-    H.noalias() += factor * J.transpose() * J;
-    g.noalias() += factor * J.transpose() * r;
-    constexpr int kExtra = JExtra::ColsAtCompileTime;
-    with_extra.leftCols<kExtra>().noalias() += factor * J.transpose() * E;
-    extra.topLeftCorner<kExtra, kExtra>().noalias() += factor * E.transpose() * E;
-    extra_gradient.head<kExtra>().noalias() += factor * E.transpose() * r;
+ private:
+  double c2_, excess_ = 0.0, sum_ = 0.0;
+};
+
+// Corners or the board's plane of one view: accumulated on the twist of the board in the camera, then chained to
+// camera, board, pose and kExtra unknowns more.
+template <int kExtra>
+struct TwistSystem {
+  static constexpr int kUnknowns = 6 + kExtra;
+  Eigen::Matrix<double, kUnknowns, kUnknowns> H = Eigen::Matrix<double, kUnknowns, kUnknowns>::Zero();
+  Eigen::Matrix<double, kUnknowns, 1> g = Eigen::Matrix<double, kUnknowns, 1>::Zero();
+
+  // J by twist and extras, a row for each residual.
+  template <typename Jacobian, typename Residual>
+  void add(const Jacobian& J, const Residual& r, double factor) {
+    H.noalias() += (factor * J.transpose()).eval() * J;
+    g.noalias() += J.transpose() * (factor * r);
   }
 
-  void chain(const ViewGeometry& geometry, int extras, LocalBlock* block) const {
-    Eigen::Matrix<double, 6, 18> T;
-    T << geometry.twist_by_camera, geometry.twist_by_board, geometry.twist_by_pose;
-    block->H.resize(18 + extras, 18 + extras);
-    block->g.resize(18 + extras);
-    const Eigen::Matrix<double, 18, 6> TtH = T.transpose() * H;
-    block->H.topLeftCorner<18, 18>().noalias() = TtH * T;
-    block->g.head<18>().noalias() = T.transpose() * g;
-    if (extras == 0) return;
-    block->H.topRightCorner(18, extras).noalias() = T.transpose() * with_extra.leftCols(extras);
-    block->H.bottomLeftCorner(extras, 18) = block->H.topRightCorner(18, extras).transpose();
-    block->H.bottomRightCorner(extras, extras) = extra.topLeftCorner(extras, extras);
-    block->g.tail(extras) = extra_gradient.head(extras);
+  template <typename Block>
+  void chain(const ViewGeometry& geometry, Block* block) const {
+    const auto twist = H.template topLeftCorner<6, 6>();
+    const std::array<const Matrix6d*, 3> by = {&geometry.twist_by_camera, &geometry.twist_by_board,
+                                               &geometry.twist_by_pose};
+    std::array<Matrix6d, 3> H_by;
+    for (std::size_t b = 0; b < 3; ++b) H_by[b].noalias() = twist * *by[b];
+    for (int a = 0; a < 3; ++a) {
+      const Matrix6d& T = *by[static_cast<std::size_t>(a)];
+      for (int b = 0; b <= a; ++b)
+        block->H.template block<6, 6>(6 * a, 6 * b).noalias() = T.transpose() * H_by[static_cast<std::size_t>(b)];
+      block->g.template segment<6>(6 * a).noalias() = T.transpose() * g.template head<6>();
+      if constexpr (kExtra > 0)
+        block->H.template block<kExtra, 6>(18, 6 * a).noalias() = H.template block<kExtra, 6>(6, 0) * T;
+    }
+    if constexpr (kExtra > 0) {
+      block->H.template block<kExtra, kExtra>(18, 18) = H.template block<kExtra, kExtra>(6, 6);
+      block->g.template tail<kExtra>() = g.template tail<kExtra>();
+    }
   }
 };
+
+template <int... kSizes, typename... Segments>
+LocalBlock<kSizes...> make_block(Group group, int camera, Segments... segments) {
+  LocalBlock<kSizes...> block;
+  block.group = group;
+  block.camera = camera;
+  block.segments = {segments...};
+  return block;
+}
 
 }  // namespace
 
@@ -247,151 +316,181 @@ Eigen::Vector3d Problem::odometry_sigmas(std::size_t stop) const {
   return {xy, xy, noise.odometry_yaw_rad};
 }
 
-template <typename Sink>
-void Problem::visit_blocks(const State& state, Weighting weighting, Sink&& sink) const {
-  const auto at = [](const auto& values, int i) -> const auto& { return values[static_cast<std::size_t>(i)]; };
-  LocalBlock block;
-
-  for (std::size_t v = 0; v < views_.size(); ++v) {
-    const View& view = views_[v];
-    if (view_left_out[v]) continue;
-    const Camera camera = lens(state, view.camera);
-    const double whiten = 1.0 / at(noise.corner_scale, view.camera);
-    const ViewGeometry geometry =
-        view_geometry(at(state.T_robot_camera, view.camera), state.T_world_board, at(state.poses, view.stop));
-    TwistSystem system;
-    block.sum = GroupSum();
-    block.cost = 0.0;
-    for (const Corner& corner : view.corners) {
-      CornerResidual residual;
-      if (!corner_residual(camera, geometry.T_camera_board, corner.point_board, corner.pixel, &residual)) {
-        block.sum.dimensions += 2;
-        block.cost += loss.cost(kBehindCameraSquare);
-        continue;
-      }
-      const Eigen::Matrix2d W = whiten * corner.whitening;
-      const Eigen::Vector2d r = W * residual.value;
-      const double s = r.squaredNorm(), w = loss.weight(s);
-      block.cost += loss.cost(s);
-      block.sum += sum_of_residual(s, w, 2);
-      const Eigen::Matrix<double, 2, 6> J = W * residual.by_twist;
-      const double factor = block_factor(weighting, w, 2);
-      if (layout_.with_intrinsics) {
-        const Eigen::Matrix<double, 2, 3> E = W * residual.by_intrinsics;
-        system.add(J, E, r, factor);
-      } else {
-        system.H.noalias() += factor * J.transpose() * J;
-        system.g.noalias() += factor * J.transpose() * r;
-      }
+template <int kExtra, typename Sink>
+void Problem::visit_view(const State& state, Weighting weighting, const View& view, Sink& sink) const {
+  const std::size_t c = static_cast<std::size_t>(view.camera);
+  const Camera camera = lens(state, view.camera);
+  const double whiten = 1.0 / noise.corner_scale[c];
+  const LossMoments& moments = cauchy_moments(2);
+  const ViewGeometry geometry =
+      view_geometry(state.T_robot_camera[c], state.T_world_board, state.poses[static_cast<std::size_t>(view.stop)]);
+  const Eigen::Matrix3d R_camera_board = geometry.T_camera_board.rotation_matrix();
+  auto block = [&] {
+    const Segment camera_part{-1, layout_.camera(view.camera)}, board{-1, layout_.board()}, pose{view.stop, 0};
+    if constexpr (kExtra == 0)
+      return make_block<6, 6, 6>(Group::kCorners, view.camera, camera_part, board, pose);
+    else
+      return make_block<6, 6, 6, kExtra>(Group::kCorners, view.camera, camera_part, board, pose,
+                                         Segment{-1, layout_.intrinsics(view.camera)});
+  }();
+  TwistSystem<kExtra> system;
+  CostSum cost(loss.c2);
+  for (const Corner& corner : view.corners) {
+    const Eigen::Vector3d q = R_camera_board * corner.point_board + geometry.T_camera_board.translation;
+    CornerResidual residual;
+    if (!corner_residual(camera, q, corner.pixel, &residual)) {
+      block.sum.dimensions += 2;
+      cost.add(kBehindCameraSquare);
+      continue;
     }
-    block.group = Group::kCorners;
-    block.camera = view.camera;
-    block.segments = {Segment{-1, layout_.camera(view.camera), 6}, Segment{-1, layout_.board(), 6},
-                      Segment{view.stop, 0, 6}, Segment{-1, layout_.intrinsics(view.camera), 3}};
-    block.segment_count = layout_.with_intrinsics ? 4 : 3;
-    system.chain(geometry, layout_.with_intrinsics ? 3 : 0, &block);
-    sink(block);
-  }
-
-  for (const Plane& plane : board_planes_) {
-    const ViewGeometry geometry =
-        view_geometry(at(state.T_robot_camera, plane.camera), state.T_world_board, at(state.poses, plane.stop));
-    const BoardPlaneResidual residual =
-        board_plane_residual(geometry.T_camera_board, at(state.depth_bias, plane.camera), plane.measured);
-    const Eigen::Matrix3d W = plane.whitening / at(noise.board_plane_scale, plane.camera);
-    const Eigen::Vector3d r = W * residual.value;
+    const Eigen::Matrix2d W = whiten * corner.whitening;
+    const Eigen::Vector2d r = W * residual.value;
     const double s = r.squaredNorm(), w = loss.weight(s);
-    TwistSystem system;
-    const Matrix36d J = W * residual.by_twist;
-    const Eigen::Vector3d E = W * residual.by_depth_bias;
-    system.add(J, E, r, block_factor(weighting, w, 3));
-    block.group = Group::kBoardPlane;
-    block.camera = plane.camera;
-    block.segments = {Segment{-1, layout_.camera(plane.camera), 6}, Segment{-1, layout_.board(), 6},
-                      Segment{plane.stop, 0, 6}, Segment{-1, layout_.depth_bias(plane.camera), 1}};
-    block.segment_count = 4;
+    cost.add(s);
+    add_residual(s, w, 2, &block.sum);
+    Eigen::Matrix<double, 2, 6 + kExtra> J;
+    J.template leftCols<6>() = W * residual.by_twist;
+    if constexpr (kExtra > 0) J.template rightCols<kExtra>() = W * residual.by_intrinsics;
+    system.add(J, r, block_factor(weighting, w, moments));
+  }
+  block.cost = cost.cost();
+  system.chain(geometry, &block);
+  sink(block);
+}
+
+template <typename Sink>
+void Problem::visit_board_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const {
+  const std::size_t c = static_cast<std::size_t>(plane.camera);
+  const ViewGeometry geometry =
+      view_geometry(state.T_robot_camera[c], state.T_world_board, state.poses[static_cast<std::size_t>(plane.stop)]);
+  const BoardPlaneResidual residual =
+      board_plane_residual(geometry.T_camera_board, state.depth_bias[c], plane.measured);
+  const Eigen::Matrix3d W = plane.whitening / noise.board_plane_scale[c];
+  const Eigen::Vector3d r = W * residual.value;
+  const double s = r.squaredNorm(), w = loss.weight(s);
+  Eigen::Matrix<double, 3, 7> J;
+  J << residual.by_twist, residual.by_depth_bias;
+  J = (W * J).eval();
+  TwistSystem<1> system;
+  system.add(J, r, block_factor(weighting, w, cauchy_moments(3)));
+  auto block = make_block<6, 6, 6, 1>(Group::kBoardPlane, plane.camera, Segment{-1, layout_.camera(plane.camera)},
+                                      Segment{-1, layout_.board()}, Segment{plane.stop, 0},
+                                      Segment{-1, layout_.depth_bias(plane.camera)});
+  block.cost = loss.cost(s);
+  block.sum = sum_of_residual(s, w, 3);
+  system.chain(geometry, &block);
+  sink(block);
+}
+
+template <typename Sink>
+void Problem::visit_ground_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const {
+  const std::size_t c = static_cast<std::size_t>(plane.camera);
+  GroundResidual residual = ground_residual(state.T_robot_camera[c], state.poses[static_cast<std::size_t>(plane.stop)],
+                                            state.depth_bias[c], plane.measured);
+  if (layout_.with_ground_offsets) residual.value += state.ground_offset[c];
+  const Eigen::Matrix3d W = plane.whitening / noise.ground_scale[c];
+  const Eigen::Vector3d r = W * residual.value;
+  const double s = r.squaredNorm(), w = loss.weight(s);
+  const double factor = block_factor(weighting, w, cauchy_moments(3));
+  Eigen::Matrix<double, 3, 13> J;
+  J << residual.by_camera, residual.by_pose, residual.by_depth_bias;
+  J = (W * J).eval();
+  const auto finish = [&](auto block, const auto& jacobian) {
     block.cost = loss.cost(s);
     block.sum = sum_of_residual(s, w, 3);
-    system.chain(geometry, 1, &block);
-    sink(block);
-  }
-
-  for (const Plane& plane : ground_planes_) {
-    GroundResidual residual = ground_residual(at(state.T_robot_camera, plane.camera), at(state.poses, plane.stop),
-                                              at(state.depth_bias, plane.camera), plane.measured);
-    const Eigen::Matrix3d W = plane.whitening / at(noise.ground_scale, plane.camera);
-    if (layout_.with_ground_offsets) residual.value += at(state.ground_offset, plane.camera);
-    const Eigen::Vector3d r = W * residual.value;
-    const double s = r.squaredNorm(), w = loss.weight(s);
-    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 16> J(3, layout_.with_ground_offsets ? 16 : 13);
-    J.leftCols<13>() << residual.by_camera, residual.by_pose, residual.by_depth_bias;
-    if (layout_.with_ground_offsets) J.rightCols<3>().setIdentity();
-    J = (W * J).eval();
-    block.group = Group::kGround;
-    block.camera = plane.camera;
-    block.segments = {Segment{-1, layout_.camera(plane.camera), 6}, Segment{plane.stop, 0, 6},
-                      Segment{-1, layout_.depth_bias(plane.camera), 1},
-                      Segment{-1, layout_.ground_offset(plane.camera), 3}};
-    block.segment_count = layout_.with_ground_offsets ? 4 : 3;
-    block.cost = loss.cost(s);
-    block.sum = sum_of_residual(s, w, 3);
-    set_normal(J, r, block_factor(weighting, w, 3), &block);
-    sink(block);
-  }
-
-  block.camera = 0;
-  const auto emit = [&](Group group, const auto& J, const auto& r, double cost, double w, int dimensions) {
-    block.group = group;
-    block.cost = cost;
-    block.sum = sum_of_residual(r.squaredNorm(), w, static_cast<int>(r.size()));
-    set_normal(J, r, block_factor(weighting, w, dimensions), &block);
+    block.set_normal(jacobian, r, factor);
     sink(block);
   };
+  const Segment camera{-1, layout_.camera(plane.camera)}, pose{plane.stop, 0},
+      bias{-1, layout_.depth_bias(plane.camera)};
+  if (!layout_.with_ground_offsets)
+    return finish(make_block<6, 6, 1>(Group::kGround, plane.camera, camera, pose, bias), J);
+  Eigen::Matrix<double, 3, 16> J_offset;
+  J_offset << J, W;
+  finish(make_block<6, 6, 1, 3>(Group::kGround, plane.camera, camera, pose, bias,
+                                Segment{-1, layout_.ground_offset(plane.camera)}),
+         J_offset);
+}
 
-  const bool increments = noise.odometry_model == OdometryModel::kPerIncrement;
-  for (int i = increments ? 1 : 0; i < layout_.poses; ++i) {
-    const Eigen::Vector3d inverse = odometry_sigmas(static_cast<std::size_t>(i)).cwiseInverse();
-    const RobotPose& to = at(state.poses, i);
-    Eigen::Vector3d value;
-    Eigen::Matrix<double, 3, 8> J;  // from, to, scale, yaw factor
-    if (increments) {
-      const IncrementResidual residual = increment_residual(at(state.poses, i - 1), to, state.odometry_scale,
-                                                            state.odometry_yaw_factor, at(increments_, i - 1));
-      value = inverse.cwiseProduct(residual.value);
-      J << residual.by_from, residual.by_to, residual.by_scale, residual.by_yaw_factor;
-      J = (inverse.asDiagonal() * J).eval();
-      block.segments = {Segment{i - 1, 0, 3}, Segment{i, 0, 3}, Segment{-1, layout_.odometry_scale(), 2}, Segment{}};
-      block.segment_count = 3;
-    } else {
-      const Stop& stop = at(observations_.stops, i);
-      value << to.x_m - stop.x_m, to.y_m - stop.y_m, wrap_angle(to.yaw_rad - stop.yaw_rad);
-      value = inverse.cwiseProduct(value).eval();
-      block.segments = {Segment{i, 0, 3}, Segment{}, Segment{}, Segment{}};
-      block.segment_count = 1;
-    }
-    const double s = value.squaredNorm(), w = loss.weight(s);
-    if (increments) {
-      emit(Group::kOdometryXy, J.topRows<2>(), value.head<2>(), loss.cost(s), w, 3);
-      emit(Group::kOdometryYaw, J.bottomRows<1>(), value.tail<1>(), 0.0, w, 3);
-    } else {
-      const Eigen::Matrix3d D = inverse.asDiagonal();
-      emit(Group::kOdometryXy, D.topRows<2>(), value.head<2>(), loss.cost(s), w, 3);
-      emit(Group::kOdometryYaw, D.bottomRows<1>(), value.tail<1>(), 0.0, w, 3);
-    }
+template <typename Sink>
+void Problem::visit_increment(const State& state, Weighting weighting, int to, Sink& sink) const {
+  const std::size_t i = static_cast<std::size_t>(to);
+  const Eigen::Vector3d inverse = odometry_sigmas(i).cwiseInverse();
+  const IncrementResidual residual = increment_residual(state.poses[i - 1], state.poses[i], state.odometry_scale,
+                                                        state.odometry_yaw_factor, increments_[i - 1]);
+  const Eigen::Vector3d r = inverse.cwiseProduct(residual.value);
+  const double s = r.squaredNorm(), w = loss.weight(s);
+  Eigen::Matrix<double, 3, 8> J;
+  J << residual.by_from, residual.by_to, residual.by_scale, residual.by_yaw_factor;
+  J = (inverse.asDiagonal() * J).eval();
+  const double factor = block_factor(weighting, w, cauchy_moments(3));
+  auto block = make_block<3, 3, 2>(Group::kOdometryXy, 0, Segment{to - 1, 0}, Segment{to, 0},
+                                   Segment{-1, layout_.odometry_scale()});
+  block.cost = loss.cost(s);
+  block.sum = sum_of_residual(r.head<2>().squaredNorm(), w, 2);
+  block.set_normal(J.topRows<2>(), r.head<2>(), factor);
+  sink(block);
+  block.group = Group::kOdometryYaw;
+  block.cost = 0.0;
+  block.sum = sum_of_residual(r.tail<1>().squaredNorm(), w, 1);
+  block.set_normal(J.bottomRows<1>(), r.tail<1>(), factor);
+  sink(block);
+}
+
+// Three residuals that share a loss, each on one unknown of the pose: absolute odometry or the suspension's slack.
+template <typename Sink>
+void Problem::visit_diagonal(const Eigen::Vector3d& value, const Eigen::Vector3d& inverse_sigmas, Weighting weighting,
+                             const PosePart& part, Sink& sink) const {
+  const Eigen::Vector3d r = inverse_sigmas.cwiseProduct(value);
+  const double s = r.squaredNorm(), w = loss.weight(s);
+  const double factor = block_factor(weighting, w, cauchy_moments(3));
+  auto block = make_block<3>(part.first, 0, Segment{part.pose, part.offset});
+  for (const bool first : {true, false}) {
+    Eigen::Vector3d mine;  // 1 for the residuals of this group
+    for (int i = 0; i < 3; ++i) mine[i] = (i < part.split) == first ? 1.0 : 0.0;
+    const Eigen::Vector3d scale = mine.cwiseProduct(inverse_sigmas);
+    block.group = first ? part.first : part.second;
+    block.cost = first ? loss.cost(s) : 0.0;
+    block.sum = sum_of_residual(mine.cwiseProduct(r).squaredNorm(), w, first ? part.split : 3 - part.split);
+    block.H = (factor * scale.cwiseAbs2()).asDiagonal();
+    block.g = factor * scale.cwiseProduct(r);
+    sink(block);
   }
+}
 
+template <typename Sink>
+void Problem::visit_poses(const State& state, Weighting weighting, Sink& sink) const {
+  const bool increments = noise.odometry_model == OdometryModel::kPerIncrement;
   const Eigen::Vector3d slack(1.0 / noise.suspension_height_m, 1.0 / noise.suspension_tilt_rad,
                               1.0 / noise.suspension_tilt_rad);
-  const Eigen::Matrix3d D = slack.asDiagonal();
   for (int i = 0; i < layout_.poses; ++i) {
-    const RobotPose& pose = at(state.poses, i);
-    const Eigen::Vector3d r = slack.cwiseProduct(Eigen::Vector3d(pose.height_m, pose.roll_rad, pose.pitch_rad));
-    const double s = r.squaredNorm(), w = loss.weight(s);
-    block.segments = {Segment{i, 3, 3}, Segment{}, Segment{}, Segment{}};
-    block.segment_count = 1;
-    emit(Group::kSuspensionHeight, D.topRows<1>(), r.head<1>(), loss.cost(s), w, 3);
-    emit(Group::kSuspensionTilt, D.bottomRows<2>(), r.tail<2>(), 0.0, w, 3);
+    const std::size_t k = static_cast<std::size_t>(i);
+    const RobotPose& pose = state.poses[k];
+    if (increments) {
+      if (i > 0) visit_increment(state, weighting, i, sink);
+    } else {
+      const Stop& stop = observations_.stops[k];
+      visit_diagonal({pose.x_m - stop.x_m, pose.y_m - stop.y_m, wrap_angle(pose.yaw_rad - stop.yaw_rad)},
+                     odometry_sigmas(k).cwiseInverse(), weighting, {i, 0, 2, Group::kOdometryXy, Group::kOdometryYaw},
+                     sink);
+    }
+    visit_diagonal({pose.height_m, pose.roll_rad, pose.pitch_rad}, slack, weighting,
+                   {i, 3, 1, Group::kSuspensionHeight, Group::kSuspensionTilt}, sink);
   }
+}
+
+template <typename Sink>
+void Problem::visit_blocks(const State& state, Weighting weighting, Sink&& sink) const {
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    if (view_left_out[v]) continue;
+    if (layout_.with_intrinsics)
+      visit_view<3>(state, weighting, views_[v], sink);
+    else
+      visit_view<0>(state, weighting, views_[v], sink);
+  }
+  for (const Plane& plane : board_planes_) visit_board_plane(state, weighting, plane, sink);
+  for (const Plane& plane : ground_planes_) visit_ground_plane(state, weighting, plane, sink);
+  visit_poses(state, weighting, sink);
 }
 
 void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) const {
@@ -449,6 +548,7 @@ ArrowSystem Problem::linearise(const State& state, Weighting weighting, double* 
   double total = 0.0;
   if (sums != nullptr) *sums = empty_sums();
   visit_blocks(state, weighting, Assembler(&system, &total, sums));
+  system.global = system.global.selfadjointView<Eigen::Lower>().toDenseMatrix();
   add_priors(state, &system, &total);
   fix_unknowns(&system);
   if (cost != nullptr) *cost = total;
@@ -498,7 +598,7 @@ Problem::ViewFit Problem::view_fit(const State& state, std::size_t index) const 
   double square = 0.0, weight = 0.0;
   for (const Corner& corner : view.corners) {
     CornerResidual residual;
-    if (!corner_residual(camera, geometry.T_camera_board, corner.point_board, corner.pixel, &residual)) continue;
+    if (!corner_residual(camera, geometry.T_camera_board * corner.point_board, corner.pixel, &residual)) continue;
     square += residual.value.squaredNorm();
     weight += loss.weight((corner.whitening * residual.value / noise.corner_scale[c]).squaredNorm());
   }

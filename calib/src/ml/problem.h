@@ -97,10 +97,28 @@ class Problem {
     Eigen::Vector3d measured;
     Eigen::Matrix3d whitening;
   };
+  // Three neighbouring unknowns of a pose; the residuals of the first `split` are one group, the others another.
+  struct PosePart {
+    int pose, offset, split;
+    Group first, second;
+  };
 
   static std::vector<Plane> prepare(const std::vector<PlaneObservation>& planes);
   Camera lens(const State& state, int camera) const;
   Eigen::Vector3d odometry_sigmas(std::size_t stop) const;
+  template <int kExtra, typename Sink>
+  void visit_view(const State& state, Weighting weighting, const View& view, Sink& sink) const;
+  template <typename Sink>
+  void visit_board_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;
+  template <typename Sink>
+  void visit_ground_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;
+  template <typename Sink>
+  void visit_increment(const State& state, Weighting weighting, int to, Sink& sink) const;
+  template <typename Sink>
+  void visit_diagonal(const Eigen::Vector3d& value, const Eigen::Vector3d& inverse_sigmas, Weighting weighting,
+                      const PosePart& part, Sink& sink) const;
+  template <typename Sink>
+  void visit_poses(const State& state, Weighting weighting, Sink& sink) const;
   template <typename Sink>
   void visit_blocks(const State& state, Weighting weighting, Sink&& sink) const;
   bool has_ground_offset(int camera) const {

@@ -45,9 +45,9 @@ ViewGeometry view_geometry(const Rigid3& T_robot_camera, const Rigid3& T_world_b
   return view;
 }
 
-bool corner_residual(const Camera& camera, const Rigid3& T_camera_board, const Eigen::Vector3d& corner_board,
-                     const Eigen::Vector2d& measured, CornerResidual* residual) {
-  const Eigen::Vector3d q = T_camera_board * corner_board;
+bool corner_residual(const Camera& camera, const Eigen::Vector3d& corner_camera, const Eigen::Vector2d& measured,
+                     CornerResidual* residual) {
+  const Eigen::Vector3d& q = corner_camera;
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> J;
   if (!camera.project(q, &pixel, &J)) return false;

@@ -26,9 +26,10 @@ struct CornerResidual {
   Eigen::Matrix<double, 2, 6> by_twist;
   Eigen::Matrix<double, 2, 3> by_intrinsics;
 };
+/// @param corner_camera the corner in camera coordinates.
 /// Returns false where the point is not in front of the camera.
-bool corner_residual(const Camera& camera, const Rigid3& T_camera_board, const Eigen::Vector3d& corner_board,
-                     const Eigen::Vector2d& measured, CornerResidual* residual);
+bool corner_residual(const Camera& camera, const Eigen::Vector3d& corner_camera, const Eigen::Vector2d& measured,
+                     CornerResidual* residual);
 
 /// Predicted minus measured inverse-depth plane of the ground [1/m].
 struct GroundResidual {

@@ -77,12 +77,12 @@ TEST_P(Residuals, CornerByEveryUnknown) {
     const ViewGeometry view = view_geometry(moved(T_robot_camera, step.head<6>()),
                                             moved(T_world_board, step.segment<6>(6)), moved(pose, step.tail<6>()));
     CornerResidual value;
-    EXPECT_TRUE(corner_residual(camera, view.T_camera_board, corner, {100.0, 200.0}, &value));
+    EXPECT_TRUE(corner_residual(camera, view.T_camera_board * corner, {100.0, 200.0}, &value));
     return value.value;
   };
   const ViewGeometry view = view_geometry(T_robot_camera, T_world_board, pose);
   CornerResidual value;
-  ASSERT_TRUE(corner_residual(camera, view.T_camera_board, corner, {100.0, 200.0}, &value));
+  ASSERT_TRUE(corner_residual(camera, view.T_camera_board * corner, {100.0, 200.0}, &value));
   Eigen::MatrixXd twist(6, 18);
   twist << view.twist_by_camera, view.twist_by_board, view.twist_by_pose;
   expect_near(differences(18, residual), value.by_twist * twist);
@@ -97,11 +97,11 @@ TEST_P(Residuals, CornerByIntrinsics) {
     changed.cx_px += step[1];
     changed.cy_px += step[2];
     CornerResidual value;
-    EXPECT_TRUE(corner_residual(changed, T_camera_board, corner, {0.0, 0.0}, &value));
+    EXPECT_TRUE(corner_residual(changed, T_camera_board * corner, {0.0, 0.0}, &value));
     return value.value;
   };
   CornerResidual value;
-  ASSERT_TRUE(corner_residual(camera, T_camera_board, corner, {0.0, 0.0}, &value));
+  ASSERT_TRUE(corner_residual(camera, T_camera_board * corner, {0.0, 0.0}, &value));
   expect_near(differences(3, residual), value.by_intrinsics);
 }
 
