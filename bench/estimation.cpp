@@ -1,223 +1,252 @@
-// How near the estimator comes to the Cramer-Rao bound: RMSE over bound per axis with its lower 99 % confidence
-// limit, NEES, refusals and time, over many geometric runs.
-//   bench_estimation [--trials 2000] [--stops 10,20,50,100] [--lambda 0,1,2,5,10] [--model per_increment|per_pose]
-//                    [--drive random|steps] [--systematics] [--suspension] [--outliers] [--choose-model]
-//                    [--estimate-sigmas] [--cameras N] [--seed 0]
-#include <Eigen/Cholesky>
-#include <array>
-#include <chrono>
-#include <cmath>
+// How near the estimator comes to the Cramer-Rao bound: RMSE over bound per axis with its 99 % limits, NEES, refusals
+// and time, over many geometric runs. Try --help.
+#include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "calibration_truth.h"
-#include "rigproof/calib/ml.h"
-#include "rigproof/core/conventions.h"
+#include "estimation_cells.h"
+#include "estimation_report.h"
 #include "rigproof/core/error.h"
-#include "rigproof/geometric/geometric.h"
 
 namespace {
 
 using namespace rigproof;
+using namespace rigproof::bench;
+
+constexpr const char* kHelp =
+    R"(bench_estimation [--trials 200] [--stops 10,20,50,100] [--lambda 0,1,10] [--seed 0]
+                 [--model per_increment|per_pose] [--drive random|steps] [--systematics] [--suspension] [--outliers]
+                 [--choose-model] [--estimate-sigmas] [--cameras N] [--corner-sigma 0.1] [--method ml]
+  prints one cell after the other; --cameras draws random rigs.
+
+bench_estimation --suite FOLDER [--trials 2000] [--sheets increment,pose,..] [--stops ..] [--lambda ..] [--seed 0]
+  runs the table of docs/estimation.md, the cheapest cells first, and writes FOLDER/table.csv, table.md, ratios.png and
+  nees.png. Cells are saved every few seconds: the same command goes on where it was interrupted, and with more trials.
+
+bench_estimation --convergence RIGS [--seed 0]
+  random rigs and board orientations: does the start from the data alone find the optimum that the truth leads to?
+)";
 
 struct Options {
-  int trials = 200;
+  int trials = 0;  // 0: the mode's own
   std::uint64_t seed = 0;
-  std::vector<double> stops = {10, 20, 50, 100};
-  std::vector<double> lambdas = {0, 1, 10};
-  bool per_pose = false, steps = false, systematics = false, suspension = false, outliers = false;
-  bool choose_model = false, estimate_sigmas = false;
-  int random_cameras = 0;
+  std::vector<double> stops, lambdas;  // empty: the mode's own
+  Sheet sheet;
+  std::optional<std::string> suite;
+  std::vector<std::string> sheets;
+  int convergence = 0;
 };
 
-std::vector<double> numbers(const char* text) {
-  std::vector<double> values;
+std::vector<std::string> items(const std::string& text) {
+  std::vector<std::string> values;
   std::stringstream stream(text);
-  for (std::string item; std::getline(stream, item, ',');) values.push_back(std::stod(item));
+  for (std::string item; std::getline(stream, item, ',');) values.push_back(item);
   return values;
+}
+
+std::vector<double> numbers(const std::string& text) {
+  std::vector<double> values;
+  for (const std::string& item : items(text)) {
+    char* end = nullptr;
+    values.push_back(std::strtod(item.c_str(), &end));
+    if (item.empty() || *end != '\0') throw Error("\"" + item + "\" is not a number");
+  }
+  return values;
+}
+
+// Switches of a sheet; false for an option that is none of them.
+bool parse_switch(const std::string& name, Sheet* sheet) {
+  const std::vector<std::pair<std::string, bool Sheet::*>> switches = {{"--systematics", &Sheet::systematics},
+                                                                       {"--suspension", &Sheet::suspension},
+                                                                       {"--outliers", &Sheet::outliers},
+                                                                       {"--choose-model", &Sheet::choose_model},
+                                                                       {"--estimate-sigmas", &Sheet::estimate_sigmas}};
+  for (const auto& [known, member] : switches) {
+    if (name != known) continue;
+    sheet->*member = true;
+    return true;
+  }
+  return false;
+}
+
+void parse_value(const std::string& name, const std::string& value, Options* options) {
+  if (name == "--trials")
+    options->trials = static_cast<int>(numbers(value).at(0));
+  else if (name == "--seed")
+    options->seed = static_cast<std::uint64_t>(std::strtoull(value.c_str(), nullptr, 10));
+  else if (name == "--stops")
+    options->stops = numbers(value);
+  else if (name == "--lambda")
+    options->lambdas = numbers(value);
+  else if (name == "--model")
+    options->sheet.per_pose = value == "per_pose";
+  else if (name == "--drive")
+    options->sheet.steps = value == "steps";
+  else if (name == "--cameras")
+    options->sheet.random_cameras = static_cast<int>(numbers(value).at(0));
+  else if (name == "--corner-sigma")
+    options->sheet.corner_sigma_px = numbers(value).at(0);
+  else if (name == "--method")
+    options->sheet.method = value;
+  else if (name == "--suite")
+    options->suite = value;
+  else if (name == "--sheets")
+    options->sheets = items(value);
+  else if (name == "--convergence")
+    options->convergence = static_cast<int>(numbers(value).at(0));
+  else
+    throw Error("unknown option " + name + "; see --help");
 }
 
 Options parse(int count, char** arguments) {
   Options options;
   for (int i = 1; i < count; ++i) {
     const std::string name = arguments[i];
-    const auto value = [&]() -> const char* { return i + 1 < count ? arguments[++i] : ""; };
-    if (name == "--trials")
-      options.trials = std::atoi(value());
-    else if (name == "--seed")
-      options.seed = static_cast<std::uint64_t>(std::atoll(value()));
-    else if (name == "--stops")
-      options.stops = numbers(value());
-    else if (name == "--lambda")
-      options.lambdas = numbers(value());
-    else if (name == "--model")
-      options.per_pose = std::string(value()) == "per_pose";
-    else if (name == "--drive")
-      options.steps = std::string(value()) == "steps";
-    else if (name == "--cameras")
-      options.random_cameras = std::atoi(value());
-    else if (name == "--systematics")
-      options.systematics = true;
-    else if (name == "--suspension")
-      options.suspension = true;
-    else if (name == "--outliers")
-      options.outliers = true;
-    else if (name == "--choose-model")
-      options.choose_model = true;
-    else if (name == "--estimate-sigmas")
-      options.estimate_sigmas = true;
-    else
-      throw Error("unknown option " + name);
+    if (name == "--help") {
+      std::fputs(kHelp, stdout);
+      std::exit(0);
+    }
+    if (parse_switch(name, &options.sheet)) continue;
+    if (i + 1 == count) throw Error(name + " needs a value; see --help");
+    parse_value(name, arguments[++i], &options);
   }
   return options;
 }
 
-GeometricConfig configuration(const Options& options, int stops, double lambda, int trial) {
-  GeometricConfig config;
-  config.seed = options.seed + static_cast<std::uint64_t>(trial);
-  if (options.random_cameras > 0) config.rig = random_rig(config.seed, options.random_cameras);
-  config.stops = stops;
-  config.lambda = lambda;
-  config.drive = options.steps ? GeometricDrive::kSteps : GeometricDrive::kRandom;
-  config.odometry_model = options.per_pose ? OdometryModel::kPerPose : OdometryModel::kPerIncrement;
-  if (options.systematics) {
-    config.odometry_scale = 1.02;
-    config.odometry_yaw_factor = 1.05;
-  }
-  if (options.suspension) {
-    config.suspension_height_sigma_m = 0.001;
-    config.suspension_tilt_sigma_rad = deg_to_rad(0.05);
-  }
-  if (options.outliers) {
-    config.corner_outlier_fraction = 0.02;
-    config.odometry_outlier_fraction = 0.05;
-    config.plane_outlier_fraction = 0.05;
-  }
-  config.declare_odometry_model = !options.choose_model;
-  config.declare_odometry_sigmas = !options.estimate_sigmas;
-  return config;
+// The table of docs/estimation.md.
+std::vector<Sheet> suite_sheets() {
+  Sheet increment, pose, suspension, outliers, chosen, chosen_pose, outliers_pose;
+  increment.name = "increment";
+  increment.title = "Noise per increment, 2 % scale and 5 % track error";
+  increment.systematics = true;
+  pose.name = "pose";
+  pose.title = "Noise per pose";
+  pose.per_pose = true;
+  suspension = increment;
+  suspension.name = "suspension";
+  suspension.title = "Noise per increment, scale and track error, suspension of 1 mm and 0.05 deg";
+  suspension.suspension = true;
+  outliers = increment;
+  outliers.name = "outliers";
+  outliers.title = "Noise per increment, 2 % wrong corners, 5 % wrong odometry, 5 % wrong planes";
+  outliers.outliers = true;
+  outliers_pose = pose;
+  outliers_pose.name = "outliers_pose";
+  outliers_pose.title = "Noise per pose, 2 % wrong corners, 5 % wrong odometry, 5 % wrong planes";
+  outliers_pose.outliers = true;
+  chosen = suspension;
+  chosen.name = "chosen";
+  chosen.title = "Nothing told: odometry model and all sigmas from the data (truth: per increment, suspension)";
+  chosen.choose_model = chosen.estimate_sigmas = true;
+  chosen_pose = chosen;
+  chosen_pose.name = "chosen_pose";
+  chosen_pose.title = "Nothing told: odometry model and all sigmas from the data (truth: per pose, suspension)";
+  chosen_pose.per_pose = true;
+  chosen_pose.systematics = false;
+  return {increment, pose, suspension, outliers, outliers_pose, chosen, chosen_pose};
 }
 
-// Mean squared error and mean bound of one axis, with what is needed for a confidence limit.
-struct AxisSum {
-  double error2 = 0.0, error4 = 0.0, bound2 = 0.0;
-  void add(double e2, double b2) {
-    error2 += e2;
-    error4 += e2 * e2;
-    bound2 += b2;
-  }
-  double ratio() const { return std::sqrt(error2 / bound2); }
-  // One-sided 99 % limit by the delta method on the mean of squared errors.
-  double lower_limit(int trials) const {
-    const double mean = error2 / trials, variance = error4 / trials - mean * mean;
-    const double low = mean - 2.326 * std::sqrt(variance / trials);
-    return std::sqrt(std::max(0.0, low) / (bound2 / trials));
-  }
-};
-
-struct Cell {
-  std::array<AxisSum, 6> robot, pair;
-  int solved = 0, refused = 0, wrong_model = 0;
-  double nees = 0.0, seconds = 0.0;
-};
-
-double nees(const MlEstimate& estimate, const Truth& truth) {
-  const std::size_t n = truth.cameras.size();
-  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(n));
-  for (std::size_t c = 0; c < n; ++c)
-    error.segment<6>(6 * static_cast<Eigen::Index>(c)) =
-        se3_log(estimate.state.T_robot_camera[c] * truth.cameras[c].T_robot_camera.inverse());
-  const Eigen::MatrixXd covariance =
-      to_left_perturbation(*estimate.result.joint_covariance, estimate.state.T_robot_camera);
-  return error.dot(covariance.ldlt().solve(error));
+// Five stops carry a result at little noise only; wrong data need a few more to stand out against.
+bool wanted(const Sheet& sheet, int stops, double lambda) {
+  if (stops == 5) return lambda <= 1.0 && !sheet.outliers && !sheet.choose_model;
+  return stops >= 20 || !(sheet.outliers || sheet.choose_model);
 }
 
-void add_mean_over(std::array<AxisSum, 6>* sums, const std::vector<std::pair<Vector6d, Vector6d>>& transforms) {
-  for (std::size_t axis = 0; axis < 6; ++axis) {
-    double e2 = 0.0, b2 = 0.0;
-    for (const auto& [error, variance] : transforms) {
-      e2 += error[static_cast<Eigen::Index>(axis)] * error[static_cast<Eigen::Index>(axis)];
-      b2 += variance[static_cast<Eigen::Index>(axis)];
+double cost_of(const CellKey& key) { return key.stops * (key.sheet.estimate_sigmas ? 5.0 : 1.0); }
+
+std::vector<CellKey> suite_cells(const Options& options) {
+  const std::vector<double> stops = options.stops.empty() ? std::vector<double>{5, 10, 20, 50, 100} : options.stops;
+  const std::vector<double> lambdas = options.lambdas.empty() ? std::vector<double>{0, 1, 2, 5, 10} : options.lambdas;
+  std::vector<CellKey> keys;
+  for (const Sheet& sheet : suite_sheets()) {
+    const std::vector<std::string>& names = options.sheets;
+    if (!names.empty() && std::find(names.begin(), names.end(), sheet.name) == names.end()) continue;
+    for (const double n : stops)
+      for (const double lambda : lambdas)
+        if (wanted(sheet, static_cast<int>(n), lambda))
+          keys.push_back({sheet, static_cast<int>(n), lambda, options.seed});
+  }
+  if (keys.empty())
+    throw Error("--sheets: none of increment, pose, suspension, outliers, outliers_pose, chosen, chosen_pose");
+  std::stable_sort(keys.begin(), keys.end(),
+                   [](const CellKey& a, const CellKey& b) { return cost_of(a) < cost_of(b); });
+  return keys;
+}
+
+std::atomic<bool> interrupted{false};
+void interrupt(int) { interrupted = true; }
+
+// Saves now and then; returns early when interrupted.
+Cell run_cell(const CellKey& key, int trials, const std::filesystem::path* folder) {
+  constexpr std::chrono::seconds kSaveEvery(10);
+  Cell cell = folder != nullptr ? load_cell(*folder, key) : Cell();
+  auto saved = std::chrono::steady_clock::now();
+  while (cell.trials < trials && !interrupted) {
+    add_trial(key, cell.trials, &cell);
+    if (folder == nullptr || std::chrono::steady_clock::now() - saved < kSaveEvery) continue;
+    save_cell(*folder, key, cell);
+    saved = std::chrono::steady_clock::now();
+  }
+  if (folder != nullptr) save_cell(*folder, key, cell);
+  return cell;
+}
+
+int run_suite(const Options& options) {
+  const std::filesystem::path folder = *options.suite, cells = folder / "cells";
+  const int trials = options.trials > 0 ? options.trials : 2000;
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  const std::vector<CellKey> keys = suite_cells(options);
+  Table table;
+  for (const CellKey& key : keys) table.emplace_back(key, load_cell(cells, key));
+  for (std::size_t i = 0; i < keys.size() && !interrupted; ++i) {
+    table[i].second = run_cell(keys[i], trials, &cells);
+    std::printf("[%zu of %zu] ", i + 1, keys.size());
+    print_cell(keys[i], table[i].second);
+    write_report(table, folder);
+  }
+  constexpr int kTryAgain = 75;
+  if (interrupted) std::fprintf(stderr, "Interrupted; the same command goes on.\n");
+  return interrupted ? kTryAgain : 0;
+}
+
+void run_cells(const Options& options) {
+  const std::vector<double> stops = options.stops.empty() ? std::vector<double>{10, 20, 50, 100} : options.stops;
+  const std::vector<double> lambdas = options.lambdas.empty() ? std::vector<double>{0, 1, 10} : options.lambdas;
+  for (const double n : stops) {
+    for (const double lambda : lambdas) {
+      const CellKey key{options.sheet, static_cast<int>(n), lambda, options.seed};
+      print_cell(key, run_cell(key, options.trials > 0 ? options.trials : 200, nullptr));
     }
-    const double n = static_cast<double>(transforms.size());
-    (*sums)[axis].add(e2 / n, b2 / n);
   }
 }
 
-// What is declared is what is true; --estimate-sigmas declares nothing.
-MlOptions method_options(const Options& options, const GeometricConfig& config) {
-  MlOptions method;
-  if (options.estimate_sigmas) return method;
-  method.suspension_height_sigma_m = config.suspension_height_sigma_m;
-  method.suspension_tilt_sigma_rad = config.suspension_tilt_sigma_rad;
-  method.estimate_corner_level = method.estimate_plane_level = false;
-  return method;
-}
-
-void add_trial(const GeometricConfig& config, const MlOptions& options, Cell* cell) {
-  const GeometricRun run = draw_geometric_run(config);
-  const auto begin = std::chrono::steady_clock::now();
-  const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
-  cell->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (estimate.result.status != ResultStatus::kSolved) {
-    ++cell->refused;
-    return;
+// 1 to 8 cameras in any mounting, the board in any orientation.
+int run_convergence(const Options& options) {
+  int converged = 0, settled = 0;
+  for (int i = 0; i < options.convergence; ++i) {
+    CellKey key{options.sheet, options.stops.empty() ? 24 : static_cast<int>(options.stops[0]),
+                options.lambdas.empty() ? 1.0 : options.lambdas[0], options.seed};
+    key.sheet.random_cameras = 1 + i % 8;
+    const GeometricConfig config = configuration(key, i);
+    const ConvergenceTrial trial = compare_starts(key, config);
+    settled += trial.settled ? 1 : 0;
+    converged += trial.same_optimum ? 1 : 0;
+    if (!trial.same_optimum)
+      std::printf("rig %d (%d cameras): cost %.9g from the data, %.9g from the truth\n", i, key.sheet.random_cameras,
+                  trial.cost_from_data, trial.cost_from_truth);
+    if ((i + 1) % 100 == 0 || i + 1 == options.convergence) {
+      std::printf("%d of %d rigs at the optimum, %d settled\n", converged, i + 1, settled);
+      std::fflush(stdout);
+    }
   }
-  ++cell->solved;
-  if (estimate.odometry.model != config.odometry_model) ++cell->wrong_model;
-  const CalibrationState truth = state_of(run.truth);
-  const InformationBound bound = cramer_rao_bound(
-      run.observations, truth, noise_of(run.truth, config.suspension_height_sigma_m, config.suspension_tilt_sigma_rad));
-  std::vector<std::pair<Vector6d, Vector6d>> robot, pairs;
-  for (std::size_t c = 0; c < truth.T_robot_camera.size(); ++c)
-    robot.emplace_back(transform_error(estimate.state.T_robot_camera[c], truth.T_robot_camera[c]),
-                       bound.camera_to_robot[c].diagonal());
-  for (const InformationBound::Pair& pair : bound.camera_to_camera) {
-    const std::size_t j = static_cast<std::size_t>(pair.parent), k = static_cast<std::size_t>(pair.child);
-    const auto between = [j, k](const CalibrationState& s) {
-      return s.T_robot_camera[j].inverse() * s.T_robot_camera[k];
-    };
-    pairs.emplace_back(transform_error(between(estimate.state), between(truth)), pair.covariance.diagonal());
-  }
-  add_mean_over(&cell->robot, robot);
-  if (!pairs.empty()) add_mean_over(&cell->pair, pairs);
-  cell->nees += nees(estimate, run.truth);
-}
-
-void print_row(const char* name, const std::array<AxisSum, 6>& sums, int trials, bool bound) {
-  std::printf("  %-22s", name);
-  for (std::size_t axis = 0; axis < 6; ++axis) {
-    const double mean = (bound ? sums[axis].bound2 : sums[axis].error2) / trials;
-    std::printf(" %9.5f", axis < 3 ? 100.0 * std::sqrt(mean) : rad_to_deg(std::sqrt(mean)));
-  }
-  std::printf("\n");
-}
-
-void print_ratios(const char* name, const std::array<AxisSum, 6>& sums, int trials) {
-  std::printf("  %-22s", name);
-  for (const AxisSum& sum : sums) std::printf(" %4.2f>%4.2f", sum.ratio(), sum.lower_limit(trials));
-  std::printf("\n");
-}
-
-void print_cell(int stops, double lambda, const Cell& cell) {
-  std::printf("N %d, lambda %g: %d solved, %d refused", stops, lambda, cell.solved, cell.refused);
-  if (cell.wrong_model > 0) std::printf(", odometry model wrong in %d", cell.wrong_model);
-  if (cell.solved == 0) {
-    std::printf("\n");
-    return;
-  }
-  std::printf(", NEES %.2f, %.1f ms\n", cell.nees / cell.solved, 1e3 * cell.seconds / (cell.solved + cell.refused));
-  std::printf("  %-22s %9s %9s %9s %9s %9s %9s\n", "", "tx [cm]", "ty", "tz", "rx [deg]", "ry", "rz");
-  print_row("bound, robot", cell.robot, cell.solved, true);
-  print_row("ml, robot", cell.robot, cell.solved, false);
-  print_ratios("ratio > 99 % limit", cell.robot, cell.solved);
-  print_row("bound, between", cell.pair, cell.solved, true);
-  print_row("ml, between", cell.pair, cell.solved, false);
-  print_ratios("ratio > 99 % limit", cell.pair, cell.solved);
-  std::fflush(stdout);
+  return converged == options.convergence ? 0 : 1;
 }
 
 }  // namespace
@@ -225,16 +254,9 @@ void print_cell(int stops, double lambda, const Cell& cell) {
 int main(int count, char** arguments) {
   try {
     const Options options = parse(count, arguments);
-    for (const double stops : options.stops) {
-      for (const double lambda : options.lambdas) {
-        Cell cell;
-        for (int trial = 0; trial < options.trials; ++trial) {
-          const GeometricConfig config = configuration(options, static_cast<int>(stops), lambda, trial);
-          add_trial(config, method_options(options, config), &cell);
-        }
-        print_cell(static_cast<int>(stops), lambda, cell);
-      }
-    }
+    if (options.convergence > 0) return run_convergence(options);
+    if (options.suite) return run_suite(options);
+    run_cells(options);
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return static_cast<int>(error.exit_code());
