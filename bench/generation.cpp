@@ -79,7 +79,7 @@ void render_bare(const GenerateConfig& config) {
         options.whole_at_double = config.render.whole_at_double;
         const auto renderer = std::make_shared<Renderer>(*scenario.world, options);
         return [&scenario, renderer](std::uint32_t frame) {
-          scenario.world->place_robot(scenario.plan.stops[frame / scenario.camera_count()].T_scene_robot());
+          scenario.world->place_robot(scenario.T_scene_robot[frame / scenario.camera_count()]);
           renderer->render_bare(frame % scenario.camera_count());
           return std::string();
         };

@@ -189,7 +189,13 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
   visitor.field("rig", rig, TextChoices{}, "robot and cameras in models/rigs, or a YAML file");
   visitor.field("image_scale", image_scale, {0.05, 1.0}, "shrinks every camera's image, for quick trials");
   visitor.field("poses", poses, {1.0, 1e6}, "stops of the robot; planner sampled only");
-  visitor.field("stop_period_s", stop_period_s, {0.1, 1000.0}, "time from stop to stop");
+  visitor.field("stop_period_s", stop_period_s, {0.1, 1000.0}, "teleport: time from stop to stop");
+  visitor.field("motion", motion, TextChoices{{"teleport", "drive"}},
+                "teleport: the robot is put on its viewpoints exactly, `odometry` says what its wheels tell; drive: it "
+                "drives there by physics, and its encoders tell what they count");
+  visitor.nested("drive", drive, "motion drive: how it drives");
+  visitor.check(motion != "drive" || !odometry.declared, "odometry.declared",
+                "must be false with motion drive: its odometry follows no noise law that could be told");
   visitor.nested("board", board, "the calibration board and where it stands");
   visitor.nested("viewpoints", viewpoints, "where the robot stands when it takes images");
   visitor.nested("odometry", odometry, "what the wheels tell");

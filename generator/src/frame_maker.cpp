@@ -40,7 +40,7 @@ FileEntries FrameMaker::make(std::size_t frame) {
     return RandomStream(scenario_.truth.seed, purpose, static_cast<std::int64_t>(stop),
                         static_cast<std::int32_t>(camera));
   };
-  scenario_.world->place_robot(scenario_.plan.stops[stop].T_scene_robot());
+  scenario_.world->place_robot(scenario_.T_scene_robot[stop]);
   renderer_.render(camera, &view_);
   FileEntries entries;
   sensors_[camera].sense_color(stream("image noise"), &view_.color);

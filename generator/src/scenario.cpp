@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "driven.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
@@ -116,10 +117,13 @@ OdometryNoise noise_of(const OdometrySimulation& simulation) {
   return {simulation.model, simulation.sigma_xy_m, simulation.sigma_yaw_rad};
 }
 
+// The robot's frame at the first stop, levelled to the scene's floor.
+Rigid3 levelled(const Rigid3& T) { return planar_pose(T.translation.x(), T.translation.y(), yaw_of(T)); }
+
+/// @param stamps_s of the stops
 Truth true_part(const Scenario& scenario, const Board& board, const Rigid3& T_scene_board,
-                const OdometrySimulation& odometry) {
-  // The floor is flat and level, so that the robot's frame at the first stop is ground-levelled as it is.
-  const Rigid3 T_world_scene = scenario.plan.stops.front().T_scene_robot().inverse();
+                const std::vector<double>& stamps_s) {
+  const Rigid3 T_world_scene = levelled(scenario.T_scene_robot.front()).inverse();
   Truth truth;
   truth.scene = scenario.config.scene;
   truth.seed = seed_of(scenario.config);
@@ -127,18 +131,12 @@ Truth true_part(const Scenario& scenario, const Board& board, const Rigid3& T_sc
   truth.T_world_board = T_world_scene * T_scene_board;
   for (std::size_t i = 0; i < scenario.camera_count(); ++i) {
     const RigCamera& camera = scenario.rig.rig.cameras[i];
-    TrueCamera entry{camera.name, scenario.rig.T_robot_camera[i], camera.camera, std::nullopt};
+    TrueCamera entry{camera.name, scenario.rig.T_robot_camera[i], camera.camera, std::nullopt, {}};
     if (camera.depth) entry.depth_scale = scenario.sensors[i].depth_scale;
     truth.cameras.push_back(entry);
   }
-  double stamp_s = 0.0;
-  for (const Viewpoint& stop : scenario.plan.stops) {
-    truth.stops.push_back({stamp_s, T_world_scene * stop.T_scene_robot()});
-    stamp_s = static_cast<double>(truth.stops.size()) * scenario.config.stop_period_s;
-  }
-  truth.odometry_noise = noise_of(odometry);
-  truth.odometry_scale = odometry.scale;
-  truth.odometry_yaw_factor = odometry.yaw_factor;
+  for (std::size_t i = 0; i < scenario.stop_count(); ++i)
+    truth.stops.push_back({stamps_s[i], T_world_scene * scenario.T_scene_robot[i]});
   return truth;
 }
 
@@ -148,12 +146,10 @@ std::string numbered(const std::string& folder, std::size_t number, const char* 
   return folder + "/" + name + extension;
 }
 
-Recording recorded_part(const Scenario& scenario, const Board& board, const OdometrySimulation& odometry) {
+Recording recorded_part(const Scenario& scenario, const Board& board) {
   Recording recording;
   recording.rig = scenario.rig.rig;
   recording.rig.board = board;
-  recording.rig.odometry_noise = scenario.config.odometry.declared ? noise_of(odometry) : OdometryNoise{};
-  recording.odometry = simulate_odometry(scenario.truth.stops, odometry, scenario.truth.seed);
   const bool clouds = scenario.config.clouds == "pcd";
   for (const RigCamera& camera : recording.rig.cameras) {
     std::vector<CameraFrame>& frames = recording.frames.emplace_back();
@@ -168,6 +164,53 @@ Recording recorded_part(const Scenario& scenario, const Board& board, const Odom
     }
   }
   return recording;
+}
+
+// Stops exactly on the viewpoints, at equal times; the odometry is the truth with noise.
+void teleport(const WorldDescription& description, const ViewpointSubject& subject, Scenario* scenario) {
+  const GenerateConfig& config = scenario->config;
+  ComposedViewpointWorld world(*scenario->world);
+  scenario->plan = plan_viewpoints(config.viewpoints, config.poses, subject, world, seed_of(config));
+  std::vector<double> stamps_s;
+  for (const Viewpoint& stop : scenario->plan.stops) {
+    stamps_s.push_back(static_cast<double>(stamps_s.size()) * config.stop_period_s);
+    scenario->T_scene_robot.push_back(stop.T_scene_robot());
+  }
+  const OdometrySimulation odometry = resolve_odometry(config.odometry, seed_of(config));
+  Truth& truth = scenario->truth;
+  truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
+  truth.odometry_noise = noise_of(odometry);
+  truth.odometry_scale = odometry.scale;
+  truth.odometry_yaw_factor = odometry.yaw_factor;
+  scenario->recording = recorded_part(*scenario, description.board);
+  scenario->recording.odometry = simulate_odometry(truth.stops, odometry, truth.seed);
+  if (config.odometry.declared) scenario->recording.rig.odometry_noise = truth.odometry_noise;
+}
+
+// Stops where physics left the robot; the odometry is what its wheels counted.
+void drive(const WorldDescription& description, const ViewpointSubject& subject, Scenario* scenario) {
+  const GenerateConfig& config = scenario->config;
+  const DrivePhysicsDraw draw = draw_physics(config.drive, seed_of(config));
+  DrivenViewpoints driven =
+      drive_viewpoints(config, description, scenario->rig.robot, subject, *scenario->world, draw.physics);
+  scenario->plan = std::move(driven.plan);
+  scenario->trajectory = std::move(driven.drive.trajectory);
+  std::vector<double> stamps_s;
+  std::vector<OdometrySample> at_stops;
+  for (const Capture& capture : driven.drive.captures) {
+    stamps_s.push_back(capture.stamp_s);
+    at_stops.push_back(odometry_at(driven.drive.odometry, capture.stamp_s));
+    scenario->T_scene_robot.push_back(capture.T_scene_robot);
+  }
+  Truth& truth = scenario->truth;
+  truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
+  const OdometryFit fit = fit_odometry(truth.stops, at_stops);
+  truth.odometry_noise = {OdometryModel::kPerIncrement, fit.rms_xy_m, fit.rms_yaw_rad};
+  truth.odometry_scale = fit.scale;
+  truth.odometry_yaw_factor = fit.yaw_factor;
+  truth.drawn.insert(draw.drawn.begin(), draw.drawn.end());
+  scenario->recording = recorded_part(*scenario, description.board);
+  scenario->recording.odometry = std::move(driven.drive.odometry);
 }
 
 }  // namespace
@@ -198,12 +241,8 @@ Scenario resolve_scenario(const GenerateConfig& config) {
   const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene));
   const WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
   scenario.world = World::compose(description);
-  ComposedViewpointWorld viewpoint_world(*scenario.world);
   const ViewpointSubject subject{description.cameras, board, T_scene_board, description.board_margin_m};
-  scenario.plan = plan_viewpoints(config.viewpoints, config.poses, subject, viewpoint_world, seed_of(config));
-  const OdometrySimulation odometry = resolve_odometry(config.odometry, seed_of(config));
-  scenario.truth = true_part(scenario, board, T_scene_board, odometry);
-  scenario.recording = recorded_part(scenario, board, odometry);
+  (config.motion == "drive" ? drive : teleport)(description, subject, &scenario);
   return scenario;
 }
 

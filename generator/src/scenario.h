@@ -7,6 +7,7 @@
 
 #include "rigproof/core/recording.h"
 #include "rigproof/generator/config.h"
+#include "rigproof/generator/motion.h"
 #include "rigproof/generator/sensors.h"
 #include "rigproof/generator/viewpoints.h"
 #include "rigproof/sim/models.h"
@@ -27,11 +28,13 @@ struct Scenario {
   std::vector<ScenarioInput> inputs;
   std::unique_ptr<World> world;
   ViewpointPlan plan;
+  std::vector<Rigid3> T_scene_robot;  ///< at every stop: on the viewpoints of the plan, or where it drove
+  RobotTrajectory trajectory;         ///< of a driven run, by the stamps of the recording; else empty
   std::vector<SensorModel> sensors;  ///< one a camera
   Recording recording;               ///< its folder is empty: the caller's
   Truth truth;
 
-  std::size_t stop_count() const { return plan.stops.size(); }
+  std::size_t stop_count() const { return T_scene_robot.size(); }
   std::size_t camera_count() const { return rig.rig.cameras.size(); }
   std::size_t frame_count() const { return stop_count() * camera_count(); }
 };

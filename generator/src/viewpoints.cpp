@@ -319,6 +319,12 @@ std::string describe_coverage(const std::vector<Viewpoint>& stops, std::size_t c
          board_counts(stops, cameras) + "; " + steps_text(stops);
 }
 
+std::optional<Viewpoint> draw_viewpoint(const ViewpointConfig& config, std::int64_t number,
+                                        const ViewpointSubject& subject, ViewpointWorld& world, std::uint64_t seed) {
+  Tally tally;
+  return Planner(config, subject, world).draw(RandomStream(seed, "viewpoint", number), &tally);
+}
+
 ViewpointPlan plan_viewpoints(const ViewpointConfig& config, std::int64_t poses, const ViewpointSubject& subject,
                               ViewpointWorld& world, std::uint64_t seed) {
   if (config.min_cameras > static_cast<std::int64_t>(subject.cameras.size())) {

@@ -175,6 +175,7 @@ RobotModel load_robot_model(const std::string& name_or_file) {
     visitor.field("track_m", robot.track_m, length, "between the middles of left and right wheels");
     visitor.field("wheelbase_m", robot.wheelbase_m, length, "between front and rear axles");
     visitor.field("slip_factor", robot.slip_factor, {1.0, 10.0}, "effective track over track; 1 for no slip");
+    visitor.field("encoder_ticks_per_turn", robot.encoder_ticks_per_turn, {0.0, 1e9}, "of a wheel; 0 = continuous");
     visitor.field("footprint_length_m", robot.footprint_length_m, length, "along x");
     visitor.field("footprint_width_m", robot.footprint_width_m, length, "along y");
   });

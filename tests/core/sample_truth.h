@@ -18,6 +18,7 @@ inline Truth sample_truth() {
   truth.odometry_noise = {OdometryModel::kPerPose, 0.002, 0.01};
   truth.odometry_scale = 1.0123;
   truth.odometry_yaw_factor = 0.987;
+  truth.drawn = {{"board.bow_mm", -1.25}, {"drive.payload_kg", 12.5}};
   return truth;
 }
 

@@ -98,6 +98,14 @@ void read_odometry(MapReader& map, Truth* truth) {
   block.finish();
 }
 
+void read_drawn(const YamlTree& tree, Problems* problems, Truth* truth) {
+  if (!tree.is_map()) problems->add({tree.file, tree.line, "drawn", tree.shown(), "must be a block of numbers"});
+  MapReader map(tree, "drawn", problems);
+  for (const auto& [name, value] : tree.entries)
+    if (const auto number = map.number(name)) truth->drawn[name] = *number;
+  map.finish();
+}
+
 void check_version(MapReader& map) {
   map.require("format", kFormat);
   map.text("format", {kFormat});
@@ -115,6 +123,7 @@ Truth read_truth(const YamlTree& tree, Problems* problems) {
   if (const YamlTree* board = map.find("board")) truth.board = read_board(*board, "board", problems);
   truth.T_world_board = required_transform(map, "T_world_board");
   read_odometry(map, &truth);
+  if (const YamlTree* drawn = map.find("drawn")) read_drawn(*drawn, problems, &truth);
   map.require("cameras", "a map of cameras by name");
   if (const YamlTree* cameras = map.find("cameras")) truth.cameras = read_cameras(*cameras, problems);
   map.require("stops", "a list of stops");
@@ -153,6 +162,10 @@ YamlTree tree_of(const Truth& truth) {
   odometry.set("noise", rigproof::tree_of(truth.odometry_noise));
   odometry.set("scale", YamlTree::number(truth.odometry_scale));
   odometry.set("yaw_factor", YamlTree::number(truth.odometry_yaw_factor));
+  if (!truth.drawn.empty()) {
+    YamlTree& drawn = tree.set("drawn", YamlTree::map());
+    for (const auto& [name, value] : truth.drawn) drawn.set(name, YamlTree::number(value));
+  }
   YamlTree& cameras = tree.set("cameras", YamlTree::map());
   for (const TrueCamera& camera : truth.cameras) cameras.set(camera.name, tree_of(camera));
   YamlTree& stops = tree.set("stops", YamlTree::sequence());

@@ -8,6 +8,7 @@
 
 #include "rigproof/core/distribution.h"
 #include "rigproof/core/fields.h"
+#include "rigproof/generator/motion.h"
 
 namespace rigproof {
 
@@ -95,6 +96,8 @@ struct GenerateConfig {
   double image_scale = 1.0;
   std::int64_t poses = 100;
   double stop_period_s = 2.0;
+  std::string motion = "teleport";  ///< teleport | drive
+  DriveConfig drive;
   BoardConfig board;
   ViewpointConfig viewpoints;
   OdometryConfig odometry;

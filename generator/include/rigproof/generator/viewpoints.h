@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,10 @@ struct ViewpointPlan {
 /// Throws Error that says which constraint turned down most candidates, or which listed place is impossible.
 ViewpointPlan plan_viewpoints(const ViewpointConfig& config, std::int64_t poses, const ViewpointSubject& subject,
                               ViewpointWorld& world, std::uint64_t seed);
+
+/// A place that keeps every constraint, as the planner `sampled` draws the one of this number; nothing if none was found.
+std::optional<Viewpoint> draw_viewpoint(const ViewpointConfig& config, std::int64_t number,
+                                        const ViewpointSubject& subject, ViewpointWorld& world, std::uint64_t seed);
 
 /// "100 stops 1.2 to 3.6 m from the board, bearing -54 to 53 deg, ...".
 std::string describe_coverage(const std::vector<Viewpoint>& stops, std::size_t cameras);

@@ -26,6 +26,7 @@ struct RobotModel {
   double track_m = 0.0;      ///< between the middles of left and right wheels
   double wheelbase_m = 0.0;  ///< between front and rear axles
   double slip_factor = 1.0;  ///< nominal effective track over track (skid steering; 1 = no slip)
+  double encoder_ticks_per_turn = 0.0;  ///< of a wheel; 0 = continuous
   double footprint_length_m = 0.0;
   double footprint_width_m = 0.0;
 };

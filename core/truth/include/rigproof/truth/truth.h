@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,8 @@ struct Truth {
   OdometryNoise odometry_noise;  ///< with the sigmas that were drawn from
   double odometry_scale = 1.0;
   double odometry_yaw_factor = 1.0;
+  /// What was drawn once for the run, by the field of its configuration: "drive.payload_kg", "board.bow_mm", ...
+  std::map<std::string, double> drawn;
 };
 
 Truth load_truth(const std::filesystem::path& file);

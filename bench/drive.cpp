@@ -1,0 +1,135 @@
+// The drive alone, without pictures.
+//
+//   bench_drive track                        effective track over track of every robot, over speed and turn rate, and
+//                                            how many times faster than real time the physics is (CPU time)
+//   bench_drive scenes [POSES=100] [key: value ..]   a drive through POSES viewpoints in every scene
+//
+// Further arguments of `scenes` are lines of a run's configuration, e.g. "scene: indoor_lab" or "seed: 3".
+#include <stdlib.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "driven.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
+#include "rigproof/sim/models.h"
+#include "scenario.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace rigproof;
+
+double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// Nothing but a floor.
+SceneModel empty_scene(const fs::path& folder) {
+  std::ofstream(folder / "empty.xml") << "<mujoco><worldbody><geom name=\"floor\" type=\"plane\" size=\"99 99 1\"/>"
+                                         "</worldbody></mujoco>\n";
+  std::ofstream(folder / "empty.yaml")
+      << "mjcf: empty.xml\ndrivable_area: {x_min_m: -50, x_max_m: 50, y_min_m: -50, y_max_m: 50}\n"
+         "board: {x_m: 40, y_m: 0, z_m: 1, facing_deg: 180, lean_deg: 0, roll_deg: 0}\n";
+  return load_scene_model((folder / "empty.yaml").string());
+}
+
+// Wheel speeds over the yaw rate that they give, in tracks.
+double track_factor(DrivePhysics& physics, const RobotModel& robot, double speed, double rate) {
+  constexpr double kStart_s = 1.0, kWait_s = 2.0, kTime_s = 8.0;
+  physics.place(0.0, 0.0, 0.0);
+  const double half = 0.5 * rate * robot.track_m * robot.slip_factor;
+  double left = 0.0, right = 0.0, turned = 0.0, yaw = 0.0;
+  bool measures = false;
+  while (physics.time_s() < kTime_s) {
+    const double ramp = std::min(1.0, physics.time_s() / kStart_s);
+    physics.step(ramp * (speed - half) / robot.wheel_radius_m, ramp * (speed + half) / robot.wheel_radius_m);
+    const double now = yaw_of(physics.T_world_robot());
+    if (measures) turned += wrap_angle(now - yaw);
+    yaw = now;
+    if (measures || physics.time_s() < kWait_s) continue;
+    measures = true;
+    left = physics.left_wheels_rad();
+    right = physics.right_wheels_rad();
+  }
+  return robot.wheel_radius_m * (physics.right_wheels_rad() - right - physics.left_wheels_rad() + left) /
+         (robot.track_m * turned);
+}
+
+void track(const fs::path& folder) {
+  const SceneModel scene = empty_scene(folder);
+  for (const std::string& rig_name : {std::string("husky_3x_d455"), std::string("cart_5x_mixed")}) {
+    const RigModel rig = load_rig_model(rig_name);
+    DrivePhysics physics(describe_world(rig, scene, rig.rig.board, place_board(rig.rig.board, scene.board.middle()), 0),
+                         {});
+    std::printf("%s: effective track / track, nominal %.3f\n v [m/s]  omega [rad/s]: 0.3   0.5   0.75  1.0\n",
+                rig.robot.name.c_str(), rig.robot.slip_factor);
+    const double before = cpu_s();
+    int drives = 0;
+    for (const double speed : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      std::printf(" %.2f                 ", speed);
+      for (const double rate : {0.3, 0.5, 0.75, 1.0}) {
+        std::printf(" %.3f", track_factor(physics, rig.robot, speed, rate));
+        ++drives;
+      }
+      std::printf("\n");
+    }
+    std::printf(" %.0f times real time\n", 8.0 * drives / (cpu_s() - before));
+  }
+}
+
+void drive_scene(const std::string& scene, int poses, const std::string& more) {
+  const double before = cpu_s();
+  try {
+    GenerateConfig config = parse_generate_config("motion: drive\nscene: " + scene + "\n" + more, "arguments");
+    config.poses = poses;
+    const Scenario scenario = resolve_scenario(config);
+    const double cpu = cpu_s() - before, drive_s = scenario.trajectory.end_s();
+    std::printf(
+        "%-16s %s\n                 %.1f s CPU with planning, %.0f times real time; odometry: scale %.4f, yaw "
+        "factor %.4f, left over %.2f cm, %.2f deg a stop\n",
+        scene.c_str(), scenario.plan.coverage.c_str(), cpu, drive_s / cpu, scenario.truth.odometry_scale,
+        scenario.truth.odometry_yaw_factor, 100.0 * *scenario.truth.odometry_noise.sigma_xy_m,
+        rad_to_deg(*scenario.truth.odometry_noise.sigma_yaw_rad));
+  } catch (const Error& error) {
+    std::printf("%-16s %s\n", scene.c_str(), error.what());
+  }
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string what = "track", more;
+  int poses = 100;
+  std::vector<std::string> scenes;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.rfind("scene: ", 0) == 0)
+      scenes.push_back(argument.substr(7));
+    else if (argument.find(':') != std::string::npos)
+      more += argument + "\n";
+    else if (std::isdigit(static_cast<unsigned char>(argument[0])))
+      poses = std::stoi(argument);
+    else
+      what = argument;
+  }
+  std::string folder = (fs::temp_directory_path() / "bench-drive-XXXXXX").string();
+  if (::mkdtemp(folder.data()) == nullptr) return 1;
+  try {
+    if (what == "track") track(folder);
+    if (what == "scenes")
+      for (const std::string& scene : scenes.empty() ? scene_model_names() : scenes) drive_scene(scene, poses, more);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    fs::remove_all(folder);
+    return 2;
+  }
+  fs::remove_all(folder);
+  return 0;
+}
