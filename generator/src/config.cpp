@@ -120,9 +120,9 @@ void BoardConfig::visit(FieldVisitor& visitor) {
 }
 
 void ListedViewpoint::visit(FieldVisitor& visitor) {
-  visitor.field("x_m", x_m, {-kMaxDistanceM, kMaxDistanceM}, "robot's place in the scene's frame");
-  visitor.field("y_m", y_m, {-kMaxDistanceM, kMaxDistanceM}, "robot's place in the scene's frame");
-  visitor.field("yaw_deg", yaw_deg, {-360.0, 360.0}, "robot's heading in the scene's frame");
+  visitor.field("x_m", x_m, {-kMaxDistanceM, kMaxDistanceM}, "robot's place in the frame of the list");
+  visitor.field("y_m", y_m, {-kMaxDistanceM, kMaxDistanceM}, "robot's place in the frame of the list");
+  visitor.field("yaw_deg", yaw_deg, {-360.0, 360.0}, "robot's heading in the frame of the list");
 }
 
 void GridConfig::visit(FieldVisitor& visitor) {
@@ -155,6 +155,8 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
   visitor.field("step_m", step_m, {0.0, kMaxDistanceM}, "drive: wanted distance from stop to stop");
   visitor.nested("grid", grid, "planner grid: distances, bearings and headings, in this order of nesting");
   visitor.nested_list("list", list, "planner list: places of the robot");
+  visitor.field("list_frame", list_frame, TextChoices{{"scene", "board"}},
+                "frame of the list: scene; or board, on the floor below the board's centre, x towards its viewers, z up");
   visitor.check(planner != "list" || !list.empty(), "list", "planner list needs at least one {x_m, y_m, yaw_deg}");
 }
 

@@ -90,6 +90,9 @@ class Planner {
     return stop;
   }
 
+  // Below the board's centre, x towards its viewers.
+  Rigid3 board_on_floor() const { return planar_pose(centre_.x(), centre_.y(), facing_rad_); }
+
   bool inside(const Viewpoint& stop) const {
     return stop.x_m >= area_.x_min && stop.x_m <= area_.x_max && stop.y_m >= area_.y_min && stop.y_m <= area_.y_max;
   }
@@ -225,7 +228,9 @@ std::vector<Viewpoint> listed_stops(const ViewpointConfig& config, Planner* plan
   Problems problems;
   for (std::size_t i = 0; i < config.list.size(); ++i) {
     const ListedViewpoint& entry = config.list[i];
-    Viewpoint stop = planner->at(entry.x_m, entry.y_m, deg_to_rad(entry.yaw_deg));
+    const Rigid3 listed = planar_pose(entry.x_m, entry.y_m, deg_to_rad(entry.yaw_deg));
+    const Rigid3 T = config.list_frame == "board" ? planner->board_on_floor() * listed : listed;
+    Viewpoint stop = planner->at(T.translation.x(), T.translation.y(), yaw_of(T));
     std::string problem;
     if (!planner->inside(stop)) {
       problem = "lies outside of the scene's drivable area";

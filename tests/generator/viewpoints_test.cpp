@@ -205,5 +205,27 @@ TEST(Viewpoints, ListIsTakenAsItIsUnlessTheRobotCannotStandThere) {
   EXPECT_THAT(error, HasSubstr("viewpoints.list[2]"));
 }
 
+// The same places, told from the board: no knowledge of the scene is needed.
+TEST(Viewpoints, ListMayBeToldFromTheBoard) {
+  const double facing_rad = 0.4;
+  ViewpointSubject moved = subject();
+  moved.T_scene_board = planar_pose(0.5, -0.3, facing_rad) * moved.T_scene_board;
+  PillarWorld world;
+  ViewpointConfig config;
+  const ViewpointPlan sampled = plan_viewpoints(config, 5, moved, world, 3);
+  config.planner = "list";
+  config.list_frame = "board";
+  for (const Viewpoint& stop : sampled.stops)
+    config.list.push_back({stop.distance_m * std::cos(stop.bearing_rad), stop.distance_m * std::sin(stop.bearing_rad),
+                           rad_to_deg(stop.yaw_rad - facing_rad)});
+  const ViewpointPlan listed = plan_viewpoints(config, 5, moved, world, 3);
+  ASSERT_EQ(listed.stops.size(), sampled.stops.size());
+  for (std::size_t i = 0; i < sampled.stops.size(); ++i) {
+    EXPECT_NEAR(listed.stops[i].x_m, sampled.stops[i].x_m, 1e-12);
+    EXPECT_NEAR(listed.stops[i].y_m, sampled.stops[i].y_m, 1e-12);
+    EXPECT_NEAR(wrap_angle(listed.stops[i].yaw_rad - sampled.stops[i].yaw_rad), 0.0, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace rigproof

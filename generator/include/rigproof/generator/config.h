@@ -28,7 +28,7 @@ struct BoardConfig {
   void visit(FieldVisitor& visitor);
 };
 
-/// One explicit place of the robot, in the scene's frame.
+/// One explicit place of the robot, in the frame that ViewpointConfig::list_frame names.
 struct ListedViewpoint {
   double x_m = 0.0;
   double y_m = 0.0;
@@ -61,6 +61,7 @@ struct ViewpointConfig {
   double step_m = 1.6;
   GridConfig grid;
   std::vector<ListedViewpoint> list;
+  std::string list_frame = "scene";  ///< scene | board: on the floor below its centre, x towards the viewers
 
   void visit(FieldVisitor& visitor);
 };
