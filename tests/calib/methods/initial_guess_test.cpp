@@ -27,11 +27,7 @@ void expect_near_truth(const SyntheticDrive& drive, const InitialGuess& guess, d
 TEST(InitialGuess, FindsAnyMountingFromExactData) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);
-    DriveOptions options;
-    options.seed = seed;
-    options.any_mounting = true;
-    options.cameras = 1 + static_cast<int>(seed % 8);
-    options.overlap = seed % 3 != 0;
+    DriveOptions options = any_mounting(seed, 8);
     options.stops = 24;
     const SyntheticDrive drive = make_drive(options);
     // Not exact: the weak prior on translations (3 m against millimetres) and the planes' noise remain.
@@ -43,11 +39,7 @@ TEST(InitialGuess, FindsAnyMountingFromExactData) {
 TEST(InitialGuess, FindsAnyMountingFromNoisyData) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);
-    DriveOptions options;
-    options.seed = seed;
-    options.any_mounting = true;
-    options.cameras = 1 + static_cast<int>(seed % 4);
-    options.overlap = seed % 3 != 0;
+    DriveOptions options = any_mounting(seed, 4);
     options.stops = 24;
     options.corner_sigma_px = 0.1;
     options.odometry_sigma_m = 0.002;

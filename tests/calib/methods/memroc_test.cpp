@@ -38,11 +38,7 @@ class BothMemrocs : public testing::TestWithParam<bool> {};
 TEST_P(BothMemrocs, RecoverExactGeometryForAnyMounting) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
-    DriveOptions options;
-    options.seed = seed;
-    options.any_mounting = true;
-    options.cameras = 1 + static_cast<int>(seed % 4);
-    options.overlap = seed % 3 != 0;
+    DriveOptions options = any_mounting(seed, 4);
     options.plane_sigma_per_m = 0.0;
     const SyntheticDrive drive = make_drive(options);
     const Result result = solve(drive, GetParam());

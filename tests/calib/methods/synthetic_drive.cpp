@@ -216,6 +216,15 @@ class Maker {
 
 }  // namespace
 
+DriveOptions any_mounting(std::uint64_t seed, int most_cameras) {
+  DriveOptions options;
+  options.seed = seed;
+  options.any_mounting = true;
+  options.cameras = 1 + static_cast<int>(seed % static_cast<std::uint64_t>(most_cameras));
+  options.overlap = seed % 3 != 0;
+  return options;
+}
+
 SyntheticDrive make_drive(const DriveOptions& options) {
   for (std::int64_t attempt = 0; attempt < 1000; ++attempt)
     if (std::optional<SyntheticDrive> drive = Maker(options, attempt).make()) return *drive;

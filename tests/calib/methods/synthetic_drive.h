@@ -26,6 +26,9 @@ struct DriveOptions {
   double plane_sigma_per_m = 1e-4;  ///< of each component of a plane; 0 = exact
 };
 
+/// A random rig of 1 to `most_cameras` cameras in any orientation; every third has no overlap.
+DriveOptions any_mounting(std::uint64_t seed, int most_cameras);
+
 struct SyntheticDrive {
   Observations observations;
   std::vector<Rigid3> T_robot_camera;
