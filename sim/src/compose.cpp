@@ -1,6 +1,7 @@
 #include "board_model.h"
 #include "mjcf_text.h"
 #include "rigproof/core/error.h"
+#include "scene_objects.h"
 #include "textures.h"
 #include "world_impl.h"
 
@@ -56,9 +57,11 @@ std::string compose_mjcf(const WorldDescription& description, const std::string&
     if (file.empty()) return std::string();
     return "<include file=" + quoted(std::filesystem::canonical(file).lexically_relative(folder).string()) + "/>\n";
   };
+  const ObjectsMjcf objects = objects_mjcf(scene, description.scene_seed);
   return "<mujoco model=\"rigproof_world\">\n<compiler autolimits=\"true\"/>\n" + visual(scene) + "<asset>\n" +
-         texture_assets(scene) + board.asset + "</asset>\n" + include(scene.mjcf) + include(description.robot_mjcf) +
-         "<worldbody>\n" + board.body + stand(description) + more_geoms + "</worldbody>\n</mujoco>\n";
+         texture_assets(scene) + objects.assets + board.asset + "</asset>\n" + include(scene.mjcf) +
+         include(description.robot_mjcf) + "<worldbody>\n" + objects.bodies + board.body + stand(description) +
+         more_geoms + "</worldbody>\n</mujoco>\n";
 }
 
 }  // namespace rigproof

@@ -1,5 +1,6 @@
 #include "rigproof/sim/models.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "rigproof/core/conventions.h"
@@ -7,6 +8,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/fields.h"
 #include "rigproof/core/rig_yaml.h"
+#include "scene_objects.h"
 #include "textures.h"
 
 namespace rigproof {
@@ -92,6 +94,58 @@ void visit_area(FieldVisitor& visitor, FloorArea& area) {
                 "an area needs x_min_m < x_max_m and y_min_m < y_max_m");
 }
 
+void visit_texture_name(FieldVisitor& visitor, const SceneModel& scene, const char* key, std::string& name) {
+  std::vector<std::string> names;
+  for (const SceneTexture& texture : scene.world.textures) names.push_back(texture.name);
+  visitor.field(key, name, {}, "one of this scene's textures");
+  const bool known = name.empty() || std::find(names.begin(), names.end(), name) != names.end();
+  visitor.check(known, key, for_message(name) + ": the scene has no such texture; " + suggestion(name, names));
+}
+
+// What objects and strewn objects have in common.
+void visit_look(FieldVisitor& visitor, const SceneModel& scene, SceneObject& object) {
+  visitor.field("kind", object.kind, {object_kinds()}, "what it is");
+  visitor.check(!object.kind.empty(), "kind", "is missing: what it is");
+  std::vector<double> size = {};
+  if (object.size_m[0] > 0.0) size.assign(object.size_m.begin(), object.size_m.end());
+  visitor.field("size_m", size, {0.005, 500.0}, 0, 3, "depth, width and height; empty = usual for its kind");
+  visitor.check(size.empty() || size.size() == 3, "size_m", "must be [depth, width, height]");
+  if (size.size() == 3) std::copy(size.begin(), size.end(), object.size_m.begin());
+  visit_texture_name(visitor, scene, "texture", object.texture);
+  visit_texture_name(visitor, scene, "second_texture", object.second_texture);
+  std::vector<double> color;
+  if (object.color) color.assign(object.color->begin(), object.color->end());
+  visitor.field("color", color, {0.0, 1.0}, 0, 3, "of its main part, the tint of its texture: red green blue, 0 to 1");
+  visitor.check(color.empty() || color.size() == 3, "color", "must be [red, green, blue]");
+  if (color.size() == 3) object.color = {color[0], color[1], color[2]};
+}
+
+void visit_object(FieldVisitor& visitor, const SceneModel& scene, SceneObject& object) {
+  visit_look(visitor, scene, object);
+  std::vector<double> place = {object.x_m, object.y_m, object.z_m};
+  visitor.field("place_m", place, {-1000.0, 1000.0}, 2, 3, "where it stands: [x, y], or [x, y, z] above the floor");
+  object.x_m = place[0];
+  object.y_m = place[1];
+  object.z_m = place.size() > 2 ? place[2] : 0.0;
+  visitor.field("heading_deg", object.heading_deg, {-360.0, 360.0}, "where its front looks: 0 = along world x");
+}
+
+void visit_scatter(FieldVisitor& visitor, const SceneModel& scene, SceneScatter& scatter) {
+  visit_look(visitor, scene, scatter.object);
+  visitor.field("count", scatter.count, {0.0, 500.0}, "how many; those that find no place are left out");
+  visitor.field("x_m", scatter.x_m, {-1000.0, 1000.0}, "along world x");
+  visitor.field("y_m", scatter.y_m, {-1000.0, 1000.0}, "along world y");
+  visitor.field("heading_deg", scatter.heading_deg, {-360.0, 360.0}, "where its front looks");
+  visitor.field("size_factor", scatter.size_factor, {0.05, 20.0}, "on its size, for each");
+}
+
+void visit_straight_path(FieldVisitor& visitor, StraightPath& path) {
+  visitor.field("x_m", path.x_m, {-1000.0, 1000.0}, "start of the robot along world x");
+  visitor.field("y_m", path.y_m, {-1000.0, 1000.0}, "start of the robot along world y");
+  visitor.field("heading_deg", path.heading_deg, {-360.0, 360.0}, "where it drives");
+  visitor.field("length_m", path.length_m, {0.0, 1000.0}, "0 = this scene has no straight path");
+}
+
 void visit_placement(FieldVisitor& visitor, BoardPlacementRange& board) {
   visitor.field("x_m", board.x_m, {-1000.0, 1000.0}, "middle of the board along world x");
   visitor.field("y_m", board.y_m, {-1000.0, 1000.0}, "middle of the board along world y");
@@ -116,11 +170,24 @@ void visit_scene(FieldVisitor& visitor, SceneModel& scene, std::string& mjcf) {
   visitor.field("far_m", world.far_m, {2.0, 1000.0}, "farthest visible distance");
   visit_color(visitor, "sky_zenith", world.sky_zenith, "colour of the sky overhead");
   visit_color(visitor, "sky_horizon", world.sky_horizon, "colour of the sky at the horizon");
-  visitor.field("shadows", world.shadows, "lights cast shadows; rendering takes about twice as long");
+  visitor.field("cloud_cover", world.cloud_cover, {0.0, 1.0}, "share of the sky, roughly");
+  visit_color(visitor, "cloud_color", world.cloud_color, "red green blue, 0 to 1");
+  visitor.field("shadows", world.shadows, "lights cast shadows; rendering takes longer");
   visitor.list(
       "textures", [&] { return world.textures.size(); }, [&](std::size_t size) { world.textures.resize(size); },
       [&](std::size_t i, FieldVisitor& texture) { visit_texture(texture, world.textures[i]); },
       "procedural textures and image files");
+  visitor.list(
+      "objects", [&] { return world.objects.size(); }, [&](std::size_t size) { world.objects.resize(size); },
+      [&](std::size_t i, FieldVisitor& object) { visit_object(object, scene, world.objects[i]); },
+      "furniture, plants, machines, cars: things that stand in the scene");
+  visitor.list(
+      "scatter", [&] { return scene.scatter.size(); }, [&](std::size_t size) { scene.scatter.resize(size); },
+      [&](std::size_t i, FieldVisitor& scatter) { visit_scatter(scatter, scene, scene.scatter[i]); },
+      "things strewn at random around the drivable area, other ones for each seed");
+  visitor.section(
+      "straight_path", [&](FieldVisitor& path) { visit_straight_path(path, scene.straight_path); },
+      "where a robot can drive straight ahead without the board in view");
 }
 
 }  // namespace
@@ -233,7 +300,7 @@ WorldDescription describe_world(const RigModel& rig, const SceneModel& scene, co
                                 const Rigid3& T_world_board, std::uint64_t seed) {
   WorldDescription description;
   description.robot_mjcf = rig.robot.mjcf;
-  description.scene = scene.world;
+  description.scene = strewn(scene, seed).world;
   description.scene_seed = seed;
   description.cameras = world_cameras(rig);
   description.board = board;

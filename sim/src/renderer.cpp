@@ -177,7 +177,7 @@ struct Renderer::Impl {
       : world(world_in),
         options(options_in),
         gl(world_in, options_in.device),
-        sky(world_in.description().scene.sky_zenith, world_in.description().scene.sky_horizon),
+        sky(world_in.description().scene, world_in.description().scene_seed),
         point_spread(options_in.psf_sigma_px),
         reduction(options_in.psf_sigma_px) {
     for (const WorldCamera& camera : world.description().cameras)

@@ -7,6 +7,7 @@
 
 #include "board_model.h"
 #include "mujoco_compat.h"
+#include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "textures.h"
 #include "world_impl.h"
@@ -56,6 +57,21 @@ void fill_texture(mjModel* model, const std::string& name, const std::vector<std
   for (int i = 0; i < copies; ++i) bytes = std::copy(rgb.begin(), rgb.end(), bytes);
 }
 
+// Turns and tints all lights together.
+void change_lights(mjModel* model, const LightChange& change) {
+  const Eigen::Quaterniond turn = rotation_z(deg_to_rad(change.turn_deg));
+  const double tint[3] = {1.0 + 0.25 * change.warmth, 1.0, 1.0 - 0.25 * change.warmth};
+  for (int i = 0; i < model->nlight; ++i) {
+    const Eigen::Vector3d direction = turn * Eigen::Vector3d(Eigen::Map<Eigen::Vector3d>(model->light_dir + 3 * i));
+    std::copy(direction.data(), direction.data() + 3, model->light_dir + 3 * i);
+    for (int c = 0; c < 3; ++c) {
+      const float factor = static_cast<float>(change.brightness * tint[c]);
+      model->light_diffuse[3 * i + c] *= factor;
+      model->light_ambient[3 * i + c] *= factor;
+    }
+  }
+}
+
 // Finds the robot and prepares what later calls rely on.
 void index_model(World::Impl* impl) {
   mjModel* model = impl->model.get();
@@ -103,6 +119,7 @@ std::unique_ptr<World> World::compose(const WorldDescription& description) {
   for (const SceneTexture& texture : description.scene.textures)
     fill_texture(impl->model.get(), texture.name, draw_texture(texture, description.scene_seed));
   fill_texture(impl->model.get(), kBoardName, draw_board(description.board, description.board_margin_m).rgb);
+  change_lights(impl->model.get(), description.scene.light);
   index_model(impl.get());
   impl->data.reset(mj_makeData(impl->model.get()));
   if (!impl->data) throw Error("MuJoCo could not allocate the state of the world");

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "pose_near.h"
@@ -15,7 +16,9 @@ namespace {
 
 using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 template <typename Load>
 std::string error_of(const Load& load) {
@@ -28,7 +31,9 @@ std::string error_of(const Load& load) {
 }
 
 TEST(Models, EverythingThatShipsLoads) {
-  EXPECT_THAT(scene_model_names(), AllOf(Contains("indoor_lab"), Contains("outdoor_yard")));
+  EXPECT_THAT(scene_model_names(), ElementsAre("asphalt_lot", "corridor", "gravel", "home", "indoor_lab", "meadow",
+                                               "office", "outdoor_yard", "warehouse", "workshop"));
+  for (const std::string& name : scene_model_names()) EXPECT_FALSE(load_scene_model(name).description.empty()) << name;
   EXPECT_THAT(rig_model_names(), Contains("husky_3x_d455"));
   for (const std::string& name : robot_model_names()) EXPECT_GT(load_robot_model(name).mass_kg, 0.0) << name;
   for (const std::string& name : rig_model_names()) {
@@ -38,14 +43,36 @@ TEST(Models, EverythingThatShipsLoads) {
   }
 }
 
-TEST(Models, EveryRigComposesInEveryScene) {
-  for (const std::string& scene_name : scene_model_names()) {
-    const SceneModel scene = load_scene_model(scene_name);
-    for (const std::string& rig_name : rig_model_names()) {
-      const RigModel rig = load_rig_model(rig_name);
-      const Rigid3 T_world_board = place_board(rig.rig.board, scene.board.middle());
-      const auto world = World::compose(describe_world(rig, scene, rig.rig.board, T_world_board, 1));
-      EXPECT_TRUE(world->collisions().empty()) << rig_name << " at the origin of " << scene_name;
+std::unique_ptr<World> world_of(const std::string& rig_name, const std::string& scene_name) {
+  const SceneModel scene = load_scene_model(scene_name);
+  const RigModel rig = load_rig_model(rig_name);
+  const Rigid3 T_world_board = place_board(rig.rig.board, scene.board.middle());
+  return World::compose(describe_world(rig, scene, rig.rig.board, T_world_board, 1));
+}
+
+TEST(Models, EveryRigComposes) {
+  for (const std::string& rig : rig_model_names()) EXPECT_TRUE(world_of(rig, "home")->collisions().empty()) << rig;
+}
+
+// The robot can be anywhere in the drivable area that is not near the board, and on the whole straight path.
+TEST(Models, EverySceneComposesAndIsFreeWhereItSaysSo) {
+  for (const std::string& name : scene_model_names()) {
+    const SceneModel scene = load_scene_model(name);
+    const auto world = world_of("husky_3x_d455", name);
+    const FloorArea& area = scene.world.drivable_area;
+    for (double x = area.x_min; x <= scene.board.x_m.lowest() - 0.9; x += 0.7) {
+      for (double y = area.y_min; y <= area.y_max; y += 0.5) {
+        world->place_robot(planar_pose(x, y, 3.0 * x + y));
+        EXPECT_THAT(world->collisions(), IsEmpty()) << name << " " << x << " " << y;
+      }
+    }
+    const StraightPath& path = scene.straight_path;
+    ASSERT_GT(path.length_m, 3.0) << name;
+    const double heading = deg_to_rad(path.heading_deg);
+    for (double along = 0.0; along <= path.length_m; along += 0.5) {
+      world->place_robot(
+          planar_pose(path.x_m + along * std::cos(heading), path.y_m + along * std::sin(heading), heading));
+      EXPECT_THAT(world->collisions(), IsEmpty()) << name << " " << along << " m along the straight path";
     }
   }
 }

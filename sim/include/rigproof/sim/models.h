@@ -23,9 +23,9 @@ struct RobotModel {
   std::filesystem::path mjcf;
   double mass_kg = 0.0;
   double wheel_radius_m = 0.0;
-  double track_m = 0.0;      ///< between the middles of left and right wheels
-  double wheelbase_m = 0.0;  ///< between front and rear axles
-  double slip_factor = 1.0;  ///< nominal effective track over track (skid steering; 1 = no slip)
+  double track_m = 0.0;                 ///< between the middles of left and right wheels
+  double wheelbase_m = 0.0;             ///< between front and rear axles
+  double slip_factor = 1.0;             ///< nominal effective track over track (skid steering; 1 = no slip)
   double encoder_ticks_per_turn = 0.0;  ///< of a wheel; 0 = continuous
   double footprint_length_m = 0.0;
   double footprint_width_m = 0.0;
@@ -60,6 +60,23 @@ struct BoardPlacementRange {
   BoardPlacement middle() const;
 };
 
+/// Objects of one kind strewn at random: which places, how many and how large follows from a seed.
+struct SceneScatter {
+  SceneObject object;        ///< kind, textures, size and tint; its place and heading are drawn
+  Distribution count = 5.0;  ///< rounded
+  Distribution x_m, y_m;
+  Distribution heading_deg = Distribution::Kind(Distribution::Uniform{-180.0, 180.0});
+  Distribution size_factor = 1.0;  ///< drawn for each object
+};
+
+/// Where a robot can drive straight ahead without the board in view, for methods that need such images.
+struct StraightPath {
+  double x_m = 0.0;  ///< start of the robot, world frame
+  double y_m = 0.0;
+  double heading_deg = 0.0;
+  double length_m = 0.0;  ///< 0 = the scene has none
+};
+
 /// scenes/NAME.yaml with its MJCF.
 struct SceneModel {
   std::string name;
@@ -67,6 +84,8 @@ struct SceneModel {
   bool outdoor = false;
   SceneDescription world;     ///< what World::compose needs
   BoardPlacementRange board;  ///< where the board stands by default
+  std::vector<SceneScatter> scatter;
+  StraightPath straight_path;
 };
 
 /// Load by name or by path. Throw Error with every problem of the file, or with the names that exist.
@@ -85,6 +104,10 @@ Rigid3 mount_pose(double x_m, double y_m, double z_m, double roll_deg, double pi
 
 /// The rig's cameras as a world takes them, with their true mounting and the rig's intrinsics.
 std::vector<WorldCamera> world_cameras(const RigModel& rig);
+
+/// The scene with what is strewn in it drawn for a seed: its `scatter` becomes objects. None of them stands in the
+/// drivable area, on the straight path, or touches another strewn one; what finds no place is left out.
+SceneModel strewn(const SceneModel& scene, std::uint64_t seed);
 
 /// The whole world: robot and cameras of the rig, the scene, a board and where it stands.
 WorldDescription describe_world(const RigModel& rig, const SceneModel& scene, const Board& board,

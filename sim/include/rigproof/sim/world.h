@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,24 @@ struct FloorArea {
   double x_min = 0.0, x_max = 0.0, y_min = 0.0, y_max = 0.0;
 };
 
+/// Furniture, a tree, a car: a thing made of simple shapes that stands in a scene, as a block of its `objects`.
+struct SceneObject {
+  std::string kind;                                ///< see object_kinds()
+  double x_m = 0.0, y_m = 0.0, z_m = 0.0;          ///< the middle of its foot, world frame
+  double heading_deg = 0.0;                        ///< where its front looks
+  std::array<double, 3> size_m = {0.0, 0.0, 0.0};  ///< depth (along its front), width, height; 0 = the kind's own
+  std::string texture;                             ///< of its main part: a texture of the scene; empty = plain
+  std::string second_texture;                      ///< of another part: cushions, leaves, boxes, a roof
+  std::optional<std::array<double, 3>> color;      ///< of its main part; with a texture: its tint
+};
+
+/// A change of all of a scene's lights together: another hour, another weather.
+struct LightChange {
+  double brightness = 1.0;  ///< factor on every light
+  double turn_deg = 0.0;    ///< turn of all lights about the vertical
+  double warmth = 0.0;      ///< -1 bluish to 1 reddish; 0 = as the scene has it
+};
+
 /// The scene as World::compose needs it. Geoms whose name starts with `floor` are floor; geoms of group 2 are
 /// ceiling, which pictures from above leave out.
 struct SceneDescription {
@@ -48,7 +67,11 @@ struct SceneDescription {
   double far_m = 20.0;
   std::array<double, 3> sky_zenith = {0.5, 0.6, 0.8};
   std::array<double, 3> sky_horizon = {0.8, 0.85, 0.9};
-  bool shadows = false;  ///< cast by the scene's lights; rendering takes twice as long
+  double cloud_cover = 0.0;  ///< share of the sky, roughly
+  std::array<double, 3> cloud_color = {0.95, 0.95, 0.95};
+  bool shadows = false;  ///< cast by the scene's lights; rendering takes longer
+  std::vector<SceneObject> objects;
+  LightChange light;
 };
 
 struct WorldDescription {
@@ -88,6 +111,12 @@ class World {
   const WorldDescription& description() const;
   ObjectKind kind_of_object(int object_id) const;
   static std::string mujoco_version();
+
+  /// SHA-256 of all that pictures of this world depend on, but for its state and the camera. The compiled model is part
+  /// of it, textures included.
+  std::string content_hash() const;
+  /// SHA-256 of the present state as a camera sees it: the camera's intrinsics and pose, and where everything is.
+  std::string view_hash(std::size_t camera) const;
 
   struct Impl;  ///< MuJoCo's structs stay behind this
   Impl& impl() { return *impl_; }
