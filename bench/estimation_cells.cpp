@@ -153,6 +153,7 @@ GeometricConfig configuration(const CellKey& key, int trial) {
 
 MlOptions method_options(const CellKey& key, const GeometricConfig& config) {
   MlOptions method;
+  if (key.sheet.known_odometry) method.odometry_scale_sigma = method.odometry_yaw_factor_sigma = 0.0;
   if (key.sheet.estimate_sigmas) return method;
   method.suspension_height_sigma_m = config.suspension_height_sigma_m;
   method.suspension_tilt_sigma_rad = config.suspension_tilt_sigma_rad;
@@ -178,8 +179,9 @@ void add_trial(const CellKey& key, int trial, Cell* cell) {
   ++cell->solved;
   if (key.sheet.choose_model && estimate.odometry.model != config.odometry_model) ++cell->wrong_model;
   const CalibrationState truth = state_of(run.truth);
-  const InformationBound bound = cramer_rao_bound(
-      run.observations, truth, noise_of(run.truth, config.suspension_height_sigma_m, config.suspension_tilt_sigma_rad));
+  CalibrationNoise noise = noise_of(run.truth, config.suspension_height_sigma_m, config.suspension_tilt_sigma_rad);
+  if (key.sheet.known_odometry) noise.odometry_scale_prior = noise.odometry_yaw_factor_prior = 0.0;
+  const InformationBound bound = cramer_rao_bound(run.observations, truth, noise);
   std::vector<Rigid3> T_robot_camera;
   for (const EstimatedTransform& transform : estimate.result.camera_to_robot)
     T_robot_camera.push_back(transform.T_parent_child);

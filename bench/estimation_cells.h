@@ -17,7 +17,8 @@ struct Sheet {
   std::string title;
   bool per_pose = false, steps = false, systematics = false, suspension = false, outliers = false;
   bool choose_model = false, estimate_sigmas = false;
-  int random_cameras = 0;  ///< 0: the reference scene
+  bool known_odometry = false;  ///< scale and track are known to be right: neither is estimated, nor in the bound
+  int random_cameras = 0;       ///< 0: the reference scene
   double corner_sigma_px = 0.1;
   std::string method = "ml";
 };

@@ -48,14 +48,17 @@ ReprojectionSystem linearise(const Rigid3& pose, const std::vector<Corner>& corn
     Vector2d pixel;
     Eigen::Matrix<double, 2, 3> J_point;
     if (!camera.project(turned + pose.translation, &pixel, &J_point)) return system;
-    Eigen::Matrix<double, 2, 6> J;
-    J << J_point, -J_point * skew(turned);
+    Eigen::Matrix<double, 2, 6, Eigen::RowMajor> J;
+    for (int row = 0; row < 2; ++row) {
+      const Vector3d a = J_point.row(row);
+      J.row(row) << a.transpose(), turned.cross(a).transpose();
+    }
     const Vector2d error = pixel - corner.pixel;
-    const Eigen::Matrix<double, 2, 6> weighted = corner.information * J;
+    const Eigen::Matrix<double, 6, 2> weighted = J.transpose() * corner.information;
     system.squared_px += error.squaredNorm();
     cost += error.dot(corner.information * error);
-    system.normal.noalias() += J.transpose() * weighted;
-    system.gradient.noalias() += weighted.transpose() * error;
+    system.normal.noalias() += weighted.lazyProduct(J);
+    system.gradient.noalias() += weighted.lazyProduct(error);
   }
   system.cost = cost;
   system.valid = std::isfinite(cost);

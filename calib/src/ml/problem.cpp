@@ -39,8 +39,9 @@ struct LocalBlock {
   // Fills H and g from a whitened Jacobian with the segments' columns.
   template <typename Jacobian, typename Residual>
   void set_normal(const Jacobian& J, const Residual& r, double factor) {
-    H.noalias() = factor * J.transpose() * J;
-    g.noalias() = factor * J.transpose() * r;
+    const auto weighted = (factor * J.transpose()).eval();
+    H.noalias() = weighted.lazyProduct(J);
+    g.noalias() = weighted.lazyProduct(r);
   }
 };
 
@@ -202,8 +203,9 @@ struct TwistSystem {
   // J by twist and extras, a row for each residual.
   template <typename Jacobian, typename Residual>
   void add(const Jacobian& J, const Residual& r, double factor) {
-    H.noalias() += (factor * J.transpose()).eval() * J;
-    g.noalias() += J.transpose() * (factor * r);
+    const auto weighted = (factor * J.transpose()).eval();
+    H.noalias() += weighted.lazyProduct(J);
+    g.noalias() += weighted.lazyProduct(r);
   }
 
   template <typename Block>
@@ -348,7 +350,7 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
     const double s = r.squaredNorm(), w = loss.weight(s);
     cost.add(s);
     add_residual(s, w, 2, &block.sum);
-    Eigen::Matrix<double, 2, 6 + kExtra> J;
+    RowJacobian<2, 6 + kExtra> J;
     J.template leftCols<6>() = W * residual.by_twist;
     if constexpr (kExtra > 0) J.template rightCols<kExtra>() = W * residual.by_intrinsics;
     system.add(J, r, block_factor(weighting, w, moments));
@@ -368,7 +370,7 @@ void Problem::visit_board_plane(const State& state, Weighting weighting, const P
   const Eigen::Matrix3d W = plane.whitening / noise.board_plane_scale[c];
   const Eigen::Vector3d r = W * residual.value;
   const double s = r.squaredNorm(), w = loss.weight(s);
-  Eigen::Matrix<double, 3, 7> J;
+  RowJacobian<3, 7> J;
   J << residual.by_twist, residual.by_depth_bias;
   J = (W * J).eval();
   TwistSystem<1> system;
@@ -392,7 +394,7 @@ void Problem::visit_ground_plane(const State& state, Weighting weighting, const 
   const Eigen::Vector3d r = W * residual.value;
   const double s = r.squaredNorm(), w = loss.weight(s);
   const double factor = block_factor(weighting, w, cauchy_moments(3));
-  Eigen::Matrix<double, 3, 13> J;
+  RowJacobian<3, 13> J;
   J << residual.by_camera, residual.by_pose, residual.by_depth_bias;
   J = (W * J).eval();
   const auto finish = [&](auto block, const auto& jacobian) {
@@ -405,7 +407,7 @@ void Problem::visit_ground_plane(const State& state, Weighting weighting, const 
       bias{-1, layout_.depth_bias(plane.camera)};
   if (!layout_.with_ground_offsets)
     return finish(make_block<6, 6, 1>(Group::kGround, plane.camera, camera, pose, bias), J);
-  Eigen::Matrix<double, 3, 16> J_offset;
+  RowJacobian<3, 16> J_offset;
   J_offset << J, W;
   finish(make_block<6, 6, 1, 3>(Group::kGround, plane.camera, camera, pose, bias,
                                 Segment{-1, layout_.ground_offset(plane.camera)}),
@@ -420,7 +422,7 @@ void Problem::visit_increment(const State& state, Weighting weighting, int to, S
                                                         state.odometry_yaw_factor, increments_[i - 1]);
   const Eigen::Vector3d r = inverse.cwiseProduct(residual.value);
   const double s = r.squaredNorm(), w = loss.weight(s);
-  Eigen::Matrix<double, 3, 8> J;
+  RowJacobian<3, 8> J;
   J << residual.by_from, residual.by_to, residual.by_scale, residual.by_yaw_factor;
   J = (inverse.asDiagonal() * J).eval();
   const double factor = block_factor(weighting, w, cauchy_moments(3));

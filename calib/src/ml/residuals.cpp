@@ -47,13 +47,15 @@ ViewGeometry view_geometry(const Rigid3& T_robot_camera, const Rigid3& T_world_b
 
 bool corner_residual(const Camera& camera, const Eigen::Vector3d& corner_camera, const Eigen::Vector2d& measured,
                      CornerResidual* residual) {
-  const Eigen::Vector3d& q = corner_camera;
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> J;
-  if (!camera.project(q, &pixel, &J)) return false;
+  if (!camera.project(corner_camera, &pixel, &J)) return false;
   residual->value = pixel - measured;
-  residual->by_twist.leftCols<3>() = -J * skew(q);
-  residual->by_twist.rightCols<3>() = J;
+  // A row a of J gives a . (w x q + v) = (q x a) . w + a . v
+  for (int row = 0; row < 2; ++row) {
+    const Eigen::Vector3d a = J.row(row);
+    residual->by_twist.row(row) << corner_camera.cross(a).transpose(), a.transpose();
+  }
   residual->by_intrinsics << pixel.x() - camera.cx_px, 1.0, 0.0, pixel.y() - camera.cy_px, 0.0, 1.0;
   return true;
 }
