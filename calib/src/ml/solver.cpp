@@ -80,24 +80,39 @@ class LevelUpdater {
   std::vector<Level> levels_;
 };
 
+// Reweighted least squares takes the weights for constant, though they fall as residuals grow: its curvature is too
+// large by E[w] / E[psi'], its steps as much too short. (E[psi'] = E[w s] / d, by Stein's lemma.) At wide losses both
+// are one.
+double lengthening(const Problem& problem, double damping) {
+  constexpr double kUndamped = 1e-6;
+  if (problem.loss.c2 > CauchyLoss().c2 || damping > kUndamped) return 1.0;
+  const LossMoments& moments = cauchy_moments(2);
+  return moments.weight / moments.weighted_square;
+}
+
 }  // namespace
 
 SolverSummary minimise(const Problem& problem, const SolverOptions& options, State* state) {
   SolverSummary summary;
   ArrowSystem system = problem.linearise(*state, Weighting::kRobust, &summary.cost, nullptr);
   double damping = 1e-8;
+  double indefinite = 0.0;  // damping at which directions that nothing determines made the equations unsolvable
   while (summary.iterations < options.max_iterations && damping < kMaxDamping) {
     ++summary.iterations;
     const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, damping);
     Eigen::VectorXd pose_step, global_step;
     if (!eliminated || !eliminated->step(&pose_step, &global_step)) {
+      indefinite = damping;
       damping = std::max(10.0 * damping, 1e-8);
       continue;
     }
     // What the linear model promises, at least: half of the gradient along the step.
     const double promised = -(pose_step.dot(system.pose_gradient) + global_step.dot(system.global_gradient));
+    const double longer = lengthening(problem, damping);
+    pose_step *= longer;
+    global_step *= longer;
     if (promised < options.tolerance) {
-      if (damping <= 1e-3) {
+      if (damping <= std::max(1e-3, 100.0 * indefinite)) {
         *state = moved(*state, problem.layout(), pose_step, global_step);
         summary.converged = true;
         break;
