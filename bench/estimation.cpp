@@ -213,11 +213,13 @@ int run_suite(const Options& options) {
   Table table;
   for (const CellKey& key : keys) table.emplace_back(key, load_cell(cells, key));
   for (std::size_t i = 0; i < keys.size() && !interrupted; ++i) {
+    if (table[i].second.trials >= trials) continue;
     table[i].second = run_cell(keys[i], trials, &cells);
     std::printf("[%zu of %zu] ", i + 1, keys.size());
     print_cell(keys[i], table[i].second);
     write_report(table, folder);
   }
+  write_report(table, folder);
   constexpr int kTryAgain = 75;
   if (interrupted) std::fprintf(stderr, "Interrupted; the same command goes on.\n");
   return interrupted ? kTryAgain : 0;
