@@ -1,3 +1,4 @@
+find_dependency(OpenCV COMPONENTS core imgcodecs)
 find_dependency(PkgConfig)
 if(NOT TARGET PkgConfig::ISAL)
   pkg_check_modules(ISAL REQUIRED IMPORTED_TARGET libisal)

@@ -2,6 +2,7 @@
 // process's exit code; bad input throws Error, which only main catches.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -23,8 +24,21 @@ struct GenerateArguments {
   bool fresh = false;
   bool dry_run = false;
   int device = -2;
+  std::filesystem::path cache;  ///< of clean renders; empty = nothing is kept
+  bool render = true;           ///< false: only from the cache
 };
 int generate_command(const GenerateArguments& arguments);
+
+struct SenseArguments {
+  CommonArguments common;
+  std::filesystem::path source;  ///< a run, or a configuration
+  std::vector<std::string> set;
+  std::int64_t seed = -1;  ///< of the sensors; -1 = as the source has it
+  std::filesystem::path output;
+  std::filesystem::path cache;
+  bool fresh = false;
+};
+int sense_command(const SenseArguments& arguments);
 
 struct ObserveArguments {
   CommonArguments common;
@@ -76,6 +90,14 @@ int doctor_command(const DoctorArguments& arguments);
 
 /// kind: scenes, rigs, sensors, boards or methods.
 int list_command(const CommonArguments& common, const std::string& kind);
+
+struct PlotSensorArguments {
+  CommonArguments common;
+  std::string name;
+  std::filesystem::path output;  ///< empty = NAME_noise.png
+};
+/// Draws the noise of a sensor preset over distance.
+int plot_sensor_command(const PlotSensorArguments& arguments);
 
 /// Prints the JSON Schema of a file that a user writes: run, rig-model, budget, ...
 int schema_command(const std::string& name);

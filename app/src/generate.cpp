@@ -51,6 +51,8 @@ GenerateReport generate_with_progress(const GenerateArguments& arguments, const 
   options.jobs = arguments.common.jobs;
   options.fresh = arguments.fresh;
   options.device = arguments.device;
+  options.cache = arguments.cache;
+  options.render = arguments.render;
   GenerateReport report;
   {
     ProgressLine progress(terminal, "generate", "images");

@@ -50,6 +50,11 @@ void add_device(CLI::App* command, int& device) {
       ->capture_default_str();
 }
 
+void add_cache(CLI::App* command, std::filesystem::path& cache) {
+  command->add_option("--cache", cache, "Folder of clean renders: what it holds is not rendered again")
+      ->envname("RIGPROOF_CACHE");
+}
+
 void add_generate_options(CLI::App* command, GenerateArguments& arguments) {
   command->add_option("CONFIG", arguments.config,
                       "Configuration file, or the name of a shipped one; without it every default applies");
@@ -59,6 +64,7 @@ void add_generate_options(CLI::App* command, GenerateArguments& arguments) {
                    "Override a field, e.g. --set poses=20 --set odometry.lambda=5; may be repeated")
       ->type_name("FIELD=VALUE");
   command->add_flag("--fresh", arguments.fresh, "Delete what is in the output and start over; default is to resume");
+  add_cache(command, arguments.cache);
   command->add_flag("--dry-run", arguments.dry_run, "Only say how many frames, MB and minutes it would take");
   add_jobs(command, arguments.common);
   add_device(command, arguments.device);
@@ -71,6 +77,26 @@ void add_generate(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<GenerateArguments>();
   add_generate_options(command, *arguments);
   command->callback([arguments, &action] { action = [arguments] { return generate_command(*arguments); }; });
+}
+
+void add_sense(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "sense", "Make another noise realisation of a run from its clean renders",
+                                  "rigproof sense runs/demo --cache cache --seed 7 -o runs/demo_7");
+  auto arguments = std::make_shared<SenseArguments>();
+  command->add_option("SOURCE", arguments->source, "A run that was generated with --cache, or its configuration")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "Folder of the new run")->required();
+  add_cache(command, arguments->cache);
+  command->add_option("--seed", arguments->seed, "Seed of noise, devices and odometry; default as in the source")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{9007199254740992}));
+  command
+      ->add_option("--set", arguments->set,
+                   "Override a sense key, e.g. --set sensing.depth.edges=true; may be repeated")
+      ->type_name("FIELD=VALUE");
+  command->add_flag("--fresh", arguments->fresh, "Delete what is in the output and start over; default is to resume");
+  add_jobs(command, arguments->common);
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return sense_command(*arguments); }; });
 }
 
 void add_observe(CLI::App& app, Action& action) {
@@ -155,6 +181,20 @@ void add_list(CLI::App& app, const std::string& kind, const std::string& descrip
   command->callback([common, kind, &action] { action = [common, kind] { return list_command(*common, kind); }; });
 }
 
+void add_sensors(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "sensors", "The sensor presets; --plot draws the noise of one over distance",
+                                  "rigproof sensors --plot d455 -o d455.png");
+  auto arguments = std::make_shared<PlotSensorArguments>();
+  command->add_option("--plot", arguments->name, "Preset whose depth noise is simulated and drawn");
+  command->add_option("-o,--output", arguments->output, "PNG file of --plot; default NAME_noise.png");
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] {
+    action = [arguments] {
+      return arguments->name.empty() ? list_command(arguments->common, "sensors") : plot_sensor_command(*arguments);
+    };
+  });
+}
+
 void add_schema(CLI::App& app, Action& action) {
   CLI::App* command = add_command(app, "schema", "Print the JSON Schema of a file that you write, for your editor",
                                   "rigproof schema run > run.schema.json");
@@ -187,6 +227,7 @@ int run_main(int argc, char** argv) {
   Action action;
   add_run(app, action);
   add_generate(app, action);
+  add_sense(app, action);
   add_observe(app, action);
   add_calibrate(app, action);
   add_validate(app, action);
@@ -195,7 +236,7 @@ int run_main(int argc, char** argv) {
   add_list(app, "methods", "The calibration methods: what each needs and gives", action);
   add_list(app, "scenes", "The worlds that a run can be set in", action);
   add_list(app, "rigs", "The camera rigs", action);
-  add_list(app, "sensors", "The sensor presets", action);
+  add_sensors(app, action);
   add_list(app, "boards", "The board presets", action);
   add_schema(app, action);
   if (argc < 2) {

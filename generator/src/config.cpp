@@ -205,6 +205,7 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
                 "realistic: image and depth noise of the camera's sensor preset; none: clean images");
   visitor.field("depth_scale_bias_percent", depth_scale_bias_percent, {-20.0, 20.0},
                 "measured depth is too large by this, drawn for each camera");
+  visitor.nested("sensing", sensing, "sensor_noise realistic: which effects of the sensors are simulated");
   visitor.nested("render", render, "how the clean picture is drawn");
   visitor.field("clouds", clouds, TextChoices{{"none", "pcd"}}, "point cloud files beside the depth images");
   visitor.field("cloud_stride_px", cloud_stride_px, {1.0, 64.0}, "every how many pixels a cloud has a point");

@@ -1,6 +1,9 @@
 #include "frame_maker.h"
 
+#include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/version.h"
+#include "sensing/resolve.h"
 
 namespace rigproof {
 namespace {
@@ -18,39 +21,83 @@ RenderOptions render_options(const Scenario& scenario, int device) {
   return options;
 }
 
+// Takes the image by swapping, so that both keep their memory.
+template <typename T>
+void take_pixels(Image<T>* from, Image<T>* to) {
+  std::swap(from->pixels, to->pixels);
+  to->width = from->width;
+  to->height = from->height;
+  to->channels = from->channels;
+}
+
 }  // namespace
 
-FrameMaker::FrameMaker(const Scenario& scenario, const std::filesystem::path& run, int device)
+FrameMaker::FrameMaker(const Scenario& scenario, const std::filesystem::path& run, const FrameSource& source)
     : scenario_(scenario),
+      source_(source),
       run_{run},
-      renderer_(*scenario.world, render_options(scenario, device)),
+      seed_(sensing_seed(scenario.config)),
       png_(static_cast<int>(scenario.config.png_level),
-           scenario.config.sensor_noise == "none" ? PngContent::kClean : PngContent::kNoisy) {
+           scenario.config.sensor_noise == "none" ? PngContent::kClean : PngContent::kNoisy),
+      jpeg_(static_cast<int>(scenario.config.sensing.image.jpeg_quality)) {
+  if (source.may_render)
+    renderer_ = std::make_unique<Renderer>(*scenario.world, render_options(scenario, source.device));
   for (std::size_t i = 0; i < scenario.camera_count(); ++i) {
-    sensors_.emplace_back(scenario.sensors[i]);
+    const Camera& camera = scenario.rig.rig.cameras[i].camera;
+    sensors_.emplace_back(scenario.sensors[i], camera.width_px, camera.height_px,
+                          FrameSeed{seed_, -1, static_cast<std::int32_t>(i)});
     if (scenario.config.clouds == "none") continue;
-    clouds_.emplace_back(scenario.rig.rig.cameras[i].camera, static_cast<int>(scenario.config.cloud_stride_px));
+    // A driver makes its clouds with the intrinsics that it was told.
+    clouds_.emplace_back(scenario.recording.rig.cameras[i].camera, static_cast<int>(scenario.config.cloud_stride_px));
   }
 }
 
+void FrameMaker::render(const FrameJob& job) {
+  scenario_.world->place_robot(scenario_.T_scene_robot[job.stop]);
+  renderer_->render(job.camera, &view_);
+  clean_.gl_renderer = renderer_->gl_renderer();
+  take_pixels(&view_.color, &clean_.color);
+  if (job.files.depth_file.empty())
+    clean_.depth_m = ImageF();
+  else
+    take_pixels(&view_.depth_m, &clean_.depth_m);
+}
+
+void FrameMaker::take_clean_frame(std::size_t frame, const FrameJob& job) {
+  if (source_.cache == nullptr) return render(job);
+  const std::string& key = source_.keys[frame];
+  if (std::optional<CleanFrame> cached = source_.cache->load(key)) {
+    const bool same_driver = !renderer_ || cached->gl_renderer == renderer_->gl_renderer();
+    if (same_driver) {
+      clean_ = std::move(*cached);
+      return;
+    }
+  }
+  if (!renderer_)
+    throw Error(source_.cache->file_of(key).string() + ": is damaged; remove it and render this frame again");
+  render(job);
+  source_.cache->save(key, clean_);
+}
+
+std::string_view FrameMaker::encoded_color(const Image8& image) {
+  return scenario_.sensor_images_are_jpeg() ? jpeg_.encode(image) : png_.encode(image);
+}
+
 FileEntries FrameMaker::make(std::size_t frame) {
-  const std::size_t stop = frame / scenario_.camera_count(), camera = frame % scenario_.camera_count();
-  const CameraFrame& files = scenario_.recording.frames[camera][stop];
-  const auto stream = [&](const char* purpose) {
-    return RandomStream(scenario_.truth.seed, purpose, static_cast<std::int64_t>(stop),
-                        static_cast<std::int32_t>(camera));
-  };
-  scenario_.world->place_robot(scenario_.T_scene_robot[stop]);
-  renderer_.render(camera, &view_);
+  const FrameJob& job = scenario_.frames[frame];
+  const FrameSeed seed{seed_, static_cast<std::int64_t>(job.stop), static_cast<std::int32_t>(job.camera)};
+  const Sensor& sensor = sensors_[job.camera];
+  take_clean_frame(frame, job);
   FileEntries entries;
-  sensors_[camera].sense_color(stream("image noise"), &view_.color);
-  write(files.color_file, png_.encode(view_.color), &entries);
-  if (files.depth_file.empty()) return entries;
-  const double unit_m = scenario_.rig.rig.cameras[camera].depth->unit_m;
-  sensors_[camera].sense_depth(view_.depth_m, unit_m, stream("depth noise"), &depth_);
-  write(files.depth_file, png_.encode(depth_), &entries);
-  if (files.cloud_file.empty()) return entries;
-  write(files.cloud_file, encode_pcd(clouds_[camera].points(depth_, unit_m)), &entries);
+  const double unit_m = job.files.depth_file.empty() ? 1.0 : scenario_.rig.rig.cameras[job.camera].depth->unit_m;
+  // Depth first: its sensor looks at the clean colours.
+  if (!job.files.depth_file.empty()) sensor.sense_depth(clean_.depth_m, clean_.color, unit_m, seed, &depth_);
+  sensor.sense_color(seed, &clean_.color);
+  write(job.files.color_file, encoded_color(clean_.color), &entries);
+  if (job.files.depth_file.empty()) return entries;
+  write(job.files.depth_file, png_.encode(depth_), &entries);
+  if (job.files.cloud_file.empty()) return entries;
+  write(job.files.cloud_file, encode_pcd(clouds_[job.camera].points(depth_, unit_m)), &entries);
   return entries;
 }
 
@@ -60,13 +107,26 @@ void FrameMaker::write(const std::string& file_in_recording, std::string_view by
 }
 
 std::vector<std::string> files_of_frame(const Scenario& scenario, std::size_t frame) {
-  const std::size_t cameras = scenario.camera_count();
-  const CameraFrame& files = scenario.recording.frames[frame % cameras][frame / cameras];
+  const CameraFrame& files = scenario.frames[frame].files;
   std::vector<std::string> paths;
   for (const std::string& file : {files.color_file, files.depth_file, files.cloud_file}) {
     if (!file.empty()) paths.push_back(kRecordingPrefix + file);
   }
   return paths;
+}
+
+std::vector<std::string> clean_frame_keys(const Scenario& scenario) {
+  const RenderConfig& render = scenario.config.render;
+  const std::string common = std::string(version()) + " " + std::to_string(render.psf_sigma_px) + " " +
+                             std::to_string(render.board_at_double) + std::to_string(render.whole_at_double) + " " +
+                             scenario.world->content_hash();
+  std::vector<std::string> keys;
+  for (const FrameJob& job : scenario.frames) {
+    scenario.world->place_robot(scenario.T_scene_robot[job.stop]);
+    keys.push_back(sha256_hex(common + (job.files.depth_file.empty() ? " color " : " color+depth ") +
+                              scenario.world->view_hash(job.camera)));
+  }
+  return keys;
 }
 
 }  // namespace rigproof

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <sstream>
 
 #include "frame_maker.h"
@@ -83,6 +84,7 @@ FileEntries write_texts(const RunFolder& run, const Scenario& scenario) {
   std::vector<std::string> files = {"truth/config.yaml", "truth/truth.yaml", "recording/rig.yaml",
                                     "recording/" + recording.rig.odometry_file};
   for (const RigCamera& camera : recording.rig.cameras) files.push_back("recording/" + camera.folder + "/frames.csv");
+  if (!recording.segments.empty()) files.push_back("recording/segments.csv");
   FileEntries entries;
   for (const std::string& file : files) {
     entries[file] = {fs::file_size(run.root / file), sha256_hex_of_file(run.root / file)};
@@ -121,7 +123,12 @@ std::string name_of_job(const Scenario& scenario, std::uint32_t job) {
 class Generation {
  public:
   Generation(const Scenario& scenario, const RunFolder& run, const GenerateOptions& options, ManifestKeeper* keeper)
-      : scenario_(scenario), run_(run), options_(options), keeper_(keeper) {}
+      : scenario_(scenario), run_(run), options_(options), keeper_(keeper), cache_(options.cache) {
+    source_.device = options.device;
+    if (options.cache.empty()) return;
+    source_.cache = &cache_;
+    source_.keys = clean_frame_keys(scenario);
+  }
 
   /// Returns false if the caller interrupted.
   bool render(const std::vector<std::uint32_t>& frames) {
@@ -129,6 +136,7 @@ class Generation {
     already_done_ = scenario_.frame_count() - frames.size();
     bool go_on = report();
     if (!go_on || frames.empty()) return go_on;
+    look_into_cache(frames);
     WorkerPool pool(
         static_cast<int>(std::min(jobs, frames.size())), [this](std::string* greeting) { return prepare(greeting); },
         kPatienceS);
@@ -146,11 +154,31 @@ class Generation {
   std::size_t rendered() const { return rendered_; }
 
  private:
+  // Without a context where the cache has it all, drawn by one driver.
+  void look_into_cache(const std::vector<std::uint32_t>& frames) {
+    if (source_.cache == nullptr) return;
+    std::size_t held = 0;
+    std::set<std::string> drivers;
+    for (const std::uint32_t frame : frames) {
+      const std::string driver = cache_.renderer_of(source_.keys[frame]);
+      if (driver.empty()) continue;
+      ++held;
+      drivers.insert(driver);
+    }
+    source_.may_render = held < frames.size() || drivers.size() != 1;
+    if (!source_.may_render) return take_renderer(*drivers.begin());
+    if (!options_.render)
+      throw Error(cache_.folder().string() + ": holds " + std::to_string(held) + " of " +
+                  std::to_string(frames.size()) + " clean renders" +
+                  (drivers.size() > 1 ? ", drawn by " + std::to_string(drivers.size()) + " drivers" : "") +
+                  "; `rigproof generate CONFIG --cache " + cache_.folder().string() + "` makes them");
+  }
+
   // Runs in the render process.
   WorkerPool::Handler prepare(std::string* greeting) const {
     // Mesa's own threads only get into the way of the other processes.
     ::setenv("LP_NUM_THREADS", "1", 1);
-    const auto maker = std::make_shared<FrameMaker>(scenario_, run_.root, options_.device);
+    const auto maker = std::make_shared<FrameMaker>(scenario_, run_.root, source_);
     *greeting = maker->gl_renderer();
     return [maker](std::uint32_t frame) { return text_of(maker->make(frame)); };
   }
@@ -158,7 +186,7 @@ class Generation {
   void take(const WorkerEvent& event) {
     switch (event.kind) {
       case WorkerEvent::Kind::kReady:
-        return take_renderer(event.text);
+        return event.text.empty() ? void() : take_renderer(event.text);
       case WorkerEvent::Kind::kDone:
         keeper_->add(entries_of(event.text));
         ++rendered_;
@@ -191,6 +219,8 @@ class Generation {
   RunFolder run_;
   const GenerateOptions& options_;
   ManifestKeeper* keeper_;
+  CleanCache cache_;
+  FrameSource source_;
   std::size_t already_done_ = 0, rendered_ = 0;
   bool renderer_told_ = false;
 };

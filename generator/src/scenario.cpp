@@ -11,6 +11,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/generator/odometry.h"
+#include "sensing/resolve.h"
 
 namespace rigproof {
 namespace {
@@ -84,22 +85,6 @@ std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigMode
   return inputs;
 }
 
-std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig& rig) {
-  std::vector<SensorModel> models(rig.cameras.size());
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    RandomStream random(seed_of(config), "depth scale", -1, static_cast<std::int32_t>(i));
-    const double scale = 1.0 + config.depth_scale_bias_percent.sample(random) / 100.0;
-    models[i].depth_scale = scale;
-    if (config.sensor_noise == "none") continue;
-    models[i].image_noise = ImageNoise{};
-    if (rig.cameras[i].depth) {
-      models[i].depth_noise = DepthSensing{};
-      models[i].depth_noise->stream = *rig.cameras[i].depth;
-    }
-  }
-  return models;
-}
-
 // Drawn once a run.
 OdometrySimulation resolve_odometry(const OdometryConfig& config, std::uint64_t seed) {
   RandomStream random(seed, "odometry systematics");
@@ -133,6 +118,7 @@ Truth true_part(const Scenario& scenario, const Board& board, const Rigid3& T_sc
     const RigCamera& camera = scenario.rig.rig.cameras[i];
     TrueCamera entry{camera.name, scenario.rig.T_robot_camera[i], camera.camera, std::nullopt, {}};
     if (camera.depth) entry.depth_scale = scenario.sensors[i].depth_scale;
+    entry.sensing = scenario.sensors[i].labels();
     truth.cameras.push_back(entry);
   }
   for (std::size_t i = 0; i < scenario.stop_count(); ++i)
@@ -150,12 +136,17 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
   Recording recording;
   recording.rig = scenario.rig.rig;
   recording.rig.board = board;
+  for (std::size_t i = 0; i < recording.rig.cameras.size(); ++i) {
+    Camera& camera = recording.rig.cameras[i].camera;
+    camera = told_camera(camera, scenario.config.sensing.lens, sensing_seed(scenario.config), static_cast<std::int32_t>(i));
+  }
+  const char* image_extension = scenario.sensor_images_are_jpeg() ? ".jpg" : ".png";
   const bool clouds = scenario.config.clouds == "pcd";
   for (const RigCamera& camera : recording.rig.cameras) {
     std::vector<CameraFrame>& frames = recording.frames.emplace_back();
     for (std::size_t i = 0; i < scenario.stop_count(); ++i) {
       CameraFrame frame;
-      frame.color_file = numbered(camera.folder + "/color", i, ".png");
+      frame.color_file = numbered(camera.folder + "/color", i, image_extension);
       if (camera.depth) frame.depth_file = numbered(camera.folder + "/depth", i, ".png");
       if (camera.depth && clouds) frame.cloud_file = numbered(camera.folder + "/cloud", i, ".pcd");
       frame.stamp_s = scenario.truth.stops[i].stamp_s;
@@ -176,14 +167,14 @@ void teleport(const WorldDescription& description, const ViewpointSubject& subje
     stamps_s.push_back(static_cast<double>(stamps_s.size()) * config.stop_period_s);
     scenario->T_scene_robot.push_back(stop.T_scene_robot());
   }
-  const OdometrySimulation odometry = resolve_odometry(config.odometry, seed_of(config));
+  const OdometrySimulation odometry = resolve_odometry(config.odometry, sensing_seed(config));
   Truth& truth = scenario->truth;
   truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
   truth.odometry_noise = noise_of(odometry);
   truth.odometry_scale = odometry.scale;
   truth.odometry_yaw_factor = odometry.yaw_factor;
   scenario->recording = recorded_part(*scenario, description.board);
-  scenario->recording.odometry = simulate_odometry(truth.stops, odometry, truth.seed);
+  scenario->recording.odometry = simulate_odometry(truth.stops, odometry, sensing_seed(config));
   if (config.odometry.declared) scenario->recording.rig.odometry_noise = truth.odometry_noise;
 }
 
@@ -213,6 +204,22 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   scenario->recording.odometry = std::move(driven.drive.odometry);
 }
 
+// The frames that were not dropped, stop by stop.
+std::vector<FrameJob> recorded_frames(const std::vector<std::vector<CameraFrame>>& taken,
+                                      const std::vector<std::vector<CameraFrame>>& recorded) {
+  std::vector<FrameJob> jobs;
+  std::vector<std::size_t> next(recorded.size(), 0);
+  for (std::size_t stop = 0; !taken.empty() && stop < taken.front().size(); ++stop) {
+    for (std::size_t camera = 0; camera < recorded.size(); ++camera) {
+      const std::size_t i = next[camera];
+      if (i == recorded[camera].size() || recorded[camera][i].color_file != taken[camera][stop].color_file) continue;
+      jobs.push_back({stop, camera, recorded[camera][i]});
+      ++next[camera];
+    }
+  }
+  return jobs;
+}
+
 }  // namespace
 
 Camera scaled_camera(const Camera& camera, double scale) {
@@ -236,13 +243,16 @@ Scenario resolve_scenario(const GenerateConfig& config) {
   scenario.rig = resolve_rig(config);
   const SceneModel scene = load_scene_model(config.scene);
   scenario.inputs = inputs_of(config, scenario.rig, scene);
-  scenario.sensors = resolve_sensors(config, scenario.rig.rig);
+  scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
   const Board board = resolve_board(config.board, scenario.rig.rig.board);
   const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene));
   const WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
   scenario.world = World::compose(description);
   const ViewpointSubject subject{description.cameras, board, T_scene_board, description.board_margin_m};
   (config.motion == "drive" ? drive : teleport)(description, subject, &scenario);
+  const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;
+  disturb_time(config.sensing.time, sensing_seed(config), &scenario.recording, &scenario.truth);
+  scenario.frames = recorded_frames(taken, scenario.recording.frames);
   return scenario;
 }
 

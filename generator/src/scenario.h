@@ -22,6 +22,13 @@ struct ScenarioInput {
   std::string sha256;
 };
 
+/// A frame of one camera that is recorded.
+struct FrameJob {
+  std::size_t stop = 0;
+  std::size_t camera = 0;
+  CameraFrame files;
+};
+
 struct Scenario {
   GenerateConfig config;
   RigModel rig;
@@ -32,11 +39,13 @@ struct Scenario {
   RobotTrajectory trajectory;         ///< of a driven run, by the stamps of the recording; else empty
   std::vector<SensorModel> sensors;  ///< one a camera
   Recording recording;               ///< its folder is empty: the caller's
+  std::vector<FrameJob> frames;      ///< of the recording, stop by stop
   Truth truth;
 
   std::size_t stop_count() const { return T_scene_robot.size(); }
   std::size_t camera_count() const { return rig.rig.cameras.size(); }
-  std::size_t frame_count() const { return stop_count() * camera_count(); }
+  bool sensor_images_are_jpeg() const { return config.sensor_noise != "none" && config.sensing.image.jpeg_quality > 0; }
+  std::size_t frame_count() const { return frames.size(); }
 };
 
 /// Loads what the configuration names and plans the drive. Throws Error with every problem found.

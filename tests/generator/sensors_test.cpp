@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rigproof/core/error.h"
+#include "sensing/normals.h"
 
 namespace rigproof {
 namespace {
@@ -27,11 +28,16 @@ Moments moments_of(const Values& values, const Map& map) {
 
 SensorModel realistic() {
   SensorModel model;
-  model.image_noise = ImageNoise{};
-  model.depth_noise = DepthSensing{};
-  model.depth_noise->stream.noise.correlation_px = 4.0;
+  model.image = ImageSensing{};
+  model.depth = DepthSensing{};
+  model.depth->stream.noise.correlation_px = 4.0;
   return model;
 }
+
+Sensor sensor_of(const SensorModel& model, int width = 640, int height = 480) { return Sensor(model, width, height); }
+
+// What the imagers see where texture does not matter.
+const Image8 kNoColor;
 
 TEST(Sensors, QuantilesAreThoseOfTheNormalDistribution) {
   const std::vector<float> q = normal_quantiles(10);
@@ -45,11 +51,11 @@ TEST(Sensors, QuantilesAreThoseOfTheNormalDistribution) {
 // In linear light the variance is (electrons + read noise^2) / full well^2: the photon transfer curve.
 TEST(Sensors, ImageNoiseFollowsThePhotonTransferCurve) {
   const SensorModel model = realistic();
-  const Sensor sensor(model);
-  const ImageNoise& noise = *model.image_noise;
+  const Sensor sensor = sensor_of(model);
+  const ImageSensing& noise = *model.image;
   for (const int level : {40, 90, 128, 180, 220}) {
     Image8 image(400, 300, 3, static_cast<std::uint8_t>(level));
-    sensor.sense_color(RandomStream(0, "image noise", level), &image);
+    sensor.sense_color({0, level, 0}, &image);
     const auto linear = [&](std::uint8_t v) { return std::pow(v / 255.0, noise.gamma); };
     const double light = linear(static_cast<std::uint8_t>(level));
     const Moments moments = moments_of(image.pixels, linear);
@@ -64,9 +70,9 @@ TEST(Sensors, ImageNoiseFollowsThePhotonTransferCurve) {
 }
 
 TEST(Sensors, ImageNoiseIsIndependentBetweenPixelsAndColors) {
-  const Sensor sensor(realistic());
+  const Sensor sensor = sensor_of(realistic());
   Image8 image(300, 300, 3, 128);
-  sensor.sense_color(RandomStream(0, "image noise", 0), &image);
+  sensor.sense_color({0, 0, 0}, &image);
   double neighbour = 0.0, color = 0.0, square = 0.0;
   for (int y = 1; y < 300; ++y) {
     for (int x = 1; x < 300; ++x) {
@@ -109,22 +115,22 @@ TEST(Sensors, CorrelatedNormalsHaveUnitVarianceAndTheWindowsCorrelation) {
 
 Image16 flat_depth(const Sensor& sensor, float z_m, double unit_m) {
   Image16 counts;
-  sensor.sense_depth(ImageF(640, 480, 1, z_m), unit_m, RandomStream(0, "depth noise", std::lround(100.0F * z_m)),
-                     &counts);
+  sensor.sense_depth(ImageF(640, 480, 1, z_m), kNoColor, unit_m, {0, std::lround(100.0F * z_m), 0}, &counts);
   return counts;
 }
 
 TEST(Sensors, StereoDepthFollowsItsLawWithRounding) {
   const SensorModel model = realistic();
-  const Sensor sensor(model);
-  const DepthSensing& depth = *model.depth_noise;
-  const double disparity_m = depth.disparity_sigma_px / depth.stream.noise.inverse_depth_sigma_per_m;
+  const Sensor sensor = sensor_of(model);
+  const DepthSensing& depth = *model.depth;
+  const double sigma_px = depth.focal_baseline_px_m * depth.stream.noise.inverse_depth_sigma_per_m;
+  const double disparity_m = depth.focal_baseline_px_m;
   for (const float z_m : {0.8F, 1.0F, 2.0F, 4.0F}) {
     const double z = static_cast<double>(z_m);
     const Moments moments =
         moments_of(flat_depth(sensor, z_m, 0.001).pixels, [](std::uint16_t count) { return 0.001 * count; });
     const double per_px = z * z / disparity_m;
-    const double disparity_px = std::hypot(depth.disparity_sigma_px, 1.0 / 32.0 / std::sqrt(12.0));
+    const double disparity_px = std::hypot(sigma_px, 1.0 / 32.0 / std::sqrt(12.0));
     const double sigma = std::hypot(per_px * disparity_px, 0.001 / std::sqrt(12.0));
     // 640 x 480 / 16 independent values: 0.5 % of the deviation; the target is 5 %.
     EXPECT_NEAR(moments.deviation / sigma, 1.0, 0.03) << z;
@@ -137,13 +143,13 @@ TEST(Sensors, StereoDepthFollowsItsLawWithRounding) {
 
 TEST(Sensors, TimeOfFlightDepthFollowsItsLaw) {
   SensorModel model = realistic();
-  DepthStream& stream = model.depth_noise->stream;
+  DepthStream& stream = model.depth->stream;
   stream.noise.law = DepthNoise::Law::kTimeOfFlight;
   stream.noise.constant_m = 0.000875;
   stream.noise.proportional = 0.001625;
   stream.unit_m = 0.00025;
   stream.max_m = 9.0;
-  const Sensor sensor(model);
+  const Sensor sensor = sensor_of(model);
   for (const float z_m : {1.0F, 3.0F, 8.0F}) {
     const double sigma = std::hypot(0.000875 + 0.001625 * static_cast<double>(z_m), 0.00025 / std::sqrt(12.0));
     const Moments moments =
@@ -154,7 +160,7 @@ TEST(Sensors, TimeOfFlightDepthFollowsItsLaw) {
 
 TEST(Sensors, DepthOutsideOfTheRangeIsNoMeasurement) {
   SensorModel model = realistic();
-  const Sensor sensor(model);
+  const Sensor sensor = sensor_of(model);
   for (const float z_m : {0.0F, 0.2F, 7.0F, 1e-6F, 1e6F}) {
     for (const std::uint16_t count : flat_depth(sensor, z_m, 0.001).pixels) ASSERT_EQ(count, 0) << z_m;
   }
@@ -166,18 +172,18 @@ TEST(Sensors, WithoutNoiseDepthIsRoundedToTheUnitAndScaled) {
   Image16 counts;
   ImageF depth(4, 1);
   depth.pixels = {0.0F, 1.0F, 2.0004F, 100.0F};
-  Sensor(SensorModel{}).sense_depth(depth, 0.001, RandomStream(0, "x"), &counts);
+  Sensor(SensorModel{}, 4, 1).sense_depth(depth, kNoColor, 0.001, {}, &counts);
   EXPECT_EQ(counts.pixels, (std::vector<std::uint16_t>{0, 1000, 2000, 0}));  // 100 m do not fit into 16 bits
-  Sensor(model).sense_depth(depth, 0.001, RandomStream(0, "x"), &counts);
+  Sensor(model, 4, 1).sense_depth(depth, kNoColor, 0.001, {}, &counts);
   EXPECT_EQ(counts.pixels, (std::vector<std::uint16_t>{0, 1010, 2020, 0}));
 }
 
 TEST(Sensors, SameStreamSameNoise) {
-  const Sensor sensor(realistic());
+  const Sensor sensor = sensor_of(realistic());
   Image8 a(64, 48, 3, 100), b = a, c = a;
-  sensor.sense_color(RandomStream(1, "image noise", 7, 2), &a);
-  sensor.sense_color(RandomStream(1, "image noise", 7, 2), &b);
-  sensor.sense_color(RandomStream(1, "image noise", 7, 1), &c);
+  sensor.sense_color({1, 7, 2}, &a);
+  sensor.sense_color({1, 7, 2}, &b);
+  sensor.sense_color({1, 7, 1}, &c);
   EXPECT_EQ(a.pixels, b.pixels);
   EXPECT_NE(a.pixels, c.pixels);
 }

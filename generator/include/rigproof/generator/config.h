@@ -9,6 +9,7 @@
 #include "rigproof/core/distribution.h"
 #include "rigproof/core/fields.h"
 #include "rigproof/generator/motion.h"
+#include "rigproof/generator/sensing.h"
 
 namespace rigproof {
 
@@ -104,6 +105,7 @@ struct GenerateConfig {
   OdometryConfig odometry;
   std::string sensor_noise = "realistic";  ///< realistic | none
   Distribution depth_scale_bias_percent = 0.0;
+  SensingConfig sensing;
   RenderConfig render;
   std::string clouds = "none";  ///< none | pcd
   std::int64_t cloud_stride_px = 2;

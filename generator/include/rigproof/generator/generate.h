@@ -16,6 +16,8 @@ struct GenerateOptions {
   int jobs = 0;                  ///< render processes, 0 = one a core
   bool fresh = false;            ///< delete what is there and start over, instead of resuming
   int device = -2;               ///< as RenderOptions::device
+  std::filesystem::path cache;   ///< clean renders are taken from here and kept here; empty = nothing is kept
+  bool render = true;            ///< false: the cache must hold every clean render, and no driver is needed
   /// (images done, images in all); return false to interrupt. Called from the main process only.
   std::function<bool(std::size_t, std::size_t)> progress;
   /// Told once what renders, before the first image is done; not called if nothing is left to render.
@@ -33,7 +35,7 @@ struct GeneratePlan {
 
 struct GenerateReport {
   std::size_t images = 0;           ///< in the run
-  std::size_t images_rendered = 0;  ///< by this call; the rest was there already
+  std::size_t images_rendered = 0;  ///< by this call, or sensed from the cache; the rest was there already
   std::uint64_t bytes = 0;
   double seconds = 0.0;
   bool complete = false;  ///< false: interrupted, resumes

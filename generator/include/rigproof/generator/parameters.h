@@ -1,0 +1,32 @@
+// Every parameter of a run's configuration, and whether a change of it needs rendering.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rigproof/generator/config.h"
+
+namespace rigproof {
+
+enum class ParameterKind {
+  kRender,  ///< clean renders depend on it
+  kSense    ///< only what is made of them does
+};
+
+struct Parameter {
+  std::string path;  ///< dotted, as --set takes it: "sensing.depth.bias_field"
+  ParameterKind kind = ParameterKind::kRender;
+  std::string default_value;
+  std::string description;
+};
+
+/// All of them, in the order of the configuration's declaration, which they are taken from.
+std::vector<Parameter> all_parameters();
+
+/// Two Markdown tables, of render keys and of sense keys.
+std::string parameter_tables();
+
+/// Paths of the render keys that differ.
+std::vector<std::string> changed_render_keys(const GenerateConfig& there, const GenerateConfig& here);
+
+}  // namespace rigproof

@@ -1,0 +1,68 @@
+// Which sensor effects a run simulates: block `sensing` of its configuration. How strong an effect is stands in the
+// sensor's preset, where it is a property of the device. All of these are sense keys: they can be changed without
+// rendering again.
+#pragma once
+
+#include <cstdint>
+
+#include "rigproof/core/distribution.h"
+#include "rigproof/core/fields.h"
+
+namespace rigproof {
+
+struct ImageSensingConfig {
+  bool noise = true;
+  bool pixel_pattern = false;
+  bool vignetting = false;
+  Distribution exposure = 1.0;
+  double exposure_jitter_percent = 0.0;
+  Distribution defocus_sigma_px = 0.0;
+  std::int64_t jpeg_quality = 0;
+
+  void visit(FieldVisitor& visitor);
+};
+
+struct DepthSensingConfig {
+  bool noise = true;
+  bool disparity_steps = true;
+  bool coarse_noise = false;
+  bool bias_field = false;
+  bool occlusion = false;
+  bool edges = false;
+  bool texture_holes = false;
+  bool daylight = true;
+  Distribution misregistration_px = 0.0;
+
+  void visit(FieldVisitor& visitor);
+};
+
+struct LensSensingConfig {
+  Distribution focal_error_percent = 0.0;
+  Distribution centre_error_px = 0.0;
+  Distribution distortion_error_percent = 0.0;
+
+  void visit(FieldVisitor& visitor);
+};
+
+struct TimeSensingConfig {
+  Distribution clock_offset_ms = 0.0;
+  Distribution camera_delay_ms = 0.0;
+  double stamp_jitter_ms = 0.0;
+  double dropped_percent = 0.0;
+  Distribution odometry_delay_ms = 0.0;
+  double odometry_jitter_ms = 0.0;
+
+  void visit(FieldVisitor& visitor);
+};
+
+struct SensingConfig {
+  std::int64_t seed = -1;  ///< of everything random that is not rendered; -1 = the run's
+  ImageSensingConfig image;
+  DepthSensingConfig depth;
+  LensSensingConfig lens;
+  TimeSensingConfig time;
+
+  void visit(FieldVisitor& visitor);
+};
+
+}  // namespace rigproof

@@ -1,0 +1,223 @@
+// A file: header, driver's name, then colour and depth, each deflated. Colour is filtered like a PNG ("up"). The bits
+// of the depth are predicted from the two rows above, since depth is nearly linear in a picture of a plane, and the
+// remainders are stored byte plane by byte plane.
+#include "clean_cache.h"
+
+#include <isa-l/crc.h>
+#include <isa-l/igzip_lib.h>
+
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "rigproof/core/vector_clones.h"
+
+namespace rigproof {
+namespace {
+
+constexpr char kMagic[8] = {'R', 'P', 'C', 'L', 'E', 'A', 'N', '1'};
+constexpr std::uint32_t kMaxSide = 32768, kMaxName = 4096;
+
+struct Header {
+  char magic[8];
+  std::uint32_t width, height, channels, has_depth;
+  std::uint32_t name_bytes, color_bytes, depth_bytes;
+  std::uint32_t checksum;  ///< of all that follows
+};
+
+std::uint32_t checksum_of(const char* bytes, std::size_t count) {
+  return crc32_gzip_refl(0, reinterpret_cast<const unsigned char*>(bytes), count);
+}
+
+RIGPROOF_VECTOR_CLONES
+void subtract(const std::uint8_t* row, const std::uint8_t* above, std::size_t count, std::uint8_t* out) {
+  for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<std::uint8_t>(row[i] - above[i]);
+}
+
+RIGPROOF_VECTOR_CLONES
+void add(const std::uint8_t* above, std::size_t count, std::uint8_t* row) {
+  for (std::size_t i = 0; i < count; ++i) row[i] = static_cast<std::uint8_t>(row[i] + above[i]);
+}
+
+std::vector<std::uint8_t> filtered(const Image8& color) {
+  std::vector<std::uint8_t> bytes(color.pixels.size());
+  const std::size_t length = color.row_length();
+  std::copy_n(color.pixels.data(), std::min(length, bytes.size()), bytes.data());
+  for (int y = 1; y < color.height; ++y)
+    subtract(color.row(y), color.row(y - 1), length, bytes.data() + static_cast<std::size_t>(y) * length);
+  return bytes;
+}
+
+void unfilter(Image8* color) {
+  for (int y = 1; y < color->height; ++y) add(color->row(y - 1), color->row_length(), color->row(y));
+}
+
+// Remainders of small size, of either sign, become small numbers: 0, -1, 1, -2, ..
+RIGPROOF_VECTOR_CLONES
+void split_row(const std::uint32_t* row, const std::uint32_t* above, const std::uint32_t* two_above, std::size_t count,
+               std::uint8_t* const planes[4]) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t remainder = row[i] - (2U * above[i] - two_above[i]);
+    const std::uint32_t folded = (remainder << 1U) ^ (0U - (remainder >> 31U));
+    planes[0][i] = static_cast<std::uint8_t>(folded);
+    planes[1][i] = static_cast<std::uint8_t>(folded >> 8U);
+    planes[2][i] = static_cast<std::uint8_t>(folded >> 16U);
+    planes[3][i] = static_cast<std::uint8_t>(folded >> 24U);
+  }
+}
+
+RIGPROOF_VECTOR_CLONES
+void join_row(const std::uint8_t* const planes[4], const std::uint32_t* above, const std::uint32_t* two_above,
+              std::size_t count, std::uint32_t* row) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t folded =
+        static_cast<std::uint32_t>(planes[0][i]) | (static_cast<std::uint32_t>(planes[1][i]) << 8U) |
+        (static_cast<std::uint32_t>(planes[2][i]) << 16U) | (static_cast<std::uint32_t>(planes[3][i]) << 24U);
+    const std::uint32_t remainder = (folded >> 1U) ^ (0U - (folded & 1U));
+    row[i] = remainder + (2U * above[i] - two_above[i]);
+  }
+}
+
+// The rows as bits, with two rows of zeros above.
+std::vector<std::uint32_t> padded_bits(std::size_t width, std::size_t height) {
+  return std::vector<std::uint32_t>(width * (height + 2), 0U);
+}
+
+std::vector<std::uint8_t> split_depth(const ImageF& depth) {
+  const auto width = static_cast<std::size_t>(depth.width), height = static_cast<std::size_t>(depth.height);
+  std::vector<std::uint32_t> bits = padded_bits(width, height);
+  std::memcpy(bits.data() + 2 * width, depth.pixels.data(), width * height * sizeof(float));
+  std::vector<std::uint8_t> bytes(4 * width * height);
+  for (std::size_t y = 0; y < height; ++y) {
+    std::uint8_t* planes[4];
+    for (std::size_t k = 0; k < 4; ++k) planes[k] = bytes.data() + (k * height + y) * width;
+    const std::uint32_t* two_above = bits.data() + y * width;
+    split_row(two_above + 2 * width, two_above + width, two_above, width, planes);
+  }
+  return bytes;
+}
+
+void join_depth(const std::vector<std::uint8_t>& bytes, ImageF* depth) {
+  const auto width = static_cast<std::size_t>(depth->width), height = static_cast<std::size_t>(depth->height);
+  std::vector<std::uint32_t> bits = padded_bits(width, height);
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::uint8_t* planes[4];
+    for (std::size_t k = 0; k < 4; ++k) planes[k] = bytes.data() + (k * height + y) * width;
+    std::uint32_t* two_above = bits.data() + y * width;
+    join_row(planes, two_above + width, two_above, width, two_above + 2 * width);
+  }
+  std::memcpy(depth->pixels.data(), bits.data() + 2 * width, width * height * sizeof(float));
+}
+
+std::string deflated(std::vector<std::uint8_t>& bytes) {
+  std::vector<std::uint8_t> buffer(ISAL_DEF_LVL1_DEFAULT);
+  std::string out(bytes.size() + bytes.size() / 8 + 4096, '\0');
+  isal_zstream stream{};
+  isal_deflate_stateless_init(&stream);
+  stream.level = 1;
+  stream.level_buf = buffer.data();
+  stream.level_buf_size = static_cast<std::uint32_t>(buffer.size());
+  stream.end_of_stream = 1;
+  stream.next_in = bytes.data();
+  stream.avail_in = static_cast<std::uint32_t>(bytes.size());
+  stream.next_out = reinterpret_cast<std::uint8_t*>(out.data());
+  stream.avail_out = static_cast<std::uint32_t>(out.size());
+  const int status = isal_deflate_stateless(&stream);
+  if (status != COMP_OK) throw Error("ISA-L deflate failed with status " + std::to_string(status));
+  out.resize(stream.total_out);
+  return out;
+}
+
+bool inflate_into(const std::uint8_t* in, std::size_t count, std::uint8_t* out, std::size_t expected) {
+  const auto state = std::make_unique<inflate_state>();
+  isal_inflate_init(state.get());
+  state->next_in = const_cast<std::uint8_t*>(in);
+  state->avail_in = static_cast<std::uint32_t>(count);
+  state->next_out = out;
+  state->avail_out = static_cast<std::uint32_t>(expected);
+  return isal_inflate_stateless(state.get()) == ISAL_DECOMP_OK && state->total_out == expected;
+}
+
+bool is_sound(const Header& header, std::size_t bytes) {
+  const std::uint64_t expected =
+      sizeof(Header) + std::uint64_t{header.name_bytes} + header.color_bytes + header.depth_bytes;
+  return std::memcmp(header.magic, kMagic, sizeof kMagic) == 0 && header.width >= 1 && header.width <= kMaxSide &&
+         header.height >= 1 && header.height <= kMaxSide && (header.channels == 1 || header.channels == 3) &&
+         header.name_bytes <= kMaxName && expected == bytes;
+}
+
+}  // namespace
+
+std::string encode_clean_frame(const CleanFrame& frame) {
+  std::vector<std::uint8_t> color_bytes = filtered(frame.color);
+  const std::string color = deflated(color_bytes);
+  std::string depth;
+  if (!frame.depth_m.empty()) {
+    std::vector<std::uint8_t> planes = split_depth(frame.depth_m);
+    depth = deflated(planes);
+  }
+  Header header{};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  header.width = static_cast<std::uint32_t>(frame.color.width);
+  header.height = static_cast<std::uint32_t>(frame.color.height);
+  header.channels = static_cast<std::uint32_t>(frame.color.channels);
+  header.has_depth = frame.depth_m.empty() ? 0 : 1;
+  header.name_bytes = static_cast<std::uint32_t>(frame.gl_renderer.size());
+  header.color_bytes = static_cast<std::uint32_t>(color.size());
+  header.depth_bytes = static_cast<std::uint32_t>(depth.size());
+  const std::string body = frame.gl_renderer + color + depth;
+  header.checksum = checksum_of(body.data(), body.size());
+  return std::string(reinterpret_cast<const char*>(&header), sizeof header) + body;
+}
+
+std::optional<CleanFrame> decode_clean_frame(const std::vector<std::uint8_t>& bytes) {
+  Header header{};
+  if (bytes.size() < sizeof header) return std::nullopt;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  const std::uint8_t* body = bytes.data() + sizeof header;
+  if (!is_sound(header, bytes.size()) ||
+      header.checksum != checksum_of(reinterpret_cast<const char*>(body), bytes.size() - sizeof header))
+    return std::nullopt;
+  CleanFrame frame;
+  frame.gl_renderer.assign(reinterpret_cast<const char*>(body), header.name_bytes);
+  const int width = static_cast<int>(header.width), height = static_cast<int>(header.height);
+  frame.color = Image8(width, height, static_cast<int>(header.channels));
+  const std::uint8_t* color = body + header.name_bytes;
+  if (!inflate_into(color, header.color_bytes, frame.color.pixels.data(), frame.color.pixels.size()))
+    return std::nullopt;
+  unfilter(&frame.color);
+  if (header.has_depth == 0) return frame;
+  frame.depth_m = ImageF(width, height);
+  std::vector<std::uint8_t> planes(4 * frame.depth_m.pixels.size());
+  if (!inflate_into(color + header.color_bytes, header.depth_bytes, planes.data(), planes.size())) return std::nullopt;
+  join_depth(planes, &frame.depth_m);
+  return frame;
+}
+
+std::filesystem::path CleanCache::file_of(const std::string& key) const {
+  return folder_ / key.substr(0, 2) / (key.substr(2) + ".clean");
+}
+
+std::string CleanCache::renderer_of(const std::string& key) const {
+  std::ifstream in(file_of(key), std::ios::binary);
+  Header header{};
+  if (!in.read(reinterpret_cast<char*>(&header), sizeof header)) return "";
+  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0 || header.name_bytes > kMaxName) return "";
+  std::string name(header.name_bytes, '\0');
+  return in.read(name.data(), static_cast<std::streamsize>(name.size())) ? name : "";
+}
+
+std::optional<CleanFrame> CleanCache::load(const std::string& key) const {
+  std::error_code error;
+  const std::filesystem::path file = file_of(key);
+  if (!std::filesystem::is_regular_file(file, error)) return std::nullopt;
+  return decode_clean_frame(read_binary_file(file));
+}
+
+void CleanCache::save(const std::string& key, const CleanFrame& frame) const {
+  write_file_atomically_unsynced(file_of(key), encode_clean_frame(frame));
+}
+
+}  // namespace rigproof

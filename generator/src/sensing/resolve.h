@@ -1,0 +1,28 @@
+// From configuration and presets to what each camera's sensor does, and what the recording says of lens and time.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rigproof/core/recording.h"
+#include "rigproof/generator/config.h"
+#include "rigproof/generator/sensors.h"
+#include "rigproof/truth/truth.h"
+
+namespace rigproof {
+
+/// Of everything random that is not rendered.
+std::uint64_t sensing_seed(const GenerateConfig& config);
+
+/// One model a camera of the rig. Throws Error if a camera's preset cannot be read.
+/// @param outdoors the scene lies in daylight
+std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig& rig, bool outdoors);
+
+/// The intrinsics that the user is told: the true ones with the factory's error.
+Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::uint64_t seed, std::int32_t index);
+
+/// What is wrong with the clocks: moves the stamps of frames and odometry, forgets dropped frames, and labels it in the
+/// truth. Stamps stay in order. At least one frame of every camera is kept.
+void disturb_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth);
+
+}  // namespace rigproof

@@ -1,0 +1,85 @@
+// What a picture depends on, as hashes.
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "rigproof/sim/world.h"
+#include "world_impl.h"
+
+namespace rigproof {
+namespace {
+
+class Bytes {
+ public:
+  template <typename T>
+  void add(const T& value) {
+    static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>, "only plain numbers have no padding");
+    text_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <typename T>
+  void add(const T* values, std::size_t count) {
+    text_.append(reinterpret_cast<const char*>(values), count * sizeof(T));
+  }
+  template <typename Values>
+  void add_all(const Values& values) {
+    for (const auto& value : values) add(value);
+  }
+  void add(const std::string& value) { text_ += value + '\0'; }
+  void add(const Rigid3& T) {
+    for (int i = 0; i < 3; ++i) add(T.translation[i]);
+    for (int i = 0; i < 4; ++i) add(T.rotation.coeffs()[i]);
+  }
+  std::string hash() const { return sha256_hex(text_); }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+std::string World::content_hash() const {
+  const mjModel* model = impl_->model.get();
+  std::vector<char> compiled(static_cast<std::size_t>(mj_sizeModel(model)));
+  mj_saveModel(model, nullptr, compiled.data(), static_cast<int>(compiled.size()));
+  const WorldDescription& description = impl_->description;
+  const SceneDescription& scene = description.scene;
+  Bytes bytes;
+  bytes.add(sha256_hex({compiled.data(), compiled.size()}));
+  bytes.add(mujoco_version());
+  // What the renderer takes from the description instead of the model: the sky, the clip planes, the board's region.
+  bytes.add_all(scene.sky_zenith);
+  bytes.add_all(scene.sky_horizon);
+  bytes.add(scene.near_m);
+  bytes.add(scene.far_m);
+  bytes.add(scene.shadows);
+  bytes.add(description.scene_seed);
+  bytes.add(description.board.squares_x);
+  bytes.add(description.board.squares_y);
+  bytes.add(description.board.square_m);
+  bytes.add(description.board_margin_m);
+  bytes.add(description.T_world_board);
+  return bytes.hash();
+}
+
+std::string World::view_hash(std::size_t camera) const {
+  const mjModel* model = impl_->model.get();
+  const mjData* data = impl_->data.get();
+  const Camera& optics = impl_->description.cameras.at(camera).camera;
+  const auto geoms = static_cast<std::size_t>(model->ngeom), lights = static_cast<std::size_t>(model->nlight);
+  Bytes bytes;
+  bytes.add(T_world_camera(camera));
+  bytes.add(optics.width_px);
+  bytes.add(optics.height_px);
+  for (const double value : {optics.fx_px, optics.fy_px, optics.cx_px, optics.cy_px}) bytes.add(value);
+  bytes.add(optics.lens);
+  bytes.add_all(optics.distortion);
+  bytes.add(data->geom_xpos, 3 * geoms);
+  bytes.add(data->geom_xmat, 9 * geoms);
+  bytes.add(data->light_xpos, 3 * lights);
+  bytes.add(data->light_xdir, 3 * lights);
+  return bytes.hash();
+}
+
+}  // namespace rigproof

@@ -1,0 +1,80 @@
+// Every parameter is listed, once, as a render key or a sense key, in the documentation as well.
+#include "rigproof/generator/parameters.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "rigproof/core/data_path.h"
+#include "rigproof/core/files.h"
+
+namespace rigproof {
+namespace {
+
+const char* const kBegin = "<!-- parameters: begin -->\n";
+const char* const kEnd = "<!-- parameters: end -->\n";
+
+// Dotted paths of all leaves of a JSON Schema; a list is one.
+void collect(const nlohmann::json& schema, const std::string& path, std::set<std::string>* leaves) {
+  const auto properties = schema.find("properties");
+  if (properties == schema.end()) {
+    leaves->insert(path);
+    return;
+  }
+  for (const auto& [key, value] : properties->items()) collect(value, path.empty() ? key : path + "." + key, leaves);
+}
+
+TEST(Parameters, AreThoseOfTheSchema) {
+  std::set<std::string> expected, found;
+  collect(nlohmann::json::parse(generate_config_schema()), "", &expected);
+  expected.erase("include");
+  expected.erase("$schema");
+  for (const Parameter& parameter : all_parameters())
+    EXPECT_TRUE(found.insert(parameter.path).second) << parameter.path;
+  EXPECT_EQ(found, expected);
+}
+
+TEST(Parameters, KindsAreAsTheyShould) {
+  const auto kind_of = [](const std::string& path) {
+    for (const Parameter& parameter : all_parameters())
+      if (parameter.path == path) return parameter.kind;
+    ADD_FAILURE() << path << " is no parameter";
+    return ParameterKind::kRender;
+  };
+  for (const char* path :
+       {"seed", "scene", "rig", "image_scale", "poses", "board.x_m", "viewpoints.planner", "render.psf_sigma_px"})
+    EXPECT_EQ(kind_of(path), ParameterKind::kRender) << path;
+  for (const char* path : {"sensing.seed", "sensing.depth.edges", "sensor_noise", "odometry.lambda", "png_level"})
+    EXPECT_EQ(kind_of(path), ParameterKind::kSense) << path;
+}
+
+TEST(Parameters, ChangedRenderKeysAreNamed) {
+  GenerateConfig there, here;
+  here.sensing.depth.edges = true;
+  here.odometry.lambda = 3.0;
+  EXPECT_TRUE(changed_render_keys(there, here).empty());
+  here.poses = 7;
+  here.board.x_m = 1.5;
+  EXPECT_THAT(changed_render_keys(there, here), testing::UnorderedElementsAre("board.x_m", "poses"));
+}
+
+TEST(Parameters, DocumentationListsThemAsTheyAre) {
+  const std::filesystem::path file = data_folder() / "docs" / "sensors.md";
+  const std::string text = read_text_file(file);
+  const std::size_t begin = text.find(kBegin), end = text.find(kEnd);
+  ASSERT_NE(begin, std::string::npos);
+  ASSERT_NE(end, std::string::npos);
+  const std::size_t first = begin + std::string(kBegin).size();
+  if (std::getenv("RIGPROOF_UPDATE_DOCS") != nullptr)
+    write_file_atomically(file, text.substr(0, first) + parameter_tables() + text.substr(end));
+  else
+    EXPECT_EQ(text.substr(first, end - first), parameter_tables())
+        << "write it anew: RIGPROOF_UPDATE_DOCS=1 test_generator";
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,333 @@
+// Depth models, each against its formula, over many samples. docs/sensors.md has the formulas.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "error_text.h"
+#include "rigproof/core/error.h"
+#include "rigproof/generator/sensors.h"
+#include "sensing/depth_scene.h"
+#include "sensing/normals.h"
+
+namespace rigproof {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+const Image8 kNoColor;
+
+// Of the measurements that are there, against the truth, in metres.
+struct Walls {
+  double bias_m = 0.0, sigma_m = 0.0, valid_share = 0.0;
+};
+
+Image16 sense(const DepthSensing& model, const ImageF& depth_m, std::int64_t frame = 0,
+              const Image8& color = kNoColor) {
+  SensorModel sensor_model;
+  sensor_model.depth = model;
+  Image16 counts;
+  Sensor(sensor_model, depth_m.width, depth_m.height)
+      .sense_depth(depth_m, color, model.stream.unit_m, {0, frame, 0}, &counts);
+  return counts;
+}
+
+Walls statistics(const Image16& counts, const ImageF& truth_m, double unit_m) {
+  double sum = 0.0, squares = 0.0, valid = 0.0;
+  for (std::size_t i = 0; i < counts.pixels.size(); ++i) {
+    if (counts.pixels[i] == 0) continue;
+    const double error = unit_m * counts.pixels[i] - static_cast<double>(truth_m.pixels[i]);
+    sum += error;
+    squares += error * error;
+    ++valid;
+  }
+  Walls walls;
+  walls.bias_m = sum / valid;
+  walls.sigma_m = std::sqrt(squares / valid - walls.bias_m * walls.bias_m);
+  walls.valid_share = valid / static_cast<double>(counts.pixels.size());
+  return walls;
+}
+
+// A wall that is a few units oblique, so that rounding falls everywhere between two steps, as it does on real surfaces.
+ImageF wall_at(double z_m, double unit_m) {
+  ImageF wall(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      wall.at(x, y) = static_cast<float>(z_m + 20.0 * unit_m * (x - kWidth / 2) / kWidth);
+  return wall;
+}
+
+Walls measure(const DepthSensing& model, double z_m) {
+  const ImageF wall = wall_at(z_m, model.stream.unit_m);
+  return statistics(sense(model, wall, std::lround(1000.0 * z_m)), wall, model.stream.unit_m);
+}
+
+// The goal is 5 %. 640 x 480 / 4^2 independent values give 0.5 % of the deviation; steps of disparity that are about as
+// coarse as the unit are rounded to it unevenly.
+TEST(SensingDepth, EveryPresetFollowsItsLawWithRounding) {
+  for (const char* name : {"d455", "d435", "l515", "ideal"}) {
+    const DepthSensing model = depth_sensing_of(load_sensor_preset(name));
+    for (const double z_m : {0.8, 1.0, 2.0, 4.0}) {
+      if (z_m > 0.9 * model.stream.max_m) continue;
+      const Walls walls = measure(model, z_m);
+      const double expected = model.recorded_sigma_m(z_m);
+      EXPECT_NEAR(walls.sigma_m / expected, 1.0, 0.03) << name << " at " << z_m;
+      EXPECT_GE(expected, model.stream.noise.sigma_m(z_m)) << name;
+    }
+  }
+}
+
+TEST(SensingDepth, RoundingIsPartOfTheLaw) {
+  const DepthSensing model = depth_sensing_of(load_sensor_preset("d455"));
+  // 0.5 m: 0.47 mm by the law; steps of 0.19 mm and units of 1 mm, over sqrt(12), make it 0.56 mm.
+  EXPECT_NEAR(model.stream.noise.sigma_m(0.5), 0.000473, 2e-6);
+  EXPECT_NEAR(model.recorded_sigma_m(0.5), 0.000556, 3e-6);
+  EXPECT_NEAR(measure(model, 0.5).sigma_m / model.recorded_sigma_m(0.5), 1.0, 0.03);
+}
+
+// Without noise a wall has one disparity, a multiple of the step.
+TEST(SensingDepth, DisparityIsRoundedToItsSteps) {
+  DepthSensing model = depth_sensing_of(load_sensor_preset("d455"));
+  model.noise = false;
+  model.stream.unit_m = 0.0001;
+  for (const double z_m : {0.8, 1.7, 3.3, 5.1}) {
+    const Image16 counts = sense(model, ImageF(8, 8, 1, static_cast<float>(z_m)));
+    const double steps = model.focal_baseline_px_m / z_m / model.disparity_step_px;
+    const double expected = model.focal_baseline_px_m / (std::round(steps) * model.disparity_step_px);
+    EXPECT_NEAR(0.0001 * counts.pixels[0], expected, 0.00006) << z_m;
+    model.disparity_step_px = 0.0;
+    EXPECT_NEAR(0.0001 * sense(model, ImageF(8, 8, 1, static_cast<float>(z_m))).pixels[0], z_m, 0.0002);
+    model.disparity_step_px = 1.0 / 32.0;
+  }
+}
+
+TEST(SensingDepth, SmoothFieldsAreStandardNormalEverywhereAndSmooth) {
+  constexpr int kSide = 64, kFields = 600;
+  constexpr double kCell = 16.0;
+  std::vector<double> squares(kSide, 0.0);
+  double beside = 0.0, far = 0.0;
+  for (int field = 0; field < kFields; ++field) {
+    const SmoothField smooth(kSide, kSide, kCell, RandomStream(3, "field", field));
+    std::vector<float> row(kSide);
+    smooth.row(29, row.data());
+    for (std::size_t x = 0; x < kSide; ++x) squares[x] += static_cast<double>(row[x]) * static_cast<double>(row[x]);
+    beside += static_cast<double>(row[20]) * static_cast<double>(row[21]);
+    far += static_cast<double>(row[0]) * static_cast<double>(row[63]);
+  }
+  // Standard error of a variance from 600 values: 5.8 %; four of them and a half, since 64 are looked at.
+  for (const double sum : squares) EXPECT_NEAR(sum / kFields, 1.0, 0.26);
+  EXPECT_GT(beside / kFields, 0.8);
+  EXPECT_NEAR(far / kFields, 0.0, 0.17);  // four cells apart nothing is shared: standard error 0.041
+}
+
+TEST(SensingDepth, BiasFieldIsFixedForADeviceSmoothAndOfItsSize) {
+  DepthSensing model = depth_sensing_of(load_sensor_preset("d455"));
+  model.noise = false;
+  model.disparity_step_px = 0.0;
+  model.stream.unit_m = 0.0001;
+  model.bias = 0.05;
+  model.bias_cell_px = 40.0;
+  const ImageF wall(kWidth, kHeight, 1, 2.0F);
+  const Image16 first = sense(model, wall, 0), second = sense(model, wall, 1);
+  EXPECT_EQ(first.pixels, second.pixels);
+  // 0.05 px of disparity at 2 m are 4 * 0.05 / 42.3 m. 16 x 12 cells give the deviation to 5 %.
+  const double expected = 4.0 * 0.05 / model.focal_baseline_px_m;
+  EXPECT_NEAR(statistics(first, wall, 0.0001).sigma_m / expected, 1.0, 0.2);
+  int largest_step = 0;
+  for (int x = 1; x < kWidth; ++x)
+    largest_step = std::max(largest_step, std::abs(first.at(x, 200) - first.at(x - 1, 200)));
+  EXPECT_LT(0.0001 * largest_step, 0.15 * expected);
+}
+
+TEST(SensingDepth, CoarseNoiseKeepsTheLawAndAddsPatches) {
+  const SensorPreset preset = load_sensor_preset("l515");
+  DepthSensing model = depth_sensing_of(preset);
+  const auto block_variance = [&](const DepthSensing& of) {
+    // Means of 12 x 12 pixels: fine noise averages out, patches and slow ripples stay.
+    double sum = 0.0;
+    int blocks = 0;
+    for (int frame = 0; frame < 4; ++frame) {
+      const Image16 counts = sense(of, ImageF(kWidth, kHeight, 1, 2.0F), frame);
+      for (int y = 0; y + 12 <= kHeight; y += 12) {
+        for (int x = 0; x + 12 <= kWidth; x += 12, ++blocks) {
+          double mean = 0.0;
+          for (int v = 0; v < 12; ++v)
+            for (int u = 0; u < 12; ++u) mean += of.stream.unit_m * counts.at(x + u, y + v) - 2.0;
+          sum += std::pow(mean / 144.0, 2);
+        }
+      }
+    }
+    return sum / blocks;
+  };
+  const double law = std::pow(model.stream.noise.sigma_m(2.0), 2);
+  const double fine = block_variance(model) / law;
+  EXPECT_NEAR(fine, 4.0 / 144.0, 0.01);  // correlated over 2 x 2 pixels
+  model.patchy_share = preset.simulation.depth.patchy_share;
+  model.ripple_share = preset.simulation.depth.ripple_share;
+  model.ripple_px = 12.0;  // averages out over a block
+  EXPECT_NEAR(measure(model, 2.0).sigma_m / model.recorded_sigma_m(2.0), 1.0, 0.05);
+  // A patch of 24 px keeps most of its variance in a block of 12.
+  EXPECT_GT(block_variance(model) / law, 0.6 * model.patchy_share);
+  EXPECT_LT(block_variance(model) / law, 1.2 * model.patchy_share);
+}
+
+TEST(SensingDepth, RipplesRunAlongTheRowsWithTheirLengthAndShare) {
+  DepthSensing model = depth_sensing_of(load_sensor_preset("l515"));
+  model.ripple_share = 0.5;
+  model.ripple_px = 16.0;
+  const Image16 counts = sense(model, ImageF(kWidth, kHeight, 1, 2.0F));
+  double power = 0.0;
+  for (int y = 0; y < kHeight; ++y) {
+    double sine = 0.0, cosine = 0.0;
+    for (int x = 0; x < kWidth; ++x) {
+      const double value = model.stream.unit_m * counts.at(x, y) - 2.0, angle = 2.0 * M_PI * x / 16.0;
+      sine += value * std::sin(angle);
+      cosine += value * std::cos(angle);
+    }
+    power += 2.0 * (sine * sine + cosine * cosine) / (1.0 * kWidth * kWidth);
+  }
+  // The fine half adds its share of 640 frequencies, a few per cent with its correlation.
+  EXPECT_NEAR(power / kHeight / std::pow(model.stream.noise.sigma_m(2.0), 2), 0.5, 0.05);
+}
+
+// A near box in front of a wall: the imager on the right does not see the wall left of it.
+TEST(SensingDepth, OcclusionShadowHasTheWidthOfItsFormula) {
+  constexpr double kFocal = 640.0, kNear = 1.0, kFar = 3.0;
+  ImageF depth(kWidth, 4, 1, static_cast<float>(kFar));
+  for (int y = 0; y < 4; ++y)
+    for (int x = 300; x < 400; ++x) depth.at(x, y) = static_cast<float>(kNear);
+  for (const double offset_m : {0.095, -0.095, 0.05, -0.02}) {
+    ImageF seen = depth;
+    remove_hidden(depth, kFocal, offset_m, &seen);
+    const double width = kFocal * std::abs(offset_m) * (1.0 / kNear - 1.0 / kFar);
+    int hidden = 0;
+    for (int x = 0; x < kWidth; ++x) {
+      if (seen.at(x, 2) > 0.0F) continue;
+      ++hidden;
+      if (offset_m > 0.0)
+        EXPECT_TRUE(x < 300 && x >= 300 - static_cast<int>(std::ceil(width))) << x;
+      else
+        EXPECT_TRUE(x >= 400 && x < 400 + static_cast<int>(std::ceil(width))) << x;
+    }
+    EXPECT_NEAR(hidden, width, 1.0) << offset_m;
+  }
+}
+
+TEST(SensingDepth, ObliquePlanesHaveNeitherShadowsNorEdges) {
+  // 1/z linear over the image: a floor from 1 to 5 m, and steep across.
+  ImageF depth(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      depth.at(x, y) = 1.0F / (0.2F + 0.8F * static_cast<float>(y) / kHeight + 0.3F * static_cast<float>(x) / kWidth);
+  ImageF seen = depth;
+  remove_hidden(depth, 640.0, 0.036, &seen);
+  remove_hidden(depth, 640.0, -0.059, &seen);
+  EXPECT_EQ(seen.pixels, depth.pixels);
+  DepthSensing model;
+  model.edge_step_per_m = 0.02;
+  blur_edges(depth, model, RandomStream(0, "edges"), &seen);
+  EXPECT_EQ(seen.pixels, depth.pixels);
+}
+
+TEST(SensingDepth, EdgesFrayAndTheirShareOfPixelsFloatsInBetween) {
+  constexpr int kEdge = 320;
+  ImageF depth(kWidth, kHeight, 1, 3.0F);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kEdge; ++x) depth.at(x, y) = 1.0F;
+  DepthSensing model;
+  model.edge_step_per_m = 0.02;
+  model.edge_jitter_px = 1.0;
+  model.flying_share = 0.4;
+  ImageF frayed = depth;
+  blur_edges(depth, model, RandomStream(0, "edges"), &frayed);
+  int floating = 0, near_at_far_side = 0;
+  for (int y = 10; y < kHeight - 10; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const float z = frayed.at(x, y);
+      if (std::abs(x - kEdge) > 4) {
+        ASSERT_EQ(z, depth.at(x, y)) << x;
+      }
+      if (z > 1.001F && z < 2.999F) ++floating;
+      if (x >= kEdge && z == 1.0F) ++near_at_far_side;
+    }
+  }
+  // The zone is six pixels wide: two on either side of the two pixels where 1/z bends. Of the pixels that could float,
+  // those whose two partners lie on one side stay on it: all but a quarter, over the six.
+  const double share = floating / (6.0 * (kHeight - 20));
+  EXPECT_GT(share, 0.15 * model.flying_share);
+  EXPECT_LT(share, 0.4 * model.flying_share);
+  // Lateral jitter of one pixel brings the near side a pixel or two across.
+  EXPECT_GT(near_at_far_side, kHeight / 4);
+  model.flying_share = 0.0;
+  model.edge_jitter_px = 0.0;
+  frayed = depth;
+  blur_edges(depth, model, RandomStream(0, "edges"), &frayed);
+  EXPECT_EQ(frayed.pixels, depth.pixels);
+}
+
+TEST(SensingDepth, PlainAndSaturatedBlocksHaveNoDepthBeyondTheProjector) {
+  Image8 color(64, 16, 3, 100);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 16; ++x) color.at(x, y, 1) = static_cast<std::uint8_t>(100 + 20 * (x % 2));  // textured
+    for (int x = 48; x < 64; ++x) color.at(x, y, 1) = 255;                                           // saturated
+  }
+  DepthSensing model;
+  model.min_contrast_levels = 6.0;
+  model.projector_reach_m = 2.0;
+  for (const float z_m : {1.0F, 3.0F}) {
+    ImageF depth(64, 16, 1, z_m);
+    remove_textureless(color, model, &depth);
+    EXPECT_EQ(depth.at(8, 8), z_m);
+    EXPECT_EQ(depth.at(30, 8), z_m < 2.0F ? z_m : 0.0F);
+    EXPECT_EQ(depth.at(56, 8), 0.0F);
+  }
+}
+
+TEST(SensingDepth, DaylightLeavesAShareOfTheTimeOfFlight) {
+  DepthSensing model = depth_sensing_of(load_sensor_preset("l515"));
+  model.valid_share = 0.1;
+  double share = 0.0;
+  for (int frame = 0; frame < 10; ++frame) {
+    const ImageF wall(kWidth, kHeight, 1, 1.5F);
+    share += statistics(sense(model, wall, frame), wall, model.stream.unit_m).valid_share / 10.0;
+  }
+  // About 640 x 480 / (2.4 x 6)^2 x 10 independent patches: standard error 0.3 %, and four of it.
+  EXPECT_NEAR(share, 0.1, 0.012);
+}
+
+TEST(SensingDepth, MisregistrationShiftsByWholePixels) {
+  DepthSensing model = depth_sensing_of(load_sensor_preset("ideal"));
+  model.noise = false;
+  model.shift_x_px = 3;
+  model.shift_y_px = -2;
+  ImageF depth(32, 24, 1, 1.0F);
+  depth.at(10, 10) = 2.0F;
+  const Image16 counts = sense(model, depth);
+  EXPECT_EQ(counts.at(13, 8), 20000);
+  EXPECT_EQ(counts.at(10, 10), 10000);
+  EXPECT_EQ(counts.at(1, 5), 0);  // came from outside
+  EXPECT_EQ(counts.at(20, 23), 0);
+}
+
+TEST(SensingDepth, SwitchesAreLabelledAndNothingElse) {
+  SensorModel model;
+  EXPECT_TRUE(model.labels().empty());
+  model.image = ImageSensing{};
+  model.depth = depth_sensing_of(load_sensor_preset("d455"));
+  EXPECT_THAT(model.labels(),
+              testing::UnorderedElementsAre(testing::Pair("image_noise", 1.0), testing::Pair("depth_noise", 1.0),
+                                            testing::Pair("disparity_step_px", 1.0 / 32.0)));
+  model.depth->bias = 0.05;
+  model.depth->imagers_x_m = {0.1};
+  model.depth->edge_step_per_m = 0.02;
+  model.image->pixel_gain = 0.01;
+  EXPECT_THAT(model.labels(),
+              testing::IsSupersetOf({testing::Pair("depth_bias_sigma_px", 0.05), testing::Pair("occlusion", 1.0),
+                                     testing::Pair("flying_share", 0.3), testing::Pair("pixel_gain_percent", 1.0)}));
+}
+
+TEST(SensingDepth, SensorWithoutDepthHasNoNoiseCurve) {
+  EXPECT_THAT(error_text([] { depth_sensing_of(load_sensor_preset("fisheye")); }), testing::HasSubstr("no depth"));
+}
+
+}  // namespace
+}  // namespace rigproof
