@@ -114,6 +114,7 @@ Contradictions find_contradictions(const Problem& problem, const State& state, c
   check_systematics(problem, state, &found.odometry);
   for (int c = 0; c < problem.layout().cameras; ++c) {
     const double level = corner_level_px(problem, c);
+    found.bad_corners.push_back(level > kMaxCorner_px);
     if (level > kMaxCorner_px)
       found.cameras.push_back(format(
           "%s: corners are %.1f px off (plausible: %.1f px); intrinsics of another camera, an unmodelled lens, a bent "

@@ -12,6 +12,7 @@ namespace rigproof::ml {
 struct Contradictions {
   std::vector<std::string> odometry;  ///< x, y and yaw in the robot cannot be trusted
   std::vector<std::string> cameras;   ///< nothing can be trusted
+  std::vector<bool> bad_corners;      ///< cameras whose corners are far off
 };
 
 /// @param sums of the solution, with leverage

@@ -5,11 +5,15 @@
 #include <cmath>
 #include <cstdio>
 
+#include "ml/board_scale.h"
 #include "ml/contradictions.h"
 #include "ml/covariance.h"
+#include "ml/diagnosis.h"
+#include "ml/odometry_rows.h"
 #include "ml/robust_views.h"
 #include "ml/shared_ground_error.h"
 #include "ml/solver.h"
+#include "ml/swapped_frames.h"
 #include "rigproof/calib/initial_guess.h"
 #include "rigproof/calib/trajectory_alignment.h"
 #include "rigproof/calib/view_poses.h"
@@ -161,8 +165,9 @@ class Estimator {
   MlEstimate run() {
     const auto begin = std::chrono::steady_clock::now();
     estimate_.result.method = "ml";
-    if (start()) {
+    if (start(nullptr)) {
       decide_odometry();
+      examine();
       report();
     }
     add_use();
@@ -173,13 +178,19 @@ class Estimator {
 
  private:
   // Poses of the views, the vertical, the ground and the closed-form guess. False: there is nothing to solve.
-  bool start() {
-    ViewPoses poses = estimate_view_poses(original_);
-    views_ = std::move(poses.poses);
-    excluded_ = std::move(poses.exclusions);
-    ml::refine_robustly(original_, &views_);
+  // @param views what the same views gave before; null: they are looked at
+  bool start(const std::vector<ViewPose>* views) {
+    if (views != nullptr) {
+      views_ = *views;
+    } else {
+      ViewPoses poses = estimate_view_poses(original_);
+      views_ = std::move(poses.poses);
+      excluded_ = std::move(poses.exclusions);
+      ml::refine_robustly(original_, &views_);
+    }
     alignment_ = align_trajectories(original_, views_);
     const GroundCheck ground = check_ground_planes(original_, alignment_);
+    rejected_planes_ = ground.rejected.size();
     guess_ = initial_guess(original_, views_, alignment_, ground);
     excluded_.insert(excluded_.end(), ground.rejected.begin(), ground.rejected.end());
     if (!guess_.T_world_board) {
@@ -308,7 +319,8 @@ class Estimator {
     fit_ = fit(OdometryModel::kPerIncrement);
     Fit other = fit(OdometryModel::kPerPose, &fit_);
     decision.decided_from_data = true;
-    const double difference = other.minus_two_log_likelihood - fit_.minus_two_log_likelihood;
+    double difference = other.minus_two_log_likelihood - fit_.minus_two_log_likelihood;
+    if (!std::isfinite(difference)) difference = 0.0;  // a drive that leaves the equations open decides nothing
     if (difference < 0.0) std::swap(fit_, other);
     decision.model = fit_.noise.odometry_model;
     decision.log_likelihood_ratio = 0.5 * std::abs(difference);
@@ -366,13 +378,168 @@ class Estimator {
     sigma = high;
   }
 
-  // The noise levels by which the uncertainty is stated; looks for contradictions on the way.
-  ml::NoiseLevels stated_levels() {
+  // What in the solution contradicts itself, and the likely cause of it.
+  void examine() {
     const ml::Problem problem = final_problem(fit_.noise);
-    ml::NoiseLevels levels = fit_.noise;
+    final_sums_ = problem.sums_with_leverage(fit_.state);
+    if (final_sums_) contradictions_ = ml::find_contradictions(problem, fit_.state, *final_sums_);
+    check_upside_down();
+    look_at_odometry();
+    look_at_frames();
+    lenses_ = lens_test();
+    symptoms_.odometry = symptoms_.odometry || !contradictions_.odometry.empty();
+    symptoms_.bad_corners = contradictions_.bad_corners;
+    symptoms_.bad_corners.resize(original_.cameras.size(), false);
+    symptoms_.lenses = !contradictions_.cameras.empty() || (lenses_ && lenses_->suspicious());
+    if (!symptoms_.any() || original_.stops.size() < 3 || !wrong_frames_.empty() || board_explains()) return;
+    cause_ = ml::find_cause(original_, symptoms_, [this](const Observations& repaired, bool same_views) {
+      return refit(repaired, same_views);
+    });
+  }
+
+  // A board of another size bends the corners' solution where depth is believed, and looks like a wrong lens then.
+  bool board_explains() {
+    const ml::BoardScale scale = ml::check_board_scale(used_, views_, std::nullopt);
+    if (scale.depth_unit) return true;
+    if (scale.contradictions.empty() || !scale.log_depth_ratio) return false;
+    symptoms_.lenses = true;
+    Observations repaired = original_;
+    repaired.board.square_m *= std::exp(*scale.log_depth_ratio);
+    const std::optional<ml::Trial> trial = refit(repaired, false);
+    return trial && trial->clean;
+  }
+
+  void look_at_odometry() {
+    const ml::StampShift shift = ml::estimate_stamp_shift(used_, fit_.noise, fit_.state);
+    symptoms_.stops_ahead = shift.stops;
+    symptoms_.odometry = shift.contradicts();
+    symptoms_.odometry_scale = fit_.state.odometry_scale;
+    wild_rows_ = ml::find_wild_rows(used_, fit_.noise, fit_.state);
+    constexpr std::size_t kMany = 5;  // more than one in five are no exception
+    if (kMany * wild_rows_.size() > std::max(kMany, used_.stops.size())) return;
+    for (const ml::WildRow& row : wild_rows_) estimate_.result.notes.push_back(ml::sentence_of(row, used_));
+  }
+
+  // Views of a solution that nothing else agrees with, per camera.
+  std::vector<int> views_left_out() const {
+    std::vector<int> count(used_.cameras.size(), 0);
+    for (std::size_t v = 0; v < used_.board_views.size(); ++v)
+      if (fit_.view_left_out[v] && has_pose(v)) ++count[static_cast<std::size_t>(used_.board_views[v].camera)];
+    return count;
+  }
+
+  std::vector<ml::SwappedFrames> swapped_frames() const {
+    std::vector<bool> doubtful(used_.stops.size(), false);
+    for (std::size_t v = 0; v < used_.board_views.size(); ++v)
+      if (fit_.view_left_out[v] && has_pose(v)) doubtful[static_cast<std::size_t>(used_.board_views[v].stop)] = true;
+    for (const ml::WildRow& row : ml::find_wild_rows(used_, fit_.noise, fit_.state)) {
+      doubtful[static_cast<std::size_t>(row.stop)] = true;
+      if (row.slip) doubtful[static_cast<std::size_t>(row.stop) - 1] = true;
+    }
+    return ml::find_swapped_frames(used_, views_, fit_.state, doubtful);
+  }
+
+  // Swapped frames spoil a recording; single wrong ones are left out.
+  void look_at_frames() {
+    const std::vector<int> left_out = views_left_out();
+    std::vector<int> views(used_.cameras.size(), 0);
+    for (const BoardView& view : used_.board_views) ++views[static_cast<std::size_t>(view.camera)];
+    const bool suspicious = !contradictions_.odometry.empty() || !contradictions_.cameras.empty() ||
+                            std::any_of(left_out.begin(), left_out.end(), [](int count) { return count > 0; }) ||
+                            !wild_rows_.empty();
+    if (suspicious && used_.cameras.size() > 1) {
+      // At the stated levels wrong frames are outliers; estimated levels may have swallowed them.
+      MlOptions strict = options_;
+      strict.start.reset();
+      strict.estimate_corner_level = strict.estimate_plane_level = false;
+      Estimator other(original_, strict);
+      other.start(&views_);
+      other.fit_ = other.fit(fit_.noise.odometry_model);
+      for (const ml::SwappedFrames& swapped : other.swapped_frames())
+        wrong_frames_.push_back("Most likely cause: " + ml::description_of(swapped, used_) + ".");
+    }
+    symptoms_.frames = !contradictions_.cameras.empty() || !contradictions_.odometry.empty();
+    constexpr int kMany = 5;  // more than one in five
+    for (std::size_t c = 0; c < views.size(); ++c) {
+      if (left_out[c] <= 1 || kMany * left_out[c] <= views[c]) continue;
+      symptoms_.frames = true;
+      contradictions_.cameras.push_back(
+          format("%s: %d of %d frames contradict all others; frames of another camera or of other stops.",
+                 used_.cameras[c].name.c_str(), left_out[c], views[c]));
+    }
+    if (symptoms_.frames) return;
+    for (std::size_t v = 0; v < used_.board_views.size(); ++v)
+      if (fit_.view_left_out[v] && has_pose(v)) note_wrong_frame(used_.board_views[v]);
+  }
+
+  void note_wrong_frame(const BoardView& view) {
+    estimate_.result.notes.push_back(format("%s: the frame at stop %d contradicts all others: it is left out.",
+                                            used_.cameras[static_cast<std::size_t>(view.camera)].name.c_str(),
+                                            view.stop));
+  }
+
+  std::optional<ml::LensTest> lens_test() const {
+    ml::Priors doubted = priors();
+    doubted.focal_relative = std::max(doubted.focal_relative, ml::kDoubtedFocal);
+    doubted.principal_point_px = std::max(doubted.principal_point_px, ml::kDoubtedPrincipalPoint_px);
+    if (options_.focal_relative_sigma > 0.0 || options_.principal_point_sigma_px > 0.0) return std::nullopt;
+    return ml::test_lenses(final_problem(fit_.noise, doubted), fit_.state);
+  }
+
+  std::optional<ml::Trial> refit(const Observations& repaired, bool same_views) const {
+    MlOptions options = options_;
+    options.start.reset();
+    std::vector<ViewPose> views;
+    for (const ViewPose& view : views_)
+      if (view.stop < static_cast<int>(repaired.stops.size())) views.push_back(view);
+    Estimator other(repaired, options);
+    if (!other.start(same_views ? &views : nullptr)) return std::nullopt;
+    const OdometryModel declared = repaired.odometry_noise.model;
+    other.fit_ = other.fit(declared == OdometryModel::kUnknown ? OdometryModel::kPerIncrement : declared);
+    ml::Trial trial;
+    trial.unexplained = other.unexplained();
+    trial.odometry_xy_m = other.fit_.noise.odometry_xy_m;
+    trial.odometry_yaw_rad = other.fit_.noise.odometry_yaw_rad;
+    if (symptoms_.lenses) trial.lenses = other.lens_test();
+    trial.clean = other.clean(trial.lenses);
+    return trial;
+  }
+
+  // Whether nothing in the solution of a trial contradicts itself.
+  bool clean(const std::optional<ml::LensTest>& lenses) {
+    const ml::Problem problem = final_problem(fit_.noise);
     const std::optional<ml::GroupSums> sums = problem.sums_with_leverage(fit_.state);
-    if (!sums) return levels;
+    if (!sums || (lenses && lenses->suspicious())) return false;
     contradictions_ = ml::find_contradictions(problem, fit_.state, *sums);
+    check_upside_down();
+    if (!contradictions_.odometry.empty() || !contradictions_.cameras.empty()) return false;
+    for (const int count : views_left_out())
+      if (count > 1) return false;
+    return true;
+  }
+
+  // -2 ln of the likelihood, where what was left out counts as very wrong: else leaving out would explain everything.
+  double unexplained() const {
+    constexpr double kVeryWrong = 1e4;     // whitened square
+    constexpr double kUnexplained = 1e15;  // -2 ln
+    const ml::Problem problem = final_problem(fit_.noise);
+    const double sum = ml::minus_two_log_likelihood(problem, fit_.state);
+    double left_out = static_cast<double>(rejected_planes_);
+    for (std::size_t v = 0; v < used_.board_views.size(); ++v)
+      if (fit_.view_left_out[v]) left_out += static_cast<double>(used_.board_views[v].corners.size());
+    // Odometry of which nothing is left but its scale explains nothing.
+    const auto implausible = [](double value, double sigma) { return std::abs(value - 1.0) > 3.0 * sigma; };
+    if (implausible(fit_.state.odometry_scale, options_.odometry_scale_sigma) ||
+        implausible(fit_.state.odometry_yaw_factor, options_.odometry_yaw_factor_sigma) || !std::isfinite(sum))
+      return kUnexplained;
+    return sum + left_out * problem.loss.cost(kVeryWrong);
+  }
+
+  // The noise levels by which the uncertainty is stated.
+  ml::NoiseLevels stated_levels() const {
+    ml::NoiseLevels levels = fit_.noise;
+    const std::optional<ml::GroupSums>& sums = final_sums_;
+    if (!sums) return levels;
     const ml::NoiseLevels nominal;
     if (!original_.odometry_noise.sigma_xy_m)
       allow_for_estimation(Group::kOdometryXy, *sums, &ml::NoiseLevels::odometry_xy_m, nominal.odometry_xy_m, &levels);
@@ -382,8 +549,10 @@ class Estimator {
     return levels;
   }
 
-  ml::Problem final_problem(const ml::NoiseLevels& levels) const {
-    ml::Problem problem(used_, priors(), levels);
+  ml::Problem final_problem(const ml::NoiseLevels& levels) const { return final_problem(levels, priors()); }
+
+  ml::Problem final_problem(const ml::NoiseLevels& levels, const ml::Priors& priors) const {
+    ml::Problem problem(used_, priors, levels);
     if (!fit_.view_left_out.empty()) problem.view_left_out = fit_.view_left_out;
     for (int c = 0; c < problem.layout().cameras; ++c) problem.camera_fixed[static_cast<std::size_t>(c)] = !solved(c);
     return problem;
@@ -403,11 +572,45 @@ class Estimator {
     const Eigen::MatrixXd J = ml::camera_chart(fit_.state, problem.layout());
     joint_ = J * globals_.covariance * J.transpose();
     free_ = J * globals_.free_directions;
+    gate_joint_ = exceeds_limits() ? gate_covariance(J) : joint_;
     report_cameras();
     report_pairs();
+    check_lengths();
     report_contradictions();
     report_status();
     report_residuals(sums);
+  }
+
+  bool exceeds_limits() const {
+    const PosteriorLimits& limits = options_.limits;
+    const std::array<double, 6> limit = {limits.xy_m,     limits.xy_m,     limits.z_m,
+                                         limits.tilt_rad, limits.tilt_rad, limits.yaw_rad};
+    for (Eigen::Index i = 0; i < joint_.rows(); ++i)
+      if (!(std::sqrt(joint_(i, i)) <= limit[static_cast<std::size_t>(i % 6)])) return true;
+    return false;
+  }
+
+  // Whether an answer is of use is judged by the odometry's level as it most likely is, not by how badly a handful of
+  // stops know it: the estimate counts with its redundant dimensions, the paper's nominal level as four more. What is
+  // stated keeps the whole uncertainty.
+  Eigen::MatrixXd gate_covariance(const Eigen::MatrixXd& J) const {
+    if (!final_sums_) return joint_;
+    constexpr double kNominalDimensions = 4.0;
+    ml::NoiseLevels levels = fit_.noise;
+    const ml::NoiseLevels nominal;
+    const auto shrink = [&](Group group, double ml::NoiseLevels::*level) {
+      const double redundancy = std::max(0.0, ml::sum_of(*final_sums_, group).redundancy());
+      const double estimated = levels.*level, usual = nominal.*level;
+      levels.*level = std::sqrt((redundancy * estimated * estimated + kNominalDimensions * usual * usual) /
+                                (redundancy + kNominalDimensions));
+    };
+    if (!original_.odometry_noise.sigma_xy_m) shrink(Group::kOdometryXy, &ml::NoiseLevels::odometry_xy_m);
+    if (!original_.odometry_noise.sigma_yaw_rad) shrink(Group::kOdometryYaw, &ml::NoiseLevels::odometry_yaw_rad);
+    const ml::Problem problem = final_problem(levels);
+    const auto eliminated = ml::EliminatedSystem::eliminate(
+        problem.linearise(fit_.state, ml::Weighting::kInformation, nullptr, nullptr), 0.0);
+    if (!eliminated) return joint_;
+    return J * ml::invert_information(eliminated->schur()).covariance * J.transpose();
   }
 
   void copy_state(const ml::Layout& layout) {
@@ -461,10 +664,10 @@ class Estimator {
       transform.parent = original_.robot_frame;
       transform.child = original_.cameras[static_cast<std::size_t>(c)].name;
       transform.T_parent_child = fit_.state.T_robot_camera[static_cast<std::size_t>(c)];
-      const Matrix6d covariance = joint_.block<6, 6>(6 * c, 6 * c);
+      const Matrix6d covariance = joint_.block<6, 6>(6 * c, 6 * c), gate = gate_joint_.block<6, 6>(6 * c, 6 * c);
       CameraObservability observability =
           assess_camera(original_, c, views_, alignment_, estimate_.motion, ground_planes);
-      apply_posterior_gate(covariance, transform.child, &observability, options_.limits);
+      apply_posterior_gate(gate, transform.child, &observability, options_.limits);
       const std::array<bool, 6> free_of = determined(free.middleRows(6 * c, 6));
       for (std::size_t axis = 0; axis < 6; ++axis)
         transform.observable[axis] = observability.observable[axis] && free_of[axis];
@@ -503,18 +706,26 @@ class Estimator {
         const Matrix6d covariance = P * joint_ * P.transpose();
         transform.covariance = covariance;
         transform.observable = determined(P * free);
-        gate_pair(covariance, &transform.observable);
+        gate_pair(P * gate_joint_ * P.transpose(), &transform);
         estimate_.result.camera_to_camera.push_back(std::move(transform));
       }
     }
   }
 
   // Between cameras no axis is special: the widest limits of gate 2 hold for all.
-  void gate_pair(const Matrix6d& covariance, std::array<bool, 6>* observable) const {
+  void gate_pair(const Matrix6d& covariance, EstimatedTransform* pair) {
+    double worst_m = 0.0, worst_rad = 0.0;
     for (int axis = 0; axis < 6; ++axis) {
+      const double sigma = std::sqrt(covariance(axis, axis));
+      double& worst = axis < 3 ? worst_m : worst_rad;
+      worst = std::max(worst, sigma);
       const double limit = axis < 3 ? options_.limits.xy_m : options_.limits.yaw_rad;
-      if (!(std::sqrt(covariance(axis, axis)) <= limit)) (*observable)[static_cast<std::size_t>(axis)] = false;
+      if (!(sigma <= limit)) pair->observable[static_cast<std::size_t>(axis)] = false;
     }
+    if (worst_m > options_.limits.xy_m || worst_rad > options_.limits.yaw_rad)
+      add_reason(format("%s in %s: too uncertain to be of use: +-%.1f cm, +-%.2f deg (limit %.1f cm, %.2f deg)",
+                        pair->child.c_str(), pair->parent.c_str(), 100.0 * worst_m, rad_to_deg(worst_rad),
+                        100.0 * options_.limits.xy_m, rad_to_deg(options_.limits.yaw_rad)));
   }
 
   void add_reason(const std::string& sentence) {
@@ -530,20 +741,41 @@ class Estimator {
       const std::optional<Eigen::Vector3d>& up = alignment_.up_camera[static_cast<std::size_t>(plane.camera)];
       if (up && up->dot(-plane.inverse_depth_plane.normalized()) < -0.9) ++above;
     }
-    if (2 * above <= static_cast<int>(original_.ground_planes.size())) return;
+    upside_down_ = above > 0 && 2 * above > static_cast<int>(original_.ground_planes.size());
+    if (!upside_down_) return;
     contradictions_.odometry.push_back(
         "By the odometry's turns the ground would lie above the cameras; a mirrored frame, turns of the other sign, or "
         "shifted stamps.");
   }
 
-  // What rests on contradictory data is no answer; reasons say what the likely cause is.
+  // The board's size against depth and odometry; and what had to be taken on trust.
+  void check_lengths() {
+    if (lens_spoils()) return;  // depth on the board would be blamed for the lens
+    std::optional<ml::OdometryScale> odometry;
+    const int index = ml::Layout::of(used_, priors()).odometry_scale();
+    const bool trusted = !symptoms_.odometry && estimate_.motion.kind == MotionKind::kSufficient;
+    if (trusted && fit_.noise.odometry_model == OdometryModel::kPerIncrement)
+      odometry = {fit_.state.odometry_scale, std::sqrt(globals_.covariance(index, index))};
+    const ml::BoardScale scale = ml::check_board_scale(used_, views_, odometry);
+    contradictions_.cameras.insert(contradictions_.cameras.begin(), scale.contradictions.begin(),
+                                   scale.contradictions.end());
+    std::vector<std::string>& notes = estimate_.result.notes;
+    notes.insert(notes.end(), scale.notes.begin(), scale.notes.end());
+  }
+
+  bool lens_spoils() const { return cause_ && cause_->spoils_all; }
+
+  // Most likely causes first, then what speaks for them, then what the motion does not answer.
   void report_contradictions() {
-    check_upside_down();
     Result& result = estimate_.result;
-    for (const std::string& sentence : contradictions_.odometry) add_reason(sentence);
-    for (const std::string& sentence : contradictions_.cameras) add_reason(sentence);
-    const bool all = !contradictions_.cameras.empty();
-    if (!all && contradictions_.odometry.empty()) return;
+    std::vector<std::string> reasons = wrong_frames_;
+    if (cause_) reasons.push_back(cause_->sentence);
+    reasons.insert(reasons.end(), contradictions_.cameras.begin(), contradictions_.cameras.end());
+    reasons.insert(reasons.end(), contradictions_.odometry.begin(), contradictions_.odometry.end());
+    if (reasons.empty()) return;
+    const bool all = !wrong_frames_.empty() || !contradictions_.cameras.empty() || lens_spoils() || upside_down_;
+    if (upside_down_) result.reasons.clear();  // "no ground seen" is a consequence
+    result.reasons.insert(result.reasons.begin(), reasons.begin(), reasons.end());
     for (EstimatedTransform& transform : result.camera_to_robot) {
       for (const std::size_t axis : {0U, 1U, 5U}) transform.observable[axis] = false;
       if (all) transform.observable.fill(false);
@@ -570,7 +802,9 @@ class Estimator {
       add_reason(original_.cameras[c].name + " never saw the board: it has no pose.");
     }
     result.status = all ? ResultStatus::kSolved : any ? ResultStatus::kPartial : ResultStatus::kRefused;
-    if (!estimate_.converged) result.notes.push_back("The iteration did not settle: treat the result with care.");
+    // Along what the data leave open there is nothing to settle at; that is a reason above.
+    if (!estimate_.converged && result.status == ResultStatus::kSolved)
+      result.notes.push_back("The iteration did not settle: treat the result with care.");
   }
 
   void report_residuals(const ml::GroupSums& sums) {
@@ -627,10 +861,19 @@ class Estimator {
   InitialGuess guess_;
   ml::State start_;
   Fit fit_;
+  std::size_t rejected_planes_ = 0;
+  ml::Symptoms symptoms_;
+  std::vector<ml::WildRow> wild_rows_;
+  std::optional<ml::GroupSums> final_sums_;
+  bool upside_down_ = false;
+  std::optional<ml::LensTest> lenses_;
+  std::optional<ml::Cause> cause_;
+  std::vector<std::string> wrong_frames_;
   std::vector<Eigen::Matrix3d> ground_offset_;  // covariance of what a camera's ground planes share; empty: none
   ml::Contradictions contradictions_;
   ml::GlobalCovariance globals_;
   Eigen::MatrixXd joint_;
+  Eigen::MatrixXd gate_joint_;  // by which is refused
   Eigen::MatrixXd free_;
   MlEstimate estimate_;
 };

@@ -1,13 +1,19 @@
 list(APPEND calib_sources
   src/ml/arrow_system.cpp
+  src/ml/board_scale.cpp
   src/ml/contradictions.cpp
   src/ml/covariance.cpp
+  src/ml/diagnosis.cpp
+  src/ml/faults.cpp
   src/ml/information.cpp
   src/ml/ml.cpp
+  src/ml/lens_check.cpp
   src/ml/noise.cpp
+  src/ml/odometry_rows.cpp
   src/ml/problem.cpp
   src/ml/residuals.cpp
   src/ml/robust_views.cpp
   src/ml/shared_ground_error.cpp
   src/ml/solver.cpp
-  src/ml/state.cpp)
+  src/ml/state.cpp
+  src/ml/swapped_frames.cpp)

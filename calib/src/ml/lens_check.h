@@ -1,0 +1,38 @@
+// Whether the corners contradict the stated focal length and principal point: a score test at a solution.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "ml/problem.h"
+
+namespace rigproof::ml {
+
+/// Relative error of the focal length, shift of cx and of cy [px]: what one step from the stated intrinsics says.
+struct LensEstimate {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma = Eigen::Vector3d::Constant(1e9);
+  double deviations = 0.0;  ///< of all three together from zero
+  /// Beyond five standard deviations (chance: one in 70,000), and beyond what calibrations and prints are off by anyway
+  /// (1 %, 0.25 px).
+  bool contradicts() const;
+};
+
+struct LensTest {
+  std::vector<LensEstimate> alone;     ///< per camera, the other cameras' intrinsics being believed
+  std::vector<LensEstimate> together;  ///< per camera, all intrinsics being free
+  LensEstimate common;                 ///< one error that all cameras share
+  LensEstimate common_shift;           ///< the same, the focal lengths being believed
+  bool suspicious() const;
+};
+
+/// Priors of a camera whose intrinsics are in doubt.
+inline constexpr double kDoubtedFocal = 0.2;
+inline constexpr double kDoubtedPrincipalPoint_px = 50.0;
+
+/// @param problem with kDoubted* as priors of the intrinsics
+/// Absent where the data do not determine the rest.
+std::optional<LensTest> test_lenses(const Problem& problem, const State& state);
+
+}  // namespace rigproof::ml

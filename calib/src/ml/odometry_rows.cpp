@@ -1,0 +1,161 @@
+#include "ml/odometry_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "ml/residuals.h"
+#include "rigproof/core/conventions.h"
+
+namespace rigproof::ml {
+namespace {
+
+// Whitened squares of three dimensions that noise reaches once in a billion.
+constexpr double kWild = 45.0;
+
+using Rows = std::vector<Eigen::Vector3d>;  // x, y [m], yaw [rad]
+
+// What the odometry should say about the motion from one stop to another.
+Eigen::Vector3d residual_between(const Observations& observations, const State& state, std::size_t from,
+                                 std::size_t to) {
+  return increment_residual(state.poses[from], state.poses[to], state.odometry_scale, state.odometry_yaw_factor,
+                            measured_increment(observations.stops[from], observations.stops[to]))
+      .value;
+}
+
+Eigen::Vector3d residual_at(const Observations& observations, const State& state, std::size_t i) {
+  const Stop& stop = observations.stops[i];
+  const RobotPose& pose = state.poses[i];
+  return {pose.x_m - stop.x_m, pose.y_m - stop.y_m, wrap_angle(pose.yaw_rad - stop.yaw_rad)};
+}
+
+double square_of(const Eigen::Vector3d& residual, const NoiseLevels& noise) {
+  const double xy = residual.head<2>().norm() / noise.odometry_xy_m, yaw = residual.z() / noise.odometry_yaw_rad;
+  return xy * xy + yaw * yaw;
+}
+
+long views_at(const Observations& observations, int stop) {
+  return std::count_if(observations.board_views.begin(), observations.board_views.end(),
+                       [stop](const BoardView& view) { return view.stop == stop; });
+}
+
+WildRow wild_row(std::size_t stop, bool slip, const Eigen::Vector3d& residual) {
+  return {static_cast<int>(stop), slip, residual.head<2>().norm(), std::abs(residual.z())};
+}
+
+std::vector<WildRow> wild_poses(const Observations& observations, const NoiseLevels& noise, const State& state) {
+  std::vector<WildRow> rows;
+  for (std::size_t i = 0; i < observations.stops.size(); ++i) {
+    const Eigen::Vector3d residual = residual_at(observations, state, i);
+    if (square_of(residual, noise) > kWild) rows.push_back(wild_row(i, false, residual));
+  }
+  return rows;
+}
+
+// Both motions of a stop are wrong but that past it is right: its row is wrong. Else the wheels slipped.
+std::vector<WildRow> wild_increments(const Observations& observations, const NoiseLevels& noise, const State& state) {
+  std::vector<WildRow> rows;
+  const std::size_t n = observations.stops.size();
+  const auto wild = [&](std::size_t from, std::size_t to) {
+    NoiseLevels summed = noise;
+    if (to > from + 1) {  // two motions, the second one turned by the first one's error
+      const RobotPose &a = state.poses[from + 1], &b = state.poses[to];
+      const double lever = noise.odometry_yaw_rad * std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
+      summed.odometry_xy_m = std::sqrt(2.0 * noise.odometry_xy_m * noise.odometry_xy_m + lever * lever);
+      summed.odometry_yaw_rad *= std::sqrt(2.0);
+    }
+    return square_of(residual_between(observations, state, from, to), summed) > kWild;
+  };
+  for (std::size_t i = 1; i < n; ++i) {
+    if (!wild(i - 1, i)) continue;
+    const Eigen::Vector3d residual = residual_between(observations, state, i - 1, i);
+    const bool last = i + 1 == n, only_first = i == 1 && n > 2 && !wild(1, 2);
+    if (!last && wild(i, i + 1) && !wild(i - 1, i + 1)) {
+      rows.push_back(wild_row(i, false, residual));
+      ++i;  // the motion away from it is explained
+    } else {
+      rows.push_back(wild_row(only_first ? 0 : i, !last && !only_first, residual));
+    }
+  }
+  return rows;
+}
+
+// The odometry of a row that is read `share` of the way to a neighbour.
+Stop read_between(const Stop& a, const Stop& b, double share) {
+  Stop stop = a;
+  stop.x_m += share * (b.x_m - a.x_m);
+  stop.y_m += share * (b.y_m - a.y_m);
+  stop.yaw_rad += share * wrap_angle(b.yaw_rad - a.yaw_rad);
+  return stop;
+}
+
+}  // namespace
+
+std::vector<WildRow> find_wild_rows(const Observations& observations, const NoiseLevels& noise, const State& state) {
+  if (state.poses.size() != observations.stops.size()) return {};
+  return noise.odometry_model == OdometryModel::kPerPose ? wild_poses(observations, noise, state)
+                                                         : wild_increments(observations, noise, state);
+}
+
+std::string sentence_of(const WildRow& row, const Observations& observations) {
+  char text[256];
+  const double stamp_s = observations.stops[static_cast<std::size_t>(row.stop)].stamp_s;
+  if (row.slip)
+    std::snprintf(text, sizeof(text),
+                  "The odometry's motion from stop %d to %d (%.1f s) contradicts the cameras by %.1f cm and %.2f deg: "
+                  "it does not count.",
+                  row.stop - 1, row.stop, stamp_s, 100.0 * row.off_m, rad_to_deg(row.off_rad));
+  else if (views_at(observations, row.stop) == 1)
+    std::snprintf(text, sizeof(text),
+                  "The odometry's row at stop %d (%.1f s), or the only frame there, contradicts the rest by %.1f cm "
+                  "and %.2f deg: neither counts.",
+                  row.stop, stamp_s, 100.0 * row.off_m, rad_to_deg(row.off_rad));
+  else
+    std::snprintf(text, sizeof(text),
+                  "The odometry's row at stop %d (%.1f s) contradicts the cameras by %.1f cm and %.2f deg: it does not "
+                  "count.",
+                  row.stop, stamp_s, 100.0 * row.off_m, rad_to_deg(row.off_rad));
+  return text;
+}
+
+bool StampShift::contradicts() const {
+  constexpr double kMinDeviations = 5.0, kMinStops = 0.02;
+  return deviations > kMinDeviations && std::abs(stops) > kMinStops;
+}
+
+StampShift estimate_stamp_shift(const Observations& observations, const NoiseLevels& noise, const State& state) {
+  const CauchyLoss loss;
+  const std::vector<Stop>& rows = observations.stops;
+  const std::size_t n = rows.size();
+  double slope = 0.0, information = 0.0;
+  if (n < 4 || state.poses.size() != n) return {};
+  const bool increments = noise.odometry_model == OdometryModel::kPerIncrement;
+  const Eigen::Vector3d inverse(1.0 / noise.odometry_xy_m, 1.0 / noise.odometry_xy_m, 1.0 / noise.odometry_yaw_rad);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    if (increments && i + 2 >= n) break;
+    constexpr double kShare = 0.05;  // central difference on both sides of the row
+    const auto read = [&](std::size_t k, double share) {
+      return share > 0.0 ? read_between(rows[k], rows[k + 1], share) : read_between(rows[k], rows[k - 1], -share);
+    };
+    Eigen::Vector3d residual, change;
+    if (increments) {
+      residual = residual_between(observations, state, i, i + 1);
+      change = measured_increment(read(i, kShare), read(i + 1, kShare)) -
+               measured_increment(read(i, -kShare), read(i + 1, -kShare));
+    } else {
+      residual = residual_at(observations, state, i);
+      const Stop after = read(i, kShare), before = read(i, -kShare);
+      change = {after.x_m - before.x_m, after.y_m - before.y_m, after.yaw_rad - before.yaw_rad};
+    }
+    residual = residual.cwiseProduct(inverse).eval();
+    change = change.cwiseProduct(inverse).eval() / (2.0 * kShare);
+    const double weight = loss.weight(residual.squaredNorm());
+    // What is measured exceeds what the cameras say by stops * change.
+    slope -= weight * change.dot(residual);
+    information += weight * change.squaredNorm();
+  }
+  if (!(information > 0.0)) return {};
+  return {slope / information, std::abs(slope) / std::sqrt(information)};
+}
+
+}  // namespace rigproof::ml

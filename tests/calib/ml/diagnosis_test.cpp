@@ -1,0 +1,178 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "broken_runs.h"
+#include "ml/board_scale.h"
+#include "ml/faults.h"
+#include "ml/odometry_rows.h"
+#include "rigproof/calib/ml.h"
+#include "rigproof/core/conventions.h"
+
+namespace rigproof {
+namespace {
+
+bool mentioned(const std::vector<std::string>& sentences, const std::string& words) {
+  for (const std::string& sentence : sentences)
+    if (sentence.find(words) != std::string::npos) return true;
+  return false;
+}
+
+class Broken : public testing::TestWithParam<std::size_t> {};
+
+// One recording for each thing that can be wrong; bench_refusals measures the rates over many.
+TEST_P(Broken, IsRefusedAndTheCauseNamedFirst) {
+  const Breakage& breakage = breakages()[GetParam()];
+  constexpr std::uint64_t kSeed = 2;
+  Observations observations = draw_geometric_run(broken_run_config(breakage, kSeed)).observations;
+  const std::string words = breakage.apply(kSeed, &observations);
+  const Result result = estimate_maximum_likelihood(observations).result;
+  if (breakage.named_in == NamedIn::kNotes) {
+    EXPECT_TRUE(mentioned(result.notes, words)) << words << "\n" << testing::PrintToString(result.notes);
+    return;
+  }
+  EXPECT_NE(result.status, ResultStatus::kSolved);
+  ASSERT_FALSE(result.reasons.empty());
+  EXPECT_NE(result.reasons.front().find(words), std::string::npos) << testing::PrintToString(result.reasons);
+  EXPECT_FALSE(result.joint_covariance.has_value());
+  for (const EstimatedTransform& transform : result.camera_to_robot)
+    EXPECT_FALSE(transform.observable[0] || transform.observable[1] || transform.observable[5]);
+}
+
+INSTANTIATE_TEST_SUITE_P(Recordings, Broken, testing::Range<std::size_t>(0, breakages().size()),
+                         [](const auto& instance) {
+                           std::string name = breakages()[instance.param].name;
+                           for (char& c : name)
+                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+                           return name;
+                         });
+
+Observations run_with_depth(std::uint64_t seed, double depth_scale_sigma) {
+  GeometricConfig config;
+  config.seed = seed;
+  config.stops = 12;
+  config.board_planes = true;
+  config.depth_scale_sigma = depth_scale_sigma;
+  return draw_geometric_run(config).observations;
+}
+
+TEST(BoardScale, SaysHowLargeTheSquaresAre) {
+  Observations observations = run_with_depth(1, 0.0);
+  observations.board.square_m = 0.108;
+  const Result result = estimate_maximum_likelihood(observations).result;
+  EXPECT_EQ(result.status, ResultStatus::kRefused);
+  ASSERT_FALSE(result.reasons.empty());
+  // 36 boards of 60 points: 0.01 %. PnP of 0.1 px adds less than 0.1 %.
+  EXPECT_NE(result.reasons.front().find("measure about 100.0 mm by depth, the rig says 108.0 mm"), std::string::npos)
+      << result.reasons.front();
+  EXPECT_NE(result.reasons.front().find("by the odometry"), std::string::npos);
+}
+
+// Real depth sensors are off by 1 %: no reason to refuse, and none to blame the board.
+TEST(BoardScale, ForgivesWhatDepthSensorsAreOffBy) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const Result result = estimate_maximum_likelihood(run_with_depth(seed, 0.01)).result;
+    EXPECT_EQ(result.status, ResultStatus::kSolved)
+        << seed << ": " << (result.reasons.empty() ? "" : result.reasons.front());
+  }
+}
+
+TEST(BoardScale, NamesTheCameraWhoseDepthIsInAnotherUnit) {
+  Observations observations = run_with_depth(3, 0.0);
+  for (auto* planes : {&observations.ground_planes, &observations.board_planes})
+    for (PlaneObservation& plane : *planes)
+      if (plane.camera == 2) plane.inverse_depth_plane *= 4.0;  // counts of 0.25 mm read as millimetres
+  const Result result = estimate_maximum_likelihood(observations).result;
+  EXPECT_NE(result.status, ResultStatus::kSolved);
+  EXPECT_TRUE(mentioned(result.reasons, "the depth of right is in another unit"))
+      << testing::PrintToString(result.reasons);
+}
+
+TEST(BoardScale, RestsOnTheBoardWhereNoDepthIs) {
+  GeometricConfig config;
+  config.stops = 12;
+  const Result result = estimate_maximum_likelihood(draw_geometric_run(config).observations).result;
+  EXPECT_EQ(result.status, ResultStatus::kSolved);
+  EXPECT_TRUE(mentioned(result.notes, "Scale rests on the board")) << testing::PrintToString(result.notes);
+  EXPECT_TRUE(mentioned(result.notes, "the odometry agrees"));
+}
+
+TEST(BoardScale, TellsOfOdometryThatDoesNotAgree) {
+  GeometricConfig config;
+  config.stops = 12;
+  config.odometry_scale = 1.0;
+  Observations observations = draw_geometric_run(config).observations;
+  observations.board.square_m *= 1.08;
+  const Result result = estimate_maximum_likelihood(observations).result;
+  // 11 increments of 2 mm and more over a metre: 0.1 mm of 100 mm.
+  EXPECT_TRUE(mentioned(result.notes, "by the odometry they measure 100.") ||
+              mentioned(result.notes, "by the odometry they measure 99."))
+      << testing::PrintToString(result.notes);
+}
+
+Observations healthy() {
+  GeometricConfig config;
+  config.stops = 9;
+  config.lambda = 0.0;
+  return draw_geometric_run(config).observations;
+}
+
+double farthest(const Observations& a, const Observations& b, std::size_t first, std::size_t end) {
+  double worst = 0.0;
+  for (std::size_t i = first; i < end; ++i)
+    worst = std::max({worst, std::abs(a.stops[i].x_m - b.stops[i].x_m), std::abs(a.stops[i].y_m - b.stops[i].y_m),
+                      std::abs(wrap_angle(a.stops[i].yaw_rad - b.stops[i].yaw_rad))});
+  return worst;
+}
+
+TEST(Faults, AreUndone) {
+  const Observations right = healthy();
+  for (const ml::Fault& fault : ml::odometry_faults(right)) {
+    if (fault.kind == ml::FaultKind::kStamps) continue;
+    Observations wrong = right;
+    for (Stop& stop : wrong.stops) {
+      if (fault.cause.find("milli") != std::string::npos) stop.x_m *= 1e3, stop.y_m *= 1e3;
+      if (fault.cause.find("centi") != std::string::npos) stop.x_m *= 1e2, stop.y_m *= 1e2;
+      if (fault.cause.find("inches") != std::string::npos) stop.x_m /= 0.0254, stop.y_m /= 0.0254;
+      if (fault.cause.find("feet") != std::string::npos) stop.x_m /= 0.3048, stop.y_m /= 0.3048;
+      if (fault.cause.find("degrees") != std::string::npos) stop.yaw_rad = rad_to_deg(stop.yaw_rad);
+    }
+    if (fault.kind == ml::FaultKind::kSign) fault.undo(&wrong);  // these undo themselves
+    fault.undo(&wrong);
+    EXPECT_LT(farthest(right, wrong, 0, right.stops.size()), 1e-9) << fault.cause;
+  }
+}
+
+TEST(Faults, ShiftedStampsAreUndoneButAtTheEnd) {
+  const Observations right = healthy();
+  Observations wrong = right;
+  for (std::size_t i = 0; i + 1 < wrong.stops.size(); ++i) wrong.stops[i] = right.stops[i + 1];
+  ml::odometry_ahead(right, 1.0).undo(&wrong);
+  EXPECT_LT(farthest(right, wrong, 1, right.stops.size()), 1e-9);
+}
+
+TEST(OdometryRows, NameARowAndASlip) {
+  GeometricConfig config;
+  config.stops = 20;
+  Observations observations = draw_geometric_run(config).observations;
+  observations.stops[7].x_m += 0.4;
+  Observations slipped = observations;
+  for (std::size_t i = 13; i < slipped.stops.size(); ++i) slipped.stops[i].y_m += 0.3;
+  const Result result = estimate_maximum_likelihood(slipped).result;
+  EXPECT_EQ(result.status, ResultStatus::kSolved);
+  EXPECT_TRUE(mentioned(result.notes, "The odometry's row at stop 7 (14.0 s) contradicts the cameras by"))
+      << testing::PrintToString(result.notes);
+  EXPECT_TRUE(mentioned(result.notes, "The odometry's motion from stop 12 to 13 (26.0 s)"))
+      << testing::PrintToString(result.notes);
+}
+
+TEST(Note, WhatOneStopCannotSayIsNotSaid) {
+  GeometricConfig config;
+  config.stops = 1;
+  config.declare_odometry_model = config.declare_odometry_sigmas = false;
+  const Result result = estimate_maximum_likelihood(draw_geometric_run(config).observations).result;
+  EXPECT_FALSE(mentioned(result.notes, "nan")) << testing::PrintToString(result.notes);
+}
+
+}  // namespace
+}  // namespace rigproof
