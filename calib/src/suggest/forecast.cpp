@@ -1,0 +1,214 @@
+#include "suggest/forecast.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "ml/covariance.h"
+#include "ml/problem.h"
+#include "ml/residuals.h"
+#include "ml/shared_ground_error.h"
+#include "rigproof/core/error.h"
+
+namespace rigproof::suggest {
+namespace {
+
+constexpr double kNoInformation = 1e6;  // sigma [m, rad] of odometry that is left out
+
+ml::State state_of(const Knowledge& knowledge) {
+  const CalibrationState& values = knowledge.estimate.state;
+  const std::size_t cameras = values.T_robot_camera.size();
+  ml::State state;
+  state.T_robot_camera = values.T_robot_camera;
+  state.T_world_board = values.T_world_board;
+  for (const Rigid3& T : values.T_world_robot) state.poses.push_back(ml::RobotPose::from_transform(T));
+  state.odometry_scale = values.odometry_scale;
+  state.odometry_yaw_factor = values.odometry_yaw_factor;
+  for (const double scale : values.depth_scale) state.depth_bias.push_back(scale - 1.0);
+  state.intrinsics.assign(cameras, Eigen::Vector3d::Zero());
+  state.ground_offset.assign(cameras, Eigen::Vector3d::Zero());
+  return state;
+}
+
+// A level that next to nothing tells is not believed below the nominal one.
+double believed(double estimated, const std::optional<double>& declared, double nominal, std::size_t stops) {
+  constexpr std::size_t kFewStops = 8;
+  return declared || stops >= kFewStops ? estimated : std::max(estimated, nominal);
+}
+
+ml::NoiseLevels levels_of(const Knowledge& knowledge) {
+  const CalibrationNoise& noise = knowledge.estimate.noise;
+  const OdometryNoise& declared = knowledge.observations.odometry_noise;
+  const std::size_t stops = knowledge.observations.stops.size();
+  const ml::NoiseLevels nominal;
+  ml::NoiseLevels levels;
+  levels.odometry_model = noise.odometry_model;
+  levels.odometry_xy_m = believed(noise.odometry_xy_m, declared.sigma_xy_m, nominal.odometry_xy_m, stops);
+  levels.odometry_yaw_rad = believed(noise.odometry_yaw_rad, declared.sigma_yaw_rad, nominal.odometry_yaw_rad, stops);
+  levels.suspension_height_m = noise.suspension_height_m;
+  levels.suspension_tilt_rad = noise.suspension_tilt_rad;
+  levels.corner_scale = knowledge.estimate.corner_scale;
+  levels.ground_scale = knowledge.estimate.ground_scale;
+  levels.board_plane_scale = knowledge.estimate.board_plane_scale;
+  return levels;
+}
+
+ml::Priors priors_of(const Knowledge& knowledge) {
+  ml::Priors priors;
+  priors.odometry_scale = knowledge.estimate.noise.odometry_scale_prior;
+  priors.odometry_yaw_factor = knowledge.estimate.noise.odometry_yaw_factor_prior;
+  for (const RigCamera& camera : knowledge.observations.cameras)
+    priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
+  priors.ground_offset = ml::shared_ground_errors(knowledge.observations);
+  return priors;
+}
+
+// Eliminates every pose but the last one.
+ml::ArrowSystem condensed(const ml::ArrowSystem& system) {
+  const int last = system.poses() - 1;
+  ml::ArrowSystem result(1, system.globals());
+  Matrix6d diagonal = system.diagonal.front();
+  Eigen::MatrixXd U = system.pose_global.topRows(6);
+  result.global = system.global;
+  for (int i = 0; i < last; ++i) {
+    const std::size_t next = static_cast<std::size_t>(i) + 1;
+    const Eigen::LLT<Matrix6d> llt(diagonal);
+    const Eigen::MatrixXd solved = llt.solve(U);
+    const Matrix6d& L = system.coupling[next];
+    result.global -= U.transpose() * solved;
+    const Matrix6d eliminated = L * llt.solve(L.transpose());
+    diagonal = system.diagonal[next] - eliminated;
+    U = (system.pose_global.middleRows(6 * (i + 1), 6) - L * solved).eval();
+  }
+  result.diagonal.front() = diagonal;
+  result.pose_global = U;
+  return result;
+}
+
+Observations without_views(Observations observations) {
+  observations.board_views.clear();
+  observations.ground_planes.clear();
+  observations.board_planes.clear();
+  return observations;
+}
+
+}  // namespace
+
+Forecast::Forecast(const Knowledge& knowledge)
+    : knowledge_(knowledge),
+      state_(state_of(knowledge)),
+      levels_(levels_of(knowledge)),
+      priors_(priors_of(knowledge)),
+      layout_(ml::Layout::of(knowledge.observations, priors_)),
+      base_(1, layout_.globals()),
+      first_is_last_(knowledge.observations.stops.size() == 1) {
+  ml::Problem problem(knowledge.observations, priors_, levels_);
+  for (std::size_t c = 0; c < knowledge.has_pose.size(); ++c) problem.camera_fixed[c] = !knowledge.has_pose[c];
+  base_ = condensed(problem.linearise(state_, ml::Weighting::kUnit, nullptr, nullptr));
+}
+
+StopInformation Forecast::information_of(const Foresight& foresight, const Place& place) const {
+  const Rigid3 T_world_robot = place.T_world_robot();
+  Observations one = without_views(knowledge_.observations);
+  one.stops.clear();
+  foresight.append_stop(T_world_robot, T_world_robot, &one);
+  ml::State state = state_;
+  state.poses = {ml::RobotPose::from_transform(T_world_robot)};
+  // By itself: absolute odometry counts, increments are linked later.
+  ml::NoiseLevels levels = levels_;
+  if (levels.odometry_model == OdometryModel::kPerIncrement) {
+    levels.odometry_model = OdometryModel::kPerPose;
+    levels.odometry_xy_m = levels.odometry_yaw_rad = kNoInformation;
+  }
+  const auto linearised = [&](const Observations& observations) {
+    ml::Problem problem(observations, priors_, levels);
+    for (std::size_t c = 0; c < knowledge_.has_pose.size(); ++c) problem.camera_fixed[c] = !knowledge_.has_pose[c];
+    return problem.linearise(state, ml::Weighting::kUnit, nullptr, nullptr);
+  };
+  const ml::ArrowSystem all = linearised(one), priors_alone = linearised(without_views(one));
+  return {state.poses.front(), all.diagonal.front(), all.pose_global, all.global - priors_alone.global};
+}
+
+// The odometry between the poses `index` and `index` + 1 of the system.
+void Forecast::link(const ml::RobotPose& from, const ml::RobotPose& to, int index, ml::ArrowSystem* system) const {
+  const ml::IncrementResidual residual =
+      ml::increment_residual(from, to, state_.odometry_scale, state_.odometry_yaw_factor, Eigen::Vector3d::Zero());
+  const Eigen::Vector3d inverse =
+      Eigen::Vector3d(levels_.odometry_xy_m, levels_.odometry_xy_m, levels_.odometry_yaw_rad).cwiseInverse();
+  const Eigen::Matrix3d A = inverse.asDiagonal() * residual.by_from, B = inverse.asDiagonal() * residual.by_to;
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(3, layout_.globals());
+  if (priors_.odometry_scale > 0.0) G.col(layout_.odometry_scale()) = inverse.cwiseProduct(residual.by_scale);
+  if (priors_.odometry_yaw_factor > 0.0)
+    G.col(layout_.odometry_yaw_factor()) = inverse.cwiseProduct(residual.by_yaw_factor);
+  const std::size_t a = static_cast<std::size_t>(index), b = a + 1;
+  system->diagonal[a].topLeftCorner<3, 3>() += A.transpose() * A;
+  system->diagonal[b].topLeftCorner<3, 3>() += B.transpose() * B;
+  system->coupling[b].topLeftCorner<3, 3>() += B.transpose() * A;
+  system->pose_global.middleRows(6 * index, 3) += A.transpose() * G;
+  system->pose_global.middleRows(6 * (index + 1), 3) += B.transpose() * G;
+  system->global += G.transpose() * G;
+}
+
+std::optional<Eigen::MatrixXd> Forecast::with_stops(const std::vector<const StopInformation*>& stops) const {
+  const int count = static_cast<int>(stops.size());
+  ml::ArrowSystem system(count + 1, layout_.globals());
+  system.diagonal.front() = base_.diagonal.front();
+  system.pose_global.topRows(6) = base_.pose_global;
+  system.global = base_.global;
+  const bool increments = levels_.odometry_model == OdometryModel::kPerIncrement;
+  for (int i = 0; i < count; ++i) {
+    const StopInformation& stop = *stops[static_cast<std::size_t>(i)];
+    system.diagonal[static_cast<std::size_t>(i) + 1] = stop.diagonal;
+    system.pose_global.middleRows(6 * (i + 1), 6) = stop.pose_global;
+    system.global += stop.global;
+  }
+  for (int i = 0; increments && i < count; ++i)
+    link(i == 0 ? state_.poses.back() : stops[static_cast<std::size_t>(i) - 1]->pose,
+         stops[static_cast<std::size_t>(i)]->pose, i, &system);
+  if (increments && first_is_last_)
+    for (int unknown = 0; unknown < 3; ++unknown) system.fix_pose_unknown(0, unknown);
+  const std::optional<ml::EliminatedSystem> eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
+  if (!eliminated) return std::nullopt;
+  return eliminated->schur();
+}
+
+std::optional<Eigen::MatrixXd> Forecast::regular_covariance(const std::vector<const StopInformation*>& stops) const {
+  std::optional<Eigen::MatrixXd> information = with_stops(stops);
+  if (!information) return std::nullopt;
+  const int unknowns = 6 * layout_.cameras;
+  information->diagonal().head(unknowns).array() += 1.0;
+  const Eigen::LLT<Eigen::MatrixXd> llt(*information);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const Eigen::MatrixXd J = ml::camera_chart(state_, layout_);
+  const Eigen::MatrixXd joint = J * llt.solve(J.transpose());
+  std::vector<Eigen::Index> rows;
+  for (int c = 0; c < layout_.cameras; ++c)
+    for (int axis = 0; knowledge_.has_pose[static_cast<std::size_t>(c)] && axis < 6; ++axis)
+      rows.push_back(6 * c + axis);
+  return Eigen::MatrixXd(joint(rows, rows));
+}
+
+std::vector<AxisSigmas> Forecast::sigmas(const std::vector<const StopInformation*>& stops) const {
+  constexpr double kShare = 1e-4;  // of an open direction's largest part
+  std::vector<AxisSigmas> result;
+  const std::optional<Eigen::MatrixXd> information = with_stops(stops);
+  const Eigen::MatrixXd J = ml::camera_chart(state_, layout_);
+  for (int c = 0; c < layout_.cameras; ++c) {
+    if (!knowledge_.has_pose[static_cast<std::size_t>(c)]) continue;
+    result.emplace_back();
+    if (!information) continue;
+    const ml::GlobalCovariance globals = ml::invert_information(*information);
+    const Eigen::MatrixXd rows = J.middleRows(6 * c, 6);
+    const Matrix6d covariance = rows * globals.covariance * rows.transpose();
+    const Eigen::MatrixXd free = J * globals.free_directions;
+    for (int axis = 0; axis < 6; ++axis) {
+      bool open = false;
+      for (Eigen::Index k = 0; k < free.cols(); ++k)
+        open = open || std::abs(free(6 * c + axis, k)) > kShare * free.col(k).cwiseAbs().maxCoeff();
+      if (!open) result.back()[static_cast<std::size_t>(axis)] = std::sqrt(std::max(0.0, covariance(axis, axis)));
+    }
+  }
+  return result;
+}
+
+}  // namespace rigproof::suggest

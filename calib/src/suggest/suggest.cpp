@@ -1,0 +1,317 @@
+#include "rigproof/calib/suggest.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/random.h"
+#include "rigproof/core/text.h"
+#include "suggest/floor.h"
+#include "suggest/forecast.h"
+
+namespace rigproof {
+namespace {
+
+using suggest::Floor;
+using suggest::Forecast;
+using suggest::Foresight;
+using suggest::Knowledge;
+using suggest::Place;
+using suggest::StopInformation;
+
+constexpr double kImpossible = std::numeric_limits<double>::infinity();
+
+void check(const SuggestOptions& options) {
+  Problems problems;
+  const auto require = [&problems](bool holds, const char* field, double value, const char* message) {
+    if (!holds) problems.add({"", 0, field, number_text(value), message});
+  };
+  require(options.stops >= 1 && options.stops <= 20, "stops", options.stops, "allowed: 1 to 20");
+  require(options.candidates >= 10 && options.candidates <= 100000, "candidates", options.candidates,
+          "allowed: 10 to 100000");
+  require(options.clearance_m >= 0.0, "clearance_m", options.clearance_m, "must not be negative");
+  require(options.reach_m > 0.0, "reach_m", options.reach_m, "must be positive");
+  require(options.min_turn_rad >= 0.0 && options.min_turn_rad < 1.6, "min_turn_rad", options.min_turn_rad,
+          "allowed: 0 to 1.6");
+  require(options.min_cameras >= 1, "min_cameras", options.min_cameras, "must be at least 1");
+  require(options.limits.xy_m > 0.0 && options.limits.z_m > 0.0 && options.limits.angle_rad > 0.0, "limits",
+          options.limits.xy_m, "all must be positive");
+  if (options.area) {
+    require(options.area->x_min_m < options.area->x_max_m, "area", options.area->x_min_m, "x must increase");
+    require(options.area->y_min_m < options.area->y_max_m, "area", options.area->y_min_m, "y must increase");
+  }
+  problems.throw_if_any();
+}
+
+// Smooth enough that every candidate that helps a little is told from one that does not.
+double worst_axis(const Eigen::VectorXd& relative_sigmas) {
+  constexpr double kPower = 8.0;
+  const double largest = relative_sigmas.maxCoeff();
+  return largest * std::pow((relative_sigmas / largest).array().pow(kPower).mean(), 1.0 / kPower);
+}
+
+class Suggester {
+ public:
+  Suggester(const Knowledge& knowledge, const SuggestOptions& options, const AcceptLimits& limits)
+      : knowledge_(knowledge),
+        options_(options),
+        limits_(limits),
+        state_(knowledge.estimate.state),
+        floor_(options, state_.T_world_robot, knowledge.observations.board, state_.T_world_board),
+        foresight_(knowledge, options),
+        forecast_(knowledge) {}
+
+  Suggestion run() {
+    Suggestion suggestion;
+    suggestion.limits = limits_;
+    suggestion.status_now = knowledge_.estimate.result.status;
+    suggestion.reasons_now = knowledge_.estimate.result.reasons;
+    suggestion.T_world_board = state_.T_world_board;
+    suggestion.T_world_robot = state_.T_world_robot;
+    draw_candidates();
+    choose();
+    command(in_driving_order(), &suggestion);
+    foretell(&suggestion);
+    return suggestion;
+  }
+
+ private:
+  void draw_candidates() {
+    RandomStream random(options_.seed, "suggested places");
+    const int tries = 200 * options_.candidates;
+    for (int i = 0; i < tries && static_cast<int>(places_.size()) < options_.candidates; ++i) {
+      const Place place = aimed_place(&random);
+      if (!floor_.may_stand(place)) continue;
+      if (static_cast<int>(foresight_.cameras_with_board(place.T_world_robot()).size()) < options_.min_cameras)
+        continue;
+      places_.push_back(place);
+    }
+    for (const Place& place : places_) information_.push_back(forecast_.information_of(foresight_, place));
+  }
+
+  // Anywhere in the area, with one of the cameras looking about at the board.
+  Place aimed_place(RandomStream* random) const {
+    const DriveArea& area = floor_.area();
+    const double x = random->uniform(area.x_min_m, area.x_max_m), y = random->uniform(area.y_min_m, area.y_max_m);
+    const Eigen::Vector3d p = floor_.T_world_first() * Eigen::Vector3d(x, y, 0.0);
+    const std::size_t c = random->below(static_cast<std::uint32_t>(state_.T_robot_camera.size()));
+    const Rigid3& X = state_.T_robot_camera[c];
+    const Camera& lens = knowledge_.observations.cameras[c].camera;
+    const Eigen::Vector3d axis = X.rotation * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d board = state_.T_world_board * knowledge_.observations.board.centre();
+    const double half_view = std::atan(0.5 * lens.width_px / lens.fx_px);
+    const double yaw = std::atan2(board.y() - p.y(), board.x() - p.x()) - std::atan2(axis.y(), axis.x()) +
+                       random->uniform(-half_view, half_view);
+    return {p.x(), p.y(), wrap_angle(yaw)};
+  }
+
+  double score(const std::vector<std::size_t>& chosen) const {
+    std::vector<const StopInformation*> stops;
+    for (const std::size_t i : chosen) stops.push_back(&information_[i]);
+    const std::optional<Eigen::MatrixXd> joint = forecast_.regular_covariance(stops);
+    if (!joint) return kImpossible;
+    Eigen::VectorXd inverse_limits(joint->rows());
+    for (Eigen::Index i = 0; i < joint->rows(); ++i) inverse_limits[i] = 1.0 / limit_of(static_cast<int>(i % 6));
+    const Eigen::MatrixXd relative = inverse_limits.asDiagonal() * *joint * inverse_limits.asDiagonal();
+    switch (options_.criterion) {
+      case SuggestCriterion::kDeterminant:
+        return 2.0 * relative.llt().matrixLLT().diagonal().array().log().sum();
+      case SuggestCriterion::kEigenvalue:
+        return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(relative, Eigen::EigenvaluesOnly)
+            .eigenvalues()
+            .maxCoeff();
+      case SuggestCriterion::kWorstAxis:
+        break;
+    }
+    return worst_axis(relative.diagonal().cwiseMax(0.0).cwiseSqrt());
+  }
+
+  double limit_of(int axis) const { return axis < 2 ? limits_.xy_m : axis == 2 ? limits_.z_m : limits_.angle_rad; }
+
+  bool is_chosen(std::size_t candidate) const {
+    return std::find(chosen_.begin(), chosen_.end(), candidate) != chosen_.end();
+  }
+
+  // The best candidate at the given position of the choice; false if none beats what is there.
+  bool improve(std::size_t position) {
+    std::vector<std::size_t> trial = chosen_;
+    bool better = false;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (is_chosen(i)) continue;
+      trial[position] = i;
+      const double value = score(trial);
+      if (value >= best_) continue;
+      best_ = value;
+      chosen_[position] = i;
+      better = true;
+    }
+    return better;
+  }
+
+  void choose() {
+    constexpr int kExchanges = 2;
+    const std::size_t wanted = std::min(static_cast<std::size_t>(options_.stops), places_.size());
+    while (chosen_.size() < wanted) {
+      chosen_.push_back(places_.size());  // no candidate yet
+      best_ = kImpossible;
+      if (improve(chosen_.size() - 1)) continue;
+      chosen_.pop_back();
+      break;
+    }
+    bool better = chosen_.size() > 1;
+    for (int round = 0; better && round < kExchanges; ++round) {
+      better = false;
+      for (std::size_t position = 0; position < chosen_.size(); ++position) better = improve(position) || better;
+    }
+  }
+
+  Place last_place() const { return Place::of(state_.T_world_robot.back()); }
+
+  // The shortest drive through the chosen places that keeps clear of the board.
+  std::vector<Place> in_driving_order() const {
+    std::vector<Place> left, order;
+    for (const std::size_t i : chosen_) left.push_back(places_[i]);
+    if (left.size() <= 6) return shortest(left);
+    for (Place from = last_place(); !left.empty(); from = order.back()) {
+      const auto cost = [&](const Place& place) { return cost_between(from, place); };
+      const auto next =
+          std::min_element(left.begin(), left.end(), [&](const Place& a, const Place& b) { return cost(a) < cost(b); });
+      order.push_back(*next);
+      left.erase(next);
+    }
+    return order;
+  }
+
+  std::vector<Place> shortest(const std::vector<Place>& places) const {
+    std::vector<std::size_t> permutation(places.size());
+    std::iota(permutation.begin(), permutation.end(), 0);
+    std::vector<std::size_t> best = permutation;
+    double least = kImpossible;
+    do {
+      double cost = 0.0;
+      Place from = last_place();
+      for (const std::size_t i : permutation) {
+        cost += cost_between(from, places[i]);
+        from = places[i];
+      }
+      if (cost >= least) continue;
+      least = cost;
+      best = permutation;
+    } while (std::next_permutation(permutation.begin(), permutation.end()));
+    std::vector<Place> order;
+    for (const std::size_t i : best) order.push_back(places[i]);
+    return order;
+  }
+
+  // A metre of driving costs as much as a radian of turning; a blocked way is only taken if there is no other.
+  double cost_between(const Place& from, const Place& to) const {
+    constexpr double kBlocked = 1e3;
+    const DriveCommand command = suggest::command_between(from, to, 0.0);
+    return std::abs(command.distance_m) + std::abs(command.turn_before_rad) + std::abs(command.turn_after_rad) +
+           (floor_.may_drive(from, to) ? 0.0 : kBlocked);
+  }
+
+  // Commands are rounded, and the robot is where they lead it.
+  void command(const std::vector<Place>& order, Suggestion* suggestion) const {
+    Place from = last_place();
+    for (const Place& to : order) {
+      SuggestedStop stop;
+      for (const double min_turn_rad : {options_.min_turn_rad, 0.0}) {
+        stop.command = suggest::command_between(from, to, min_turn_rad);
+        stop.T_world_robot = from.T_world_robot() * stop.command.motion();
+        stop.cameras = foresight_.cameras_with_board(stop.T_world_robot);
+        if (static_cast<int>(stop.cameras.size()) >= options_.min_cameras) break;
+      }
+      if (!floor_.may_drive(from, Place::of(stop.T_world_robot)))
+        suggestion->notes.push_back("On the straight way to stop " + std::to_string(suggestion->stops.size() + 1) +
+                                    " the robot comes nearer to the board than asked for: drive around it.");
+      from = Place::of(stop.T_world_robot);
+      suggestion->stops.push_back(std::move(stop));
+    }
+    const std::size_t missing = static_cast<std::size_t>(options_.stops) - suggestion->stops.size();
+    if (missing > 0)
+      suggestion->notes.push_back("Only " + std::to_string(suggestion->stops.size()) +
+                                  " places were found from which the board is seen whole; give more floor.");
+  }
+
+  // What `ml` makes of observations free of noise: whether the stops determine everything.
+  Result foreseen(const Observations& observations) const {
+    MlOptions options;
+    options.estimate_corner_level = options.estimate_plane_level = false;
+    options.suspension_height_sigma_m = forecast_.levels().suspension_height_m;
+    options.suspension_tilt_sigma_rad = forecast_.levels().suspension_tilt_rad;
+    return estimate_maximum_likelihood(observations, options).result;
+  }
+
+  void foretell(Suggestion* suggestion) const {
+    Observations observations = foresight_.as_expected(forecast_.levels());
+    const Result now = foreseen(observations);
+    if (now.status < suggestion->status_now)
+      suggestion->notes.push_back(
+          "The observations so far contradict themselves: mend that first, more stops will not.");
+    std::vector<StopInformation> information;
+    Place before = last_place();
+    for (const SuggestedStop& stop : suggestion->stops) {
+      information.push_back(forecast_.information_of(foresight_, Place::of(stop.T_world_robot)));
+      foresight_.append_stop(before.T_world_robot(), stop.T_world_robot, &observations);
+      before = Place::of(stop.T_world_robot);
+    }
+    const Result then = foreseen(observations);
+    suggestion->status_then = then.status;
+    suggestion->reasons_then = then.reasons;
+    std::vector<const StopInformation*> stops;
+    for (const StopInformation& stop : information) stops.push_back(&stop);
+    add_cameras(then, forecast_.sigmas({}), forecast_.sigmas(stops), suggestion);
+  }
+
+  void add_cameras(const Result& result_then, const std::vector<AxisSigmas>& now, const std::vector<AxisSigmas>& then,
+                   Suggestion* suggestion) const {
+    std::size_t row = 0;
+    for (std::size_t c = 0; c < knowledge_.has_pose.size(); ++c) {
+      const std::string& name = knowledge_.observations.cameras[c].name;
+      if (!knowledge_.has_pose[c]) {
+        suggestion->notes.push_back(name + " never saw the board: nothing can be foretold of it; aim it at the board.");
+        continue;
+      }
+      suggestion->cameras.push_back({name, only_answered(knowledge_.estimate.result, now[row], name),
+                                     only_answered(result_then, then[row], name)});
+      ++row;
+    }
+  }
+
+  // What the method refuses has no figure.
+  AxisSigmas only_answered(const Result& result, AxisSigmas sigmas, const std::string& camera) const {
+    const EstimatedTransform* transform = result.find(knowledge_.observations.robot_frame, camera);
+    for (std::size_t axis = 0; axis < 6; ++axis)
+      if (transform == nullptr || !transform->observable[axis]) sigmas[axis].reset();
+    return sigmas;
+  }
+
+  const Knowledge& knowledge_;
+  const SuggestOptions& options_;
+  AcceptLimits limits_;
+  const CalibrationState& state_;
+  Floor floor_;
+  Foresight foresight_;
+  Forecast forecast_;
+  std::vector<Place> places_;
+  std::vector<StopInformation> information_;
+  std::vector<std::size_t> chosen_;
+  double best_ = kImpossible;
+};
+
+}  // namespace
+
+Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options) {
+  check(options);
+  const AcceptLimits limits = observations.accept.value_or(options.limits);
+  const Knowledge knowledge = suggest::knowledge_from(observations);
+  return Suggester(knowledge, options, limits).run();
+}
+
+}  // namespace rigproof

@@ -1,0 +1,13 @@
+// What of the observations `ml` really uses.
+#pragma once
+
+#include "rigproof/calib/trajectory_alignment.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/result.h"
+
+namespace rigproof {
+
+/// Without the views that the result leaves out and the planes that are not the ground.
+Observations used_observations(const Result& result, const Observations& observations, const GroundCheck& ground);
+
+}  // namespace rigproof

@@ -1,0 +1,235 @@
+#include "rigproof/calib/suggest.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "error_text.h"
+#include "pose_near.h"
+#include "rigproof/calib/ml.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/geometric/geometric.h"
+
+namespace rigproof {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+GeometricConfig short_drive(GeometricDrive drive, int stops) {
+  GeometricConfig config;
+  config.seed = 5;
+  config.drive = drive;
+  config.stops = stops;
+  return config;
+}
+
+// Floor between 1.1 m and 3.4 m in front of the board, as the robot sees it that starts facing it.
+SuggestOptions wide_floor() {
+  SuggestOptions options;
+  options.reach_m = 1.2;
+  options.clearance_m = 1.1;
+  return options;
+}
+
+double worst(const Suggestion& suggestion, bool then) {
+  double worst = 0.0;
+  for (const CameraForecast& camera : suggestion.cameras)
+    for (std::size_t axis = 0; axis < 6; ++axis) {
+      const double limit = axis < 2   ? suggestion.limits.xy_m
+                           : axis < 3 ? suggestion.limits.z_m
+                                      : suggestion.limits.angle_rad;
+      worst = std::max(worst, (then ? camera.then : camera.now)[axis].value_or(1.0) / limit);
+    }
+  return worst;
+}
+
+TEST(DriveCommand, SaysWhatToDo) {
+  EXPECT_EQ((DriveCommand{deg_to_rad(34.0), 1.2, deg_to_rad(-10.0)}.text()),
+            "turn 34 deg left, drive 1.20 m, turn 10 deg right");
+  EXPECT_EQ((DriveCommand{0.0, -0.6, deg_to_rad(25.0)}.text()), "back up 0.60 m, turn 25 deg left");
+  EXPECT_EQ(DriveCommand().text(), "stay");
+}
+
+TEST(DriveCommand, MovesTheRobotAsItSays) {
+  const Rigid3 T = DriveCommand{0.5 * kPi, 2.0, 0.5 * kPi}.motion();
+  EXPECT_LT((T.translation - Eigen::Vector3d(0.0, 2.0, 0.0)).norm(), 1e-12);
+  EXPECT_NEAR(std::abs(yaw_of(T)), kPi, 1e-12);
+}
+
+// Where the robot goes when it does as it is told, from where it truly stands.
+GeometricScene followed(const GeometricRun& run, const Suggestion& suggestion) {
+  GeometricScene scene;
+  scene.T_world_board = run.truth.T_world_board;
+  for (const TrueStop& stop : run.truth.stops) scene.T_world_robot.push_back(stop.T_world_robot);
+  for (const SuggestedStop& stop : suggestion.stops)
+    scene.T_world_robot.push_back(scene.T_world_robot.back() * stop.command.motion());
+  return scene;
+}
+
+TEST(Suggest, EveryStopSeesTheBoardKeepsClearAndStaysOnTheFloor) {
+  const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 6));
+  SuggestOptions options = wide_floor();
+  options.stops = 4;
+  options.min_cameras = 2;
+  options.area = DriveArea{-0.8, 0.9, -1.0, 1.1};
+  const Suggestion suggestion = suggest_stops(run.observations, options);
+  ASSERT_EQ(suggestion.stops.size(), 4U);
+  const GeometricScene scene = followed(run, suggestion);
+  for (std::size_t i = run.truth.stops.size(); i < scene.T_world_robot.size(); ++i) {
+    const Rigid3& T = scene.T_world_robot[i];
+    // A command is whole degrees and centimetres: what it adds to the place that was chosen.
+    constexpr double kRounding_m = 0.06;
+    EXPECT_GT(T.translation.x(), -0.8 - kRounding_m);
+    EXPECT_LT(T.translation.x(), 0.9 + kRounding_m);
+    EXPECT_GT(T.translation.y(), -1.0 - kRounding_m);
+    EXPECT_LT(T.translation.y(), 1.1 + kRounding_m);
+    for (const Eigen::Vector3d& corner : run.truth.board.outline())
+      EXPECT_GT((T.translation - scene.T_world_board * corner).head<2>().norm(), 1.1 - kRounding_m);
+  }
+  const GeometricRun replay = draw_geometric_run(short_drive(GeometricDrive::kRandom, 6), scene);
+  for (std::size_t i = 0; i < suggestion.stops.size(); ++i) {
+    const int stop = static_cast<int>(run.truth.stops.size() + i);
+    std::vector<int> seeing;
+    for (const BoardView& view : replay.observations.board_views)
+      if (view.stop == stop) seeing.push_back(view.camera);
+    EXPECT_GE(seeing.size(), 2U);
+    for (const int camera : suggestion.stops[i].cameras)
+      EXPECT_THAT(seeing, testing::Contains(camera)) << "stop " << stop;
+  }
+}
+
+TEST(Suggest, ForecastNowIsWhatTheMethodStates) {
+  const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 12));
+  const Suggestion suggestion = suggest_stops(run.observations, wide_floor());
+  const Result result = ml_method().solve(run.observations);
+  ASSERT_EQ(result.status, ResultStatus::kSolved);
+  ASSERT_EQ(suggestion.cameras.size(), 3U);
+  for (const CameraForecast& camera : suggestion.cameras) {
+    const EstimatedTransform* stated = result.find(run.observations.robot_frame, camera.camera);
+    for (Eigen::Index axis = 0; axis < 6; ++axis) {
+      // The method weighs residuals by its loss, which costs it some information; the forecast does not.
+      const double sigma = std::sqrt((*stated->covariance)(axis, axis));
+      EXPECT_NEAR(*camera.now[static_cast<std::size_t>(axis)] / sigma, 1.0, 0.1) << camera.camera << axis;
+    }
+  }
+}
+
+// What was foretold against what comes true: the robot drives as it was told, again and again with other noise.
+TEST(Suggest, ForecastComesTrue) {
+  const GeometricConfig before = short_drive(GeometricDrive::kRandom, 6);
+  const GeometricRun run = draw_geometric_run(before);
+  const Suggestion suggestion = suggest_stops(run.observations, wide_floor());
+  ASSERT_EQ(suggestion.stops.size(), 3U);
+  EXPECT_EQ(suggestion.status_then, ResultStatus::kSolved);
+  const GeometricScene scene = followed(run, suggestion);
+  constexpr int kTrials = 300;
+  Eigen::VectorXd square = Eigen::VectorXd::Zero(18);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    GeometricConfig config = before;
+    config.seed = 1000 + static_cast<std::uint64_t>(trial);
+    config.stops = static_cast<int>(scene.T_world_robot.size());
+    const GeometricRun replay = draw_geometric_run(config, scene);
+    const Result result = ml_method().solve(replay.observations);
+    ASSERT_EQ(result.status, ResultStatus::kSolved);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Rigid3& truth = replay.truth.cameras[static_cast<std::size_t>(c)].T_robot_camera;
+      const Rigid3& estimate = result.camera_to_robot[static_cast<std::size_t>(c)].T_parent_child;
+      square.segment<6>(6 * c) += transform_error(estimate, truth).cwiseAbs2() / kTrials;
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t axis = 0; axis < 6; ++axis) {
+      const double foretold = *suggestion.cameras[c].then[axis];
+      const double rmse = std::sqrt(square[static_cast<Eigen::Index>(6 * c + axis)]);
+      // A standard deviation from 300 trials is known to 4.1 %; four of these for the largest of 18, and 8 % for a
+      // forecast linearised at an estimate from eight stops.
+      EXPECT_NEAR(rmse / foretold, 1.0, 0.25) << c << kDegreeOfFreedomNames[axis];
+    }
+}
+
+TEST(Suggest, ChosenStopsBeatStopsByChance) {
+  const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 6));
+  SuggestOptions options = wide_floor();
+  const Suggestion best = suggest_stops(run.observations, options);
+  EXPECT_LT(worst(best, true), 0.8 * worst(best, false));
+  // As many candidates as the fewest allowed leave little to choose.
+  options.candidates = 10;
+  double by_chance = 0.0;
+  for (options.seed = 0; options.seed < 5; ++options.seed)
+    by_chance += worst(suggest_stops(run.observations, options), true) / 5.0;
+  EXPECT_LT(worst(best, true), by_chance);
+}
+
+TEST(Suggest, EachCriterionIsBestByItsOwnMeasure) {
+  const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 6));
+  SuggestOptions options = wide_floor();
+  const double by_worst_axis = worst(suggest_stops(run.observations, options), true);
+  for (const SuggestCriterion criterion : {SuggestCriterion::kDeterminant, SuggestCriterion::kEigenvalue}) {
+    options.criterion = criterion;
+    const Suggestion other = suggest_stops(run.observations, options);
+    EXPECT_EQ(other.status_then, ResultStatus::kSolved);
+    EXPECT_LT(worst(other, true), worst(other, false));
+    EXPECT_GE(worst(other, true), 0.999 * by_worst_axis);
+  }
+}
+
+// Degenerate so far: the drive that is suggested makes x, y and yaw observable, and it is so when driven. After a
+// standstill nothing tells where on the robot the cameras sit, so that the board may be out of sight where it was
+// expected: then a second round is needed.
+TEST(Suggest, MakesADegenerateDriveObservable) {
+  const std::vector<std::pair<GeometricDrive, int>> rounds_by_drive = {{GeometricDrive::kStraight, 1},
+                                                                       {GeometricDrive::kTurnInPlace, 1},
+                                                                       {GeometricDrive::kArc, 1},
+                                                                       {GeometricDrive::kStandstill, 2}};
+  for (const auto& [drive, rounds] : rounds_by_drive) {
+    const GeometricConfig before = short_drive(drive, 6);
+    GeometricRun run = draw_geometric_run(before);
+    SuggestOptions options = wide_floor();
+    options.stops = 4;
+    ASSERT_NE(ml_method().solve(run.observations).status, ResultStatus::kSolved);
+    for (int round = 0; round < rounds; ++round) {
+      const Suggestion suggestion = suggest_stops(run.observations, options);
+      EXPECT_TRUE(round > 0 || !suggestion.cameras[0].now[0].has_value());
+      EXPECT_EQ(suggestion.status_then, ResultStatus::kSolved) << static_cast<int>(drive);
+      run = draw_geometric_run(before, followed(run, suggestion));
+    }
+    const Result result = ml_method().solve(run.observations);
+    EXPECT_EQ(result.status, ResultStatus::kSolved)
+        << static_cast<int>(drive) << testing::PrintToString(result.reasons);
+  }
+}
+
+TEST(Suggest, DependsOnTheSeedAlone) {
+  const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 6));
+  const Suggestion a = suggest_stops(run.observations, wide_floor()), b = suggest_stops(run.observations, wide_floor());
+  ASSERT_EQ(a.stops.size(), b.stops.size());
+  for (std::size_t i = 0; i < a.stops.size(); ++i) EXPECT_EQ(a.stops[i].command.text(), b.stops[i].command.text());
+}
+
+TEST(Suggest, SaysWhereThereIsNoRoom) {
+  const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 6));
+  SuggestOptions options = wide_floor();
+  options.area = DriveArea{-9.0, -8.9, 5.0, 5.1};  // too far away to see anything
+  options.min_cameras = 3;
+  options.clearance_m = 50.0;
+  const Suggestion suggestion = suggest_stops(run.observations, options);
+  EXPECT_TRUE(suggestion.stops.empty());
+  EXPECT_THAT(suggestion.notes, ElementsAre(HasSubstr("Only 0 places were found")));
+}
+
+TEST(Suggest, RefusesWhatItCannotStartFrom) {
+  SuggestOptions options;
+  options.stops = 0;
+  options.candidates = 1;
+  EXPECT_THAT(error_text([&] { suggest_stops({}, options); }),
+              testing::AllOf(HasSubstr("stops"), HasSubstr("candidates")));
+  Observations blind;
+  blind.cameras = reference_rig().cameras;
+  blind.stops.resize(2);
+  EXPECT_THAT(error_text([&] { suggest_stops(blind, {}); }), HasSubstr("No camera ever saw the board"));
+}
+
+}  // namespace
+}  // namespace rigproof
