@@ -1,1 +1,1 @@
-find_dependency(OpenCV COMPONENTS core imgproc imgcodecs)
+find_dependency(OpenCV COMPONENTS core features2d imgproc imgcodecs)

@@ -88,6 +88,15 @@ struct DoctorArguments {
 };
 int doctor_command(const DoctorArguments& arguments);
 
+struct ScenesArguments {
+  CommonArguments common;
+  std::vector<std::string> scenes;  ///< to be tried; empty = all that ship if there is an output, else only a list
+  std::filesystem::path output;     ///< of a picture; empty = none
+  int poses = 8;
+  int device = -2;
+};
+int scenes_command(const ScenesArguments& arguments);
+
 /// kind: scenes, rigs, sensors, boards or methods.
 int list_command(const CommonArguments& common, const std::string& kind);
 

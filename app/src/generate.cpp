@@ -7,6 +7,7 @@
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
+#include "rigproof/generator/dataset.h"
 #include "rigproof/study/overrides.h"
 
 namespace rigproof {
@@ -94,8 +95,16 @@ int print_plan(const GenerateArguments& arguments, const GenerateConfig& config)
   return 0;
 }
 
-int generate_command(const GenerateArguments& arguments) {
-  const GenerateConfig config = configuration_of(arguments);
+namespace {
+
+// The folder of one of a data set's runs: below the output, by its world.
+GenerateArguments arguments_of(const GenerateArguments& all, const GenerateConfig& run, bool many) {
+  GenerateArguments arguments = all;
+  if (many && !all.output.empty()) arguments.output = all.output / std::filesystem::path(run.name).filename();
+  return arguments;
+}
+
+int generate_one(const GenerateArguments& arguments, const GenerateConfig& config) {
   if (arguments.dry_run) return print_plan(arguments, config);
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   const GenerateReport report = generate_with_progress(arguments, config, terminal);
@@ -109,6 +118,21 @@ int generate_command(const GenerateArguments& arguments) {
   }
   terminal.line(report.coverage);
   terminal.line("run        " + output.string());
+  return 0;
+}
+
+}  // namespace
+
+int generate_command(const GenerateArguments& arguments) {
+  const std::vector<GenerateConfig> runs = runs_of(configuration_of(arguments));
+  const Terminal terminal(arguments.common.quiet || arguments.common.json);
+  const bool many = runs.size() > 1;
+  if (many && arguments.common.json) std::puts("[");
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (many) terminal.line(std::to_string(i + 1) + "/" + std::to_string(runs.size()) + "  " + runs[i].name);
+    generate_one(arguments_of(arguments, runs[i], many), runs[i]);
+    if (many && arguments.common.json) std::puts(i + 1 < runs.size() ? "," : "]");
+  }
   return 0;
 }
 

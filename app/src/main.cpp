@@ -195,6 +195,22 @@ void add_sensors(CLI::App& app, Action& action) {
   });
 }
 
+void add_scenes(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "scenes", "The worlds that a run can be set in; with names: try them out",
+                                  "rigproof scenes my_hall.yaml -o my_hall.jpg");
+  auto arguments = std::make_shared<ScenesArguments>();
+  command->add_option("SCENE", arguments->scenes,
+                      "Render some stops and say whether board and ground are found; names or YAML files");
+  command->add_option("-o,--output", arguments->output, "Picture of them (.jpg or .png); of all worlds without names");
+  command->add_option("--poses", arguments->poses, "Stops to render in each")
+      ->check(CLI::Range(4, 1000))
+      ->capture_default_str();
+  add_jobs(command, arguments->common);
+  add_device(command, arguments->device);
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return scenes_command(*arguments); }; });
+}
+
 void add_schema(CLI::App& app, Action& action) {
   CLI::App* command = add_command(app, "schema", "Print the JSON Schema of a file that you write, for your editor",
                                   "rigproof schema run > run.schema.json");
@@ -234,7 +250,7 @@ int run_main(int argc, char** argv) {
   add_inspect(app, action);
   add_doctor(app, action);
   add_list(app, "methods", "The calibration methods: what each needs and gives", action);
-  add_list(app, "scenes", "The worlds that a run can be set in", action);
+  add_scenes(app, action);
   add_list(app, "rigs", "The camera rigs", action);
   add_sensors(app, action);
   add_list(app, "boards", "The board presets", action);

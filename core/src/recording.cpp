@@ -1,9 +1,13 @@
 #include "rigproof/core/recording.h"
 
+#include <algorithm>
+
+#include "csv.h"
 #include "frame_list.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/odometry_csv.h"
 #include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof {
 namespace {
@@ -67,6 +71,48 @@ YamlTree tree_of(const Rig& rig) {
   return tree;
 }
 
+// ----------------------------------------------------------------------------------------------------- segments.csv
+
+constexpr const char* kSegmentsFile = "segments.csv";
+const std::vector<std::string> kSegmentColumns = {"kind", "begin_s", "end_s"};
+
+std::optional<RecordingSegment> read_segment(const CsvColumns& columns, const std::vector<std::string_view>& fields,
+                                             int line, LimitedProblems* problems) {
+  const std::string_view kind = columns.get(fields, 0), begin = columns.get(fields, 1), end = columns.get(fields, 2);
+  const auto begin_s = parse_number(begin), end_s = parse_number(end);
+  if (kind != kStraightSegment) problems->add(line, "kind", kind, "allowed is straight");
+  if (!begin_s) problems->add(line, "begin_s", begin, "must be a finite number");
+  if (!end_s) problems->add(line, "end_s", end, "must be a finite number");
+  if (!begin_s || !end_s) return std::nullopt;
+  if (*end_s < *begin_s) problems->add(line, "end_s", end, "lies before begin_s");
+  return RecordingSegment{std::string(kind), *begin_s, *end_s};
+}
+
+std::vector<RecordingSegment> read_segments(const fs::path& file, Problems* problems) {
+  std::vector<RecordingSegment> segments;
+  const std::string text = read_text_file(file, 1U << 20U);
+  LimitedProblems limited(file.string());
+  CsvLines lines(text);
+  CsvColumns columns;
+  std::vector<std::string_view> fields;
+  if (is_binary(text) || !lines.next(&fields) ||
+      !columns.read_header(fields, kSegmentColumns, 3, file.string(), lines.line(), problems)) {
+    problems->add({file.string(), 0, "", "", "the first line must be kind,begin_s,end_s"});
+    return segments;
+  }
+  while (lines.next(&fields))
+    if (auto segment = read_segment(columns, fields, lines.line(), &limited)) segments.push_back(std::move(*segment));
+  limited.move_to(problems);
+  return segments;
+}
+
+std::string segments_csv(const std::vector<RecordingSegment>& segments) {
+  std::string text = "kind,begin_s,end_s\n";
+  for (const RecordingSegment& segment : segments)
+    text += segment.kind + "," + number_text(segment.begin_s) + "," + number_text(segment.end_s) + "\n";
+  return text;
+}
+
 fs::path rig_file(const fs::path& folder) { return folder / "rig.yaml"; }
 
 }  // namespace
@@ -95,6 +141,8 @@ Recording load_recording(const fs::path& folder) {
   }
   for (const RigCamera& camera : recording.rig.cameras)
     recording.frames.push_back(list_frames(folder, camera, recording.odometry, &problems));
+  if (std::error_code ignored; fs::exists(folder / kSegmentsFile, ignored))
+    recording.segments = read_segments(path_inside(folder, kSegmentsFile), &problems);
   problems.throw_if_any();
   return recording;
 }
@@ -106,11 +154,25 @@ void save_recording(const Recording& recording) {
                 std::to_string(rig.cameras.size()) + " cameras");
   save_rig(rig, rig_file(recording.folder));
   write_file_atomically(path_inside(recording.folder, rig.odometry_file), odometry_csv(recording.odometry));
+  if (!recording.segments.empty())
+    write_file_atomically(path_inside(recording.folder, kSegmentsFile), segments_csv(recording.segments));
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const std::string& camera_folder = rig.cameras[i].folder;
     write_file_atomically(path_inside(recording.folder, camera_folder) / "frames.csv",
                           frames_csv(recording.frames[i], camera_folder));
   }
+}
+
+bool Recording::in_segment(const CameraFrame& frame) const {
+  return std::any_of(segments.begin(), segments.end(),
+                     [&](const RecordingSegment& segment) { return segment.holds(frame.stamp_s); });
+}
+
+std::vector<CameraFrame> Recording::frames_of(const RecordingSegment& segment, std::size_t camera) const {
+  std::vector<CameraFrame> within;
+  std::copy_if(frames.at(camera).begin(), frames.at(camera).end(), std::back_inserter(within),
+               [&](const CameraFrame& frame) { return segment.holds(frame.stamp_s); });
+  return within;
 }
 
 }  // namespace rigproof

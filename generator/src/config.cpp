@@ -188,6 +188,9 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
   visitor.field("name", name, TextChoices{}, "of the run; empty = the configuration file's name");
   visitor.field("seed", seed, {0.0, 9007199254740992.0}, "of all random numbers");
   visitor.field("scene", scene, TextChoices{}, "world in scenes, or a YAML file");
+  visitor.field("scenes", scenes,
+                "several worlds instead: `rigproof generate` makes a run NAME/SCENE of each, with seeds that count up");
+  visitor.nested("randomize", randomize, "domain randomisation: surfaces, light and clutter drawn anew for each seed");
   visitor.field("rig", rig, TextChoices{}, "robot and cameras in models/rigs, or a YAML file");
   visitor.field("image_scale", image_scale, {0.05, 1.0}, "shrinks every camera's image, for quick trials");
   visitor.field("poses", poses, {1.0, 1e6}, "stops of the robot; planner sampled only");
@@ -200,6 +203,7 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
                 "must be false with motion drive: its odometry follows no noise law that could be told");
   visitor.nested("board", board, "the calibration board and where it stands");
   visitor.nested("viewpoints", viewpoints, "where the robot stands when it takes images");
+  visitor.nested("straight_drive", straight_drive, "frames along a straight line, for methods that need them");
   visitor.nested("odometry", odometry, "what the wheels tell");
   visitor.field("sensor_noise", sensor_noise, TextChoices{{"realistic", "none"}},
                 "realistic: image and depth noise of the camera's sensor preset; none: clean images");

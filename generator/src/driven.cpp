@@ -7,6 +7,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
+#include "rigproof/generator/straight_drive.h"
 
 namespace rigproof {
 namespace {
@@ -100,6 +101,9 @@ DrivenViewpoints drive_viewpoints(const GenerateConfig& config, const WorldDescr
   const ViewpointConfig viewpoints = with_tolerance(config, subject);
   DrivenViewpoints result;
   result.plan = plan_viewpoints(viewpoints, config.poses, subject, drivable, seed);
+  append_straight_stops(config.straight_drive, description.scene.straight_path, drivable, &result.plan);
+  if (result.plan.straight > 0 && config.drive.capture == "moving")
+    throw Error("straight_drive.frames: needs drive.capture: standing");
   std::vector<Viewpoint> known = result.plan.stops;
   DriveRequest request;
   request.config = config.drive;
@@ -118,7 +122,10 @@ DrivenViewpoints drive_viewpoints(const GenerateConfig& config, const WorldDescr
   result.drive = simulate_drive(physics, request);
   result.plan.stops.clear();
   for (const FloorPose& pose : result.drive.reached) result.plan.stops.push_back(planned_at(known, pose));
-  result.plan.coverage = describe_coverage(result.plan.stops, subject.cameras.size()) + describe_drive(result.drive);
+  result.plan.straight = trailing_straight_stops(result.plan.stops);
+  const std::vector<Viewpoint> viewpoints_reached(
+      result.plan.stops.begin(), result.plan.stops.end() - static_cast<std::ptrdiff_t>(result.plan.straight));
+  result.plan.coverage = describe_coverage(viewpoints_reached, subject.cameras.size()) + describe_drive(result.drive);
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/generator/odometry.h"
+#include "rigproof/generator/straight_drive.h"
 #include "sensing/resolve.h"
 
 namespace rigproof {
@@ -154,6 +155,8 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
       frames.push_back(frame);
     }
   }
+  if (scenario.plan.straight > 0)
+    recording.segments = {straight_segment(scenario.truth.stops, scenario.plan.straight)};
   return recording;
 }
 
@@ -162,6 +165,7 @@ void teleport(const WorldDescription& description, const ViewpointSubject& subje
   const GenerateConfig& config = scenario->config;
   ComposedViewpointWorld world(*scenario->world);
   scenario->plan = plan_viewpoints(config.viewpoints, config.poses, subject, world, seed_of(config));
+  append_straight_stops(config.straight_drive, description.scene.straight_path, world, &scenario->plan);
   std::vector<double> stamps_s;
   for (const Viewpoint& stop : scenario->plan.stops) {
     stamps_s.push_back(static_cast<double>(stamps_s.size()) * config.stop_period_s);
@@ -238,10 +242,14 @@ Camera scaled_camera(const Camera& camera, double scale) {
 }
 
 Scenario resolve_scenario(const GenerateConfig& config) {
+  if (!config.scenes.empty())
+    throw Error("scenes: this configuration makes " + std::to_string(config.scenes.size()) +
+                " runs; `rigproof generate` makes them all, and --set scenes=[] --set scene=" + config.scenes.front() +
+                " chooses one");
   Scenario scenario;
   scenario.config = config;
   scenario.rig = resolve_rig(config);
-  const SceneModel scene = load_scene_model(config.scene);
+  const SceneModel scene = varied(load_scene_model(config.scene), config.randomize, seed_of(config));
   scenario.inputs = inputs_of(config, scenario.rig, scene);
   scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
   const Board board = resolve_board(config.board, scenario.rig.rig.board);

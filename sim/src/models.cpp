@@ -186,7 +186,7 @@ void visit_scene(FieldVisitor& visitor, SceneModel& scene, std::string& mjcf) {
       [&](std::size_t i, FieldVisitor& scatter) { visit_scatter(scatter, scene, scene.scatter[i]); },
       "things strewn at random around the drivable area, other ones for each seed");
   visitor.section(
-      "straight_path", [&](FieldVisitor& path) { visit_straight_path(path, scene.straight_path); },
+      "straight_path", [&](FieldVisitor& path) { visit_straight_path(path, scene.world.straight_path); },
       "where a robot can drive straight ahead without the board in view");
 }
 

@@ -29,8 +29,8 @@ bool in_the_way(const SceneModel& scene, const SceneObject& object) {
   const double dx = std::max({area.x_min - object.x_m, 0.0, object.x_m - area.x_max});
   const double dy = std::max({area.y_min - object.y_m, 0.0, object.y_m - area.y_max});
   if (std::hypot(dx, dy) < radius + kClearanceM) return true;
-  return scene.straight_path.length_m > 0.0 &&
-         distance_to_path(scene.straight_path, object.x_m, object.y_m) < radius + kClearanceM;
+  return scene.world.straight_path.length_m > 0.0 &&
+         distance_to_path(scene.world.straight_path, object.x_m, object.y_m) < radius + kClearanceM;
 }
 
 bool touches_any(const SceneObject& object, const std::vector<SceneObject>& others) {

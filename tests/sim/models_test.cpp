@@ -66,7 +66,7 @@ TEST(Models, EverySceneComposesAndIsFreeWhereItSaysSo) {
         EXPECT_THAT(world->collisions(), IsEmpty()) << name << " " << x << " " << y;
       }
     }
-    const StraightPath& path = scene.straight_path;
+    const StraightPath& path = scene.world.straight_path;
     ASSERT_GT(path.length_m, 3.0) << name;
     const double heading = deg_to_rad(path.heading_deg);
     for (double along = 0.0; along <= path.length_m; along += 0.5) {

@@ -30,6 +30,7 @@ std::vector<Frame> locate_frames(const Recording& recording, const OdometryTrack
   for (std::size_t camera = 0; camera < recording.frames.size(); ++camera) {
     for (std::size_t i = 0; i < recording.frames[camera].size(); ++i) {
       const CameraFrame& frame = recording.frames[camera][i];
+      if (recording.in_segment(frame)) continue;  // serves something else, by the recording's own word
       std::string reason;
       const std::optional<OdometryReading> reading = track.at(frame.stamp_s, &reason);
       if (reading)

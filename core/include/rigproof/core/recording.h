@@ -27,11 +27,28 @@ struct OdometrySample {
   double yaw_rad = 0.0;
 };
 
+/// A stretch of a recording that serves something else than the board. Frames whose stamps lie in it are no stops:
+/// board calibration leaves them alone. On disk a line of segments.csv: kind,begin_s,end_s.
+struct RecordingSegment {
+  std::string kind;  ///< straight: the robot drives straight ahead, at least three frames a camera, no board needed
+  double begin_s = 0.0;
+  double end_s = 0.0;
+
+  bool holds(double stamp_s) const { return stamp_s >= begin_s && stamp_s <= end_s; }
+};
+inline constexpr const char* kStraightSegment = "straight";
+
 struct Recording {
   std::filesystem::path folder;
   Rig rig;
   std::vector<std::vector<CameraFrame>> frames;  ///< [camera][frame], by stamp
   std::vector<OdometrySample> odometry;          ///< by strictly increasing stamp
+  std::vector<RecordingSegment> segments;        ///< usually none
+
+  /// True if the frame serves a segment instead of the board.
+  bool in_segment(const CameraFrame& frame) const;
+  /// The frames of one camera that lie in a segment, by stamp.
+  std::vector<CameraFrame> frames_of(const RecordingSegment& segment, std::size_t camera) const;
 };
 
 /// Reads a recording folder: rig.yaml, odometry.csv and the list of frames of every camera. Images are not opened.

@@ -9,7 +9,9 @@
 #include "rigproof/core/distribution.h"
 #include "rigproof/core/fields.h"
 #include "rigproof/generator/motion.h"
+#include "rigproof/generator/straight_drive_config.h"
 #include "rigproof/generator/sensing.h"
+#include "rigproof/sim/scene_variation.h"
 
 namespace rigproof {
 
@@ -94,6 +96,8 @@ struct GenerateConfig {
   std::string name;
   std::int64_t seed = 0;
   std::string scene = "indoor_lab";
+  std::vector<std::string> scenes;  ///< several worlds, one run each; see runs_of() in dataset.h
+  SceneVariation randomize;
   std::string rig = "husky_3x_d455";
   double image_scale = 1.0;
   std::int64_t poses = 100;
@@ -102,6 +106,7 @@ struct GenerateConfig {
   DriveConfig drive;
   BoardConfig board;
   ViewpointConfig viewpoints;
+  StraightDriveConfig straight_drive;
   OdometryConfig odometry;
   std::string sensor_noise = "realistic";  ///< realistic | none
   Distribution depth_scale_bias_percent = 0.0;

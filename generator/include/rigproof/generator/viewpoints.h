@@ -59,6 +59,7 @@ struct Viewpoint {
 
 struct ViewpointPlan {
   std::vector<Viewpoint> stops;  ///< in the order of driving
+  std::size_t straight = 0;      ///< of them the last, which are frames of a straight drive
   std::size_t skipped = 0;       ///< planner grid: places that break a constraint
   std::string coverage;          ///< in words
 };

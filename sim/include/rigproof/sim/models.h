@@ -69,14 +69,6 @@ struct SceneScatter {
   Distribution size_factor = 1.0;  ///< drawn for each object
 };
 
-/// Where a robot can drive straight ahead without the board in view, for methods that need such images.
-struct StraightPath {
-  double x_m = 0.0;  ///< start of the robot, world frame
-  double y_m = 0.0;
-  double heading_deg = 0.0;
-  double length_m = 0.0;  ///< 0 = the scene has none
-};
-
 /// scenes/NAME.yaml with its MJCF.
 struct SceneModel {
   std::string name;
@@ -85,7 +77,6 @@ struct SceneModel {
   SceneDescription world;     ///< what World::compose needs
   BoardPlacementRange board;  ///< where the board stands by default
   std::vector<SceneScatter> scatter;
-  StraightPath straight_path;
 };
 
 /// Load by name or by path. Throw Error with every problem of the file, or with the names that exist.

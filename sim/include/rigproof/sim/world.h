@@ -39,6 +39,14 @@ struct FloorArea {
   double x_min = 0.0, x_max = 0.0, y_min = 0.0, y_max = 0.0;
 };
 
+/// Where a robot can drive straight ahead without the board in view, for methods that need such images.
+struct StraightPath {
+  double x_m = 0.0;  ///< start of the robot, world frame
+  double y_m = 0.0;
+  double heading_deg = 0.0;
+  double length_m = 0.0;  ///< 0 = the scene has none
+};
+
 /// Furniture, a tree, a car: a thing made of simple shapes that stands in a scene, as a block of its `objects`.
 struct SceneObject {
   std::string kind;                                ///< see object_kinds()
@@ -72,6 +80,7 @@ struct SceneDescription {
   bool shadows = false;  ///< cast by the scene's lights; rendering takes longer
   std::vector<SceneObject> objects;
   LightChange light;
+  StraightPath straight_path;
 };
 
 struct WorldDescription {
