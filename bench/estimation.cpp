@@ -28,13 +28,14 @@ constexpr const char* kHelp =
 bench_estimation --suite FOLDER [--trials 2000] [--sheets increment,pose,..] [--stops ..] [--lambda ..] [--seed 0]
   runs the table of docs/estimation.md, the cheapest cells first, and writes FOLDER/table.csv, table.md, ratios.png and
   nees.png. Cells are saved every few seconds: the same command goes on where it was interrupted, and with more trials.
+  --trials 0 only writes what was saved.
 
 bench_estimation --convergence RIGS [--seed 0]
   random rigs and board orientations: does the start from the data alone find the optimum that the truth leads to?
 )";
 
 struct Options {
-  int trials = 0;  // 0: the mode's own
+  int trials = -1;  // -1: the mode's own
   std::uint64_t seed = 0;
   std::vector<double> stops, lambdas;  // empty: the mode's own
   Sheet sheet;
@@ -206,7 +207,7 @@ Cell run_cell(const CellKey& key, int trials, const std::filesystem::path* folde
 
 int run_suite(const Options& options) {
   const std::filesystem::path folder = *options.suite, cells = folder / "cells";
-  const int trials = options.trials > 0 ? options.trials : 2000;
+  const int trials = options.trials >= 0 ? options.trials : 2000;
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
   const std::vector<CellKey> keys = suite_cells(options);
