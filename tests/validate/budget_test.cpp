@@ -119,6 +119,24 @@ TEST(Gate, MissingCamerasAndRefusedDegreesFail) {
   EXPECT_THAT(gate.checks[6].message(), HasSubstr("do not determine"));
 }
 
+TEST(Gate, CameraToCameraMethodsOweNoPoseInTheRobotUnlessItIsLimited) {
+  const Truth truth = make_truth();
+  Result result = exact_result(truth);
+  result.camera_to_robot.clear();
+  const Rigid3 &left = truth.cameras[0].T_robot_camera, &center = truth.cameras[1].T_robot_camera;
+  result.camera_to_camera = {
+      {truth.cameras[0].name, truth.cameras[1].name, left.inverse() * center, Matrix6d(1e-6 * Matrix6d::Identity())}};
+  const Gate gate = apply_budget(compare(result, truth), default_budget());
+  EXPECT_TRUE(gate.passed());
+  EXPECT_EQ(gate.checks.size(), 6U);
+  EXPECT_THAT(gate.notes, testing::Contains(HasSubstr("camera to camera only")));
+  Budget limits_robot = default_budget();
+  limits_robot.camera_to_robot = Vector6d::Constant(0.002);
+  EXPECT_EQ(apply_budget(compare(result, truth), limits_robot).failures(), truth.cameras.size());
+  result.status = ResultStatus::kPartial;
+  EXPECT_FALSE(apply_budget(compare(result, truth), default_budget()).passed());
+}
+
 TEST(Gate, SigmasGateOnlyWhatStatesThem) {
   const Truth truth = make_truth();
   Result result = make_result(truth, {along(0, 0.0041), Vector6d::Zero(), Vector6d::Zero()});

@@ -75,6 +75,8 @@ class GateBuilder {
     gate_.checks.push_back(check);
   }
 
+  void note(const std::string& sentence) { gate_.notes.push_back(sentence); }
+
   void add(const TransformError& error, const std::optional<Vector6d>& limits) {
     for (int axis = 0; axis < 6; ++axis) {
       if (limits && std::isfinite((*limits)[axis])) add_absolute(error, axis, (*limits)[axis]);
@@ -183,7 +185,13 @@ std::size_t Gate::failures() const {
 
 Gate apply_budget(const Comparison& comparison, const Budget& budget) {
   GateBuilder builder(budget);
-  for (const std::string& camera : comparison.missing_cameras) builder.add_missing(camera);
+  // A method for camera to camera alone owes no pose in the robot, unless the budget limits those.
+  const bool pairs_only = comparison.status == ResultStatus::kSolved && comparison.camera_to_robot.empty() &&
+                          !comparison.camera_to_camera.empty() && !budget.camera_to_robot;
+  if (pairs_only)
+    builder.note("The result is camera to camera only.");
+  else
+    for (const std::string& camera : comparison.missing_cameras) builder.add_missing(camera);
   for (const TransformError& error : comparison.camera_to_robot) builder.add(error, budget.camera_to_robot);
   for (const TransformError& error : comparison.camera_to_camera) builder.add(error, budget.camera_to_camera);
   return builder.take();

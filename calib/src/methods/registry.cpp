@@ -1,6 +1,9 @@
+#include <chrono>
+
 #include "rigproof/calib/memroc.h"
 #include "rigproof/calib/method.h"
 #include "rigproof/calib/ml.h"
+#include "rigproof/calib/rivals.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
 
@@ -15,12 +18,29 @@ const Method* find_or_null(const std::string& name) {
 
 }  // namespace
 
+std::string Method::why_not(const MethodInput& /*input*/) const { return {}; }
+
+Result Method::solve_recording(const MethodInput& input) const { return solve(input.observations); }
+
+Result run_method(const Method& method, const MethodInput& input) {
+  Result result;
+  const std::string reason = method.why_not(input);
+  const auto start = std::chrono::steady_clock::now();
+  if (reason.empty())
+    result = method.solve_recording(input);
+  else
+    result.reasons.push_back(reason);
+  result.method = method.traits().name;
+  result.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
 const std::vector<const Method*>& all_methods() {
-  static const std::vector<const Method*> methods = {
-      &ml_method(),
-      &joint_memroc_method(),
-      &memroc_method(),
-  };
+  static const std::vector<const Method*> methods = [] {
+    std::vector<const Method*> list = {&ml_method(), &joint_memroc_method(), &memroc_method()};
+    for (const Method* rival : rival_methods()) list.push_back(rival);
+    return list;
+  }();
   return methods;
 }
 

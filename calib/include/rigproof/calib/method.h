@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rigproof/core/observations.h"
+#include "rigproof/core/recording.h"
 #include "rigproof/core/result.h"
 
 namespace rigproof {
@@ -17,13 +18,30 @@ struct MethodTraits {
   std::string gives;    ///< "camera to robot (6), camera to camera"
 };
 
+/// What a method is given: what calibration saw and, where there is one, the recording in which it was seen. A
+/// recording holds what a robot could record and never the truth.
+struct MethodInput {
+  const Observations& observations;
+  const Recording* recording = nullptr;  ///< none where the input was observations alone
+  int threads = 0;                       ///< 0 = all cores; results do not depend on it
+};
+
 class Method {
  public:
   virtual ~Method() = default;
   virtual MethodTraits traits() const = 0;
   /// Never throws on data: what cannot be answered is a refused or partial Result with reasons in words.
   virtual Result solve(const Observations& observations) const = 0;
+  /// Why the method cannot run on this input, in a sentence ("needs images"); empty if it can. Told before anything is
+  /// solved, so cheap.
+  virtual std::string why_not(const MethodInput& input) const;
+  /// As solve(), for methods that read images or clouds, too. The others see the observations alone.
+  virtual Result solve_recording(const MethodInput& input) const;
 };
+
+/// Runs a method as every command does: one that cannot run on the input is refused with the reason why, one that can
+/// is timed.
+Result run_method(const Method& method, const MethodInput& input);
 
 /// All methods, in the order in which they are listed to users.
 const std::vector<const Method*>& all_methods();

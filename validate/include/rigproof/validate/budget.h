@@ -56,7 +56,8 @@ struct Gate {
   std::size_t failures() const;
 };
 
-/// A camera without a pose fails; so does a degree of freedom that the budget limits in metres or radians and the
+/// A camera without a pose fails (but for a solved result that is camera to camera throughout, under a budget that does
+/// not limit camera_to_robot); so does a degree of freedom that the budget limits in metres or radians and the
 /// result does not answer. A limit in sigmas concerns only what states a sigma.
 Gate apply_budget(const Comparison& comparison, const Budget& budget);
 

@@ -1,0 +1,22 @@
+// Directions that many steps of a drive show, and the one that they agree on.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+namespace rigproof::rivals {
+
+inline constexpr std::size_t kMinDirections = 3;
+
+/// Unit vectors that should agree, with weights.
+struct Directions {
+  std::vector<Eigen::Vector3d> vectors;
+  std::vector<double> weights;
+
+  /// Weighted mean under Cauchy's loss at three times the median angle, so that outliers count no more; absent with
+  /// fewer than kMinDirections.
+  std::optional<Eigen::Vector3d> common() const;
+};
+
+}  // namespace rigproof::rivals

@@ -1,0 +1,30 @@
+#include "rivals/image_files.h"
+
+#include <string>
+
+namespace rigproof::rivals {
+
+FramesByStop frames_by_stop(const Observations& observations, const Recording& recording) {
+  std::vector<std::map<std::string, const CameraFrame*>> by_file(recording.frames.size());
+  for (std::size_t k = 0; k < recording.frames.size(); ++k)
+    for (const CameraFrame& frame : recording.frames[k]) by_file[k][frame.color_file] = &frame;
+  FramesByStop frames;
+  const auto add = [&](int stop, int camera, const std::string& file) {
+    if (stop < 0 || camera < 0 || static_cast<std::size_t>(camera) >= by_file.size()) return;
+    const auto& files = by_file[static_cast<std::size_t>(camera)];
+    const auto found = files.find(file);
+    if (found != files.end()) frames.emplace(std::make_pair(stop, camera), found->second);
+  };
+  for (const BoardView& view : observations.board_views) add(view.stop, view.camera, view.file);
+  // An image without a board is told by the reason for leaving it out.
+  for (const Exclusion& exclusion : observations.exclusions)
+    if (exclusion.reason.rfind(kDepthReason, 0) != 0) add(exclusion.stop, exclusion.camera, exclusion.file);
+  return frames;
+}
+
+const CameraFrame* frame_of(const FramesByStop& frames, int stop, int camera) {
+  const auto found = frames.find({stop, camera});
+  return found == frames.end() ? nullptr : found->second;
+}
+
+}  // namespace rigproof::rivals

@@ -1,0 +1,23 @@
+// Which image stands for a camera at a stop: for methods that read images besides the observations.
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "rigproof/core/observations.h"
+#include "rigproof/core/recording.h"
+
+namespace rigproof::rivals {
+
+/// Frames by (stop, camera).
+using FramesByStop = std::map<std::pair<int, int>, const CameraFrame*>;
+
+/// The frame that observing chose where the board was seen, else the first one of the stop. The recording must outlive
+/// what is returned.
+FramesByStop frames_by_stop(const Observations& observations, const Recording& recording);
+
+/// The frame, or none.
+const CameraFrame* frame_of(const FramesByStop& frames, int stop, int camera);
+
+}  // namespace rigproof::rivals

@@ -1,0 +1,28 @@
+// Matches between the consecutive images of a camera.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "rigproof/calib/feature_source.h"
+#include "rigproof/calib/method.h"
+#include "rivals/relative_pose.h"
+
+namespace rigproof::rivals {
+
+struct ImagePair {
+  int camera = 0;
+  int from = 0, to = 0;  ///< stops
+  std::vector<RayMatch> matches;
+};
+
+/// Of every camera, each image with the next one, by (camera, stop). Images that cannot be read are skipped, as are
+/// steps that `wanted` turns down. Does not depend on the number of threads.
+/// @param wanted is asked with (camera, from, to)
+std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const FeatureSource& source,
+                                                const std::function<bool(int, int, int)>& wanted);
+
+/// A pixel of this camera as a difference of rays.
+double ray_sigma(const Camera& camera, double sigma_px);
+
+}  // namespace rigproof::rivals

@@ -1,0 +1,139 @@
+// SensorX2Car, camera to car (Yan et al. 2023): rotation from the forward direction and the vertical.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "rigproof/calib/rivals.h"
+#include "rigproof/core/conventions.h"
+#include "rivals/directions.h"
+#include "rivals/image_pairs.h"
+#include "rivals/rival_result.h"
+#include "rivals/straight_drive.h"
+
+namespace rigproof {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kMatchSigma_px = 0.7;
+// Rotation that a straight step may show in the images; beyond it camera and robot move too differently.
+const double kMaxDrift_rad = deg_to_rad(1.0);
+const double kMinTurn_rad = deg_to_rad(2.0);
+
+// Where the camera went on a straight step, in its frame amid the step, and forwards in the robot's sense.
+Vector3d forward_of(const rivals::RelativePose& pose, const rivals::Step& step) {
+  const Vector3d half = -0.5 * so3_log(pose.T_a_b.rotation);
+  const Vector3d went = so3_exp(half) * pose.T_a_b.translation;
+  return step.forward_m > 0.0 ? went : Vector3d(-went);
+}
+
+class SensorX2Car : public Method {
+ public:
+  MethodTraits traits() const override {
+    return {"sensorx2car",
+            "SensorX2Car (Yan et al. 2023): forward from straight steps, vertical from turns, by image features",
+            "images, odometry; straight steps and turns", "rotation only, camera to robot and camera to camera"};
+  }
+
+  std::string why_not(const MethodInput& input) const override {
+    if (input.recording == nullptr) return "It follows features in the images, and the input is observations alone.";
+    const Observations& observations = input.observations;
+    std::size_t straight = 0;
+    for (std::size_t i = 1; i < observations.stops.size(); ++i)
+      straight += rivals::step_between(observations, static_cast<int>(i) - 1, static_cast<int>(i)).straight();
+    if (straight >= rivals::kMinDirections) return {};
+    return "The drive has " + std::to_string(straight) +
+           " straight steps from stop to stop; three at least are needed to see where forward is.";
+  }
+
+  Result solve(const Observations& observations) const override {
+    Result result;
+    result.method = traits().name;
+    result.reasons.push_back(why_not({observations}));
+    return result;
+  }
+
+  Result solve_recording(const MethodInput& input) const override {
+    Result result;
+    result.method = traits().name;
+    if (input.recording == nullptr) return solve(input.observations);
+    const Observations& observations = input.observations;
+    const auto wanted = [&](int /*camera*/, int from, int to) {
+      const rivals::Step step = rivals::step_between(observations, from, to);
+      return step.straight() || std::abs(step.turn_rad) > kMinTurn_rad;
+    };
+    const std::vector<rivals::ImagePair> pairs = rivals::match_consecutive_images(input, *sift_features(), wanted);
+    std::vector<rivals::Directions> forward(observations.cameras.size()), up(observations.cameras.size());
+    for (const rivals::ImagePair& pair : pairs) collect(observations, pair, &forward, &up);
+    for (std::size_t k = 0; k < observations.cameras.size(); ++k)
+      solve_camera(observations, static_cast<int>(k), forward[k], up[k], &result);
+    add_pairs(&result);
+    rivals::conclude_by_cameras(observations, &result);
+    return result;
+  }
+
+ private:
+  static void collect(const Observations& observations, const rivals::ImagePair& pair,
+                      std::vector<rivals::Directions>* forward, std::vector<rivals::Directions>* up) {
+    const auto k = static_cast<std::size_t>(pair.camera);
+    const double sigma = rivals::ray_sigma(observations.cameras[k].camera, kMatchSigma_px);
+    const auto pose = rivals::estimate_relative_pose(pair.matches, sigma);
+    if (!pose) return;
+    const rivals::Step step = rivals::step_between(observations, pair.from, pair.to);
+    const Vector3d turn = so3_log(pose->T_a_b.rotation);
+    if (step.straight() && turn.norm() < kMaxDrift_rad) {
+      (*forward)[k].vectors.push_back(forward_of(*pose, step));
+      (*forward)[k].weights.push_back(step.forward_m * step.forward_m);
+    } else if (std::abs(step.turn_rad) > kMinTurn_rad && turn.norm() > 0.5 * kMinTurn_rad) {
+      (*up)[k].vectors.push_back((step.turn_rad > 0.0 ? turn : Vector3d(-turn)).normalized());
+      (*up)[k].weights.push_back(turn.squaredNorm());
+    }
+  }
+
+  static void solve_camera(const Observations& observations, int k, const rivals::Directions& forward,
+                           const rivals::Directions& up, Result* result) {
+    const std::string& name = observations.cameras[static_cast<std::size_t>(k)].name;
+    const std::optional<Vector3d> x = forward.common(), z = up.common();
+    if (!x)
+      result->reasons.push_back(name + ": " + std::to_string(forward.vectors.size()) +
+                                " straight steps whose images show where it went; three are needed.");
+    if (!z)
+      result->reasons.push_back(name + ": " + std::to_string(up.vectors.size()) +
+                                " turns whose images show their axis; three are needed.");
+    if (!x || !z) return;
+    Eigen::Matrix3d R;
+    R.row(2) = z->transpose();
+    R.row(0) = (*x - z->dot(*x) * *z).normalized().transpose();
+    R.row(1) = z->cross(R.row(0).transpose()).transpose();
+    if (!R.allFinite()) return;
+    EstimatedTransform transform =
+        rivals::camera_in_robot(observations, k, Rigid3(Eigen::Quaterniond(R), Vector3d::Zero()));
+    transform.observable = {false, false, false, true, true, true};
+    result->camera_to_robot.push_back(transform);
+    char text[200];
+    std::snprintf(text, sizeof(text), "%s: %d straight steps, %d turns, forward and vertical %.2f deg from square",
+                  name.c_str(), static_cast<int>(forward.vectors.size()), static_cast<int>(up.vectors.size()),
+                  std::abs(90.0 - rad_to_deg(std::acos(std::clamp(x->dot(*z), -1.0, 1.0)))));
+    result->notes.emplace_back(text);
+  }
+
+  static void add_pairs(Result* result) {
+    for (std::size_t j = 0; j < result->camera_to_robot.size(); ++j) {
+      for (std::size_t k = j + 1; k < result->camera_to_robot.size(); ++k) {
+        const EstimatedTransform &first = result->camera_to_robot[j], &second = result->camera_to_robot[k];
+        result->camera_to_camera.push_back({first.child, second.child,
+                                            first.T_parent_child.inverse() * second.T_parent_child, std::nullopt,
+                                            first.observable});
+      }
+    }
+  }
+};
+
+}  // namespace
+
+const Method& sensorx2car_method() {
+  static const SensorX2Car method;
+  return method;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,82 @@
+// Methods that see features: on images of a patterned room whose truth is exact.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "rigproof/calib/rivals.h"
+#include "rigproof/core/conventions.h"
+#include "room.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+using testing::HasSubstr;
+
+std::string text(const std::vector<std::string>& lines) { return testing::PrintToString(lines); }
+
+std::vector<Rigid3> straight_and_turns() {
+  Steps steps(planar_pose(-2.0, -0.8, 0.1));
+  steps.forward(0.15, 5);
+  steps.arc(0.12, 9.0, 4);
+  steps.forward(-0.15, 3);
+  steps.arc(0.12, -9.0, 5);
+  return steps.poses;
+}
+
+double angle_deg(const EstimatedTransform& estimate, const Rigid3& truth) {
+  return rad_to_deg(transform_error(estimate.T_parent_child, truth).tail<3>().norm());
+}
+
+TEST(SensorX2Car, FindsTheRotationOfForwardAndSideCameras) {
+  const TempFolder folder;
+  const RoomDrive drive = drive_through_room(straight_and_turns(), two_cameras(), false, folder.path());
+  const MethodInput input{drive.observations, &drive.recording, 2};
+  EXPECT_EQ(sensorx2car_method().why_not(input), "");
+  const Result result = run_method(sensorx2car_method(), input);
+  ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
+  ASSERT_EQ(result.camera_to_robot.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const EstimatedTransform& camera = result.camera_to_robot[k];
+    EXPECT_FALSE(camera.observable[0] || camera.observable[1] || camera.observable[2]);
+    // The published mean error is 0.26, 0.82 and 1.22 degrees about the three axes.
+    EXPECT_LT(angle_deg(camera, drive.T_robot_camera[k]), 0.8) << text(result.notes);
+  }
+  ASSERT_EQ(result.camera_to_camera.size(), 1U);
+  EXPECT_LT(angle_deg(result.camera_to_camera[0], drive.T_robot_camera[0].inverse() * drive.T_robot_camera[1]), 1.2);
+}
+
+TEST(SensorX2Car, NeedsStraightStepsAndImages) {
+  Steps steps(planar_pose(0.0, 0.0, 0.0));
+  steps.arc(0.2, 10.0, 8);
+  Observations observations;
+  for (const Rigid3& pose : steps.poses)
+    observations.stops.push_back({0.0, pose.translation.x(), pose.translation.y(), yaw_of(pose), 0.0});
+  const Recording recording;
+  EXPECT_THAT(sensorx2car_method().why_not({observations}), HasSubstr("observations alone"));
+  EXPECT_THAT(sensorx2car_method().why_not({observations, &recording, 1}), HasSubstr("0 straight steps"));
+  EXPECT_EQ(run_method(sensorx2car_method(), {observations, &recording, 1}).status, ResultStatus::kRefused);
+}
+
+TEST(RobotAutocalib, FindsPoseAndScaleFromFeatures) {
+  const TempFolder folder;
+  const RoomDrive drive = drive_through_room(straight_and_turns(), two_cameras(), false, folder.path());
+  const Result result = run_method(robot_autocalib_method(), {drive.observations, &drive.recording, 2});
+  ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vector6d error = transform_error(result.camera_to_robot[k].T_parent_child, drive.T_robot_camera[k]);
+    // Small images and short steps; the published means are 0.9 cm and 1.9 deg an axis.
+    EXPECT_LT(error.head<3>().norm(), 0.08) << text(result.notes);
+    EXPECT_LT(rad_to_deg(error.tail<3>().norm()), 2.5) << text(result.notes);
+  }
+}
+
+TEST(RobotAutocalib, NeedsImages) {
+  const Observations observations;
+  EXPECT_THAT(robot_autocalib_method().why_not({observations}), HasSubstr("observations alone"));
+}
+
+}  // namespace
+}  // namespace rigproof
