@@ -19,6 +19,7 @@ struct Breakage {
   int min_cameras = 1;
   bool board_depth = false;
   NamedIn named_in = NamedIn::kReasons;
+  bool large = false;  ///< 100 stops of the reference rig instead
   /// Breaks the observations; returns the words that name the cause.
   std::string (*apply)(std::uint64_t seed, Observations* observations);
 };

@@ -74,9 +74,10 @@ class Search {
     const std::optional<Trial> as_is = refit_(sample_, true);
     if (!as_is) return std::nullopt;
     as_is_ = *as_is;
+    // From the plain to the far-fetched; what leaves the data in order ends the search.
     if (symptoms_.odometry) try_odometry();
-    if (symptoms_.frames) try_each(camera_shift_faults(sample_), false);
-    if (as_is_.lenses) try_lenses();
+    if (!any_clean() && as_is_.lenses) try_lenses();
+    if (!any_clean() && symptoms_.frames) try_each(camera_shift_faults(sample_), false);
     if (!any_clean() && sample_.cameras.size() > 1) try_swaps();
     if (!any_clean() && symptoms_.odometry) try_single_stops();
     if (!any_clean()) return std::nullopt;
@@ -103,7 +104,7 @@ class Search {
     try_each(odometry_faults(sample_), true);
     if (std::abs(symptoms_.odometry_scale - 1.0) > 0.03)
       try_fault(odometry_scaled(symptoms_.odometry_scale), true, kDecides);
-    try_shift();
+    if (!any_clean()) try_shift();
   }
 
   // Fractions of a stop: on a grid, then about the best of it.

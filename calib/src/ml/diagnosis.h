@@ -42,6 +42,6 @@ struct Cause {
 std::optional<Cause> find_cause(const Observations& observations, const Symptoms& symptoms, const Refit& refit);
 
 /// Stops that are looked at: causes act on all of them alike.
-inline constexpr int kDiagnosedStops = 40;
+inline constexpr int kDiagnosedStops = 24;
 
 }  // namespace rigproof::ml

@@ -262,8 +262,7 @@ class Estimator {
     solver.tolerance = options_.tolerance;
     fit.summary = ml::minimise_with_levels(levels, solver, &problem, &fit.state);
     if (reseat_poses(problem, &fit.state)) fit.summary = ml::minimise_with_levels(levels, solver, &problem, &fit.state);
-    constexpr int kRounds = 8;  // one for each camera at a stop
-    for (int round = 0; round < kRounds && leave_out_wrong_views(&problem, fit.state); ++round)
+    for (int round = 0; round < max_rounds_ && leave_out_wrong_views(&problem, fit.state); ++round)
       fit.summary = ml::minimise_with_levels(levels, solver, &problem, &fit.state);
     fit.minus_two_log_likelihood = ml::minus_two_log_likelihood(problem, fit.state);
     fit.noise = problem.noise;
@@ -390,6 +389,9 @@ class Estimator {
     symptoms_.odometry = symptoms_.odometry || !contradictions_.odometry.empty();
     symptoms_.bad_corners = contradictions_.bad_corners;
     symptoms_.bad_corners.resize(original_.cameras.size(), false);
+    // Odometry in millimetres can bend the corners and agree with the bent ones.
+    for (const bool bad : symptoms_.bad_corners) symptoms_.odometry = symptoms_.odometry || bad;
+    note_lens_trust();
     symptoms_.lenses = !contradictions_.cameras.empty() || (lenses_ && lenses_->suspicious());
     if (!symptoms_.any() || original_.stops.size() < 3 || !wrong_frames_.empty() || board_explains()) return;
     cause_ = ml::find_cause(original_, symptoms_, [this](const Observations& repaired, bool same_views) {
@@ -478,6 +480,18 @@ class Estimator {
                                             view.stop));
   }
 
+  // Half a pixel turns a camera like a wrong mounting does: only views at the images' edges tell them apart.
+  void note_lens_trust() {
+    constexpr double kSlip_px = 0.5, kDetects = 5.0;
+    if (!lenses_ || lenses_->suspicious()) return;
+    const double sigma_px = lenses_->common_shift.sigma.tail<2>().maxCoeff();
+    if (kDetects * sigma_px < kSlip_px || !(sigma_px < 1e3)) return;
+    estimate_.result.notes.push_back(format(
+        "Taken on trust: the principal points (these data know them to +-%.2f px: a slip of half a pixel need not "
+        "show).",
+        sigma_px));
+  }
+
   std::optional<ml::LensTest> lens_test() const {
     ml::Priors doubted = priors();
     doubted.focal_relative = std::max(doubted.focal_relative, ml::kDoubtedFocal);
@@ -492,7 +506,9 @@ class Estimator {
     std::vector<ViewPose> views;
     for (const ViewPose& view : views_)
       if (view.stop < static_cast<int>(repaired.stops.size())) views.push_back(view);
+    options.tolerance = std::max(options.tolerance, 1e-4);
     Estimator other(repaired, options);
+    other.max_rounds_ = 1;
     if (!other.start(same_views ? &views : nullptr)) return std::nullopt;
     const OdometryModel declared = repaired.odometry_noise.model;
     other.fit_ = other.fit(declared == OdometryModel::kUnknown ? OdometryModel::kPerIncrement : declared);
@@ -861,6 +877,7 @@ class Estimator {
   InitialGuess guess_;
   ml::State start_;
   Fit fit_;
+  int max_rounds_ = 8;  // in which wrong views are left out: one for each camera at a stop
   std::size_t rejected_planes_ = 0;
   ml::Symptoms symptoms_;
   std::vector<ml::WildRow> wild_rows_;
