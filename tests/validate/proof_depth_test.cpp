@@ -63,6 +63,30 @@ TEST_F(ProofOfDepth, NoiseAsStatedPasses) {
   }
 }
 
+TEST_F(ProofOfDepth, RealisedNoiseIsToldAndKept) {
+  DepthFaults faults;
+  faults.noise_sigmas = 1.3;
+  const Proof proof = prove_with(faults);
+  for (const CameraProof& camera : proof.cameras) {
+    EXPECT_FALSE(camera.depth_noise.empty());
+    EXPECT_GT(camera.depth_valid_share, 0.99);
+    for (const RealisedDepthNoise& noise : camera.depth_noise) {
+      // A spread from the median of n distances has the standard error 1.17 / sqrt(n); four of them.
+      const double tolerance = 4.0 * 1.17 / std::sqrt(static_cast<double>(noise.pixels));
+      EXPECT_NEAR(noise.sigma_mm / noise.stated_sigma_mm, 1.3, 1.3 * tolerance + 0.05) << noise.z_m;
+      EXPECT_NEAR(noise.bias_mm / noise.sigma_mm, 0.0, tolerance) << noise.z_m;
+    }
+  }
+  const std::filesystem::path file = folder_ / "proof.yaml";
+  save_proof(proof, file);
+  const Proof again = load_proof(file);
+  ASSERT_EQ(again.cameras.size(), proof.cameras.size());
+  ASSERT_EQ(again.cameras[0].depth_noise.size(), proof.cameras[0].depth_noise.size());
+  EXPECT_EQ(again.cameras[0].depth_noise[0].sigma_mm, proof.cameras[0].depth_noise[0].sigma_mm);
+  EXPECT_EQ(again.cameras[0].depth_noise[0].pixels, proof.cameras[0].depth_noise[0].pixels);
+  EXPECT_EQ(again.cameras[0].depth_valid_share, proof.cameras[0].depth_valid_share);
+}
+
 TEST_F(ProofOfDepth, DistanceAlongTheRayIsNamed) {
   DepthFaults faults;
   faults.along_ray = true;

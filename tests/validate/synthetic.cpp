@@ -21,9 +21,9 @@ Truth make_truth(std::size_t stops) {
   Truth truth;
   truth.scene = "synthetic";
   const Camera camera = Camera::symmetric(640, 360, 320.0);
-  truth.cameras = {{"left", looking({0.31, 0.24, 0.62}, 25.0, 12.0, 1.0), camera, 1.0},
-                   {"center", looking({0.36, 0.02, 0.64}, -1.0, 10.0, -0.5), camera, 1.0},
-                   {"right", looking({0.30, -0.25, 0.61}, -27.0, 14.0, 0.7), camera, 1.0}};
+  truth.cameras = {{"left", looking({0.31, 0.24, 0.62}, 25.0, 12.0, 1.0), camera, 1.0, {}},
+                   {"center", looking({0.36, 0.02, 0.64}, -1.0, 10.0, -0.5), camera, 1.0, {}},
+                   {"right", looking({0.30, -0.25, 0.61}, -27.0, 14.0, 0.7), camera, 1.0, {}}};
   // The board hangs upright 3 m ahead: x to the right, y down, z away from the robot.
   truth.T_world_board = looking({3.0, 0.15, 0.9}, 3.0, 2.0);
   for (std::size_t i = 0; i < stops; ++i) {

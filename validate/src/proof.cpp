@@ -50,6 +50,16 @@ YamlTree list_of_texts(const std::vector<std::string>& texts) {
 
 YamlTree count_of(std::size_t value) { return YamlTree::integer(static_cast<std::int64_t>(value)); }
 
+YamlTree tree_of(const RealisedDepthNoise& noise) {
+  YamlTree tree = YamlTree::inline_map();
+  tree.set("z_m", YamlTree::number(noise.z_m));
+  tree.set("pixels", count_of(noise.pixels));
+  tree.set("stated_sigma_mm", YamlTree::number(noise.stated_sigma_mm));
+  tree.set("sigma_mm", YamlTree::number(noise.sigma_mm));
+  tree.set("bias_mm", YamlTree::number(noise.bias_mm));
+  return tree;
+}
+
 YamlTree tree_of(const CameraProof& camera) {
   YamlTree tree = YamlTree::map();
   tree.set("camera", YamlTree::text(camera.camera));
@@ -67,6 +77,9 @@ YamlTree tree_of(const CameraProof& camera) {
   tree.set("depth_rms_mm", YamlTree::number(camera.depth_rms_mm));
   tree.set("depth_max_mm", YamlTree::number(camera.depth_max_mm));
   tree.set("depth_rms_sigmas", YamlTree::number(camera.depth_rms_sigmas));
+  tree.set("depth_valid_share", YamlTree::number(camera.depth_valid_share));
+  YamlTree& noise = tree.set("depth_noise", YamlTree::sequence());
+  for (const RealisedDepthNoise& entry : camera.depth_noise) noise.add(tree_of(entry));
   return tree;
 }
 
@@ -83,6 +96,18 @@ void read_number(MapReader* reader, const std::string& key, double* value) {
 void read_pair(MapReader* reader, const std::string& key, Eigen::Vector2d* value) {
   reader->require(key, "two numbers");
   if (const auto numbers = reader->numbers(key, 2)) *value = {(*numbers)[0], (*numbers)[1]};
+}
+
+RealisedDepthNoise read_depth_noise(const YamlTree& tree, const std::string& path, Problems* problems) {
+  RealisedDepthNoise noise;
+  MapReader reader(tree, path, problems);
+  read_number(&reader, "z_m", &noise.z_m);
+  read_count(&reader, "pixels", &noise.pixels);
+  read_number(&reader, "stated_sigma_mm", &noise.stated_sigma_mm);
+  read_number(&reader, "sigma_mm", &noise.sigma_mm);
+  read_number(&reader, "bias_mm", &noise.bias_mm);
+  reader.finish();
+  return noise;
 }
 
 CameraProof read_camera(const YamlTree& tree, const std::string& path, Problems* problems) {
@@ -104,6 +129,11 @@ CameraProof read_camera(const YamlTree& tree, const std::string& path, Problems*
   read_number(&reader, "depth_rms_mm", &camera.depth_rms_mm);
   read_number(&reader, "depth_max_mm", &camera.depth_max_mm);
   read_number(&reader, "depth_rms_sigmas", &camera.depth_rms_sigmas);
+  read_number(&reader, "depth_valid_share", &camera.depth_valid_share);
+  reader.require("depth_noise", "a list of distances");
+  if (const YamlTree* noise = reader.find("depth_noise"))
+    for (const YamlTree& item : noise->items)
+      camera.depth_noise.push_back(read_depth_noise(item, reader.path_of("depth_noise"), problems));
   reader.finish();
   return camera;
 }

@@ -72,6 +72,7 @@ class DepthProof {
   std::vector<Hypothesis> hypotheses() const;
   std::string explain(double rms_now) const;
   void summarise() const;
+  void summarise_noise(const std::vector<const Sample*>& ground) const;
   // What stands on the ground hides it: only pixels near the expected depth (2 % and 5 sigma) show the ground.
   static bool shows_ground(const Sample& s) {
     return s.measured > 0.0 && std::abs(s.measured - s.z) < 0.02 * s.z + 5.0 * s.sigma;
@@ -277,6 +278,32 @@ std::vector<const Sample*> DepthProof::on_ground() const {
   return chosen;
 }
 
+// Near a few distances, as far as they occur. Residuals in sigmas, so that a tenth of the distance more or less does
+// not widen them.
+void DepthProof::summarise_noise(const std::vector<const Sample*>& ground) const {
+  constexpr double kMadOfNormal = 0.6745, kTolerance = 0.1;
+  constexpr std::size_t kEnough = 200;
+  std::vector<const Sample*> all = ground;
+  for (const Sample& s : board_)
+    if (s.measured > 0.0) all.push_back(&s);
+  const DepthStream& stream = *rig_camera_.depth;
+  for (const double z_m : {0.8, 1.0, 2.0, 4.0}) {
+    std::vector<double> residuals;
+    for (const Sample* s : all)
+      if (std::abs(s->z - z_m) <= kTolerance * z_m) residuals.push_back((s->measured - s->z) / s->sigma);
+    if (residuals.size() < kEnough) continue;
+    RealisedDepthNoise noise;
+    noise.z_m = z_m;
+    noise.pixels = residuals.size();
+    noise.stated_sigma_mm = 1e3 * std::hypot(stream.noise.sigma_m(z_m), stream.unit_m / std::sqrt(12.0));
+    const double middle = median_of(residuals);
+    for (double& residual : residuals) residual = std::abs(residual - middle);
+    noise.sigma_mm = noise.stated_sigma_mm * median_of(residuals) / kMadOfNormal;
+    noise.bias_mm = noise.stated_sigma_mm * middle;
+    proof_->depth_noise.push_back(noise);
+  }
+}
+
 void DepthProof::summarise() const {
   std::vector<double> all;
   const auto add = [&all](const Sample& s) { all.push_back(1e3 * (s.measured - s.z)); };
@@ -286,6 +313,12 @@ void DepthProof::summarise() const {
   for (const Sample* s : ground) add(*s);
   if (!ground_.empty())
     proof_->depth_ground_share = static_cast<double>(ground.size()) / static_cast<double>(ground_.size());
+  if (!board_.empty()) {
+    const auto measured = [](const Sample& s) { return s.measured > 0.0; };
+    proof_->depth_valid_share =
+        static_cast<double>(std::count_if(board_.begin(), board_.end(), measured)) / static_cast<double>(board_.size());
+  }
+  summarise_noise(ground);
   proof_->depth_pixels = all.size();
   proof_->depth_bias_mm = mean_of(all);
   double squares = 0.0;

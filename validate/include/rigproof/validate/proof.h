@@ -25,6 +25,15 @@ struct ProofOptions {
   int max_depth_frames = 25;  ///< of each camera, spread evenly; 0 = all of them, -1 = no depth
 };
 
+/// Noise of depth pixels near one distance, measured on board and ground.
+struct RealisedDepthNoise {
+  double z_m = 0.0;              ///< within a tenth of it
+  std::size_t pixels = 0;        ///< that have a measurement
+  double stated_sigma_mm = 0.0;  ///< by the sensor's law, with the rounding to its unit
+  double sigma_mm = 0.0;         ///< realised; from the median distance to the median, so that edges do not count
+  double bias_mm = 0.0;          ///< realised; median of measured - expected
+};
+
 struct CameraProof {
   std::string camera;
   std::size_t views = 0;
@@ -40,7 +49,9 @@ struct CameraProof {
   double depth_bias_mm = 0.0;       ///< depth image against ray-plane intersection, mean of measured - expected
   double depth_rms_mm = 0.0;
   double depth_max_mm = 0.0;
-  double depth_rms_sigmas = 0.0;  ///< whitened, on the board
+  double depth_rms_sigmas = 0.0;                ///< whitened, on the board
+  double depth_valid_share = 0.0;               ///< of the pixels on the board: those with a measurement
+  std::vector<RealisedDepthNoise> depth_noise;  ///< at the distances that occur, of 0.8, 1, 2 and 4 m
 };
 
 struct Proof {

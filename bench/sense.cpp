@@ -1,0 +1,93 @@
+// CPU time that a frame of colour and depth takes from the cache of clean renders to the files, by what is simulated.
+// What a run takes whatever its length (world, viewpoints) is measured by itself and taken off.
+// The goal is 50 ms a frame of 1280x720.
+//
+//   bench_sense [POSES=20]
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rigproof/core/error.h"
+#include "rigproof/generator/generate.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace rigproof;
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+// Of this process and of those that have ended below it.
+double cpu_s() {
+  double sum = 0.0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    ::getrusage(who, &usage);
+    sum += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  }
+  return sum;
+}
+
+const char* const kImageEffects = "image: {pixel_pattern: true, vignetting: true}";
+const char* const kDepthEffects =
+    "depth: {coarse_noise: true, bias_field: true, occlusion: true, edges: true, texture_holes: true}";
+
+const std::vector<std::pair<std::string, std::string>>& cases() {
+  static const std::vector<std::pair<std::string, std::string>> list = {
+      {"clean", "sensor_noise: none\n"},
+      {"default noise", ""},
+      {"image effects", std::string("sensing: {") + kImageEffects + "}\n"},
+      {"depth effects", std::string("sensing: {") + kDepthEffects + "}\n"},
+      {"all of these", std::string("sensing: {") + kImageEffects + ", " + kDepthEffects + "}\n"},
+      {"as JPEG", "sensing: {image: {jpeg_quality: 95}}\n"}};
+  return list;
+}
+
+void measure(const std::string& poses, const fs::path& folder) {
+  GenerateOptions options;
+  options.jobs = 1;
+  options.cache = folder / "cache";
+  options.output = folder / "run";
+  double start = cpu_s();
+  const GenerateReport rendered = generate(parse_generate_config(poses, "bench"), options);
+  const double images = static_cast<double>(rendered.images);
+  std::printf("%-16s %6.1f ms CPU a frame, viewpoints and drawing included\n", "rendered",
+              1e3 * (cpu_s() - start) / images);
+  options.render = false;
+  start = cpu_s();
+  plan_generation(parse_generate_config(poses, "bench"));
+  const double plan_s = cpu_s() - start;
+  std::printf("%-16s %6.1f ms CPU a run\n", "planned", 1e3 * plan_s);
+  for (const auto& [name, text] : cases()) {
+    options.output = folder / "sensed";
+    start = cpu_s();
+    generate(parse_generate_config(poses + text, "bench"), options);
+    std::printf("%-16s %6.1f ms CPU a frame from the cache\n", name.c_str(), 1e3 * (cpu_s() - start - plan_s) / images);
+    std::fflush(stdout);
+    fs::remove_all(options.output);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string name = (fs::temp_directory_path() / "bench-sense-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) return 1;
+  try {
+    measure("poses: " + std::string(argc > 1 ? argv[1] : "20") + "\n", name);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    fs::remove_all(name);
+    return 2;
+  }
+  fs::remove_all(name);
+  return 0;
+}
