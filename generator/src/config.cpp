@@ -155,27 +155,31 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
   visitor.field("step_m", step_m, {0.0, kMaxDistanceM}, "drive: wanted distance from stop to stop");
   visitor.nested("grid", grid, "planner grid: distances, bearings and headings, in this order of nesting");
   visitor.nested_list("list", list, "planner list: places of the robot");
-  visitor.field("list_frame", list_frame, TextChoices{{"scene", "board"}},
-                "frame of the list: scene; or board, on the floor below the board's centre, x towards its viewers, z up");
+  visitor.field(
+      "list_frame", list_frame, TextChoices{{"scene", "board"}},
+      "frame of the list: scene; or board, on the floor below the board's centre, x towards its viewers, z up");
   visitor.check(planner != "list" || !list.empty(), "list", "planner list needs at least one {x_m, y_m, yaw_deg}");
 }
 
 void OdometryConfig::visit(FieldVisitor& visitor) {
-  visitor.field("model", model, TextChoices{{"per_increment", "per_pose"}},
+  visitor.field("model", model, TextChoices{{"per_increment", "per_pose", "thrun", "wheels"}},
                 "per_increment: noise on every motion from stop to stop, so that it drifts; per_pose: independent on "
-                "every absolute pose");
-  visitor.field("lambda", lambda, {0.0, 1000.0}, "multiplies both sigmas; 0 = exact odometry");
+                "every absolute pose; thrun: grows with the motion; wheels: systematic errors of wheels, slip, ticks");
+  visitor.field("lambda", lambda, {0.0, 1000.0}, "per_increment, per_pose: multiplies both sigmas; 0 = exact odometry");
   visitor.field("sigma_xy_cm", sigma_xy_cm, {0.0, 100.0}, "standard deviation of x and of y at lambda 1");
   visitor.field("sigma_yaw_rad", sigma_yaw_rad, {0.0, 1.0}, "standard deviation of yaw at lambda 1");
   visitor.field("scale", scale, {0.5, 2.0}, "per_increment: measured over true length of a motion");
   visitor.field("yaw_factor", yaw_factor, {0.5, 2.0}, "per_increment: measured over true angle of a turn");
   visitor.field("rate_hz", rate_hz, {0.0, 1000.0},
-                "samples between the stops as well, at this rate; 0 = one sample a stop");
+                "samples between the stops as well, at this rate; 0 = one sample a stop (motion drive: 50 Hz)");
   visitor.field("declared", declared, "tell the recording's reader the model and the sigmas, in rig.yaml");
-  visitor.check(model == "per_increment" || (scale.lowest() == 1.0 && scale.highest() == 1.0), "scale",
-                "belongs to model per_increment; must be 1 with per_pose");
-  visitor.check(model == "per_increment" || (yaw_factor.lowest() == 1.0 && yaw_factor.highest() == 1.0), "yaw_factor",
-                "belongs to model per_increment; must be 1 with per_pose");
+  visitor.nested("thrun", thrun, "model thrun: noise of a turn, a straight way and another turn");
+  visitor.nested("wheels", wheels, "model wheels: what is true of the wheels");
+  for (const auto& [key, value] : {std::pair("scale", &scale), std::pair("yaw_factor", &yaw_factor)})
+    visitor.check(model == "per_increment" || (value->lowest() == 1.0 && value->highest() == 1.0), key,
+                  "belongs to model per_increment; must be 1 with " + model);
+  visitor.check(!declared || model == "per_increment" || model == "per_pose", "declared",
+                "must be false with model " + model + ": only per_increment and per_pose can be told in rig.yaml");
 }
 
 void RenderConfig::visit(FieldVisitor& visitor) {

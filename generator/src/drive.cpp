@@ -28,6 +28,8 @@ constexpr double kTipped_rad = 0.6;
 // Beyond the time that a piece of way takes with constant speed the robot is stuck.
 constexpr double kPatience = 3.0, kPatience_s = 5.0;
 constexpr int kMaxCorrections = 6;
+// Another plan keeps away from a place of trouble by this.
+constexpr double kAvoid_m = 0.7;
 // Still enough to take images.
 constexpr double kStill_m_s = 2e-4, kStill_rad_s = 5e-4;
 constexpr double kMaxSettle_s = 10.0;
@@ -57,11 +59,7 @@ class Driver {
       : physics_(physics),
         request_(request),
         config_(request.config),
-        planner_(request.area,
-                 [this](const FloorPose& pose) {
-                   return physics_.obstacle(planar_pose(pose.position.x(), pose.position.y(), pose.yaw_rad),
-                                            clearance_m_);
-                 }),
+        planner_(fresh_planner()),
         odometer_(request.wheels, 0.0, 0.0) {}
 
   Drive drive() {
@@ -86,6 +84,15 @@ class Driver {
     double left_hold, right_hold;
   };
 
+  RoutePlanner fresh_planner() const {
+    return RoutePlanner(request_.area, [this](const FloorPose& pose) {
+      for (const DriveTrouble& trouble : avoided_)
+        if ((trouble.at.position - pose.position).norm() < kAvoid_m)
+          return "the place where the robot " + trouble.reason;
+      return physics_.obstacle(planar_pose(pose.position.x(), pose.position.y(), pose.yaw_rad), clearance_m_);
+    });
+  }
+
   double time_s() const { return static_cast<double>(steps_) * physics_.step_s(); }
 
   FloorPose pose() const {
@@ -107,14 +114,10 @@ class Driver {
   }
 
   void visit(std::size_t goal) {
-    const Checkpoint before = checkpoint();
-    for (std::int64_t plan = 0; plan < config_.max_plans; ++plan) {
-      // A plan that keeps less distance is better than none.
-      clearance_m_ = 0.01 * config_.clearance_cm / (plan + 1 < config_.max_plans ? 1.0 : 3.0);
-      if (reach(goal, static_cast<int>(plan)) && stand_and_capture(goal)) return;
-      restore(before);
-      if (no_way_) break;
-    }
+    const bool done = try_plans(goal);
+    avoided_.clear();
+    planner_ = fresh_planner();
+    if (done) return;
     ++drive_.given_up;
     const std::size_t most = std::max(
         kReplaceableAtLeast, static_cast<std::size_t>(kReplaceable * static_cast<double>(request_.goals.size())));
@@ -122,6 +125,32 @@ class Driver {
     if (request_.replacement && drive_.given_up <= most) other = request_.replacement();
     if (!other) refuse(goal);
     goals_.push_back(*other);
+  }
+
+  // Another plan avoids the place where the one before failed; where start or goal are too near to it, it takes the
+  // next best way.
+  bool try_plans(std::size_t goal) {
+    const Checkpoint before = checkpoint();
+    int number = 0;
+    for (std::int64_t plan = 0; plan < config_.max_plans; ++plan) {
+      const bool last = plan + 1 == config_.max_plans;
+      // A way that keeps less distance is better than none.
+      clearance_m_ = 0.01 * config_.clearance_cm / (last ? 3.0 : 1.0);
+      if (plan > 0) planner_ = fresh_planner();
+      if (reach(goal, number) && stand_and_capture(goal)) return true;
+      const DriveTrouble& trouble = drive_.troubles.back();
+      restore(before);
+      if (no_way_) {
+        avoided_.clear();
+        plan = std::max(plan, config_.max_plans - 2);
+      } else if ((trouble.at.position - pose().position).norm() > kAvoid_m &&
+                 (trouble.at.position - goals_[goal].position).norm() > kAvoid_m) {
+        avoided_.push_back(trouble);
+      } else {
+        ++number;
+      }
+    }
+    return false;
   }
 
   [[noreturn]] void refuse(std::size_t goal) const {
@@ -333,6 +362,7 @@ class Driver {
   RoutePlanner planner_;
   WheelOdometer odometer_;
   std::vector<FloorPose> goals_;
+  std::vector<DriveTrouble> avoided_;  ///< on earlier ways to the present goal
   Drive drive_;
   std::int64_t steps_ = 0;
   double speed_ = 0.0, turn_rate_ = 0.0;  ///< commanded

@@ -188,6 +188,7 @@ std::optional<Route> RoutePlanner::around(const FloorPose& start, const FloorPos
 }
 
 std::optional<Route> RoutePlanner::route(const FloorPose& start, const FloorPose& goal, int number, bool straight_in) {
+  last_obstacle_.clear();
   if (!is_free(goal)) return std::nullopt;
   const Eigen::Vector2d d = goal.position - start.position;
   const double heading = std::atan2(d.y(), d.x());
@@ -202,10 +203,12 @@ std::optional<Route> RoutePlanner::route(const FloorPose& start, const FloorPose
     if (straight_in && (a.in_m != 0.0) != (b.in_m != 0.0)) return a.in_m != 0.0;
     return std::abs(a.out_m) + std::abs(a.in_m) < std::abs(b.out_m) + std::abs(b.in_m);
   });
+  std::string first_obstacle;  // on the most natural way
   for (const Pair& pair : pairs) {
     for (const bool backwards : {backwards_first, !backwards_first}) {
       std::optional<Route> found = between(start, goal, pair.out_m, pair.in_m, backwards);
       if (found && number-- == 0) return found;
+      if (first_obstacle.empty()) first_obstacle = last_obstacle_;
     }
   }
   int searches = 0;
@@ -216,6 +219,7 @@ std::optional<Route> RoutePlanner::route(const FloorPose& start, const FloorPose
     std::optional<Route> found = around(start, goal, pair.out_m, pair.in_m);
     if (found && number-- == 0) return found;
   }
+  if (!first_obstacle.empty()) last_obstacle_ = first_obstacle;
   return std::nullopt;
 }
 

@@ -24,7 +24,7 @@ Step fall(double t) {
 // Profile along one axis: 1 within `half`, falling over `rise` beyond.
 Step profile(double s, double half, double rise) {
   const Step step = fall((std::abs(s) - half) / rise);
-  return {step.value, std::copysign(step.derivative / rise, s)};
+  return {step.value, (s < 0.0 ? -1.0 : 1.0) * step.derivative / rise};
 }
 
 struct HeightAndSlope {

@@ -155,5 +155,136 @@ TEST(Odometry, RobotStandsAroundAStop) {
   }
 }
 
+TEST(Odometry, AMotionIsATurnAWayAndATurn) {
+  RandomStream random(3, "decompose");
+  for (int i = 0; i < 500; ++i) {
+    const Rigid3 T = planar_pose(random.normal(), random.normal(), random.uniform(-kPi, kPi));
+    const TurnDriveTurn parts = decompose(T);
+    EXPECT_LT(se3_log(parts.motion().inverse() * T).norm(), 1e-12);
+    EXPECT_LE(std::abs(parts.first_rad), 0.5 * kPi) << "the robot drives backwards rather than turn more";
+  }
+  EXPECT_EQ(decompose(planar_pose(0.0, 0.0, 0.7)).first_rad, 0.0);
+}
+
+TEST(Odometry, NewModelsWithoutErrorAreTheTruth) {
+  const std::vector<TrueStop> stops = winding_drive(30);
+  for (const OdometryLaw law : {OdometryLaw::kThrun, OdometryLaw::kWheels}) {
+    OdometrySimulation simulation;
+    simulation.law = law;
+    const std::vector<OdometrySample> samples = simulate_odometry(stops, simulation, 0);
+    for (std::size_t i = 0; i < stops.size(); ++i) {
+      EXPECT_NEAR(samples[i].x_m, stops[i].T_world_robot.translation.x(), 1e-12);
+      EXPECT_NEAR(wrap_angle(samples[i].yaw_rad - yaw_of(stops[i].T_world_robot)), 0.0, 1e-12);
+    }
+  }
+}
+
+// The same motion again and again.
+std::vector<TrueStop> repeated(const Rigid3& motion, int count) {
+  std::vector<TrueStop> stops;
+  Rigid3 T;
+  for (int i = 0; i <= count; ++i, T = T * motion) stops.push_back({static_cast<double>(i), T});
+  return stops;
+}
+
+TEST(Odometry, ThrunsVariancesGrowWithTheMotion) {
+  const TurnDriveTurn motion{0.6, 1.7, -0.3};
+  OdometrySimulation simulation;
+  simulation.law = OdometryLaw::kThrun;
+  simulation.thrun = {0.01, 0.002, 0.004, 0.003};
+  const std::vector<OdometrySample> samples = simulate_odometry(repeated(motion.motion(), 4000), simulation, 8);
+  Moments first, way, second;
+  std::vector<double> errors;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const TurnDriveTurn measured = decompose(pose_of(samples[i - 1]).inverse() * pose_of(samples[i]));
+    first.add(measured.first_rad - motion.first_rad);
+    way.add(measured.way_m - motion.way_m);
+    second.add(measured.second_rad - motion.second_rad);
+    errors.push_back(measured.way_m - motion.way_m);
+  }
+  expect_normal(first, std::sqrt(0.01 * 0.36 + 0.002 * 2.89));
+  expect_normal(way, std::sqrt(0.004 * 2.89 + 0.003 * (0.36 + 0.09)));
+  expect_normal(second, std::sqrt(0.01 * 0.09 + 0.002 * 2.89));
+  expect_independent(errors);
+}
+
+OdometrySimulation with_wheels(const WheelErrors& errors) {
+  OdometrySimulation simulation;
+  simulation.law = OdometryLaw::kWheels;
+  simulation.wheels = errors;
+  return simulation;
+}
+
+// UMBmark's square: four sides of `side` metres, with turns to the left (1) or to the right (-1).
+std::vector<TrueStop> square(double side, int direction) {
+  return repeated(planar_pose(side, 0.0, direction * 0.5 * kPi), 4);
+}
+
+TEST(Odometry, UmbmarksSquareTellsItsTwoErrorsApart) {
+  constexpr double kTrack = 0.6, kSide = 4.0;
+  // A wrong track turns every corner too far, to either side: "type A". By Borenstein and Feng's sign convention the
+  // true track is wider, so that the driver believes in more turn than there was.
+  WheelErrors track;
+  track.nominal_track_m = kTrack;
+  track.track_ratio = 1.01;
+  for (const int direction : {1, -1}) {
+    const OdometrySample end = simulate_odometry(square(kSide, direction), with_wheels(track), 0).back();
+    EXPECT_NEAR(end.yaw_rad, direction * 2.0 * kPi * 0.01, 1e-12);
+  }
+  // Unequal wheels bend every side the same way, whichever way round: "type B".
+  WheelErrors diameter;
+  diameter.nominal_track_m = kTrack;
+  diameter.diameter_ratio = 1.004;
+  const double left = 2.0 / 2.004, right = 2.0 * 1.004 / 2.004;
+  for (const int direction : {1, -1}) {
+    const OdometrySample end = simulate_odometry(square(kSide, direction), with_wheels(diameter), 0).back();
+    const double sides = 4.0 * kSide * (1.0 / right - 1.0 / left) / kTrack;
+    const double corners = direction * 2.0 * kPi * (0.5 / right + 0.5 / left);
+    EXPECT_NEAR(end.yaw_rad, wrap_angle(sides + corners), 1e-12);
+    EXPECT_LT(sides, 0.0) << "a larger right wheel turns less on the same way";
+  }
+}
+
+TEST(Odometry, ATurnAboutAnotherCentreMovesTheRobotUnseen) {
+  WheelErrors errors;
+  errors.icr_x_m = -0.1;
+  // The point 0.1 m behind the origin stays where it is: the encoders tell a turn on the spot.
+  const Rigid3 centre = planar_pose(-0.1, 0.0, 0.0);
+  const Rigid3 motion = centre * planar_pose(0.0, 0.0, 0.8) * centre.inverse();
+  OdometrySample end = simulate_odometry(repeated(motion, 1), with_wheels(errors), 0).back();
+  EXPECT_NEAR(end.x_m, 0.0, 1e-12);
+  EXPECT_NEAR(end.y_m, 0.0, 1e-12);
+  EXPECT_NEAR(end.yaw_rad, 0.8, 1e-12);
+  // Centres of the tracks that lie to the left of the middle: a turn on the spot drives the wheels backwards as well.
+  errors.icr_x_m = 0.0;
+  errors.icr_asymmetry_m = 0.05;
+  end = simulate_odometry(repeated(planar_pose(0.0, 0.0, 0.8), 1), with_wheels(errors), 0).back();
+  EXPECT_NEAR(std::hypot(end.x_m, end.y_m), 0.05 * 2.0 * std::sin(0.4), 1e-12);
+  EXPECT_LT(end.x_m, 0.0);
+  EXPECT_NEAR(end.yaw_rad, 0.8, 1e-12);
+}
+
+TEST(Odometry, SlipScattersEitherSideByItsWay) {
+  WheelErrors errors;
+  errors.nominal_track_m = 0.5;
+  errors.slip = 0.02;
+  const std::vector<OdometrySample> samples =
+      simulate_odometry(repeated(planar_pose(2.0, 0.0, 0.0), 4000), with_wheels(errors), 6);
+  Moments turns;
+  for (std::size_t i = 1; i < samples.size(); ++i) turns.add(wrap_angle(samples[i].yaw_rad - samples[i - 1].yaw_rad));
+  expect_normal(turns, std::sqrt(2.0) * 0.02 * 2.0 / 0.5);
+}
+
+TEST(Odometry, TicksAreWholeAndNoneIsLost) {
+  WheelErrors errors;
+  errors.way_of_tick_m = 0.01;
+  const std::vector<OdometrySample> samples =
+      simulate_odometry(repeated(planar_pose(0.1234, 0.0, 0.0), 500), with_wheels(errors), 0);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_NEAR(samples[i].x_m / 0.01, std::round(samples[i].x_m / 0.01), 1e-6);
+    EXPECT_LE(std::abs(samples[i].x_m - 0.1234 * static_cast<double>(i)), 0.01 + 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace rigproof

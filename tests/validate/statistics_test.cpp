@@ -39,6 +39,26 @@ TEST(Statistics, QuantileInvertsTheDistribution) {
       EXPECT_NEAR(regularised_gamma(0.5 * dof, 0.5 * chi_square_quantile(p, dof)), p, 1e-13);
 }
 
+TEST(Statistics, TailIsAccurateFarOut) {
+  EXPECT_NEAR(chi_square_tail(14.449, 6), 0.025, 1e-5);
+  // Two degrees: e^(-x/2), where 1 - P has no digit left.
+  EXPECT_NEAR(chi_square_tail(200.0, 2.0) / std::exp(-100.0), 1.0, 1e-12);
+  EXPECT_EQ(chi_square_tail(0.0, 3.0), 1.0);
+}
+
+TEST(Statistics, NoncentralTailIsThatOfShiftedNormals) {
+  RandomStream random(1, "noncentral");
+  constexpr int kDraws = 40000;
+  int beyond = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const double a = random.normal() + 2.0, b = random.normal() - 1.0, c = random.normal();
+    beyond += a * a + b * b + c * c > 9.0 ? 1 : 0;
+  }
+  // Four standard deviations of a share of 40,000.
+  EXPECT_NEAR(noncentral_chi_square_tail(9.0, 3.0, 5.0), static_cast<double>(beyond) / kDraws, 0.01);
+  EXPECT_NEAR(noncentral_chi_square_tail(9.0, 3.0, 0.0), chi_square_tail(9.0, 3.0), 1e-14);
+}
+
 Rigid3 random_pose(RandomStream& random) {
   return Rigid3(so3_exp({random.normal(), random.normal(), random.normal()}),
                 {random.normal(), random.normal(), random.normal()});

@@ -1,0 +1,42 @@
+// Two sets of poses of the same cameras, each with what is known about it.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof::moved {
+
+/// Poses of cameras in the robot: covariance (six a camera, chart of transform_error()) without the directions, one a
+/// column, that nothing determines.
+struct Knowledge {
+  std::vector<Rigid3> T_robot_camera;
+  Eigen::MatrixXd covariance;
+  Eigen::MatrixXd free_directions;
+};
+
+/// Six columns: errors of all cameras when the rig moves as one body along and about the robot's axes.
+Eigen::MatrixXd rig_motion(const std::vector<Rigid3>& T_robot_camera);
+
+/// New less old poses as far as both determine them. With M the information about the difference, `gradient` = M d, a
+/// shift E delta of some cameras explains g' A^+ g of the statistic d' M d, with A = E' M E and g = E' M d.
+struct Difference {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+  double statistic = 0.0;
+  int rank = 0;
+};
+Difference difference(const Knowledge& before, const Knowledge& now);
+
+/// The best shift along the columns of E.
+struct Explanation {
+  double reduction = 0.0;  ///< of the statistic
+  int rank = 0;            ///< directions of the shift that the data determine
+  Eigen::VectorXd shift;
+  Eigen::MatrixXd covariance;
+  Eigen::MatrixXd undetermined;  ///< directions of the shift, one a column
+};
+Explanation explain(const Difference& difference, const Eigen::MatrixXd& E);
+
+}  // namespace rigproof::moved

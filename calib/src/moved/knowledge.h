@@ -1,0 +1,35 @@
+// What a previous result and new observations know about the same cameras.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "moved/comparison.h"
+#include "rigproof/calib/moved.h"
+
+namespace rigproof::moved {
+
+/// The cameras of the previous result, in its order: those that see the board now, and those that do not.
+struct Match {
+  std::vector<std::string> names;
+  std::vector<int> observed;  ///< of names: index into Observations::cameras
+  std::vector<std::string> unseen;
+};
+/// Throws Error if the observations know none of the previous result's cameras.
+Match match_cameras(const Result& previous, const Observations& observations);
+
+/// What the matched cameras saw, they alone and in the match's order.
+Observations of_matched(const Observations& observations, const Match& match);
+
+/// Poses and covariances of the previous result. Where it knows only camera to camera, the rig's place on the robot is
+/// free. Correlations that it does not tell are allowed for by larger covariances.
+/// Throws Error if it states no uncertainty.
+Knowledge previous_knowledge(const Result& previous, const Observations& observations, const Match& match,
+                             std::vector<std::string>* notes);
+
+/// What the new observations (of the matched cameras) tell, linearised near the previous poses. `reasons` says why
+/// nothing could be told: then every direction is free.
+Knowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
+                        std::vector<std::string>* reasons, std::vector<std::string>* notes);
+
+}  // namespace rigproof::moved

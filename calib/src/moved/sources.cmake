@@ -1,0 +1,5 @@
+# Has a camera shifted?
+list(APPEND calib_sources
+  src/moved/comparison.cpp
+  src/moved/knowledge.cpp
+  src/moved/moved.cpp)

@@ -1,0 +1,213 @@
+#include "rigproof/calib/moved.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "error_text.h"
+#include "rigproof/calib/method.h"
+#include "rigproof/calib/ml.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/geometric/geometric.h"
+
+namespace rigproof {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+// A calibration of the reference rig.
+Result calibrated(std::uint64_t seed, int stops = 20) {
+  GeometricConfig config;
+  config.seed = seed;
+  config.stops = stops;
+  return ml_method().solve(draw_geometric_run(config).observations);
+}
+
+// A few stops of another day; camera `moved` (-1: none) has shifted by `shift` in the chart of transform_error().
+Observations another_day(std::uint64_t seed, int stops, int moved = -1, const Vector6d& shift = Vector6d::Zero()) {
+  GeometricConfig config;
+  config.seed = seed;
+  config.stops = stops;
+  if (moved >= 0) {
+    Rigid3& T = config.rig.T_robot_camera[static_cast<std::size_t>(moved)];
+    T = apply_transform_error(T, shift);
+  }
+  return draw_geometric_run(config).observations;
+}
+
+// The geometric mode has no suspension.
+MovedOptions rigid_robot() {
+  MovedOptions options;
+  options.suspension_height_sigma_m = 0.0;
+  options.suspension_tilt_sigma_rad = 0.0;
+  return options;
+}
+
+Vector6d shift_of(int axis, double size) { return size * Vector6d::Unit(axis); }
+
+TEST(Moved, FalseAlarmsAreAsRareAsStated) {
+  MovedOptions options = rigid_robot();
+  options.significance = 0.05;
+  constexpr int kTrials = 300;
+  for (const int stops : {1, 3}) {
+    int alarms = 0;
+    double statistic = 0.0, dof = 0.0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      // A previous calibration of its own each time: its error is part of what the test allows for.
+      const std::uint64_t seed = 100 + static_cast<std::uint64_t>(trial);
+      const MovedReport report = detect_movement(calibrated(20000 + seed, 12), another_day(seed, stops), options);
+      alarms += report.outcome == MovedOutcome::kMoved ? 1 : 0;
+      statistic += report.statistic / kTrials;
+      dof += static_cast<double>(report.degrees_of_freedom) / kTrials;
+    }
+    // 15 expected of 300, standard deviation 3.8; four of them.
+    EXPECT_NEAR(alarms, 15, 15) << stops << " stops";
+    EXPECT_GE(alarms, 2) << stops << " stops";
+    // The mean of chi-square, to four of its standard deviations.
+    EXPECT_NEAR(statistic / dof, 1.0, 4.0 * std::sqrt(2.0 / dof / kTrials)) << stops << " stops";
+  }
+}
+
+TEST(Moved, NamesTheCameraAndHowFar) {
+  const Result previous = calibrated(1);
+  for (int camera = 0; camera < 3; ++camera) {
+    for (int axis = 0; axis < 6; ++axis) {
+      const double size = axis < 3 ? 0.01 : deg_to_rad(0.3);
+      const MovedReport report =
+          detect_movement(previous, another_day(7, 2, camera, shift_of(axis, size)), rigid_robot());
+      ASSERT_EQ(report.outcome, MovedOutcome::kMoved)
+          << camera << kDegreeOfFreedomNames[static_cast<std::size_t>(axis)];
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_EQ(report.cameras[c].verdict == MovedVerdict::kMoved, static_cast<int>(c) == camera)
+            << report.cameras[c].camera << " " << moved_verdict_name(report.cameras[c].verdict) << " axis " << axis;
+      const CameraShift& guilty = report.cameras[static_cast<std::size_t>(camera)];
+      ASSERT_TRUE(guilty.shift[static_cast<std::size_t>(axis)].has_value());
+      // 36 estimates: the largest of so many lies within four sigma but for one case in 400.
+      EXPECT_NEAR(*guilty.shift[static_cast<std::size_t>(axis)], size,
+                  4.0 * *guilty.sigma[static_cast<std::size_t>(axis)]);
+    }
+  }
+}
+
+TEST(Moved, TwoCamerasMayMove) {
+  const Result previous = calibrated(1);
+  GeometricConfig config;
+  config.seed = 8;
+  config.stops = 3;
+  config.rig.T_robot_camera[0] = apply_transform_error(config.rig.T_robot_camera[0], shift_of(2, 0.02));
+  config.rig.T_robot_camera[2] = apply_transform_error(config.rig.T_robot_camera[2], shift_of(4, 0.02));
+  const MovedReport report = detect_movement(previous, draw_geometric_run(config).observations, rigid_robot());
+  EXPECT_EQ(report.cameras[0].verdict, MovedVerdict::kMoved);
+  EXPECT_EQ(report.cameras[1].verdict, MovedVerdict::kStands);
+  EXPECT_EQ(report.cameras[2].verdict, MovedVerdict::kMoved);
+}
+
+TEST(Moved, TheRigAsAWholeIsOneBody) {
+  const Result previous = calibrated(1);
+  GeometricConfig config;
+  config.seed = 9;
+  config.stops = 2;
+  const Rigid3 sunk(so3_exp({0.0, 0.01, 0.0}), {0.0, 0.0, -0.02});  // a soft tyre
+  for (Rigid3& T : config.rig.T_robot_camera) T = sunk * T;
+  const MovedReport report = detect_movement(previous, draw_geometric_run(config).observations, rigid_robot());
+  EXPECT_EQ(report.outcome, MovedOutcome::kMoved);
+  EXPECT_TRUE(report.rig_moved);
+  EXPECT_THAT(report.reasons, Contains(HasSubstr("as one body")));
+}
+
+// One stop: cameras against each other and the ground; where the rig sits on the robot stays open, and is said to.
+TEST(Moved, OneStopTellsCameraToCameraAndTheGround) {
+  const Result previous = calibrated(1);
+  const MovedOptions options = rigid_robot();
+  const MovedReport still = detect_movement(previous, another_day(7, 1), options);
+  EXPECT_EQ(still.outcome, MovedOutcome::kNothingMoved);
+  EXPECT_THAT(still.notes,
+              Contains(HasSubstr("A common shift of all cameras on the robot would not show in x, y, yaw")));
+  const MovedReport moved = detect_movement(previous, another_day(7, 1, 1, shift_of(1, 0.02)), options);
+  EXPECT_EQ(moved.cameras[1].verdict, MovedVerdict::kMoved);
+}
+
+// Two cameras and no ground: which of them moved is open.
+TEST(Moved, WithTwoCamerasBothAreSuspects) {
+  GeometricConfig config;
+  config.seed = 3;
+  config.stops = 30;
+  config.rig.cameras.resize(2);
+  config.rig.T_robot_camera.resize(2);
+  config.rig.min_cameras_per_stop = 2;
+  const Result previous = ml_method().solve(draw_geometric_run(config).observations);
+  config.seed = 4;
+  config.stops = 1;
+  config.ground = false;
+  config.rig.T_robot_camera[1] = apply_transform_error(config.rig.T_robot_camera[1], shift_of(0, 0.02));
+  const MovedReport report = detect_movement(previous, draw_geometric_run(config).observations, rigid_robot());
+  EXPECT_EQ(report.outcome, MovedOutcome::kMoved);
+  EXPECT_EQ(report.cameras[0].verdict, MovedVerdict::kSuspect);
+  EXPECT_EQ(report.cameras[1].verdict, MovedVerdict::kSuspect);
+  EXPECT_THAT(report.reasons, Contains(HasSubstr("do not tell which")));
+}
+
+TEST(Moved, OneCameraAtOneStopCannotBeTold) {
+  GeometricConfig config;
+  config.seed = 3;
+  config.stops = 30;
+  config.rig.cameras.resize(1);
+  config.rig.T_robot_camera.resize(1);
+  config.rig.min_cameras_per_stop = 1;
+  const Result previous = ml_method().solve(draw_geometric_run(config).observations);
+  config.stops = 1;
+  const MovedReport report = detect_movement(previous, draw_geometric_run(config).observations, rigid_robot());
+  EXPECT_EQ(report.outcome, MovedOutcome::kCannotTell);
+  EXPECT_EQ(report.cameras[0].verdict, MovedVerdict::kCannotTell);
+  EXPECT_TRUE(std::isinf(report.cameras[0].detectable_shift_m));
+}
+
+TEST(Moved, ACameraWithoutAnImageCannotBeTold) {
+  const Result previous = calibrated(1);
+  Observations day = another_day(7, 2);
+  const auto of_right = [](const auto& item) { return item.camera == 2; };
+  day.board_views.erase(std::remove_if(day.board_views.begin(), day.board_views.end(), of_right),
+                        day.board_views.end());
+  day.ground_planes.erase(std::remove_if(day.ground_planes.begin(), day.ground_planes.end(), of_right),
+                          day.ground_planes.end());
+  const MovedReport report = detect_movement(previous, day, rigid_robot());
+  EXPECT_EQ(report.outcome, MovedOutcome::kCannotTell);
+  EXPECT_EQ(report.cameras[0].verdict, MovedVerdict::kStands);
+  EXPECT_EQ(report.cameras[2].verdict, MovedVerdict::kCannotTell);
+}
+
+// A partial previous result: after a straight drive the cameras are known in each other alone.
+TEST(Moved, CameraToCameraIsEnough) {
+  GeometricConfig config;
+  config.seed = 5;
+  config.stops = 12;
+  config.drive = GeometricDrive::kStraight;
+  const Result previous = ml_method().solve(draw_geometric_run(config).observations);
+  ASSERT_EQ(previous.status, ResultStatus::kPartial);
+  const MovedOptions options = rigid_robot();
+  const MovedReport still = detect_movement(previous, another_day(7, 4), options);
+  EXPECT_EQ(still.outcome, MovedOutcome::kNothingMoved);
+  EXPECT_THAT(still.notes, Contains(HasSubstr("only in each other")));
+  const MovedReport moved = detect_movement(previous, another_day(7, 4, 1, shift_of(1, 0.03)), options);
+  EXPECT_EQ(moved.cameras[1].verdict, MovedVerdict::kMoved);
+}
+
+TEST(Moved, RefusesWhatStatesNoUncertainty) {
+  Result previous = calibrated(1);
+  for (EstimatedTransform& T : previous.camera_to_robot) T.covariance.reset();
+  for (EstimatedTransform& T : previous.camera_to_camera) T.covariance.reset();
+  EXPECT_THAT(error_text([&] { detect_movement(previous, another_day(7, 2)); }), HasSubstr("states no uncertainty"));
+  Observations others = another_day(7, 2);
+  for (RigCamera& camera : others.cameras) camera.name += "_other";
+  EXPECT_THAT(error_text([&] { detect_movement(calibrated(1), others); }), HasSubstr("none of the observed cameras"));
+  MovedOptions options;
+  options.significance = 0.0;
+  EXPECT_THAT(error_text([&] { detect_movement(calibrated(1), another_day(7, 2), options); }),
+              HasSubstr("significance"));
+}
+
+}  // namespace
+}  // namespace rigproof
