@@ -9,12 +9,12 @@ namespace rigproof {
 namespace {
 
 std::string visual(const SceneDescription& scene) {
-  // extent = 1: MuJoCo multiplies clip planes and the shadow's reach by it.
-  return std::string("<visual>\n  <headlight active=\"0\"/>\n  <quality offsamples=\"0\" shadowsize=\"") +
-         (scene.shadows ? "4096" : "1024") +
-         "\"/>\n  <global offwidth=\"16\" offheight=\"16\"/>\n  <map znear=" + quoted(numbers({scene.near_m})) +
-         " zfar=" + quoted(numbers({scene.far_m})) +
-         " shadowclip=\"9\" shadowscale=\"1\"/>\n</visual>\n<statistic extent=\"1\" center=\"0 0 0\"/>\n";
+  // extent = 1: MuJoCo multiplies clip planes by it. Its own shadows stay off: see sun_shadows.h.
+  return "<visual>\n  <headlight active=\"0\"/>\n  <quality offsamples=\"0\" shadowsize=\"16\" numslices=\"20\" "
+         "numstacks=\"10\" numquads=\"1\"/>\n"
+         "  <global offwidth=\"16\" offheight=\"16\"/>\n  <map znear=" +
+         quoted(numbers({scene.near_m})) + " zfar=" + quoted(numbers({scene.far_m})) +
+         "/>\n</visual>\n<statistic extent=\"1\" center=\"0 0 0\"/>\n";
 }
 
 // A pole that carries the board from behind.

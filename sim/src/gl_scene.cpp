@@ -43,7 +43,6 @@ GlScene::GlScene(World& world, int device)
   own_framebuffer_ = buffers_.offFBO;
   context_.gl().GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &max_size_);
   std::fill(std::begin(scene_.flags), std::end(scene_.flags), mjtByte{0});
-  scene_.flags[mjRND_SHADOW] = world.description().scene.shadows;
   scene_.flags[mjRND_CULL_FACE] = 1;
   tune_textures();
 }

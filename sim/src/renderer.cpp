@@ -11,6 +11,7 @@
 #include "lens_map.h"
 #include "rigproof/core/error.h"
 #include "sky.h"
+#include "sun_shadows.h"
 #include "world_impl.h"
 
 namespace rigproof {
@@ -178,6 +179,7 @@ struct Renderer::Impl {
         options(options_in),
         gl(world_in, options_in.device),
         sky(world_in.description().scene, world_in.description().scene_seed),
+        shadows(world_in),
         point_spread(options_in.psf_sigma_px),
         reduction(options_in.psf_sigma_px) {
     for (const WorldCamera& camera : world.description().cameras)
@@ -198,7 +200,8 @@ struct Renderer::Impl {
   RenderOptions options;
   GlScene gl;
   Sky sky;
-  Eigen::Matrix3d R_world_camera = Eigen::Matrix3d::Identity();
+  SunShadows shadows;
+  Rigid3 T_world_eye;  // of the picture that is being drawn
   PointSpread point_spread;
   DoubleReduction reduction;
   std::vector<CameraPlan> plans;
@@ -219,7 +222,9 @@ void Renderer::Impl::draw_frame(const CameraPlan& plan, Pass pass) { gl.draw(who
 
 RgbaView Renderer::Impl::read_picture(const Frustum& frustum) {
   const RgbaView picture = gl.read_color();
-  sky.paint(frustum, R_world_camera, gl.color_rows_from_bottom());
+  sky.paint(frustum, T_world_eye.rotation_matrix(), gl.color_rows_from_bottom());
+  if (shadows.exist())
+    shadows.paint(frustum, T_world_eye, gl.read_depth(), gl.depth_law(), gl.color_rows_from_bottom());
   return picture;
 }
 
@@ -291,7 +296,8 @@ void Renderer::Impl::render(const CameraPlan& plan, const Rigid3& T_world_camera
                             RenderedView* view) {
   const Camera& camera = plan.camera;
   gl.look_from(T_world_camera, with_ceiling);
-  R_world_camera = T_world_camera.rotation_matrix();
+  T_world_eye = T_world_camera;
+  shadows.follow_robot(world);
   const PixelRect region = options.color ? region_at_double(plan, T_world_camera) : PixelRect();
   const bool all_at_double = region.width == camera.width_px && region.height == camera.height_px;
   const bool color_at_single = options.color && !all_at_double;
