@@ -121,40 +121,32 @@ Options parse(int count, char** arguments) {
   return options;
 }
 
+Sheet sheet(const char* name, const char* title, std::initializer_list<bool Sheet::*> switches) {
+  Sheet result;
+  result.name = name;
+  result.title = title;
+  for (bool Sheet::*member : switches) result.*member = true;
+  return result;
+}
+
 // The table of docs/estimation.md.
 std::vector<Sheet> suite_sheets() {
-  Sheet reference, increment, pose, suspension, outliers, chosen, chosen_pose, outliers_pose;
-  reference.name = "reference";
-  reference.title = "Noise per increment, scale and track known to be right";
-  reference.known_odometry = true;
-  increment.name = "increment";
-  increment.title = "Noise per increment, 2 % scale and 5 % track error";
-  increment.systematics = true;
-  pose.name = "pose";
-  pose.title = "Noise per pose";
-  pose.per_pose = true;
-  suspension = increment;
-  suspension.name = "suspension";
-  suspension.title = "Noise per increment, scale and track error, suspension of 1 mm and 0.05 deg";
-  suspension.suspension = true;
-  outliers = increment;
-  outliers.name = "outliers";
-  outliers.title = "Noise per increment, 2 % wrong corners, 5 % wrong odometry, 5 % wrong planes";
-  outliers.outliers = true;
-  outliers_pose = pose;
-  outliers_pose.name = "outliers_pose";
-  outliers_pose.title = "Noise per pose, 2 % wrong corners, 5 % wrong odometry, 5 % wrong planes";
-  outliers_pose.outliers = true;
-  chosen = suspension;
-  chosen.name = "chosen";
-  chosen.title = "Nothing told: odometry model and all sigmas from the data (truth: per increment, suspension)";
-  chosen.choose_model = chosen.estimate_sigmas = true;
-  chosen_pose = chosen;
-  chosen_pose.name = "chosen_pose";
-  chosen_pose.title = "Nothing told: odometry model and all sigmas from the data (truth: per pose, suspension)";
-  chosen_pose.per_pose = true;
-  chosen_pose.systematics = false;
-  return {reference, increment, pose, suspension, outliers, outliers_pose, chosen, chosen_pose};
+  using S = Sheet;
+  return {
+      sheet("reference", "Noise per increment, scale and track known to be right", {&S::known_odometry}),
+      sheet("increment", "Noise per increment, 2 % scale and 5 % track error", {&S::systematics}),
+      sheet("pose", "Noise per pose", {&S::per_pose}),
+      sheet("suspension", "Noise per increment, scale and track error, suspension of 1 mm and 0.05 deg",
+            {&S::systematics, &S::suspension}),
+      sheet("outliers", "Noise per increment, 2 % wrong corners, 5 % wrong odometry, 5 % wrong planes",
+            {&S::systematics, &S::outliers}),
+      sheet("outliers_pose", "Noise per pose, 2 % wrong corners, 5 % wrong odometry, 5 % wrong planes",
+            {&S::per_pose, &S::outliers}),
+      sheet("chosen", "Nothing told: odometry model and all sigmas from the data (truth: per increment, suspension)",
+            {&S::systematics, &S::suspension, &S::choose_model, &S::estimate_sigmas}),
+      sheet("chosen_pose", "Nothing told: odometry model and all sigmas from the data (truth: per pose, suspension)",
+            {&S::per_pose, &S::suspension, &S::choose_model, &S::estimate_sigmas}),
+  };
 }
 
 // Five stops carry a result at little noise only; wrong data need a few more to stand out against. The reference sheet
