@@ -1,3 +1,3 @@
 # What a program that links the static library rigproof::sim needs to find.
 find_dependency(mujoco)
-find_dependency(OpenCV COMPONENTS core imgcodecs imgproc)
+find_dependency(OpenCV COMPONENTS aruco core imgcodecs imgproc)

@@ -97,6 +97,19 @@ struct ScenesArguments {
 };
 int scenes_command(const ScenesArguments& arguments);
 
+struct BoardArguments {
+  CommonArguments common;
+  std::string preset;   ///< empty = by squares
+  std::string type;     ///< empty = the preset's, or checkerboard
+  std::string squares;  ///< "6x5"; empty = the preset's
+  double square_mm = 0.0;
+  std::string paper = "fit";
+  double border_mm = 10.0;
+  std::filesystem::path output;  ///< empty = board.pdf
+};
+/// Writes a board to print, as PDF.
+int board_command(const BoardArguments& arguments);
+
 /// kind: scenes, rigs, sensors, boards or methods.
 int list_command(const CommonArguments& common, const std::string& kind);
 

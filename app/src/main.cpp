@@ -13,6 +13,8 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
+#include "rigproof/sim/board_pattern.h"
+#include "rigproof/sim/board_pdf.h"
 #include "terminal.h"
 
 namespace rigproof {
@@ -174,6 +176,26 @@ void add_doctor(CLI::App& app, Action& action) {
   command->callback([arguments, &action] { action = [arguments] { return doctor_command(*arguments); }; });
 }
 
+void add_board(CLI::App& app, Action& action) {
+  CLI::App* command = add_command(app, "board", "Write a board to print, as PDF at true size with a ruler",
+                                  "rigproof board --squares 6x5 --square-mm 110 --paper a1 -o board.pdf");
+  auto arguments = std::make_shared<BoardArguments>();
+  command->add_option("PRESET", arguments->preset, "As `rigproof boards` lists them; or give the options below");
+  command->add_option("--type", arguments->type, "checkerboard, charuco or aprilgrid")
+      ->check(CLI::IsMember(board_types()));
+  command->add_option("--squares", arguments->squares, "Columns x rows of squares, e.g. 6x5");
+  command->add_option("--square-mm", arguments->square_mm, "Side of a square")->check(CLI::Range(1.0, 1000.0));
+  command->add_option("--paper", arguments->paper, "fit: as large as the board needs")
+      ->check(CLI::IsMember(paper_names()))
+      ->capture_default_str();
+  command->add_option("--border-mm", arguments->border_mm, "White around the squares")
+      ->check(CLI::Range(0.0, 200.0))
+      ->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "File; default board.pdf");
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return board_command(*arguments); }; });
+}
+
 void add_list(CLI::App& app, const std::string& kind, const std::string& description, Action& action) {
   CLI::App* command = add_command(app, kind, description, "rigproof " + kind);
   auto common = std::make_shared<CommonArguments>();
@@ -249,6 +271,7 @@ int run_main(int argc, char** argv) {
   add_validate(app, action);
   add_inspect(app, action);
   add_doctor(app, action);
+  add_board(app, action);
   add_list(app, "methods", "The calibration methods: what each needs and gives", action);
   add_scenes(app, action);
   add_list(app, "rigs", "The camera rigs", action);

@@ -190,7 +190,7 @@ Board read_board(const YamlTree& tree, const std::string& path, Problems* proble
   }
   MapReader map(tree, path, problems);
   map.text("description");
-  if (const auto type = map.text("type", {"checkerboard"})) board.type = *type;
+  if (const auto type = map.text("type", {"checkerboard", "charuco", "aprilgrid"})) board.type = *type;
   map.require("squares", "[columns, rows], the number of squares");
   map.require("square_mm", "the side of a square in millimetres");
   const auto squares = map.numbers("squares", 2, 2, {3.0, 100.0});
@@ -202,7 +202,7 @@ Board read_board(const YamlTree& tree, const std::string& path, Problems* proble
   if (side) board.square_m = *side / kMmPerM;
   if (map.has("inner_corners"))
     map.problem("inner_corners", "give squares: one more than inner corners along each side");
-  if (squares && side && board.ambiguous_under_half_turn())
+  if (squares && side && board.type == "checkerboard" && board.ambiguous_under_half_turn())
     map.problem("squares",
                 "the board looks the same when turned by 180 degrees, so its first corner cannot be told; "
                 "use one even and one odd number of squares");

@@ -104,6 +104,8 @@ bool is_board_size(const std::vector<double>& squares) {
 
 void BoardConfig::visit(FieldVisitor& visitor) {
   visitor.field("preset", preset, TextChoices{}, "board in models/boards, or a YAML file; empty = the rig's board");
+  visitor.field("type", type, TextChoices{{"preset", "checkerboard", "charuco", "aprilgrid"}},
+                "what is printed on it; preset = as the preset says");
   visitor.field("squares", squares, {3.0, 64.0}, 0, 2,
                 "squares along board x and y instead of the preset's, e.g. [6, 5]; empty = the preset's");
   visitor.field("square_mm", square_mm, {0.0, 1000.0}, "side of a square instead of the preset's; 0 = the preset's");
@@ -116,6 +118,7 @@ void BoardConfig::visit(FieldVisitor& visitor) {
                 "heading of the printed face's outward normal: 0 = looks along the scene's x, 90 = along y");
   visitor.field("lean_deg", lean_deg, {-60.0, 60.0}, "the normal points up by this angle (the board leans back)");
   visitor.field("roll_deg", roll_deg, {-180.0, 180.0}, "turn in its own plane, anticlockwise as a viewer sees it");
+  visitor.nested("defects", defects, "what is wrong with it; the recording does not tell");
   visitor.check(is_board_size(squares), "squares", "must be empty or two whole numbers from 3 to 64, e.g. [5, 4]");
 }
 

@@ -24,6 +24,7 @@ constexpr double kCreep_m_s = 0.02, kCreep_rad_s = 0.05;
 constexpr double kHeadingGain = 3.0, kOffsetGain = 4.0;
 // Wheels at rest are held in their place by this [1/s]: the motors brake.
 constexpr double kHoldGain = 10.0;
+constexpr double kLookPeriod_s = 0.05;
 constexpr double kTipped_rad = 0.6;
 // Beyond the time that a piece of way takes with constant speed the robot is stuck.
 constexpr double kPatience = 3.0, kPatience_s = 5.0;
@@ -169,7 +170,7 @@ class Driver {
 
   void restore(const Checkpoint& checkpoint) {
     physics_.restore(*checkpoint.physics);
-    steps_ = checkpoint.steps;
+    steps_ = looked_at_ = checkpoint.steps;
     odometer_ = checkpoint.odometer;
     drive_.odometry.resize(checkpoint.odometry_rows);
     drive_.trajectory.cut_after(time_s() + 0.5 * physics_.step_s());
@@ -303,6 +304,7 @@ class Driver {
       if (time_s() > deadline) return fail(goal, "does not come to rest");
       stand(kControlPeriod_s);
     }
+    looked_at_ = -1000000;
     if (!safe()) return fail(goal, trouble_);
     const Capture capture{time_s(), physics_.T_world_robot()};
     const FloorPose here = pose();
@@ -315,7 +317,10 @@ class Driver {
     return true;
   }
 
+  // Looks for a touch now and then: in between the robot goes on by less than ways keep clear.
   bool safe() {
+    if (steps_ - looked_at_ < std::lround(kLookPeriod_s / physics_.step_s())) return true;
+    looked_at_ = steps_;
     const std::string touched = physics_.touched();
     if (!touched.empty()) trouble_ = "touches " + touched;
     const bool tipped = physics_.tilt_rad() > kTipped_rad;
@@ -365,6 +370,7 @@ class Driver {
   std::vector<DriveTrouble> avoided_;  ///< on earlier ways to the present goal
   Drive drive_;
   std::int64_t steps_ = 0;
+  std::int64_t looked_at_ = -1000000;     ///< step
   double speed_ = 0.0, turn_rate_ = 0.0;  ///< commanded
   double left_hold_ = 0.0, right_hold_ = 0.0;
   bool no_way_ = false;

@@ -12,6 +12,7 @@
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/generator/odometry.h"
 #include "rigproof/generator/straight_drive.h"
+#include "rigproof/sim/board_pattern.h"
 #include "sensing/resolve.h"
 
 namespace rigproof {
@@ -44,7 +45,9 @@ Board resolve_board(const BoardConfig& config, const Board& of_rig) {
     board.squares_y = static_cast<int>(config.squares[1]);
   }
   if (config.square_mm > 0.0) board.square_m = config.square_mm / 1000.0;
-  if (board.ambiguous_under_half_turn()) {
+  if (config.type != "preset") board.type = config.type;
+  marker_dictionary(board);  // throws where markers run out
+  if (board.type == "checkerboard" && board.ambiguous_under_half_turn()) {
     throw Error("board.squares: [" + std::to_string(board.squares_x) + ", " + std::to_string(board.squares_y) +
                 "]: turned by 180 degrees this board looks the same, so that its corners cannot be told apart; use "
                 "one even and one odd number");
@@ -87,7 +90,8 @@ std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigMode
 }
 
 // Drawn once a run.
-OdometrySimulation resolve_odometry(const OdometryConfig& config, std::uint64_t seed) {
+OdometrySimulation resolve_odometry(const OdometryConfig& config, const RobotModel& robot, std::uint64_t seed,
+                                    std::map<std::string, double>* drawn) {
   RandomStream random(seed, "odometry systematics");
   OdometrySimulation simulation;
   simulation.model = config.model == "per_pose" ? OdometryModel::kPerPose : OdometryModel::kPerIncrement;
@@ -96,6 +100,22 @@ OdometrySimulation resolve_odometry(const OdometryConfig& config, std::uint64_t 
   simulation.scale = config.scale.sample(random);
   simulation.yaw_factor = config.yaw_factor.sample(random);
   simulation.rate_hz = config.rate_hz;
+  if (config.model == "thrun") simulation.law = OdometryLaw::kThrun;
+  simulation.thrun = {config.thrun.a1, config.thrun.a2, config.thrun.a3, config.thrun.a4};
+  if (config.model != "wheels") return simulation;
+  simulation.law = OdometryLaw::kWheels;
+  const auto draw = [&](const char* name, const Distribution& distribution) {
+    return (*drawn)[std::string("odometry.wheels.") + name] = distribution.sample(random);
+  };
+  WheelErrors& wheels = simulation.wheels;
+  wheels.nominal_track_m = robot.track_m * robot.slip_factor;
+  wheels.diameter_ratio = draw("diameter_ratio", config.wheels.diameter_ratio);
+  wheels.track_ratio = draw("track_ratio", config.wheels.track_ratio);
+  wheels.icr_x_m = draw("icr_x_m", config.wheels.icr_x_m);
+  wheels.icr_asymmetry_m = draw("icr_asymmetry_m", config.wheels.icr_asymmetry_m);
+  wheels.slip = 0.01 * config.wheels.slip_percent;
+  if (robot.encoder_ticks_per_turn > 0.0)
+    wheels.way_of_tick_m = 2.0 * kPi * robot.wheel_radius_m / robot.encoder_ticks_per_turn;
   return simulation;
 }
 
@@ -139,7 +159,8 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
   recording.rig.board = board;
   for (std::size_t i = 0; i < recording.rig.cameras.size(); ++i) {
     Camera& camera = recording.rig.cameras[i].camera;
-    camera = told_camera(camera, scenario.config.sensing.lens, sensing_seed(scenario.config), static_cast<std::int32_t>(i));
+    camera =
+        told_camera(camera, scenario.config.sensing.lens, sensing_seed(scenario.config), static_cast<std::int32_t>(i));
   }
   const char* image_extension = scenario.sensor_images_are_jpeg() ? ".jpg" : ".png";
   const bool clouds = scenario.config.clouds == "pcd";
@@ -155,9 +176,18 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
       frames.push_back(frame);
     }
   }
-  if (scenario.plan.straight > 0)
-    recording.segments = {straight_segment(scenario.truth.stops, scenario.plan.straight)};
+  if (scenario.plan.straight > 0) recording.segments = {straight_segment(scenario.truth.stops, scenario.plan.straight)};
   return recording;
+}
+
+// Odometry whose noise is no law of its own: the nearest one.
+void label_odometry(const std::vector<OdometrySample>& odometry, Truth* truth) {
+  std::vector<OdometrySample> at_stops;
+  for (const TrueStop& stop : truth->stops) at_stops.push_back(odometry_at(odometry, stop.stamp_s));
+  const OdometryFit fit = fit_odometry(truth->stops, at_stops);
+  truth->odometry_noise = {OdometryModel::kPerIncrement, fit.rms_xy_m, fit.rms_yaw_rad};
+  truth->odometry_scale = fit.scale;
+  truth->odometry_yaw_factor = fit.yaw_factor;
 }
 
 // Stops exactly on the viewpoints, at equal times; the odometry is the truth with noise.
@@ -171,14 +201,21 @@ void teleport(const WorldDescription& description, const ViewpointSubject& subje
     stamps_s.push_back(static_cast<double>(stamps_s.size()) * config.stop_period_s);
     scenario->T_scene_robot.push_back(stop.T_scene_robot());
   }
-  const OdometrySimulation odometry = resolve_odometry(config.odometry, sensing_seed(config));
+  std::map<std::string, double> drawn;
+  const OdometrySimulation odometry =
+      resolve_odometry(config.odometry, scenario->rig.robot, sensing_seed(config), &drawn);
   Truth& truth = scenario->truth;
   truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
-  truth.odometry_noise = noise_of(odometry);
-  truth.odometry_scale = odometry.scale;
-  truth.odometry_yaw_factor = odometry.yaw_factor;
+  truth.drawn.insert(drawn.begin(), drawn.end());
   scenario->recording = recorded_part(*scenario, description.board);
   scenario->recording.odometry = simulate_odometry(truth.stops, odometry, sensing_seed(config));
+  if (odometry.law == OdometryLaw::kPaper) {
+    truth.odometry_noise = noise_of(odometry);
+    truth.odometry_scale = odometry.scale;
+    truth.odometry_yaw_factor = odometry.yaw_factor;
+  } else {
+    label_odometry(scenario->recording.odometry, &truth);
+  }
   if (config.odometry.declared) scenario->recording.rig.odometry_noise = truth.odometry_noise;
 }
 
@@ -191,18 +228,13 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   scenario->plan = std::move(driven.plan);
   scenario->trajectory = std::move(driven.drive.trajectory);
   std::vector<double> stamps_s;
-  std::vector<OdometrySample> at_stops;
   for (const Capture& capture : driven.drive.captures) {
     stamps_s.push_back(capture.stamp_s);
-    at_stops.push_back(odometry_at(driven.drive.odometry, capture.stamp_s));
     scenario->T_scene_robot.push_back(capture.T_scene_robot);
   }
   Truth& truth = scenario->truth;
   truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
-  const OdometryFit fit = fit_odometry(truth.stops, at_stops);
-  truth.odometry_noise = {OdometryModel::kPerIncrement, fit.rms_xy_m, fit.rms_yaw_rad};
-  truth.odometry_scale = fit.scale;
-  truth.odometry_yaw_factor = fit.yaw_factor;
+  label_odometry(driven.drive.odometry, &truth);
   truth.drawn.insert(draw.drawn.begin(), draw.drawn.end());
   scenario->recording = recorded_part(*scenario, description.board);
   scenario->recording.odometry = std::move(driven.drive.odometry);
@@ -254,10 +286,14 @@ Scenario resolve_scenario(const GenerateConfig& config) {
   scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
   const Board board = resolve_board(config.board, scenario.rig.rig.board);
   const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene));
-  const WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
+  const BoardDefectsDraw defects = draw_board_defects(config.board.defects, seed_of(config));
+  WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
+  description.board_defects = defects.defects;
+  description.board_margin_m = defects.border_m;
   scenario.world = World::compose(description);
   const ViewpointSubject subject{description.cameras, board, T_scene_board, description.board_margin_m};
   (config.motion == "drive" ? drive : teleport)(description, subject, &scenario);
+  scenario.truth.drawn.insert(defects.drawn.begin(), defects.drawn.end());
   const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;
   disturb_time(config.sensing.time, sensing_seed(config), &scenario.recording, &scenario.truth);
   scenario.frames = recorded_frames(taken, scenario.recording.frames);

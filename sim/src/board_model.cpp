@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "board_surface.h"
 #include "mjcf_text.h"
-#include "rigproof/core/error.h"
+#include "rigproof/sim/board_pattern.h"
 
 namespace rigproof {
 namespace {
@@ -20,24 +21,153 @@ int texels_per_square(int squares) {
   return texels;
 }
 
-struct BoxFace {
-  std::array<std::array<int, 3>, 4> corners;  // each coordinate: 0 = lower, 1 = upper bound
-  std::array<int, 3> normal;
+// Strips of a bowed face: a bow of a centimetre over half a metre departs from them by less than 0.01 mm.
+constexpr int kBowStrips = 48;
+
+using Point = std::array<double, 3>;
+
+// A mesh of quadrangles with a normal and a texture coordinate at each corner, as MJCF's attributes.
+class MeshText {
+ public:
+  struct Corner {
+    Point position, normal;
+    double u = 0.0, v = 0.0;
+  };
+
+  /// Corners run anticlockwise as seen from outside.
+  void add(const std::array<Corner, 4>& corners) {
+    for (const Corner& corner : corners) {
+      vertices_ += numbers({corner.position[0], corner.position[1], corner.position[2]}) + " ";
+      normals_ += numbers({corner.normal[0], corner.normal[1], corner.normal[2]}) + " ";
+      coordinates_ += numbers({corner.u, corner.v}) + " ";
+    }
+    for (const int k : {0, 1, 2, 0, 2, 3}) faces_ += std::to_string(next_ + k) + " ";
+    next_ += 4;
+  }
+
+  std::string attributes() const {
+    return "vertex=" + quoted(vertices_) + " normal=" + quoted(normals_) + " texcoord=" + quoted(coordinates_) +
+           " face=" + quoted(faces_);
+  }
+
+ private:
+  std::string vertices_, normals_, coordinates_, faces_;
+  int next_ = 0;
 };
 
-// Corners run anticlockwise as seen from outside.
-constexpr std::array<BoxFace, 6> kFaces = {{
-    {{{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}}, {0, 0, -1}},
-    {{{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}}, {0, 0, 1}},
-    {{{{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}}}, {0, -1, 0}},
-    {{{{0, 1, 0}, {0, 1, 1}, {1, 1, 1}, {1, 1, 0}}}, {0, 1, 0}},
-    {{{{0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 1, 0}}}, {-1, 0, 0}},
-    {{{{1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 0, 1}}}, {1, 0, 0}},
-}};
+// The plate: printed face towards -z, bent about board y, and the sides and the flat back behind it. Sides and back
+// show the texture's outermost texel, which is white.
+class Plate {
+ public:
+  Plate(const Board& board, double margin_m, double thickness_m, double frame, const BoardDefects& defects)
+      : board_(board), thickness_m_(thickness_m), frame_(frame), defects_(defects) {
+    const double s = board.square_m;
+    low_ = {-s - margin_m, -s - margin_m};
+    high_ = {s * (board.squares_x - 1) + margin_m, s * (board.squares_y - 1) + margin_m};
+  }
+
+  std::string mesh() const {
+    MeshText mesh;
+    const int strips = defects_.bow_m != 0.0 ? kBowStrips : 1;
+    const auto edges = [&](int i) { return std::array<double, 2>{x(i, strips), x(i + 1, strips)}; };
+    for (int i = 0; i < strips; ++i) {
+      const auto [a, b] = edges(i);
+      mesh.add({front(a, low_[1]), front(a, high_[1]), front(b, high_[1]), front(b, low_[1])});
+    }
+    const Point behind = {0.0, 0.0, 1.0}, left = {-1.0, 0.0, 0.0}, right = {1.0, 0.0, 0.0};
+    const Point up = {0.0, -1.0, 0.0}, down = {0.0, 1.0, 0.0};
+    mesh.add({side(low_[0], low_[1], true, behind), side(high_[0], low_[1], true, behind),
+              side(high_[0], high_[1], true, behind), side(low_[0], high_[1], true, behind)});
+    for (int i = 0; i < strips; ++i) {
+      const auto [a, b] = edges(i);
+      mesh.add({side(a, low_[1], false, up), side(b, low_[1], false, up), side(b, low_[1], true, up),
+                side(a, low_[1], true, up)});
+    }
+    for (int i = 0; i < strips; ++i) {
+      const auto [a, b] = edges(i);
+      mesh.add({side(a, high_[1], false, down), side(a, high_[1], true, down), side(b, high_[1], true, down),
+                side(b, high_[1], false, down)});
+    }
+    mesh.add({side(low_[0], low_[1], false, left), side(low_[0], low_[1], true, left),
+              side(low_[0], high_[1], true, left), side(low_[0], high_[1], false, left)});
+    mesh.add({side(high_[0], low_[1], false, right), side(high_[0], high_[1], false, right),
+              side(high_[0], high_[1], true, right), side(high_[0], low_[1], true, right)});
+    return mesh.attributes();
+  }
+
+ private:
+  double x(int i, int count) const { return i == count ? high_[0] : low_[0] + (high_[0] - low_[0]) * i / count; }
+
+  Point place(double px, double py, double z) const {
+    const Eigen::Vector3d c = board_.centre();
+    return {defects_.print_scale_x == 1.0 ? px : c.x() + defects_.print_scale_x * (px - c.x()),
+            defects_.print_scale_y == 1.0 ? py : c.y() + defects_.print_scale_y * (py - c.y()), z};
+  }
+
+  // -1 to 1 from one edge to the other.
+  double across(double px) const { return (2.0 * px - low_[0] - high_[0]) / (high_[0] - low_[0]); }
+  double bow(double px) const {
+    return defects_.bow_m == 0.0 ? 0.0 : -defects_.bow_m * (1.0 - across(px) * across(px));
+  }
+
+  MeshText::Corner front(double px, double py) const {
+    const double slope = defects_.bow_m * 4.0 * across(px) / ((high_[0] - low_[0]) * defects_.print_scale_x);
+    const double length = std::hypot(slope, 1.0);
+    return {place(px, py, bow(px)),
+            {slope / length, 0.0, -1.0 / length},
+            (px / board_.square_m + 1.0 + frame_) / (board_.squares_x + 2.0 * frame_),
+            (py / board_.square_m + 1.0 + frame_) / (board_.squares_y + 2.0 * frame_)};
+  }
+
+  MeshText::Corner side(double px, double py, bool back, const Point& normal) const {
+    return {place(px, py, back ? thickness_m_ : bow(px)), normal, 0.0, 0.0};
+  }
+
+  const Board& board_;
+  double thickness_m_, frame_;
+  const BoardDefects& defects_;
+  std::array<double, 2> low_{}, high_{};
+};
+
+void fill_squares(const Board& board, int texels, BoardTexture* texture) {
+  for (int y = 0; y < texture->height; ++y) {
+    const int iy = y / texels - texture->frame_squares;
+    if (iy < 0 || iy >= board.squares_y) continue;
+    for (int ix = 0; ix < board.squares_x; ++ix) {
+      if (!Board::is_dark(ix, iy)) continue;
+      const auto first = static_cast<std::ptrdiff_t>(3) *
+                         (static_cast<std::ptrdiff_t>(y) * texture->width + (ix + texture->frame_squares) * texels);
+      std::fill_n(texture->rgb.begin() + first, 3 * texels, kDark);
+    }
+  }
+}
+
+// Areas that end amid texels darken them by the share that they cover.
+void fill_areas(const Board& board, int texels, BoardTexture* texture) {
+  const double per_m = texels / board.square_m, origin = (texture->frame_squares + 1) * texels;
+  const auto share = [](double from, double to, int texel) {
+    return std::max(0.0, std::min(to, texel + 1.0) - std::max(from, static_cast<double>(texel)));
+  };
+  std::vector<float> cover(static_cast<std::size_t>(texture->width) * static_cast<std::size_t>(texture->height));
+  for (const DarkArea& area : dark_areas(board)) {
+    const double x0 = std::max(0.0, origin + area.x0_m * per_m), y0 = std::max(0.0, origin + area.y0_m * per_m);
+    const double x1 = std::min<double>(texture->width, origin + area.x1_m * per_m);
+    const double y1 = std::min<double>(texture->height, origin + area.y1_m * per_m);
+    for (int y = static_cast<int>(y0); y < y1; ++y)
+      for (int x = static_cast<int>(x0); x < x1; ++x)
+        cover[static_cast<std::size_t>(y) * static_cast<std::size_t>(texture->width) + static_cast<std::size_t>(x)] +=
+            static_cast<float>(share(x0, x1, x) * share(y0, y1, y));
+  }
+  for (std::size_t i = 0; i < cover.size(); ++i) {
+    const double level = kLight + std::min(1.0F, cover[i]) * (kDark - kLight);
+    std::fill_n(texture->rgb.begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
+                static_cast<std::uint8_t>(std::lround(level)));
+  }
+}
 
 }  // namespace
 
-BoardTexture draw_board(const Board& board, double margin_m) {
+BoardTexture draw_board(const Board& board, double margin_m, const BoardDefects& defects) {
   BoardTexture texture;
   texture.frame_squares = std::max(1, static_cast<int>(std::ceil(margin_m / board.square_m - 1e-9)));
   const int columns = board.squares_x + 2 * texture.frame_squares, rows = board.squares_y + 2 * texture.frame_squares;
@@ -45,49 +175,20 @@ BoardTexture draw_board(const Board& board, double margin_m) {
   texture.width = columns * texels;
   texture.height = rows * texels;
   texture.rgb.assign(static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height) * 3, kLight);
-  for (int y = 0; y < texture.height; ++y) {
-    const int iy = y / texels - texture.frame_squares;
-    if (iy < 0 || iy >= board.squares_y) continue;
-    for (int ix = 0; ix < board.squares_x; ++ix) {
-      if (!Board::is_dark(ix, iy)) continue;
-      const auto first = static_cast<std::ptrdiff_t>(3) *
-                         (static_cast<std::ptrdiff_t>(y) * texture.width + (ix + texture.frame_squares) * texels);
-      std::fill_n(texture.rgb.begin() + first, 3 * texels, kDark);
-    }
-  }
+  (board.type == "checkerboard" ? fill_squares : fill_areas)(board, texels, &texture);
+  if (defects.on_surface()) soil(board, margin_m, defects, &texture);
   return texture;
 }
 
 BoardMjcf board_mjcf(const Board& board, double margin_m, double thickness_m, const BoardTexture& texture,
-                     const std::string& pose_attributes) {
-  const double s = board.square_m;
-  const double low[3] = {-s - margin_m, -s - margin_m, 0.0};
-  const double high[3] = {s * (board.squares_x - 1) + margin_m, s * (board.squares_y - 1) + margin_m, thickness_m};
-  std::string vertices, normals, coordinates, faces;
-  int next = 0;
-  for (const BoxFace& face : kFaces) {
-    const bool front = face.normal[2] < 0;
-    for (const std::array<int, 3>& corner : face.corners) {
-      double p[3];
-      for (std::size_t k = 0; k < 3; ++k) p[k] = corner[k] == 0 ? low[k] : high[k];
-      vertices += numbers({p[0], p[1], p[2]}) + " ";
-      normals += numbers({double(face.normal[0]), double(face.normal[1]), double(face.normal[2])}) + " ";
-      // Sides and back show the texture's outermost texel, which is white.
-      const double frame = texture.frame_squares;
-      const double u = front ? (p[0] / s + 1.0 + frame) / (board.squares_x + 2.0 * frame) : 0.0;
-      const double v = front ? (p[1] / s + 1.0 + frame) / (board.squares_y + 2.0 * frame) : 0.0;
-      coordinates += numbers({u, v}) + " ";
-    }
-    for (const int k : {0, 1, 2, 0, 2, 3}) faces += std::to_string(next + k) + " ";
-    next += 4;
-  }
+                     const std::string& pose_attributes, const BoardDefects& defects) {
+  const Plate plate(board, margin_m, thickness_m, texture.frame_squares, defects);
   const std::string name = quoted(kBoardName);
   BoardMjcf mjcf;
   mjcf.asset = "  <texture name=" + name + " type=\"2d\" builtin=\"flat\" width=\"" + std::to_string(texture.width) +
                "\" height=\"" + std::to_string(texture.height) + "\"/>\n  <material name=" + name + " texture=" + name +
-               " specular=\"0\" shininess=\"0\" reflectance=\"0\"/>\n  <mesh name=" + name +
-               " vertex=" + quoted(vertices) + " normal=" + quoted(normals) + " texcoord=" + quoted(coordinates) +
-               " face=" + quoted(faces) + "/>\n";
+               " specular=\"0\" shininess=\"0\" reflectance=\"0\"/>\n  <mesh name=" + name + " " + plate.mesh() +
+               "/>\n";
   mjcf.body = "  <body name=" + name + " " + pose_attributes + ">\n    <geom name=" + name +
               " type=\"mesh\" mesh=" + name + " material=" + name + " contype=\"1\" conaffinity=\"1\"/>\n  </body>\n";
   return mjcf;

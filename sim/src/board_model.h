@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rigproof/core/board.h"
+#include "rigproof/sim/board_defects.h"
 
 namespace rigproof {
 
@@ -19,14 +20,15 @@ struct BoardTexture {
   int frame_squares = 1;
   std::vector<std::uint8_t> rgb;  ///< row 0 is the board's -y side
 };
-BoardTexture draw_board(const Board& board, double margin_m);
+BoardTexture draw_board(const Board& board, double margin_m, const BoardDefects& defects = {});
 
 /// <asset> and <body> of a board at `pose_attributes` ("pos=.. quat=.."), with the printed face at z = 0, seen from -z.
+/// A bowed board's face is made of strips.
 struct BoardMjcf {
   std::string asset;
   std::string body;
 };
 BoardMjcf board_mjcf(const Board& board, double margin_m, double thickness_m, const BoardTexture& texture,
-                     const std::string& pose_attributes);
+                     const std::string& pose_attributes, const BoardDefects& defects = {});
 
 }  // namespace rigproof

@@ -50,7 +50,7 @@ std::string compose_mjcf(const WorldDescription& description, const std::string&
   const SceneDescription& scene = description.scene;
   const BoardTexture texture = draw_board(description.board, description.board_margin_m);
   const BoardMjcf board = board_mjcf(description.board, description.board_margin_m, description.board_thickness_m,
-                                     texture, pose_attributes(description.T_world_board));
+                                     texture, pose_attributes(description.T_world_board), description.board_defects);
   // MuJoCo reads an included file at the main file's folder + its name, absolute or not.
   const std::filesystem::path folder = base_folder(description);
   const auto include = [&folder](const std::filesystem::path& file) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "mjcf_text.h"
 #include "mujoco_compat.h"
 #include "rigproof/core/error.h"
 #include "world_impl.h"
@@ -69,10 +70,11 @@ class DrivePhysics::Snapshot {
 struct DrivePhysics::Impl {
   std::string robot_file;
   GroundRelief ground;
-  mujoco::ModelPtr model;
+  mujoco::ModelPtr scene_model;  ///< of everything: what could be touched
+  mujoco::ModelPtr model;        ///< of the robot and its floor alone: what is stepped, some times faster
   mujoco::DataPtr data, probe;
-  int robot_body = -1, robot_position = -1, robot_velocity = -1;
-  std::vector<ObjectKind> kinds;
+  int robot_body = -1, robot_position = -1, robot_velocity = -1, probe_position = -1;
+  std::vector<ObjectKind> kinds, scene_kinds;  ///< by geom
   Side left, right;
   struct GroundPlane {
     int plane, part;  ///< geoms
@@ -81,47 +83,78 @@ struct DrivePhysics::Impl {
   Rigid3 T_body_robot;
 
   Impl(const WorldDescription& description, const PhysicsOptions& options);
-  void find_robot();
+  void compile_scene(const WorldDescription& description);
+  void compile_robot(const WorldDescription& description, const GroundRelief& relief);
+  bool floor_is_plane() const;
   void find_wheels();
   void change_robot(const PhysicsOptions& options);
   void add_payload(double mass_kg, const Eigen::Vector3d& at);
   void follow_ground();
   void settle_on_flat_ground();
-  void set_pose(mjData* state, const Rigid3& T_world_body) const;
+  static void set_pose(mjData* state, int position, const Rigid3& T_world_body);
+  void set_pose(const Rigid3& T_world_body) { set_pose(data.get(), robot_position, T_world_body); }
   Rigid3 T_world_body() const;
-  std::string first_obstacle(const mjData* state, double clearance_m) const;
+  std::string obstacle(const Rigid3& T_world_body, double clearance_m) const;
   void use_ground(const GroundRelief& relief);
 };
 
 DrivePhysics::Impl::Impl(const WorldDescription& description, const PhysicsOptions& options)
     : robot_file(description.robot_mjcf.string()) {
-  std::string complaint;
-  model = mujoco::compile(compose_mjcf(without_pictures(description), ground_planes_mjcf(options.ground)),
-                          base_folder(description), &complaint);
-  if (!model) throw Error(robot_file + ": MuJoCo does not accept it: " + complaint);
-  find_robot();
+  compile_scene(description);
+  compile_robot(description, options.ground);
   find_wheels();
   data.reset(mj_makeData(model.get()));
-  probe.reset(mj_makeData(model.get()));
+  probe.reset(mj_makeData(scene_model.get()));
   if (!data || !probe) throw Error("MuJoCo could not allocate the state of the world");
   settle_on_flat_ground();
   change_robot(options);
   use_ground(options.ground);
 }
 
-void DrivePhysics::Impl::find_robot() {
-  robot_body = mj_name2id(model.get(), mjOBJ_BODY, "robot");
-  const int joint = robot_body < 0 ? -1 : model->body_jntadr[robot_body];
-  if (joint < 0 || model->jnt_type[joint] != mjJNT_FREE)
+void DrivePhysics::Impl::compile_scene(const WorldDescription& description) {
+  std::string complaint;
+  const WorldDescription plain = without_pictures(description);
+  scene_model = mujoco::compile(compose_mjcf(plain), base_folder(plain), &complaint);
+  if (!scene_model) throw Error(robot_file + ": MuJoCo does not accept it: " + complaint);
+  const int body = mj_name2id(scene_model.get(), mjOBJ_BODY, "robot");
+  const int joint = body < 0 ? -1 : scene_model->body_jntadr[body];
+  if (joint < 0 || scene_model->jnt_type[joint] != mjJNT_FREE)
     throw Error(robot_file + ": needs a body `robot` with a <freejoint/>");
+  probe_position = scene_model->jnt_qposadr[joint];
+  for (int geom = 0; geom < scene_model->ngeom; ++geom) {
+    scene_kinds.push_back(kind_of_geom(scene_model.get(), geom, body));
+    // Obstacles are seen from afar.
+    if (scene_kinds.back() == ObjectKind::kRobot || scene_kinds.back() == ObjectKind::kFloor) continue;
+    scene_model->geom_margin[geom] = scene_model->geom_gap[geom] = kMaxClearance_m;
+  }
+}
+
+bool DrivePhysics::Impl::floor_is_plane() const {
+  for (int geom = 0; geom < scene_model->ngeom; ++geom) {
+    const bool counts = scene_kinds[static_cast<std::size_t>(geom)] == ObjectKind::kFloor &&
+                        (scene_model->geom_contype[geom] != 0 || scene_model->geom_conaffinity[geom] != 0);
+    if (counts && scene_model->geom_type[geom] != mjGEOM_PLANE) return false;
+  }
+  return true;
+}
+
+// A floor of other shapes is stepped with everything else.
+void DrivePhysics::Impl::compile_robot(const WorldDescription& description, const GroundRelief& relief) {
+  const std::string planes = ground_planes_mjcf(relief);
+  const std::string robot = description.robot_mjcf.filename().string();
+  const std::string alone =
+      "<mujoco model=\"rigproof_drive\">\n<compiler autolimits=\"true\"/>\n<include file=" + quoted(robot) +
+      "/>\n<worldbody>\n  <geom name=\"floor\" type=\"plane\" size=\"1 1 1\"/>\n" + planes +
+      "</worldbody>\n</mujoco>\n";
+  const WorldDescription plain = without_pictures(description);
+  std::string complaint;
+  model = mujoco::compile(floor_is_plane() ? alone : compose_mjcf(plain, planes), base_folder(plain), &complaint);
+  if (!model) throw Error(robot_file + ": MuJoCo does not accept it: " + complaint);
+  robot_body = mj_name2id(model.get(), mjOBJ_BODY, "robot");
+  const int joint = model->body_jntadr[robot_body];
   robot_position = model->jnt_qposadr[joint];
   robot_velocity = model->jnt_dofadr[joint];
-  for (int geom = 0; geom < model->ngeom; ++geom) {
-    kinds.push_back(kind_of_geom(model.get(), geom, robot_body));
-    // Obstacles are seen from afar; they push only where they touch (margin - gap = 0).
-    if (kinds.back() == ObjectKind::kRobot || kinds.back() == ObjectKind::kFloor) continue;
-    model->geom_margin[geom] = model->geom_gap[geom] = kMaxClearance_m;
-  }
+  for (int geom = 0; geom < model->ngeom; ++geom) kinds.push_back(kind_of_geom(model.get(), geom, robot_body));
 }
 
 void DrivePhysics::Impl::find_wheels() {
@@ -142,8 +175,8 @@ void DrivePhysics::Impl::find_wheels() {
                 "right of the body `robot`");
 }
 
-void DrivePhysics::Impl::set_pose(mjData* state, const Rigid3& T_world_body) const {
-  mjtNum* q = state->qpos + robot_position;
+void DrivePhysics::Impl::set_pose(mjData* state, int position, const Rigid3& T_world_body) {
+  mjtNum* q = state->qpos + position;
   for (int i = 0; i < 3; ++i) q[i] = T_world_body.translation[i];
   q[3] = T_world_body.rotation.w();
   for (int i = 0; i < 3; ++i) q[4 + i] = T_world_body.rotation.vec()[i];
@@ -163,7 +196,7 @@ void DrivePhysics::Impl::settle_on_flat_ground() {
     if (kind == ObjectKind::kRobot || kind == ObjectKind::kFloor) continue;
     model->geom_contype[geom] = model->geom_conaffinity[geom] = 0;
   }
-  set_pose(data.get(), Rigid3());
+  set_pose(Rigid3());
   while (data->time < kSettle_s) mj_step(model.get(), data.get());
   const Rigid3 T = T_world_body();
   T_body_robot = T.inverse() * planar_pose(T.translation.x(), T.translation.y(), yaw_of(T));
@@ -259,15 +292,19 @@ void DrivePhysics::Impl::follow_ground() {
   }
 }
 
-std::string DrivePhysics::Impl::first_obstacle(const mjData* state, double clearance_m) const {
-  for (int i = 0; i < state->ncon; ++i) {
-    const mjContact& contact = state->contact[i];
+std::string DrivePhysics::Impl::obstacle(const Rigid3& T_world_body, double clearance_m) const {
+  set_pose(probe.get(), probe_position, T_world_body);
+  mj_kinematics(scene_model.get(), probe.get());
+  mj_comPos(scene_model.get(), probe.get());
+  mj_collision(scene_model.get(), probe.get());
+  for (int i = 0; i < probe->ncon; ++i) {
+    const mjContact& contact = probe->contact[i];
     if (contact.dist >= clearance_m) continue;
-    const ObjectKind a = kinds[static_cast<std::size_t>(contact.geom1)];
-    const ObjectKind b = kinds[static_cast<std::size_t>(contact.geom2)];
+    const ObjectKind a = scene_kinds[static_cast<std::size_t>(contact.geom1)];
+    const ObjectKind b = scene_kinds[static_cast<std::size_t>(contact.geom2)];
     if ((a == ObjectKind::kRobot) == (b == ObjectKind::kRobot)) continue;
     if (a == ObjectKind::kFloor || b == ObjectKind::kFloor) continue;
-    return name_of_geom(model.get(), a == ObjectKind::kRobot ? contact.geom2 : contact.geom1);
+    return name_of_geom(scene_model.get(), a == ObjectKind::kRobot ? contact.geom2 : contact.geom1);
   }
   return {};
 }
@@ -282,7 +319,7 @@ void DrivePhysics::place(double x_m, double y_m, double yaw_rad) {
   if (!impl_->ground.flat()) {
     // High enough that no wheel starts within the ground.
     double top = -1e9;
-    impl_->set_pose(impl_->data.get(), T);
+    impl_->set_pose(T);
     mj_kinematics(impl_->model.get(), impl_->data.get());
     for (const Impl::GroundPlane& entry : impl_->ground_planes) {
       const mjtNum* centre = impl_->data->geom_xpos + 3 * entry.part;
@@ -290,7 +327,7 @@ void DrivePhysics::place(double x_m, double y_m, double yaw_rad) {
     }
     T.translation.z() += top;
   }
-  impl_->set_pose(impl_->data.get(), T);
+  impl_->set_pose(T);
   mj_kinematics(impl_->model.get(), impl_->data.get());
 }
 
@@ -322,15 +359,10 @@ double DrivePhysics::tilt_rad() const {
   return std::acos(std::clamp(up.z(), -1.0, 1.0));
 }
 
-std::string DrivePhysics::touched() const { return impl_->first_obstacle(impl_->data.get(), 0.0); }
+std::string DrivePhysics::touched() const { return impl_->obstacle(impl_->T_world_body(), 0.0); }
 
 std::string DrivePhysics::obstacle(const Rigid3& T_world_robot, double clearance_m) const {
-  mjData* probe = impl_->probe.get();
-  impl_->set_pose(probe, T_world_robot * impl_->T_body_robot.inverse());
-  mj_kinematics(impl_->model.get(), probe);
-  mj_comPos(impl_->model.get(), probe);
-  mj_collision(impl_->model.get(), probe);
-  return impl_->first_obstacle(probe, std::min(clearance_m, kMaxClearance_m));
+  return impl_->obstacle(T_world_robot * impl_->T_body_robot.inverse(), std::min(clearance_m, kMaxClearance_m));
 }
 
 std::shared_ptr<const DrivePhysics::Snapshot> DrivePhysics::save() const {

@@ -118,7 +118,8 @@ std::unique_ptr<World> World::compose(const WorldDescription& description) {
   impl->model = compile_world(description);
   for (const SceneTexture& texture : description.scene.textures)
     fill_texture(impl->model.get(), texture.name, draw_texture(texture, description.scene_seed));
-  fill_texture(impl->model.get(), kBoardName, draw_board(description.board, description.board_margin_m).rgb);
+  fill_texture(impl->model.get(), kBoardName,
+               draw_board(description.board, description.board_margin_m, description.board_defects).rgb);
   change_lights(impl->model.get(), description.scene.light);
   index_model(impl.get());
   impl->data.reset(mj_makeData(impl->model.get()));

@@ -8,9 +8,11 @@
 
 #include "rigproof/core/distribution.h"
 #include "rigproof/core/fields.h"
+#include "rigproof/generator/board_config.h"
 #include "rigproof/generator/motion.h"
-#include "rigproof/generator/straight_drive_config.h"
+#include "rigproof/generator/odometry_errors.h"
 #include "rigproof/generator/sensing.h"
+#include "rigproof/generator/straight_drive_config.h"
 #include "rigproof/sim/scene_variation.h"
 
 namespace rigproof {
@@ -18,6 +20,7 @@ namespace rigproof {
 /// The board and where it stands.
 struct BoardConfig {
   std::string preset;           ///< in models/boards, or a file; empty = the rig's board
+  std::string type = "preset";  ///< preset | checkerboard | charuco | aprilgrid
   std::vector<double> squares;  ///< two numbers replace the preset's; empty = the preset's
   double square_mm = 0.0;       ///< 0 = the preset's
   std::string place = "scene";  ///< scene: where the scene puts it; given: the fields below
@@ -27,6 +30,7 @@ struct BoardConfig {
   Distribution facing_deg = 0.0;
   Distribution lean_deg = 0.0;
   Distribution roll_deg = 0.0;
+  BoardDefectsConfig defects;
 
   void visit(FieldVisitor& visitor);
 };
@@ -71,7 +75,7 @@ struct ViewpointConfig {
 
 /// What the robot's wheels tell.
 struct OdometryConfig {
-  std::string model = "per_increment";  ///< per_increment | per_pose
+  std::string model = "per_increment";  ///< per_increment | per_pose | thrun | wheels
   double lambda = 1.0;
   double sigma_xy_cm = 0.2;
   double sigma_yaw_rad = 0.01;
@@ -79,6 +83,8 @@ struct OdometryConfig {
   Distribution yaw_factor = 1.0;
   double rate_hz = 0.0;
   bool declared = false;
+  ThrunConfig thrun;
+  WheelsConfig wheels;
 
   void visit(FieldVisitor& visitor);
 };

@@ -12,6 +12,7 @@
 #include "rigproof/core/board.h"
 #include "rigproof/core/camera.h"
 #include "rigproof/core/rigid3.h"
+#include "rigproof/sim/board_defects.h"
 
 namespace rigproof {
 
@@ -92,6 +93,7 @@ struct WorldDescription {
   Rigid3 T_world_board;
   double board_margin_m = 0.05;     ///< white border around the squares
   double board_thickness_m = 0.01;  ///< behind the printed face
+  BoardDefects board_defects;
 };
 
 /// What a pixel of the object-id image shows.

@@ -1,0 +1,33 @@
+// What is wrong with the board of a run.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "rigproof/core/fields.h"
+#include "rigproof/sim/board_defects.h"
+
+namespace rigproof {
+
+/// Drawn once a run. The recording tells the nominal board; truth/truth.yaml what was drawn.
+struct BoardDefectsConfig {
+  Distribution print_scale_x = 1.0;
+  Distribution print_scale_y = 1.0;
+  Distribution bow_mm = 0.0;
+  Distribution border_mm = 50.0;
+  Distribution glare = 0.0;
+  Distribution covered_percent = 0.0;
+  Distribution dirt = 0.0;
+
+  void visit(FieldVisitor& visitor);
+};
+
+struct BoardDefectsDraw {
+  BoardDefects defects;
+  double border_m = 0.05;               ///< white around the squares
+  std::map<std::string, double> drawn;  ///< for the truth, by field
+};
+BoardDefectsDraw draw_board_defects(const BoardDefectsConfig& config, std::uint64_t seed);
+
+}  // namespace rigproof

@@ -1,0 +1,182 @@
+#include "rigproof/sim/board_pdf.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/version.h"
+#include "rigproof/sim/board_pattern.h"
+
+namespace rigproof {
+namespace {
+
+constexpr double kPointsPerMm = 72.0 / 25.4;
+// Printers leave this much of a page blank.
+constexpr double kBlankEdge_mm = 6.0;
+// Below the board: ruler and four lines of text.
+constexpr double kFooter_mm = 40.0;
+constexpr double kRulerBelowBoard_mm = 8.0, kTick_mm = 3.0, kText_mm = 3.0, kLine_mm = 4.6;
+constexpr double kLargestRuler_mm = 200.0, kRulerStep_mm = 50.0;
+constexpr double kLeastWidth_mm = 130.0;  // of a page, for the text
+
+struct Paper {
+  const char* name;
+  double short_mm, long_mm;
+};
+constexpr std::array<Paper, 7> kPapers = {{{"a4", 210.0, 297.0},
+                                           {"a3", 297.0, 420.0},
+                                           {"a2", 420.0, 594.0},
+                                           {"a1", 594.0, 841.0},
+                                           {"a0", 841.0, 1189.0},
+                                           {"letter", 215.9, 279.4},
+                                           {"tabloid", 279.4, 431.8}}};
+
+std::string number(double value, int digits = 4) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  std::string result = text;
+  if (result.find('.') == std::string::npos) return result;
+  result.erase(result.find_last_not_of('0') + 1);
+  if (result.back() == '.') result.pop_back();
+  return result == "-0" ? "0" : result;
+}
+
+// Operators of a PDF content stream, in millimetres from the lower left corner of the page.
+class Drawing {
+ public:
+  void rectangle(double x, double y, double width, double height) {
+    text_ += coordinates({x, y, width, height}) + "re\n";
+  }
+  void fill() { text_ += "f\n"; }
+  void line(double x0, double y0, double x1, double y1, double width_mm) {
+    text_ += coordinates({width_mm}) + "w " + coordinates({x0, y0}) + "m " + coordinates({x1, y1}) + "l S\n";
+  }
+  void text(double x, double y, double size_mm, const std::string& words) {
+    std::string escaped;
+    for (const char c : words) {
+      if (c == '(' || c == ')' || c == '\\') escaped += '\\';
+      escaped += c;
+    }
+    text_ += "BT /F1 " + coordinates({size_mm}) + "Tf " + coordinates({x, y}) + "Td (" + escaped + ") Tj ET\n";
+  }
+  const std::string& operators() const { return text_; }
+
+ private:
+  static std::string coordinates(std::initializer_list<double> values_mm) {
+    std::string text;
+    for (const double value : values_mm) text += number(value * kPointsPerMm) + " ";
+    return text;
+  }
+
+  std::string text_;
+};
+
+struct Page {
+  double width_mm, height_mm;
+};
+
+Page page_of(const Board& board, const BoardPdfOptions& options) {
+  const double border = 1000.0 * options.border_m;
+  const double width = 1000.0 * board.square_m * board.squares_x + 2.0 * border;
+  const double height = 1000.0 * board.square_m * board.squares_y + 2.0 * border + kFooter_mm;
+  if (options.paper == "fit")
+    return {std::max(width, kLeastWidth_mm) + 2.0 * kBlankEdge_mm, height + 2.0 * kBlankEdge_mm};
+  for (const Paper& paper : kPapers) {
+    if (options.paper != paper.name) continue;
+    for (const Page& page : {Page{paper.short_mm, paper.long_mm}, Page{paper.long_mm, paper.short_mm}})
+      if (width + 2.0 * kBlankEdge_mm <= page.width_mm && height + 2.0 * kBlankEdge_mm <= page.height_mm) return page;
+    double largest = 0.0;
+    for (const Page& page : {Page{paper.short_mm, paper.long_mm}, Page{paper.long_mm, paper.short_mm}})
+      largest =
+          std::max(largest, std::min((page.width_mm - 2.0 * (kBlankEdge_mm + border)) / board.squares_x,
+                                     (page.height_mm - 2.0 * (kBlankEdge_mm + border) - kFooter_mm) / board.squares_y));
+    throw Error("paper " + options.paper + ": " + std::to_string(board.squares_x) + " x " +
+                std::to_string(board.squares_y) + " squares of " + number(1000.0 * board.square_m) +
+                " mm do not fit; " +
+                (largest < 1.0 ? std::string() : "squares of up to " + number(std::floor(largest)) + " mm do, or ") +
+                "take larger paper, e.g. fit");
+  }
+  throw Error("paper: " + options.paper + ": must be one of a4, a3, a2, a1, a0, letter, tabloid, fit");
+}
+
+void draw_ruler(double left_mm, double y_mm, double length_mm, Drawing* drawing) {
+  drawing->line(left_mm, y_mm, left_mm + length_mm, y_mm, 0.2);
+  for (int mm = 0; mm <= static_cast<int>(length_mm); ++mm) {
+    const double height =
+        mm % 50 == 0 ? kTick_mm : (mm % 10 == 0 ? 0.7 * kTick_mm : (mm % 5 == 0 ? 0.5 : 0.3) * kTick_mm);
+    drawing->line(left_mm + mm, y_mm, left_mm + mm, y_mm - height, 0.1);
+    if (mm % 50 == 0) drawing->text(left_mm + mm + 0.8, y_mm - kTick_mm - 1.0, 2.4, std::to_string(mm));
+  }
+  drawing->text(left_mm + length_mm + 2.0, y_mm - kTick_mm, 2.4, "mm");
+}
+
+std::vector<std::string> instructions(const Board& board, double ruler_mm) {
+  const double square_mm = 1000.0 * board.square_m;
+  const std::string counts = std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y);
+  const std::string dictionary = marker_dictionary(board);
+  const std::string span =
+      board.type == "aprilgrid"
+          ? "from the left edge of the first to the left edge of the last small square of a row"
+          : "the " + std::to_string(board.squares_x) + " squares of a row together, outer edge to outer edge";
+  return {board.type + ", " + counts + " squares of " + number(square_mm) + " mm" +
+              (dictionary.empty() ? "" : ", " + dictionary) + "   (rigproof " + version() + ")",
+          "Print at 100 %, without scaling to the page. The ruler must measure " + number(ruler_mm) + " mm.",
+          "Then measure " + span + ": " + number(square_mm * board.squares_x) + " mm if exact.",
+          "Give what you measure divided by " + std::to_string(board.squares_x) +
+              " as square_mm. Glue it onto a flat, stiff plate."};
+}
+
+std::string content(const Board& board, const BoardPdfOptions& options, const Page& page) {
+  const double square_mm = 1000.0 * board.square_m, border = 1000.0 * options.border_m;
+  const double width = square_mm * board.squares_x, height = square_mm * board.squares_y;
+  const double left = 0.5 * (page.width_mm - width), top = page.height_mm - kBlankEdge_mm - border;
+  Drawing drawing;
+  for (const DarkArea& area : dark_areas(board)) {
+    const double x = left + 1000.0 * area.x0_m + square_mm, y = top - (1000.0 * area.y1_m + square_mm);
+    drawing.rectangle(x, y, 1000.0 * (area.x1_m - area.x0_m), 1000.0 * (area.y1_m - area.y0_m));
+  }
+  drawing.fill();
+  const double text_left = kBlankEdge_mm + 4.0, ruler_y = top - height - border - kRulerBelowBoard_mm;
+  const double room = page.width_mm - text_left - kBlankEdge_mm - 8.0;
+  const double ruler = std::min(kLargestRuler_mm, kRulerStep_mm * std::floor(room / kRulerStep_mm));
+  draw_ruler(text_left, ruler_y, ruler, &drawing);
+  double y = ruler_y - kTick_mm - 7.0;
+  for (const std::string& line : instructions(board, ruler)) {
+    drawing.text(text_left, y, kText_mm, line);
+    y -= kLine_mm;
+  }
+  return drawing.operators();
+}
+
+}  // namespace
+
+const std::vector<std::string>& paper_names() {
+  static const std::vector<std::string> names = {"a4", "a3", "a2", "a1", "a0", "letter", "tabloid", "fit"};
+  return names;
+}
+
+std::string board_pdf(const Board& board, const BoardPdfOptions& options) {
+  const Page page = page_of(board, options);
+  const std::string stream = content(board, options, page);
+  const std::array<std::string, 5> objects = {
+      "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
+      "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
+      "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 " + number(page.width_mm * kPointsPerMm) + " " +
+          number(page.height_mm * kPointsPerMm) + "] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> >>",
+      "<< /Length " + std::to_string(stream.size()) + " >>\nstream\n" + stream + "endstream",
+      "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>"};
+  std::string pdf = "%PDF-1.6\n";
+  std::string table = "xref\n0 6\n0000000000 65535 f \n";
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    char offset[32];
+    std::snprintf(offset, sizeof offset, "%010zu 00000 n \n", pdf.size());
+    table += offset;
+    pdf += std::to_string(i + 1) + " 0 obj\n" + objects[i] + "\nendobj\n";
+  }
+  const std::size_t start = pdf.size();
+  return pdf + table + "trailer\n<< /Size 6 /Root 1 0 R >>\nstartxref\n" + std::to_string(start) + "\n%%EOF\n";
+}
+
+}  // namespace rigproof
