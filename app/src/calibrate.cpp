@@ -10,6 +10,7 @@
 #include "print_result.h"
 #include "rigproof/calib/method.h"
 #include "rigproof/core/error.h"
+#include "rigproof/study/external.h"
 #include "rigproof/study/workflow.h"
 #include "terminal.h"
 
@@ -44,11 +45,8 @@ Observations observe_with_progress(const Input& input, int jobs, const Terminal&
   return observations;
 }
 
-std::vector<const Method*> methods_by_name(const std::vector<std::string>& names) {
-  std::vector<const Method*> methods;
-  for (const std::string& name : names) methods.push_back(&find_method(name));
-  if (methods.empty()) methods.push_back(&default_method());
-  return methods;
+MethodInput method_input(const Input& input, const Observations& observations, int jobs) {
+  return {observations, input.recording ? &*input.recording : nullptr, jobs};
 }
 
 int observe_command(const ObserveArguments& arguments) {
@@ -79,15 +77,20 @@ int observe_command(const ObserveArguments& arguments) {
 
 int calibrate_command(const CalibrateArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
-  const std::vector<const Method*> methods = methods_by_name(arguments.methods);
+  methods_by_name(arguments.methods);  // an unknown method is told before anything is read
+  std::optional<AcceptCriteria> criteria;
+  if (!arguments.accept.empty()) criteria = accept_criteria_of(arguments.accept);
+  if (!criteria && !arguments.junit.empty()) throw Error("--junit: holds the gates of --accept; give both");
   const Input input = open_input(arguments.input);
   if (arguments.output.empty()) require_writable(product_folder(input));
-  const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
   const std::filesystem::path folder = arguments.output.empty() ? product_folder(input) / "results" : arguments.output;
+  const auto methods = methods_by_name(arguments.methods, {folder, [] { return !interrupted(); }});
+  const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
   bool all_solved = true;
   std::string json;
-  for (const Method* method : methods) {
-    const Result result = method->solve(observations);
+  std::vector<ValidationRecord> gates;
+  for (const auto& method : methods) {
+    const Result result = run_method(*method, method_input(input, observations, arguments.common.jobs));
     const std::filesystem::path file = folder / (result.method + ".yaml");
     save_result(result, file);
     all_solved = all_solved && result.status == ResultStatus::kSolved;

@@ -81,6 +81,15 @@ struct InspectArguments {
 };
 int inspect_command(const InspectArguments& arguments);
 
+struct ConvertArguments {
+  CommonArguments common;
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::string to;  ///< memroc or recording; empty = the one that the input is not
+  int cloud_points = 12000;
+};
+int convert_command(const ConvertArguments& arguments);
+
 struct DoctorArguments {
   CommonArguments common;
   std::filesystem::path run;  ///< empty = the machine

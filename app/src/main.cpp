@@ -121,7 +121,8 @@ void add_calibrate(CLI::App& app, Action& action) {
       ->add_option("INPUT", arguments->input,
                    "A run, a recording, an observations.json, or a folder in the MEMROC layout")
       ->required();
-  command->add_option("-m,--method", arguments->methods, "As `rigproof methods` lists them; may be repeated");
+  command->add_option("-m,--method", arguments->methods,
+                      "As `rigproof methods` lists them, or external:FILE.yaml; may be repeated");
   command->add_option("-o,--output", arguments->output, "Folder for the results; default results/ beside the input");
   add_jobs(command, arguments->common);
   add_common(command, arguments->common);
@@ -147,7 +148,8 @@ void add_run(CLI::App& app, Action& action) {
       add_command(app, "run", "Generate, calibrate and validate, then draw the pictures", "rigproof run demo.yaml");
   auto arguments = std::make_shared<RunArguments>();
   add_generate_options(command, arguments->generate);
-  command->add_option("-m,--method", arguments->methods, "As `rigproof methods` lists them; may be repeated");
+  command->add_option("-m,--method", arguments->methods,
+                      "As `rigproof methods` lists them, or external:FILE.yaml; may be repeated");
   command->add_option("--budget", arguments->budget,
                       "Limits on the error: a file, or ci, paper, honest; default 4 of the stated sigmas");
   command->add_option("--junit", arguments->junit, "Also write the checks as JUnit XML");
@@ -164,6 +166,22 @@ void add_inspect(CLI::App& app, Action& action) {
   add_jobs(command, arguments->common);
   add_common(command, arguments->common);
   command->callback([arguments, &action] { action = [arguments] { return inspect_command(*arguments); }; });
+}
+
+void add_convert(CLI::App& app, Action& action) {
+  CLI::App* command =
+      add_command(app, "convert", "Turn a recording into the layout of the MEMROC authors' program, or back",
+                  "rigproof convert runs/demo for_memroc/");
+  auto arguments = std::make_shared<ConvertArguments>();
+  command->add_option("INPUT", arguments->input, "A run, a recording, or a folder in the MEMROC layout")->required();
+  command->add_option("OUTPUT", arguments->output, "A new folder")->required();
+  command->add_option("--to", arguments->to, "memroc or recording; default the one that the input is not")
+      ->check(CLI::IsMember({"memroc", "recording"}));
+  command->add_option("--cloud-points", arguments->cloud_points, "Most points of a cloud that a depth image becomes")
+      ->check(CLI::Range(100, 10000000))
+      ->capture_default_str();
+  add_common(command, arguments->common);
+  command->callback([arguments, &action] { action = [arguments] { return convert_command(*arguments); }; });
 }
 
 void add_doctor(CLI::App& app, Action& action) {
@@ -270,6 +288,7 @@ int run_main(int argc, char** argv) {
   add_calibrate(app, action);
   add_validate(app, action);
   add_inspect(app, action);
+  add_convert(app, action);
   add_doctor(app, action);
   add_board(app, action);
   add_list(app, "methods", "The calibration methods: what each needs and gives", action);

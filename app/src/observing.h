@@ -1,9 +1,7 @@
-// What `calibrate`, `run` and `inspect` share: observing with a line of progress, and methods by name.
+// What `calibrate`, `run` and `inspect` share: observing with a line of progress.
 #pragma once
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "rigproof/calib/method.h"
 #include "rigproof/core/observations.h"
@@ -18,7 +16,7 @@ void require_writable(const std::filesystem::path& product_folder);
 /// Throws Error with ExitCode::kTryAgain if the user interrupts.
 Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal);
 
-/// The methods of these names, or the default one. Throws Error that names the nearest for an unknown one.
-std::vector<const Method*> methods_by_name(const std::vector<std::string>& names);
+/// What a method is given of an input.
+MethodInput method_input(const Input& input, const Observations& observations, int jobs);
 
 }  // namespace rigproof

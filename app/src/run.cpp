@@ -8,6 +8,7 @@
 #include "observing.h"
 #include "print_result.h"
 #include "rigproof/core/error.h"
+#include "rigproof/study/external.h"
 #include "rigproof/study/inspect.h"
 #include "rigproof/study/workflow.h"
 #include "rigproof/validate/format.h"
@@ -25,14 +26,13 @@ std::string headline(const GenerateConfig& config, const std::string& gl_rendere
 
 /// Solves with every method, saves each result and judges it.
 std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, const RunFolder& run,
-                                              const Observations& observations, const Terminal& terminal,
-                                              bool* all_solved) {
+                                              const MethodInput& input, const Terminal& terminal, bool* all_solved) {
   const Truth truth = load_truth(run.truth_file());
   const Budget budget = budget_of(arguments.budget);
   std::vector<ValidationRecord> records;
   std::vector<Comparison> comparisons;
-  for (const Method* method : methods_by_name(arguments.methods)) {
-    const Result result = method->solve(observations);
+  for (const auto& method : methods_by_name(arguments.methods, {run.results(), [] { return !interrupted(); }})) {
+    const Result result = run_method(*method, input);
     save_result(result, run.result_file(result.method));
     *all_solved = *all_solved && result.status == ResultStatus::kSolved;
     terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s));
@@ -75,7 +75,8 @@ int run_command(const RunArguments& arguments) {
   save_observations(observations, run.observations_file());
   prove_and_say(run, input, observations, terminal);
   bool all_solved = true;
-  const std::vector<ValidationRecord> records = solve_and_judge(arguments, run, observations, terminal, &all_solved);
+  const std::vector<ValidationRecord> records =
+      solve_and_judge(arguments, run, method_input(input, observations, common.jobs), terminal, &all_solved);
   if (!arguments.junit.empty()) save_junit(records, arguments.junit);
   write_pictures({input, observations, load_truth(run.truth_file()), load_results(run.results())}, run.pictures());
   terminal.line("pictures   " + run.pictures().string());

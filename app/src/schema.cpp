@@ -11,6 +11,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/config.h"
+#include "rigproof/study/external.h"
 #include "rigproof/validate/budget.h"
 
 namespace rigproof {
@@ -26,7 +27,9 @@ const std::map<std::string, std::function<std::string()>>& generated_schemas() {
          GenerateConfig config;
          return schema_of_fields("Rigproof run", [&config](FieldVisitor& visitor) { config.visit(visitor); });
        }},
-      {"budget", budget_schema}};
+      {"budget", budget_schema},
+      {"accept", accept_criteria_schema},
+      {"external", external_config_schema}};
   return schemas;
 }
 

@@ -5,6 +5,7 @@ list(APPEND calib_sources
   src/rivals/dnn_features.cpp
   src/rivals/feature_source.cpp
   src/rivals/image_files.cpp
+  src/rivals/image_ground.cpp
   src/rivals/image_pairs.cpp
   src/rivals/li.cpp
   src/rivals/memroc_reference.cpp

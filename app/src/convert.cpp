@@ -1,0 +1,42 @@
+// `rigproof convert`: recordings from and to the layout of the MEMROC authors' program.
+#include "rigproof/study/convert.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "rigproof/core/error.h"
+#include "rigproof/formats/open_input.h"
+#include "terminal.h"
+
+namespace rigproof {
+
+int convert_command(const ConvertArguments& arguments) {
+  const Terminal terminal(arguments.common.quiet || arguments.common.json);
+  const Input input = open_input(arguments.input);
+  if (!input.recording)
+    throw Error(arguments.input.string() + ": holds observations without images; there is nothing to convert");
+  const bool from_memroc = input.kind == InputKind::kMemrocLayout;
+  const std::string to = arguments.to.empty() ? (from_memroc ? "recording" : "memroc") : arguments.to;
+  ProgressLine progress(terminal, "convert", "images");
+  ConvertOptions options;
+  options.max_cloud_points = arguments.cloud_points;
+  options.progress = progress.callback();
+  const ConvertReport report = to == "memroc" ? write_memroc_layout(*input.recording, arguments.output, options)
+                                              : copy_recording(*input.recording, arguments.output, options);
+  if (arguments.common.json) {
+    const nlohmann::json json = {{"output", arguments.output.string()},
+                                 {"layout", to},
+                                 {"images", report.images},
+                                 {"clouds", report.clouds},
+                                 {"notes", report.notes}};
+    std::puts(json.dump(2).c_str());
+    return 0;
+  }
+  terminal.line(to + "  " + arguments.output.string() + "  " + std::to_string(report.images) + " images, " +
+                std::to_string(report.clouds) + " clouds");
+  for (const std::string& note : report.notes) terminal.line(terminal.colored("NOTE", Color::kWarning) + " " + note);
+  return 0;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,98 @@
+// Rivals, methods from outside and the MEMROC layout, as a user types them.
+#include <cmath>
+
+#include "cli_fixture.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/result.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+TEST(Rivals, MethodsSaysWhatEachNeedsAndGives) {
+  const std::string list = rigproof_command({"methods"}).out;
+  for (const char* part : {"memroc_reference", "robot_autocalib_board", "sensorx2car", "rotation only", "li",
+                           "camera to camera only", "opencv_daniilidis"})
+    EXPECT_THAT(list, HasSubstr(part));
+}
+
+// Observations have no images: one method says so before it runs, the other answers.
+TEST(Rivals, AMethodThatCannotRunSaysSo) {
+  const TempFolder scratch;
+  const std::string observations = (scratch / "observations.json").string();
+  ASSERT_EQ(rigproof_command({"observe", small_run().string(), "-o", observations}).exit_code, 0);
+  const std::string results = (scratch / "results").string();
+  const ProcessOutput output =
+      rigproof_command({"calibrate", observations, "-m", "sensorx2car", "-m", "li", "-o", results});
+  EXPECT_EQ(output.exit_code, 3) << output.err;
+  EXPECT_THAT(output.out, HasSubstr("observations alone"));
+  EXPECT_EQ(load_result(scratch / "results/sensorx2car.yaml").status, ResultStatus::kRefused);
+  EXPECT_EQ(load_result(scratch / "results/li.yaml").status, ResultStatus::kSolved);
+}
+
+TEST(Rivals, LiIsJudgedByItsPairs) {
+  const TempFolder scratch;
+  const std::string results = (scratch / "results").string(), run = small_run().string();
+  ASSERT_EQ(rigproof_command({"calibrate", run, "-m", "li", "-o", results}).exit_code, 0);
+  const ProcessOutput output = rigproof_command({"validate", run, results + "/li.yaml", "--json"});
+  EXPECT_EQ(output.exit_code, 0) << output.out;
+}
+
+TEST(External, ADescriptionStandsWhereAMethodDoes) {
+  const TempFolder scratch;
+  const std::string results = (scratch / "results").string(), run = small_run().string();
+  const std::string example = std::string(RIGPROOF_SOURCE_DIR) + "/docs/examples/ground_only.yaml";
+  const ProcessOutput output =
+      rigproof_command({"calibrate", run, "-m", "memroc", "-m", "external:" + example, "-o", results});
+  EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
+  const Result result = load_result(results + "/ground_only.yaml");
+  EXPECT_EQ(result.method, "ground_only");
+  // The rig's cameras stand at 70, 64 and 72.5 cm; clean depth rounded to 1 mm.
+  const double heights_m[] = {0.700, 0.640, 0.725};
+  ASSERT_EQ(result.camera_to_robot.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(result.camera_to_robot[i].T_parent_child.translation.z(), heights_m[i], 2e-3);
+}
+
+TEST(External, AFailureIsARowAndExitCode3) {
+  const TempFolder scratch;
+  const std::string method = scratch.write("broken.yaml", "command: [/no/such/program]\n").string();
+  const ProcessOutput output = rigproof_command({"calibrate", small_run().string(), "-m", "external:" + method, "-m",
+                                                 "memroc", "-o", (scratch / "results").string()});
+  EXPECT_EQ(output.exit_code, 3);
+  EXPECT_THAT(output.out, HasSubstr("cannot be started"));
+  EXPECT_EQ(load_result(scratch / "results/broken.yaml").status, ResultStatus::kRefused);
+  EXPECT_EQ(load_result(scratch / "results/memroc.yaml").status, ResultStatus::kSolved);
+  EXPECT_EQ(rigproof_command({"calibrate", small_run().string(), "-m", "external:/no/such.yaml"}).exit_code, 2);
+}
+
+// There and back: corners come from the same images, odometry from the same poses.
+TEST(Convert, TheMemrocLayoutGivesTheSameObservations) {
+  const TempFolder scratch;
+  const std::string layout = (scratch / "layout").string(), back = (scratch / "back").string();
+  const ProcessOutput there = rigproof_command({"convert", small_run().string(), layout});
+  ASSERT_EQ(there.exit_code, 0) << there.err;
+  EXPECT_THAT(there.out, HasSubstr("30 images, 30 clouds"));
+  EXPECT_THAT(there.out, HasSubstr("left is camera1 there"));
+  ASSERT_EQ(rigproof_command({"convert", layout, back}).exit_code, 0);
+  std::vector<Observations> all;
+  for (const std::string& input : {small_run().string(), layout, back}) {
+    const fs::path file = scratch / (std::to_string(all.size()) + ".json");
+    ASSERT_EQ(rigproof_command({"observe", input, "-o", file.string()}).exit_code, 0);
+    all.push_back(load_observations(file));
+  }
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    ASSERT_EQ(all[i].board_views.size(), all[0].board_views.size());
+    for (std::size_t v = 0; v < all[0].board_views.size(); ++v)
+      for (std::size_t c = 0; c < all[0].board_views[v].corners.size(); ++c)
+        EXPECT_EQ(all[i].board_views[v].corners[c].pixel, all[0].board_views[v].corners[c].pixel);
+    for (std::size_t s = 0; s < all[0].stops.size(); ++s)
+      EXPECT_NEAR(all[i].stops[s].yaw_rad, all[0].stops[s].yaw_rad, 1e-12);
+  }
+  EXPECT_EQ(rigproof_command({"convert", small_run().string(), layout}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace rigproof

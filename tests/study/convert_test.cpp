@@ -1,0 +1,146 @@
+#include "rigproof/study/convert.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "error_text.h"
+#include "rigproof/calib/ground_plane.h"
+#include "rigproof/calib/image_io.h"
+#include "rigproof/core/files.h"
+#include "rigproof/formats/memroc_layout.h"
+#include "small_recording.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+void expect_same_cameras(const Recording& a, const Recording& b) {
+  ASSERT_EQ(a.rig.cameras.size(), b.rig.cameras.size());
+  for (std::size_t k = 0; k < a.rig.cameras.size(); ++k) {
+    const Camera &x = a.rig.cameras[k].camera, &y = b.rig.cameras[k].camera;
+    EXPECT_EQ(x.width_px, y.width_px);
+    EXPECT_EQ(x.height_px, y.height_px);
+    EXPECT_EQ(x.fx_px, y.fx_px);
+    EXPECT_EQ(x.fy_px, y.fy_px);
+    EXPECT_EQ(x.cx_px, y.cx_px);
+    EXPECT_EQ(x.cy_px, y.cy_px);
+    EXPECT_EQ(x.lens, y.lens);
+    EXPECT_EQ(x.distortion, y.distortion);
+  }
+}
+
+void expect_same_odometry(const Recording& a, const Recording& b) {
+  ASSERT_EQ(a.odometry.size(), b.odometry.size());
+  for (std::size_t i = 0; i < a.odometry.size(); ++i) {
+    EXPECT_EQ(a.odometry[i].x_m, b.odometry[i].x_m);
+    EXPECT_EQ(a.odometry[i].y_m, b.odometry[i].y_m);
+    // Through sine and cosine and back.
+    EXPECT_NEAR(a.odometry[i].yaw_rad, b.odometry[i].yaw_rad, 1e-15);
+  }
+}
+
+std::string bytes(const Recording& recording, std::size_t camera, std::size_t frame) {
+  return read_text_file(recording.folder / recording.frames[camera][frame].color_file);
+}
+
+TEST(Convert, ToTheMemrocLayoutAndBackIsExact) {
+  const TempFolder scratch;
+  const Recording original = small_recording(scratch / "original");
+  const ConvertReport report = write_memroc_layout(original, scratch / "memroc");
+  EXPECT_EQ(report.images, 6U);
+  EXPECT_EQ(report.clouds, 3U);
+  const Recording there = load_memroc_layout(scratch / "memroc");
+  EXPECT_EQ(there.rig.board, original.rig.board);
+  expect_same_cameras(original, there);
+  expect_same_odometry(original, there);
+  for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(bytes(there, k, i), bytes(original, k, i));
+  copy_recording(there, scratch / "back");
+  const Recording back = load_recording(scratch / "back");
+  EXPECT_EQ(back.rig.board, original.rig.board);
+  expect_same_cameras(original, back);
+  expect_same_odometry(original, back);
+  for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(bytes(back, k, i), bytes(original, k, i));
+}
+
+TEST(Convert, CloudsHoldEveryPointOfTheDepthImage) {
+  const TempFolder scratch;
+  const Recording original = small_recording(scratch / "original");
+  write_memroc_layout(original, scratch / "memroc");
+  const Recording there = load_memroc_layout(scratch / "memroc");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto depth = read_depth_image(original.folder / original.frames[0][i].depth_file);
+    const auto expected = points_from_depth(std::get<Image16>(depth), original.rig.cameras[0], 1).points;
+    const auto cloud = read_point_cloud(there.folder / there.frames[0][i].cloud_file);
+    ASSERT_TRUE(std::holds_alternative<std::vector<Eigen::Vector3f>>(cloud));
+    EXPECT_EQ(std::get<std::vector<Eigen::Vector3f>>(cloud), expected);
+  }
+  EXPECT_TRUE(there.frames[1][0].cloud_file.empty());
+}
+
+TEST(Convert, ThinsCloudsToTheirLimit) {
+  const TempFolder scratch;
+  const Recording original = small_recording(scratch / "original");
+  ConvertOptions options;
+  options.max_cloud_points = 800;
+  write_memroc_layout(original, scratch / "memroc", options);
+  const auto cloud = read_point_cloud(scratch / "memroc/camera1/clouds/0000.txt");
+  const std::size_t points = std::get<std::vector<Eigen::Vector3f>>(cloud).size();
+  EXPECT_GT(points, 300U);
+  EXPECT_LE(points, 800U);
+}
+
+// What the authors' program reads, written out: a change of any digit or separator is a change of the format.
+TEST(Convert, WritesTheTextsOfTheLayout) {
+  const TempFolder scratch;
+  write_memroc_layout(small_recording(scratch / "original"), scratch / "memroc");
+  EXPECT_EQ(scratch.read("memroc/CalibrationInfo.yaml"),
+            "number_of_cameras: 2\ncamera_folder_prefix: camera\npattern_type: checkerboard\nnumber_of_rows: 4\n"
+            "number_of_columns: 3\nsize: 0.1\nresize_factor: 1\n");
+  EXPECT_EQ(scratch.read("memroc/camera2/intrinsic_pars_file.yaml"),
+            "fx: 41.5\nfy: 41.5\ncx: 31.5\ncy: 23.5\nhas_dist_coeff: 1\ndist_k0: 0.11\ndist_k1: -0.24\n"
+            "dist_px: 4e-04\ndist_py: -3e-04\ndist_k2: 0.1\ndist_k3: 0.0\ndist_k4: 0.0\ndist_k5: 0.0\n"
+            "img_width: 64\nimg_height: 48\n");
+  const std::string pose = scratch.read("memroc/camera1/pose/0000.csv");
+  EXPECT_THAT(pose, testing::StartsWith("0.99500416527802"));
+  EXPECT_THAT(pose, testing::EndsWith("\n0.0,0.0,1.0,0.0\n0.0,0.0,0.0,1.0\n"));
+  EXPECT_EQ(std::count(pose.begin(), pose.end(), ','), 12);
+}
+
+TEST(Convert, RefusesWhatIsInTheWayOrCannotBeSaid) {
+  const TempFolder scratch;
+  Recording recording = small_recording(scratch / "original");
+  scratch.write("taken/file", "x");
+  EXPECT_THAT(error_text([&] { write_memroc_layout(recording, scratch / "taken"); }), HasSubstr("something already"));
+  EXPECT_THAT(error_text([&] { copy_recording(recording, scratch / "taken"); }), HasSubstr("something already"));
+  recording.rig.cameras[1].camera.lens = Lens::kKannalaBrandt;
+  recording.rig.board.squares_x = 6;
+  const std::string error = error_text([&] { write_memroc_layout(recording, scratch / "new"); });
+  EXPECT_THAT(error, HasSubstr("cameras.right.lens"));
+  EXPECT_THAT(error, HasSubstr("180 degrees"));
+  EXPECT_FALSE(fs::exists(scratch / "new"));
+}
+
+TEST(Convert, AnInterruptedOneLeavesNothing) {
+  const TempFolder scratch;
+  const Recording recording = small_recording(scratch / "original");
+  ConvertOptions options;
+  options.progress = [](std::size_t done, std::size_t) { return done < 2; };
+  for (const auto convert : {&copy_recording, &write_memroc_layout}) {
+    try {
+      convert(recording, scratch / "new", options);
+      FAIL() << "went on";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code(), ExitCode::kTryAgain);
+    }
+    EXPECT_FALSE(fs::exists(scratch / "new"));
+    EXPECT_FALSE(fs::exists(scratch / "new.partial"));
+  }
+}
+
+}  // namespace
+}  // namespace rigproof
