@@ -78,9 +78,6 @@ int observe_command(const ObserveArguments& arguments) {
 int calibrate_command(const CalibrateArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   methods_by_name(arguments.methods);  // an unknown method is told before anything is read
-  std::optional<AcceptCriteria> criteria;
-  if (!arguments.accept.empty()) criteria = accept_criteria_of(arguments.accept);
-  if (!criteria && !arguments.junit.empty()) throw Error("--junit: holds the gates of --accept; give both");
   const Input input = open_input(arguments.input);
   if (arguments.output.empty()) require_writable(product_folder(input));
   const std::filesystem::path folder = arguments.output.empty() ? product_folder(input) / "results" : arguments.output;
@@ -88,7 +85,6 @@ int calibrate_command(const CalibrateArguments& arguments) {
   const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
   bool all_solved = true;
   std::string json;
-  std::vector<ValidationRecord> gates;
   for (const auto& method : methods) {
     const Result result = run_method(*method, method_input(input, observations, arguments.common.jobs));
     const std::filesystem::path file = folder / (result.method + ".yaml");

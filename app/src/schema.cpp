@@ -28,7 +28,6 @@ const std::map<std::string, std::function<std::string()>>& generated_schemas() {
          return schema_of_fields("Rigproof run", [&config](FieldVisitor& visitor) { config.visit(visitor); });
        }},
       {"budget", budget_schema},
-      {"accept", accept_criteria_schema},
       {"external", external_config_schema}};
   return schemas;
 }
