@@ -1,0 +1,110 @@
+// How often `moved` raises a false alarm, and how often it finds shifts of a given size: the tables of docs/moved.md.
+//   bench_moved [trials, default 2000]
+// The reference rig in geometric mode (0.1 px, odometry lambda 1), previous calibrations of 20 stops.
+#include "rigproof/calib/moved.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include "rigproof/calib/method.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/geometric/geometric.h"
+
+namespace rigproof {
+namespace {
+
+constexpr int kPrevious = 400;  // calibrations that trials take by turns
+
+std::vector<Result> previous_results() {
+  std::vector<Result> results;
+  for (int i = 0; i < kPrevious; ++i) {
+    GeometricConfig config;
+    config.seed = 100000 + static_cast<std::uint64_t>(i);
+    config.stops = 20;
+    results.push_back(default_method().solve(draw_geometric_run(config).observations));
+  }
+  return results;
+}
+
+MovedReport trial(const Result& previous, std::uint64_t seed, int stops, const Vector6d& shift) {
+  GeometricConfig config;
+  config.seed = seed;
+  config.stops = stops;
+  config.rig.T_robot_camera[1] = apply_transform_error(config.rig.T_robot_camera[1], shift);
+  MovedOptions options;
+  options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
+  return detect_movement(previous, draw_geometric_run(config).observations, options);
+}
+
+// Half the width of a 95 % confidence interval of a share.
+double half_width(int count, int trials) {
+  const double share = static_cast<double>(count) / trials;
+  return 1.96 * std::sqrt(std::max(share * (1.0 - share), 1.0 / trials) / trials);
+}
+
+void false_alarms(const std::vector<Result>& previous, int trials) {
+  const std::vector<double> levels = {0.05, 0.01, 0.001};
+  std::printf("false alarms of %d trials, 95 %% confidence\nstops", trials);
+  for (const double level : levels) std::printf("  %16.1f %%", 100.0 * level);
+  std::printf("  chi-square / dof\n");
+  for (const int stops : {1, 2, 3, 5}) {
+    std::vector<int> alarms(levels.size(), 0);
+    double ratio = 0.0;
+    for (int i = 0; i < trials; ++i) {
+      const std::uint64_t seed = 1000000 + 10 * static_cast<std::uint64_t>(i) + static_cast<std::uint64_t>(stops);
+      const MovedReport report =
+          trial(previous[static_cast<std::size_t>(i % kPrevious)], seed, stops, Vector6d::Zero());
+      for (std::size_t k = 0; k < levels.size(); ++k) alarms[k] += report.p_value < levels[k] ? 1 : 0;
+      ratio += report.statistic / report.degrees_of_freedom / trials;
+    }
+    std::printf("%5d", stops);
+    for (const int count : alarms)
+      std::printf("  %7.2f +- %5.2f %%", 100.0 * count / trials, 100.0 * half_width(count, trials));
+    std::printf("  %16.3f\n", ratio);
+  }
+}
+
+void detections(const std::vector<Result>& previous, int trials) {
+  std::printf("detected at 0.1 %% / center named alone, of %d trials [%%]\n", trials);
+  std::printf("%-10s %6s", "shift", "size");
+  for (const int stops : {1, 2, 5}) std::printf("  %9d stop", stops);
+  std::printf("\n");
+  for (const int axis : {0, 1, 2, 3, 5}) {
+    const bool length = axis < 3;
+    for (const double size : {0.25, 0.5, 1.0, 2.0, 4.0}) {  // mm, or hundredths of a degree
+      std::printf("%-10s %6.2f", kDegreeOfFreedomNames[static_cast<std::size_t>(axis)],
+                  length ? 2.0 * size : 0.02 * size);
+      for (const int stops : {1, 2, 5}) {
+        int found = 0, named = 0;
+        const double shift = length ? 0.002 * size : deg_to_rad(0.02 * size);
+        for (int i = 0; i < trials; ++i) {
+          const MovedReport report =
+              trial(previous[static_cast<std::size_t>(i % kPrevious)], 5000000 + static_cast<std::uint64_t>(i), stops,
+                    shift * Vector6d::Unit(axis));
+          found += report.outcome == MovedOutcome::kMoved ? 1 : 0;
+          named += report.cameras[1].verdict == MovedVerdict::kMoved && !report.rig_moved &&
+                           report.cameras[0].verdict != MovedVerdict::kMoved &&
+                           report.cameras[2].verdict != MovedVerdict::kMoved
+                       ? 1
+                       : 0;
+        }
+        std::printf("   %4.0f / %4.0f", 100.0 * found / trials, 100.0 * named / trials);
+      }
+      std::printf(length ? "   mm\n" : "   deg\n");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rigproof
+
+int main(int argc, char** argv) {
+  const int trials = argc > 1 ? std::max(1, std::atoi(argv[1])) : 2000;
+  const std::vector<rigproof::Result> previous = rigproof::previous_results();
+  rigproof::false_alarms(previous, trials);
+  rigproof::detections(previous, std::max(1, trials / 20));
+  return 0;
+}
