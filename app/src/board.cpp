@@ -1,5 +1,6 @@
 // `rigproof board`.
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "rigproof/core/error.h"
@@ -41,6 +42,10 @@ int board_command(const BoardArguments& arguments) {
   const std::string pdf = board_pdf(board, {arguments.paper, 1e-3 * arguments.border_mm});
   const std::filesystem::path output = arguments.output.empty() ? "board.pdf" : arguments.output;
   write_file_atomically(output, pdf);
+  if (arguments.common.json) {
+    std::puts(nlohmann::json{{"file", output.string()}}.dump(2).c_str());
+    return 0;
+  }
   Terminal(arguments.common.quiet).line("board      " + output.string() + "  print at 100 %, then check the ruler");
   return 0;
 }

@@ -17,6 +17,7 @@ namespace {
 constexpr double kSettle_s = 2.0;
 // A rolling part of the robot whose lowest point is nearer than this to the ground at rest stands on it.
 constexpr double kStandsOnGround_m = 0.02;
+constexpr double kPaint_m = 0.005;
 // Ground planes of the wheels have collision bits of their own.
 constexpr int kFirstGroundBit = 8;
 constexpr std::size_t kMaxGroundPlanes = 16;
@@ -129,11 +130,17 @@ void DrivePhysics::Impl::compile_scene(const WorldDescription& description) {
   }
 }
 
+// Paint and mats that are thinner than a wheel would notice are no floor of their own.
 bool DrivePhysics::Impl::floor_is_plane() const {
   for (int geom = 0; geom < scene_model->ngeom; ++geom) {
     const bool counts = scene_kinds[static_cast<std::size_t>(geom)] == ObjectKind::kFloor &&
                         (scene_model->geom_contype[geom] != 0 || scene_model->geom_conaffinity[geom] != 0);
-    if (counts && scene_model->geom_type[geom] != mjGEOM_PLANE) return false;
+    if (!counts || scene_model->geom_type[geom] == mjGEOM_PLANE) continue;
+    const mjtNum *size = scene_model->geom_size + 3 * geom, *q = scene_model->geom_quat + 4 * geom;
+    const Eigen::Matrix3d axes = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+    const double half_height = axes.row(2).cwiseAbs().dot(Eigen::RowVector3d(size[0], size[1], size[2]));
+    const bool is_box_of_scene = scene_model->geom_type[geom] == mjGEOM_BOX && scene_model->geom_bodyid[geom] == 0;
+    if (!is_box_of_scene || scene_model->geom_pos[3 * geom + 2] + half_height > kPaint_m) return false;
   }
   return true;
 }
