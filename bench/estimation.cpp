@@ -159,21 +159,33 @@ bool wanted(const Sheet& sheet, int stops, double lambda) {
 
 double cost_of(const CellKey& key) { return key.stops * (key.sheet.estimate_sigmas ? 5.0 : 1.0); }
 
+// Those named, or all.
+std::vector<Sheet> wanted_sheets(const std::vector<std::string>& names) {
+  const std::vector<Sheet> all = suite_sheets();
+  if (names.empty()) return all;
+  std::vector<Sheet> found;
+  for (const std::string& name : names) {
+    const auto same = [&name](const Sheet& candidate) { return candidate.name == name; };
+    const auto known = std::find_if(all.begin(), all.end(), same);
+    std::string list;
+    for (const Sheet& each : all) list += " " + each.name;
+    if (known == all.end()) throw Error("--sheets: \"" + name + "\" is none of" + list);
+    found.push_back(*known);
+  }
+  return found;
+}
+
 std::vector<CellKey> suite_cells(const Options& options) {
   const std::vector<double> stops = options.stops.empty() ? std::vector<double>{5, 10, 20, 50, 100} : options.stops;
   const std::vector<double> lambdas = options.lambdas.empty() ? std::vector<double>{0, 1, 2, 5, 10} : options.lambdas;
   std::vector<CellKey> keys;
-  for (const Sheet& sheet : suite_sheets()) {
-    const std::vector<std::string>& names = options.sheets;
-    if (!names.empty() && std::find(names.begin(), names.end(), sheet.name) == names.end()) continue;
+  for (const Sheet& sheet : wanted_sheets(options.sheets)) {
     for (const double n : stops)
       for (const double lambda : lambdas)
         if (wanted(sheet, static_cast<int>(n), lambda))
           keys.push_back({sheet, static_cast<int>(n), lambda, options.seed});
   }
-  if (keys.empty())
-    throw Error(
-        "--sheets: none of reference, increment, pose, suspension, outliers, outliers_pose, chosen, chosen_pose");
+  if (keys.empty()) throw Error("no cell of these sheets has such --stops and --lambda");
   std::stable_sort(keys.begin(), keys.end(),
                    [](const CellKey& a, const CellKey& b) { return cost_of(a) < cost_of(b); });
   return keys;
