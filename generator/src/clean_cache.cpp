@@ -19,6 +19,7 @@ namespace {
 
 constexpr char kMagic[8] = {'R', 'P', 'C', 'L', 'E', 'A', 'N', '1'};
 constexpr std::uint32_t kMaxSide = 32768, kMaxName = 4096;
+constexpr std::streamoff kMaxBytes = 512 << 20;
 
 struct Header {
   char magic[8];
@@ -80,14 +81,9 @@ void join_row(const std::uint8_t* const planes[4], const std::uint32_t* above, c
   }
 }
 
-// The rows as bits, with two rows of zeros above.
-std::vector<std::uint32_t> padded_bits(std::size_t width, std::size_t height) {
-  return std::vector<std::uint32_t>(width * (height + 2), 0U);
-}
-
 std::vector<std::uint8_t> split_depth(const ImageF& depth) {
   const auto width = static_cast<std::size_t>(depth.width), height = static_cast<std::size_t>(depth.height);
-  std::vector<std::uint32_t> bits = padded_bits(width, height);
+  std::vector<std::uint32_t> bits(width * (height + 2), 0U);  // two rows of zeros above
   std::memcpy(bits.data() + 2 * width, depth.pixels.data(), width * height * sizeof(float));
   std::vector<std::uint8_t> bytes(4 * width * height);
   for (std::size_t y = 0; y < height; ++y) {
@@ -101,14 +97,34 @@ std::vector<std::uint8_t> split_depth(const ImageF& depth) {
 
 void join_depth(const std::vector<std::uint8_t>& bytes, ImageF* depth) {
   const auto width = static_cast<std::size_t>(depth->width), height = static_cast<std::size_t>(depth->height);
-  std::vector<std::uint32_t> bits = padded_bits(width, height);
+  std::vector<std::uint32_t> rows[3];
+  for (std::vector<std::uint32_t>& row : rows) row.assign(width, 0U);
   for (std::size_t y = 0; y < height; ++y) {
     const std::uint8_t* planes[4];
     for (std::size_t k = 0; k < 4; ++k) planes[k] = bytes.data() + (k * height + y) * width;
-    std::uint32_t* two_above = bits.data() + y * width;
-    join_row(planes, two_above + width, two_above, width, two_above + 2 * width);
+    std::vector<std::uint32_t>& row = rows[y % 3];
+    join_row(planes, rows[(y + 2) % 3].data(), rows[(y + 1) % 3].data(), width, row.data());
+    std::memcpy(depth->pixels.data() + y * width, row.data(), width * sizeof(float));
   }
-  std::memcpy(depth->pixels.data(), bits.data() + 2 * width, width * height * sizeof(float));
+}
+
+// Of a new size, in the memory that it has.
+template <typename T>
+void resize(int width, int height, int channels, Image<T>* image) {
+  image->width = width;
+  image->height = height;
+  image->channels = channels;
+  image->pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                       static_cast<std::size_t>(channels));
+}
+
+bool read_file(const std::filesystem::path& file, std::vector<std::uint8_t>* bytes) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in ? static_cast<std::streamoff>(in.tellg()) : -1;
+  if (size < 0 || size > kMaxBytes) return false;
+  bytes->resize(static_cast<std::size_t>(size));
+  in.seekg(0);
+  return static_cast<bool>(in.read(reinterpret_cast<char*>(bytes->data()), size));
 }
 
 std::string deflated(std::vector<std::uint8_t>& bytes) {
@@ -172,28 +188,29 @@ std::string encode_clean_frame(const CleanFrame& frame) {
   return std::string(reinterpret_cast<const char*>(&header), sizeof header) + body;
 }
 
-std::optional<CleanFrame> decode_clean_frame(const std::vector<std::uint8_t>& bytes) {
+bool decode_clean_frame(const std::vector<std::uint8_t>& bytes, std::vector<std::uint8_t>* scratch, CleanFrame* frame) {
   Header header{};
-  if (bytes.size() < sizeof header) return std::nullopt;
+  if (bytes.size() < sizeof header) return false;
   std::memcpy(&header, bytes.data(), sizeof header);
   const std::uint8_t* body = bytes.data() + sizeof header;
   if (!is_sound(header, bytes.size()) ||
       header.checksum != checksum_of(reinterpret_cast<const char*>(body), bytes.size() - sizeof header))
-    return std::nullopt;
-  CleanFrame frame;
-  frame.gl_renderer.assign(reinterpret_cast<const char*>(body), header.name_bytes);
+    return false;
+  frame->gl_renderer.assign(reinterpret_cast<const char*>(body), header.name_bytes);
   const int width = static_cast<int>(header.width), height = static_cast<int>(header.height);
-  frame.color = Image8(width, height, static_cast<int>(header.channels));
+  resize(width, height, static_cast<int>(header.channels), &frame->color);
   const std::uint8_t* color = body + header.name_bytes;
-  if (!inflate_into(color, header.color_bytes, frame.color.pixels.data(), frame.color.pixels.size()))
-    return std::nullopt;
-  unfilter(&frame.color);
-  if (header.has_depth == 0) return frame;
-  frame.depth_m = ImageF(width, height);
-  std::vector<std::uint8_t> planes(4 * frame.depth_m.pixels.size());
-  if (!inflate_into(color + header.color_bytes, header.depth_bytes, planes.data(), planes.size())) return std::nullopt;
-  join_depth(planes, &frame.depth_m);
-  return frame;
+  if (!inflate_into(color, header.color_bytes, frame->color.pixels.data(), frame->color.pixels.size())) return false;
+  unfilter(&frame->color);
+  if (header.has_depth == 0) {
+    frame->depth_m = ImageF();
+    return true;
+  }
+  resize(width, height, 1, &frame->depth_m);
+  scratch->resize(4 * frame->depth_m.pixels.size());
+  if (!inflate_into(color + header.color_bytes, header.depth_bytes, scratch->data(), scratch->size())) return false;
+  join_depth(*scratch, &frame->depth_m);
+  return true;
 }
 
 std::filesystem::path CleanCache::file_of(const std::string& key) const {
@@ -209,11 +226,11 @@ std::string CleanCache::renderer_of(const std::string& key) const {
   return in.read(name.data(), static_cast<std::streamsize>(name.size())) ? name : "";
 }
 
-std::optional<CleanFrame> CleanCache::load(const std::string& key) const {
+bool CleanCache::load(const std::string& key, CleanFrame* frame) const {
   std::error_code error;
   const std::filesystem::path file = file_of(key);
-  if (!std::filesystem::is_regular_file(file, error)) return std::nullopt;
-  return decode_clean_frame(read_binary_file(file));
+  return std::filesystem::is_regular_file(file, error) && read_file(file, &file_) &&
+         decode_clean_frame(file_, &planes_, frame);
 }
 
 void CleanCache::save(const std::string& key, const CleanFrame& frame) const {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +23,8 @@ class CleanCache {
 
   /// Name of the driver that drew the frame, or empty if the cache does not hold it.
   std::string renderer_of(const std::string& key) const;
-  /// The frame, or nothing if it is not there or damaged.
-  std::optional<CleanFrame> load(const std::string& key) const;
+  /// Reads the frame into the memory that `frame` has. False if it is not there or damaged.
+  bool load(const std::string& key, CleanFrame* frame) const;
   /// Writes it, whole or not at all, without loss. Throws Error.
   void save(const std::string& key, const CleanFrame& frame) const;
 
@@ -34,10 +33,12 @@ class CleanCache {
 
  private:
   std::filesystem::path folder_;
+  mutable std::vector<std::uint8_t> file_, planes_;  ///< of the last frame, kept for the next
 };
 
-/// The bytes of a frame on disk, and back; nothing if they are damaged.
+/// The bytes of a frame on disk, and back; false if they are damaged. `scratch` is memory that is kept for the next
+/// one.
 std::string encode_clean_frame(const CleanFrame& frame);
-std::optional<CleanFrame> decode_clean_frame(const std::vector<std::uint8_t>& bytes);
+bool decode_clean_frame(const std::vector<std::uint8_t>& bytes, std::vector<std::uint8_t>* scratch, CleanFrame* frame);
 
 }  // namespace rigproof

@@ -66,13 +66,8 @@ void FrameMaker::render(const FrameJob& job) {
 void FrameMaker::take_clean_frame(std::size_t frame, const FrameJob& job) {
   if (source_.cache == nullptr) return render(job);
   const std::string& key = source_.keys[frame];
-  if (std::optional<CleanFrame> cached = source_.cache->load(key)) {
-    const bool same_driver = !renderer_ || cached->gl_renderer == renderer_->gl_renderer();
-    if (same_driver) {
-      clean_ = std::move(*cached);
-      return;
-    }
-  }
+  const bool held = source_.cache->load(key, &clean_);
+  if (held && (!renderer_ || clean_.gl_renderer == renderer_->gl_renderer())) return;
   if (!renderer_)
     throw Error(source_.cache->file_of(key).string() + ": is damaged; remove it and render this frame again");
   render(job);

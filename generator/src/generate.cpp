@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -119,6 +120,36 @@ std::string name_of_job(const Scenario& scenario, std::uint32_t job) {
                                     : "while making " + files_of_frame(scenario, job).front();
 }
 
+// What a cache holds of some frames, and which drivers drew them.
+struct CacheContent {
+  std::size_t held = 0;
+  std::set<std::string> drivers;
+};
+
+CacheContent content_of(const CleanCache& cache, const std::vector<std::string>& keys,
+                        const std::vector<std::uint32_t>& frames) {
+  CacheContent content;
+  for (const std::uint32_t frame : frames) {
+    const std::string driver = cache.renderer_of(keys[frame]);
+    if (driver.empty()) continue;
+    ++content.held;
+    content.drivers.insert(driver);
+  }
+  return content;
+}
+
+// Before anything is written.
+void require_cached(const Scenario& scenario, const std::filesystem::path& folder) {
+  std::vector<std::uint32_t> frames(scenario.frame_count());
+  std::iota(frames.begin(), frames.end(), 0U);
+  const CacheContent content = content_of(CleanCache(folder), clean_frame_keys(scenario), frames);
+  if (content.held == frames.size() && content.drivers.size() == 1) return;
+  throw Error(folder.string() + ": holds " + std::to_string(content.held) + " of " + std::to_string(frames.size()) +
+              " clean renders" +
+              (content.drivers.size() > 1 ? ", drawn by " + std::to_string(content.drivers.size()) + " drivers" : "") +
+              "; `rigproof generate CONFIG --cache " + folder.string() + "` makes them");
+}
+
 // Hands the missing frames to processes and books what they finish.
 class Generation {
  public:
@@ -157,21 +188,9 @@ class Generation {
   // Without a context where the cache has it all, drawn by one driver.
   void look_into_cache(const std::vector<std::uint32_t>& frames) {
     if (source_.cache == nullptr) return;
-    std::size_t held = 0;
-    std::set<std::string> drivers;
-    for (const std::uint32_t frame : frames) {
-      const std::string driver = cache_.renderer_of(source_.keys[frame]);
-      if (driver.empty()) continue;
-      ++held;
-      drivers.insert(driver);
-    }
-    source_.may_render = held < frames.size() || drivers.size() != 1;
-    if (!source_.may_render) return take_renderer(*drivers.begin());
-    if (!options_.render)
-      throw Error(cache_.folder().string() + ": holds " + std::to_string(held) + " of " +
-                  std::to_string(frames.size()) + " clean renders" +
-                  (drivers.size() > 1 ? ", drawn by " + std::to_string(drivers.size()) + " drivers" : "") +
-                  "; `rigproof generate CONFIG --cache " + cache_.folder().string() + "` makes them");
+    const CacheContent content = content_of(cache_, source_.keys, frames);
+    source_.may_render = content.held < frames.size() || content.drivers.size() != 1;
+    if (!source_.may_render) take_renderer(*content.drivers.begin());
   }
 
   // Runs in the render process.
@@ -271,6 +290,7 @@ GeneratePlan plan_generation(const GenerateConfig& config) {
 GenerateReport generate(const GenerateConfig& config, const GenerateOptions& options) {
   const auto start = Clock::now();
   const Scenario scenario = resolve_scenario(config);
+  if (!options.render) require_cached(scenario, options.cache);
   const RunFolder run{options.output};
   const RunLock lock(run.root);
   Manifest manifest = open_run(run, scenario, options.fresh);

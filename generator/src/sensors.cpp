@@ -40,6 +40,17 @@ bool ImageSensing::is_noise_alone() const {
          exposure_jitter <= 0.0 && defocus_sigma_px <= 0.0;
 }
 
+namespace {
+
+double bias_over_noise(const DepthSensing& depth) {
+  const DepthNoise& noise = depth.stream.noise;
+  const bool stereo = noise.law == DepthNoise::Law::kStereo;
+  const double sigma = stereo ? depth.focal_baseline_px_m * noise.inverse_depth_sigma_per_m : noise.sigma_m(1.0);
+  return depth.bias / sigma;
+}
+
+}  // namespace
+
 std::map<std::string, double> SensorModel::labels() const {
   std::map<std::string, double> labels;
   const auto add = [&labels](const char* name, double value, bool present) {
@@ -59,6 +70,8 @@ std::map<std::string, double> SensorModel::labels() const {
   add("depth_noise", 1.0, depth->noise);
   add("disparity_step_px", depth->disparity_step_px, stereo && depth->disparity_step_px > 0.0);
   add(stereo ? "depth_bias_sigma_px" : "depth_bias_sigma_m", depth->bias, depth->bias > 0.0);
+  // At 1 m; in stereo it is the same everywhere.
+  add("depth_bias_over_noise", bias_over_noise(*depth), depth->bias > 0.0);
   add("occlusion", 1.0, !depth->imagers_x_m.empty());
   add("edge_jitter_px", depth->edge_jitter_px, depth->edge_step_per_m > 0.0);
   add("flying_share", depth->flying_share, depth->edge_step_per_m > 0.0);

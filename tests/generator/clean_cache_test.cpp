@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "rigproof/core/files.h"
 #include "rigproof/core/random.h"
@@ -31,10 +32,17 @@ CleanFrame sample_frame(int width = 97, int height = 61) {
 
 std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
 
+std::optional<CleanFrame> decoded(const std::vector<std::uint8_t>& bytes) {
+  // Memory of another frame, which must not shine through.
+  CleanFrame frame = sample_frame(33, 20);
+  std::vector<std::uint8_t> scratch(77, 9);
+  return decode_clean_frame(bytes, &scratch, &frame) ? std::optional<CleanFrame>(frame) : std::nullopt;
+}
+
 TEST(CleanCache, FramesComeBackBitByBit) {
   for (const auto& [width, height] : {std::pair{97, 61}, {1, 1}, {8, 2}, {1, 9}}) {
     const CleanFrame frame = sample_frame(width < 10 ? 97 : width, height < 10 ? 61 : height);
-    const auto back = decode_clean_frame(bytes_of(encode_clean_frame(frame)));
+    const auto back = decoded(bytes_of(encode_clean_frame(frame)));
     ASSERT_TRUE(back);
     EXPECT_EQ(back->gl_renderer, frame.gl_renderer);
     EXPECT_EQ(back->color.pixels, frame.color.pixels);
@@ -49,7 +57,7 @@ TEST(CleanCache, TinyAndDepthlessFramesComeBack) {
   for (const auto& [width, height] : {std::pair{1, 1}, {8, 2}, {1, 9}}) {
     CleanFrame frame;
     frame.color = Image8(width, height, 3, 7);
-    const auto back = decode_clean_frame(bytes_of(encode_clean_frame(frame)));
+    const auto back = decoded(bytes_of(encode_clean_frame(frame)));
     ASSERT_TRUE(back);
     EXPECT_EQ(back->color.pixels, frame.color.pixels);
     EXPECT_TRUE(back->depth_m.empty());
@@ -67,10 +75,10 @@ TEST(CleanCache, DamagedFramesAreNotThere) {
   for (std::size_t i = 0; i < good.size(); i += 1 + good.size() / 199) {
     std::vector<std::uint8_t> bad = good;
     bad[i] = static_cast<std::uint8_t>(bad[i] ^ 0x10U);
-    const auto frame = decode_clean_frame(bad);
+    const auto frame = decoded(bad);
     // Sizes in the header are part of what has to fit; the pixels are under a checksum.
     EXPECT_FALSE(frame && frame->color.pixels != sample_frame().color.pixels) << i;
-    EXPECT_FALSE(decode_clean_frame({good.begin(), good.begin() + static_cast<std::ptrdiff_t>(i)})) << i;
+    EXPECT_FALSE(decoded({good.begin(), good.begin() + static_cast<std::ptrdiff_t>(i)})) << i;
   }
 }
 
@@ -78,14 +86,15 @@ TEST(CleanCache, KeepsFramesUnderTheirKeys) {
   const TempFolder folder;
   const CleanCache cache(folder.path() / "cache");
   const std::string key(64, 'a'), other(64, 'b');
-  EXPECT_FALSE(cache.load(key));
+  CleanFrame frame;
+  EXPECT_FALSE(cache.load(key, &frame));
   EXPECT_EQ(cache.renderer_of(key), "");
   cache.save(key, sample_frame());
-  EXPECT_TRUE(cache.load(key));
+  EXPECT_TRUE(cache.load(key, &frame));
   EXPECT_EQ(cache.renderer_of(key), sample_frame().gl_renderer);
-  EXPECT_FALSE(cache.load(other));
+  EXPECT_FALSE(cache.load(other, &frame));
   write_file_atomically(cache.file_of(key), std::string_view("not a frame"));
-  EXPECT_FALSE(cache.load(key));
+  EXPECT_FALSE(cache.load(key, &frame));
   EXPECT_EQ(cache.renderer_of(key), "");
 }
 

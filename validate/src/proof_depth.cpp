@@ -77,6 +77,11 @@ class DepthProof {
   static bool shows_ground(const Sample& s) {
     return s.measured > 0.0 && std::abs(s.measured - s.z) < 0.02 * s.z + 5.0 * s.sigma;
   }
+  // What the truth says of this sensor; 0 where it says nothing.
+  double label(const char* name) const {
+    const auto found = true_camera_.sensing.find(name);
+    return found == true_camera_.sensing.end() ? 0.0 : found->second;
+  }
   void judge_ground(Findings* findings) const;
   std::vector<const Sample*> on_ground() const;
 
@@ -90,6 +95,8 @@ class DepthProof {
   Camera camera_;
   Rigid3 T_robot_depth_;
   double scale_ = 1.0;
+  int shift_x_ = 0, shift_y_ = 0;  // of the depth image, as the truth labels it
+  double max_bias_sigmas_, max_rms_sigmas_;
   std::vector<Sample> board_, ground_;
 };
 
@@ -104,7 +111,12 @@ DepthProof::DepthProof(const Recording& recording, const Truth& truth, std::size
       proof_(proof),
       camera_(true_camera_.camera),
       T_robot_depth_(true_camera_.T_robot_camera),
-      scale_(true_camera_.depth_scale.value_or(1.0)) {
+      scale_(true_camera_.depth_scale.value_or(1.0)),
+      shift_x_(static_cast<int>(label("depth_shift_x_px"))),
+      shift_y_(static_cast<int>(label("depth_shift_y_px"))),
+      // A device's smooth bias, where it is simulated, is part of the truth: three of its sigmas may come on top.
+      max_bias_sigmas_(options.depth_max_bias_sigmas + 3.0 * label("depth_bias_over_noise")),
+      max_rms_sigmas_(std::hypot(options.depth_max_rms_sigmas, 3.0 * label("depth_bias_over_noise"))) {
   if (!rig_camera_.depth || !rig_camera_.depth->own_camera) return;
   camera_ = rig_camera_.depth->own_camera->camera;
   T_robot_depth_ = T_robot_depth_ * rig_camera_.depth->own_camera->T_color_depth;
@@ -137,7 +149,11 @@ std::optional<double> depth_of_plane(const Rigid3& T_target_camera, const Eigen:
 Sample DepthProof::sample_at(const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) const {
   const DepthStream& stream = *rig_camera_.depth;
   const int right = camera_.width_px - 1, bottom = camera_.height_px - 1;
-  const auto metres = [&](int x, int y) { return stream.unit_m * frame.depth.at(x, y); };
+  const auto metres = [&](int x, int y) {
+    const int from_x = x + shift_x_, from_y = y + shift_y_;
+    const bool inside = from_x >= 0 && from_x <= right && from_y >= 0 && from_y <= bottom;
+    return inside ? stream.unit_m * frame.depth.at(from_x, from_y) : 0.0;
+  };
   Sample sample;
   sample.z = scale_ * z;
   sample.ray = ray.norm();
@@ -246,10 +262,9 @@ std::string DepthProof::explain(double rms_now) const {
     best = &hypothesis;
     best_rms = rms;
   }
-  if (best != nullptr && (best_rms <= options_.depth_max_rms_sigmas || 5.0 * best_rms <= rms_now))
-    return best->explanation;
+  if (best != nullptr && (best_rms <= max_rms_sigmas_ || 5.0 * best_rms <= rms_now)) return best->explanation;
   return "depth on the board is off by " + short_figure(rms_now) + " times the sensor's stated noise (allowed " +
-         short_figure(options_.depth_max_rms_sigmas) + "), and no known slip of convention explains it";
+         short_figure(max_rms_sigmas_) + "), and no known slip of convention explains it";
 }
 
 // The ground itself. Near the feet of what stands on it depth differs by less than the stated noise, so the spread that
@@ -337,7 +352,7 @@ void DepthProof::judge_ground(Findings* findings) const {
   if (residuals.size() < kEnough) return findings->notes.push_back("no depth on the ground to compare");
   // The median, since what stands on the ground is always nearer.
   const double bias = median_of(residuals);
-  if (std::abs(bias) > options_.depth_max_bias_sigmas)
+  if (std::abs(bias) > max_bias_sigmas_)
     findings->problems.push_back("depth on the ground is " + short_figure(std::abs(bias)) +
                                  " times the stated noise too " + (bias > 0.0 ? "long" : "short") +
                                  " (height or tilt of the camera, or the ground is not flat)");
@@ -366,9 +381,9 @@ Findings DepthProof::run() {
     return findings;
   }
   proof_->depth_rms_sigmas = trimmed_rms(residuals);
-  if (proof_->depth_rms_sigmas > options_.depth_max_rms_sigmas)
+  if (proof_->depth_rms_sigmas > max_rms_sigmas_)
     findings.problems.push_back(explain(proof_->depth_rms_sigmas));
-  else if (std::abs(mean_of(residuals)) > options_.depth_max_bias_sigmas)
+  else if (std::abs(mean_of(residuals)) > max_bias_sigmas_)
     findings.problems.push_back("depth on the board is " + short_figure(std::abs(mean_of(residuals))) +
                                 " times the stated noise too " + (mean_of(residuals) > 0.0 ? "long" : "short") +
                                 " on average");

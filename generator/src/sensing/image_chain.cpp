@@ -165,10 +165,9 @@ void ImageChain::expose_row(int y, float exposure, float* electrons) const {
     for (std::size_t i = 0; i < samples; ++i) electrons[i] += offset_of_draw_[offset_draws_[first + i]];
 }
 
-void ImageChain::code_row(const float* electrons, const std::uint32_t* words, std::size_t count,
+void ImageChain::code_row(const float* electrons, const std::uint32_t* words, std::size_t count, std::int32_t* roots,
                           std::uint8_t* out) const {
-  std::vector<std::int32_t> roots(count);
-  roots_of(electrons, count, pedestal_, steps_per_root_, roots.data());
+  roots_of(electrons, count, pedestal_, steps_per_root_, roots);
   for (std::size_t i = 0; i + 2 < count; i += 3, ++words) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint32_t draw = (*words >> (kColorBits * c)) & kColorMask;
@@ -189,6 +188,7 @@ void ImageChain::apply(const FrameSeed& frame, Image8* image) const {
   }
   std::vector<float> electrons(image->row_length());
   std::vector<std::uint32_t> words(static_cast<std::size_t>(image->width));
+  std::vector<std::int32_t> roots(electrons.size());
   for (int y = 0; y < image->height; ++y) {
     std::uint8_t* row = image->row(y);
     if (blurred.empty())
@@ -197,7 +197,7 @@ void ImageChain::apply(const FrameSeed& frame, Image8* image) const {
       std::copy_n(blurred.row(y), electrons.size(), electrons.data());
     expose_row(y, exposure, electrons.data());
     noise.fill(words.data(), words.size());
-    code_row(electrons.data(), words.data(), electrons.size(), row);
+    code_row(electrons.data(), words.data(), electrons.size(), roots.data(), row);
   }
 }
 

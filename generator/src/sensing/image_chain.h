@@ -30,7 +30,9 @@ class ImageChain {
   void make_pixel_tables(std::size_t samples, const FrameSeed& device);
   void make_coding_table();
   void expose_row(int y, float exposure, float* electrons) const;
-  void code_row(const float* electrons, const std::uint32_t* words, std::size_t count, std::uint8_t* out) const;
+  /// @param roots scratch memory for `count` numbers
+  void code_row(const float* electrons, const std::uint32_t* words, std::size_t count, std::int32_t* roots,
+                std::uint8_t* out) const;
 
   ImageSensing model_;
   int width_ = 0, height_ = 0;
