@@ -1,5 +1,6 @@
 #include "rivals/image_pairs.h"
 
+#include <algorithm>
 #include <map>
 
 #include "detection/parallel.h"
@@ -43,6 +44,32 @@ std::vector<RayMatch> match(const FeatureRays& a, const FeatureRays& b) {
   return matches;
 }
 
+// Features of every image once, then the matches of every pair; neither depends on the order of the work.
+void match_images(const MethodInput& input, const FeatureSource& source, std::vector<ImagePair>* pairs) {
+  std::map<const CameraFrame*, std::pair<int, FeatureRays>> features;
+  for (const ImagePair& pair : *pairs) features[pair.image_from].first = features[pair.image_to].first = pair.camera;
+  std::vector<std::pair<const CameraFrame* const, std::pair<int, FeatureRays>>*> jobs;
+  for (auto& job : features) jobs.push_back(&job);
+  detection::for_each_parallel(jobs.size(), input.threads, [&](std::size_t i) {
+    const auto camera = static_cast<std::size_t>(jobs[i]->second.first);
+    jobs[i]->second.second =
+        read_features(*input.recording, *jobs[i]->first, input.observations.cameras[camera].camera, source);
+  });
+  detection::for_each_parallel(pairs->size(), input.threads, [&](std::size_t i) {
+    ImagePair& pair = (*pairs)[i];
+    pair.matches = match(features.at(pair.image_from).second, features.at(pair.image_to).second);
+  });
+}
+
+// Frames of a camera in a segment, where they lie in the recording.
+std::vector<const CameraFrame*> segment_frames(const Recording& recording, const RecordingSegment& segment,
+                                               std::size_t camera) {
+  std::vector<const CameraFrame*> frames;
+  for (const CameraFrame& frame : recording.frames[camera])
+    if (segment.holds(frame.stamp_s)) frames.push_back(&frame);
+  return frames;
+}
+
 }  // namespace
 
 std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const FeatureSource& source,
@@ -52,27 +79,40 @@ std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const 
   const FramesByStop frames = frames_by_stop(input.observations, *input.recording);
   std::map<int, std::vector<int>> stops;
   for (const auto& [key, frame] : frames) stops[key.second].push_back(key.first);
-  std::map<std::pair<int, int>, FeatureRays> features;  // of the images that a wanted step needs
-  for (const auto& [camera, list] : stops) {
-    for (std::size_t i = 1; i < list.size(); ++i) {
-      if (!wanted(camera, list[i - 1], list[i])) continue;
-      pairs.push_back({camera, list[i - 1], list[i], {}});
-      features[{list[i - 1], camera}];
-      features[{list[i], camera}];
+  for (const auto& [camera, list] : stops)
+    for (std::size_t i = 1; i < list.size(); ++i)
+      if (wanted(camera, list[i - 1], list[i]))
+        pairs.push_back(
+            {camera, list[i - 1], list[i], {}, frames.at({list[i - 1], camera}), frames.at({list[i], camera})});
+  match_images(input, source, &pairs);
+  return pairs;
+}
+
+std::vector<ImagePair> match_straight_segments(const MethodInput& input, const FeatureSource& source) {
+  std::vector<ImagePair> pairs;
+  if (input.recording == nullptr) return pairs;
+  for (const RecordingSegment& segment : input.recording->segments) {
+    for (std::size_t k = 0; k < input.recording->frames.size() && segment.kind == kStraightSegment; ++k) {
+      const std::vector<const CameraFrame*> frames = segment_frames(*input.recording, segment, k);
+      for (std::size_t i = 1; i < frames.size(); ++i)
+        pairs.push_back({static_cast<int>(k), -1, -1, {}, frames[i - 1], frames[i]});
     }
   }
-  std::vector<std::pair<const std::pair<int, int>, FeatureRays>*> jobs;
-  for (auto& job : features) jobs.push_back(&job);
-  detection::for_each_parallel(jobs.size(), input.threads, [&](std::size_t i) {
-    const auto& [stop, camera] = jobs[i]->first;
-    jobs[i]->second = read_features(*input.recording, *frames.at({stop, camera}),
-                                    input.observations.cameras[static_cast<std::size_t>(camera)].camera, source);
-  });
-  detection::for_each_parallel(pairs.size(), input.threads, [&](std::size_t i) {
-    ImagePair& pair = pairs[i];
-    pair.matches = match(features.at({pair.from, pair.camera}), features.at({pair.to, pair.camera}));
-  });
+  match_images(input, source, &pairs);
   return pairs;
+}
+
+std::size_t straight_segment_steps(const Recording& recording) {
+  std::size_t most = 0;
+  for (std::size_t k = 0; k < recording.frames.size(); ++k) {
+    std::size_t steps = 0;
+    for (const RecordingSegment& segment : recording.segments) {
+      const std::size_t frames = segment.kind == kStraightSegment ? segment_frames(recording, segment, k).size() : 0;
+      steps += frames > 0 ? frames - 1 : 0;
+    }
+    most = std::max(most, steps);
+  }
+  return most;
 }
 
 double ray_sigma(const Camera& camera, double sigma_px) { return sigma_px / camera.fx_px; }

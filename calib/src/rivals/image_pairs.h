@@ -12,8 +12,9 @@ namespace rigproof::rivals {
 
 struct ImagePair {
   int camera = 0;
-  int from = 0, to = 0;  ///< stops
+  int from = 0, to = 0;  ///< stops; -1 for images of a segment
   std::vector<RayMatch> matches;
+  const CameraFrame *image_from = nullptr, *image_to = nullptr;  ///< in the recording
 };
 
 /// Of every camera, each image with the next one, by (camera, stop). Images that cannot be read are skipped, as are
@@ -21,6 +22,13 @@ struct ImagePair {
 /// @param wanted is asked with (camera, from, to)
 std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const FeatureSource& source,
                                                 const std::function<bool(int, int, int)>& wanted);
+
+/// Of every camera, each image of a straight segment of the recording with the next one, which the robot reached by
+/// driving ahead.
+std::vector<ImagePair> match_straight_segments(const MethodInput& input, const FeatureSource& source);
+
+/// How many steps straight segments have, at most, for one camera; no image is opened.
+std::size_t straight_segment_steps(const Recording& recording);
 
 /// A pixel of this camera as a difference of rays.
 double ray_sigma(const Camera& camera, double sigma_px);

@@ -16,15 +16,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMatchSigma_px = 0.7;
+// Weight of a step of a segment among steps that weigh the square of their length.
+constexpr double kSegmentWeight_m2 = 0.1;
 // Rotation that a straight step may show in the images; beyond it camera and robot move too differently.
 const double kMaxDrift_rad = deg_to_rad(1.0);
 const double kMinTurn_rad = deg_to_rad(2.0);
 
-// Where the camera went on a straight step, in its frame amid the step, and forwards in the robot's sense.
-Vector3d forward_of(const rivals::RelativePose& pose, const rivals::Step& step) {
+// Where the camera went on a straight step, in its frame amid the step.
+Vector3d went(const rivals::RelativePose& pose) {
   const Vector3d half = -0.5 * so3_log(pose.T_a_b.rotation);
-  const Vector3d went = so3_exp(half) * pose.T_a_b.translation;
-  return step.forward_m > 0.0 ? went : Vector3d(-went);
+  return so3_exp(half) * pose.T_a_b.translation;
 }
 
 class SensorX2Car : public Method {
@@ -38,12 +39,13 @@ class SensorX2Car : public Method {
   std::string why_not(const MethodInput& input) const override {
     if (input.recording == nullptr) return "It follows features in the images, and the input is observations alone.";
     const Observations& observations = input.observations;
-    std::size_t straight = 0;
+    std::size_t straight = rivals::straight_segment_steps(*input.recording);
     for (std::size_t i = 1; i < observations.stops.size(); ++i)
       straight += rivals::step_between(observations, static_cast<int>(i) - 1, static_cast<int>(i)).straight();
     if (straight >= rivals::kMinDirections) return {};
     return "The drive has " + std::to_string(straight) +
-           " straight steps from stop to stop; three at least are needed to see where forward is.";
+           " straight steps, in straight segments or from stop to stop; three at least are needed to see where "
+           "forward is.";
   }
 
   Result solve(const Observations& observations) const override {
@@ -62,9 +64,12 @@ class SensorX2Car : public Method {
       const rivals::Step step = rivals::step_between(observations, from, to);
       return step.straight() || std::abs(step.turn_rad) > kMinTurn_rad;
     };
-    const std::vector<rivals::ImagePair> pairs = rivals::match_consecutive_images(input, *sift_features(), wanted);
+    const std::unique_ptr<FeatureSource> source = sift_features();
+    const std::vector<rivals::ImagePair> pairs = rivals::match_consecutive_images(input, *source, wanted);
     std::vector<rivals::Directions> forward(observations.cameras.size()), up(observations.cameras.size());
     for (const rivals::ImagePair& pair : pairs) collect(observations, pair, &forward, &up);
+    for (const rivals::ImagePair& pair : rivals::match_straight_segments(input, *source))
+      collect_ahead(observations, pair, &forward);
     for (std::size_t k = 0; k < observations.cameras.size(); ++k)
       solve_camera(observations, static_cast<int>(k), forward[k], up[k], &result);
     add_pairs(&result);
@@ -82,12 +87,23 @@ class SensorX2Car : public Method {
     const rivals::Step step = rivals::step_between(observations, pair.from, pair.to);
     const Vector3d turn = so3_log(pose->T_a_b.rotation);
     if (step.straight() && turn.norm() < kMaxDrift_rad) {
-      (*forward)[k].vectors.push_back(forward_of(*pose, step));
+      (*forward)[k].vectors.push_back(step.forward_m > 0.0 ? went(*pose) : Vector3d(-went(*pose)));
       (*forward)[k].weights.push_back(step.forward_m * step.forward_m);
     } else if (std::abs(step.turn_rad) > kMinTurn_rad && turn.norm() > 0.5 * kMinTurn_rad) {
       (*up)[k].vectors.push_back((step.turn_rad > 0.0 ? turn : Vector3d(-turn)).normalized());
       (*up)[k].weights.push_back(turn.squaredNorm());
     }
+  }
+
+  // A step of a straight segment; the robot drives ahead there. Their lengths are much the same.
+  static void collect_ahead(const Observations& observations, const rivals::ImagePair& pair,
+                            std::vector<rivals::Directions>* forward) {
+    const auto k = static_cast<std::size_t>(pair.camera);
+    const double sigma = rivals::ray_sigma(observations.cameras[k].camera, kMatchSigma_px);
+    const auto pose = rivals::estimate_relative_pose(pair.matches, sigma);
+    if (!pose || so3_log(pose->T_a_b.rotation).norm() > kMaxDrift_rad) return;
+    (*forward)[k].vectors.push_back(went(*pose));
+    (*forward)[k].weights.push_back(kSegmentWeight_m2);
   }
 
   static void solve_camera(const Observations& observations, int k, const rivals::Directions& forward,

@@ -48,6 +48,32 @@ TEST(SensorX2Car, FindsTheRotationOfForwardAndSideCameras) {
   EXPECT_LT(angle_deg(result.camera_to_camera[0], drive.T_robot_camera[0].inverse() * drive.T_robot_camera[1]), 1.2);
 }
 
+// Straight frames that are no stops: a segment of the recording says what they are for.
+TEST(SensorX2Car, ReadsStraightSegments) {
+  const TempFolder folder;
+  Steps turns(planar_pose(-1.5, -0.8, 0.1)), straight(planar_pose(-2.0, 0.3, -0.1));
+  turns.arc(0.1, 10.0, 5);
+  straight.forward(0.15, 5);
+  const std::vector<Rigid3> cameras = {two_cameras()[1]};
+  RoomDrive drive = drive_through_room(turns.poses, cameras, false, folder / "turns");
+  const RoomDrive ahead = drive_through_room(straight.poses, cameras, false, folder / "ahead");
+  drive.recording.folder = folder.path();
+  drive.recording.segments.push_back({kStraightSegment, 99.5, 200.0});
+  for (Exclusion& exclusion : drive.observations.exclusions) exclusion.file = "turns/" + exclusion.file;
+  for (CameraFrame& frame : drive.recording.frames[0]) frame.color_file = "turns/" + frame.color_file;
+  for (CameraFrame frame : ahead.recording.frames[0]) {
+    frame.color_file = "ahead/" + frame.color_file;
+    frame.stamp_s += 100.0;
+    drive.recording.frames[0].push_back(frame);
+  }
+  const MethodInput input{drive.observations, &drive.recording, 2};
+  const Result result = run_method(sensorx2car_method(), input);
+  ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
+  EXPECT_LT(angle_deg(result.camera_to_robot[0], cameras[0]), 0.8) << text(result.notes);
+  drive.recording.segments.clear();
+  EXPECT_THAT(sensorx2car_method().why_not(input), HasSubstr("0 straight steps"));
+}
+
 TEST(SensorX2Car, NeedsStraightStepsAndImages) {
   Steps steps(planar_pose(0.0, 0.0, 0.0));
   steps.arc(0.2, 10.0, 8);
