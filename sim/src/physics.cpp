@@ -18,6 +18,8 @@ constexpr double kSettle_s = 2.0;
 // A rolling part of the robot whose lowest point is nearer than this to the ground at rest stands on it.
 constexpr double kStandsOnGround_m = 0.02;
 constexpr double kPaint_m = 0.005;
+// The middle of a robot stays in the drivable area, its wheels within this around it.
+constexpr double kReach_m = 1.0;
 // Ground planes of the wheels have collision bits of their own.
 constexpr int kFirstGroundBit = 8;
 constexpr std::size_t kMaxGroundPlanes = 16;
@@ -86,7 +88,7 @@ struct DrivePhysics::Impl {
   Impl(const WorldDescription& description, const PhysicsOptions& options);
   void compile_scene(const WorldDescription& description);
   void compile_robot(const WorldDescription& description, const GroundRelief& relief);
-  bool floor_is_plane() const;
+  bool floor_is_plane(const FloorArea& area) const;
   void find_wheels();
   void change_robot(const PhysicsOptions& options);
   void add_payload(double mass_kg, const Eigen::Vector3d& at);
@@ -130,17 +132,20 @@ void DrivePhysics::Impl::compile_scene(const WorldDescription& description) {
   }
 }
 
-// Paint and mats that are thinner than a wheel would notice are no floor of their own.
-bool DrivePhysics::Impl::floor_is_plane() const {
+// Paint, mats and kerbs: what a wheel would not notice, or would not meet, is no floor of its own.
+bool DrivePhysics::Impl::floor_is_plane(const FloorArea& area) const {
   for (int geom = 0; geom < scene_model->ngeom; ++geom) {
     const bool counts = scene_kinds[static_cast<std::size_t>(geom)] == ObjectKind::kFloor &&
                         (scene_model->geom_contype[geom] != 0 || scene_model->geom_conaffinity[geom] != 0);
     if (!counts || scene_model->geom_type[geom] == mjGEOM_PLANE) continue;
-    const mjtNum *size = scene_model->geom_size + 3 * geom, *q = scene_model->geom_quat + 4 * geom;
-    const Eigen::Matrix3d axes = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
-    const double half_height = axes.row(2).cwiseAbs().dot(Eigen::RowVector3d(size[0], size[1], size[2]));
-    const bool is_box_of_scene = scene_model->geom_type[geom] == mjGEOM_BOX && scene_model->geom_bodyid[geom] == 0;
-    if (!is_box_of_scene || scene_model->geom_pos[3 * geom + 2] + half_height > kPaint_m) return false;
+    if (scene_model->geom_type[geom] != mjGEOM_BOX || scene_model->geom_bodyid[geom] != 0) return false;
+    const mjtNum *p = scene_model->geom_pos + 3 * geom, *size = scene_model->geom_size + 3 * geom;
+    const mjtNum* q = scene_model->geom_quat + 4 * geom;
+    const Eigen::Vector3d half = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix().cwiseAbs() *
+                                 Eigen::Vector3d(size[0], size[1], size[2]);
+    const bool is_beside = p[0] + half.x() < area.x_min - kReach_m || p[0] - half.x() > area.x_max + kReach_m ||
+                           p[1] + half.y() < area.y_min - kReach_m || p[1] - half.y() > area.y_max + kReach_m;
+    if (!is_beside && p[2] + half.z() > kPaint_m) return false;
   }
   return true;
 }
@@ -155,7 +160,8 @@ void DrivePhysics::Impl::compile_robot(const WorldDescription& description, cons
       "</worldbody>\n</mujoco>\n";
   const WorldDescription plain = without_pictures(description);
   std::string complaint;
-  model = mujoco::compile(floor_is_plane() ? alone : compose_mjcf(plain, planes), base_folder(plain), &complaint);
+  model = mujoco::compile(floor_is_plane(description.scene.drivable_area) ? alone : compose_mjcf(plain, planes),
+                          base_folder(plain), &complaint);
   if (!model) throw Error(robot_file + ": MuJoCo does not accept it: " + complaint);
   robot_body = mj_name2id(model.get(), mjOBJ_BODY, "robot");
   const int joint = model->body_jntadr[robot_body];
