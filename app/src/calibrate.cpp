@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "acceptance.h"
 #include "commands.h"
 #include "observing.h"
 #include "print_result.h"
@@ -78,6 +80,9 @@ int observe_command(const ObserveArguments& arguments) {
 int calibrate_command(const CalibrateArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   methods_by_name(arguments.methods);  // an unknown method is told before anything is read
+  std::optional<AcceptCriteria> criteria;
+  if (!arguments.accept.empty()) criteria = accept_criteria_of(arguments.accept);
+  if (!criteria && !arguments.junit.empty()) throw Error("--junit: holds the gates of --accept; give both");
   const Input input = open_input(arguments.input);
   if (arguments.output.empty()) require_writable(product_folder(input));
   const std::filesystem::path folder = arguments.output.empty() ? product_folder(input) / "results" : arguments.output;
@@ -85,19 +90,31 @@ int calibrate_command(const CalibrateArguments& arguments) {
   const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
   bool all_solved = true;
   std::string json;
+  std::vector<ValidationRecord> gates;
   for (const auto& method : methods) {
     const Result result = run_method(*method, method_input(input, observations, arguments.common.jobs));
     const std::filesystem::path file = folder / (result.method + ".yaml");
     save_result(result, file);
     all_solved = all_solved && result.status == ResultStatus::kSolved;
-    json += (json.empty() ? "" : ",\n") + result_as_json(result);
+    std::string result_json = result_as_json(result);
     terminal.line(count_of(observations.cameras.size(), "camera") + " x " +
                   count_of(observations.stops.size(), "stop") + ", method " + result.method);
     print_result(terminal, result);
     terminal.line(std::string(result_status_name(result.status)) + " result  " + file.string());
+    if (criteria) {
+      const AcceptReport report = check_acceptance(*method, result, observations, *criteria);
+      print_acceptance(terminal, report, *criteria);
+      gates.push_back(acceptance_record(result, report, *criteria));
+      result_json = with_acceptance(result_json, report, *criteria);
+    }
+    json += (json.empty() ? "" : ",\n") + result_json;
   }
+  if (!arguments.junit.empty()) save_junit(gates, arguments.junit);
   if (arguments.common.json) std::puts(("{\"results\": [\n" + json + "\n]}").c_str());
-  return static_cast<int>(all_solved ? ExitCode::kGood : ExitCode::kRefused);
+  if (!all_solved) return static_cast<int>(ExitCode::kRefused);
+  const bool accepted =
+      std::all_of(gates.begin(), gates.end(), [](const auto& record) { return record.gate.passed(); });
+  return static_cast<int>(accepted ? ExitCode::kGood : ExitCode::kGateFailed);
 }
 
 }  // namespace rigproof

@@ -52,6 +52,8 @@ struct CalibrateArguments {
   std::filesystem::path input;
   std::vector<std::string> methods;
   std::filesystem::path output;  ///< a folder; empty = results/ beside the input
+  std::string accept;            ///< criteria, file or name; empty = no gates
+  std::filesystem::path junit;   ///< of the gates
 };
 int calibrate_command(const CalibrateArguments& arguments);
 
@@ -69,6 +71,7 @@ struct RunArguments {
   GenerateArguments generate;
   std::vector<std::string> methods;
   std::filesystem::path budget;
+  std::string accept;  ///< as for calibrate
   std::filesystem::path junit;
 };
 int run_command(const RunArguments& arguments);

@@ -16,6 +16,7 @@
 #include "rigproof/sim/board_pattern.h"
 #include "rigproof/sim/board_pdf.h"
 #include "terminal.h"
+#include "uncertainty_commands.h"
 
 namespace rigproof {
 namespace {
@@ -113,6 +114,11 @@ void add_observe(CLI::App& app, Action& action) {
   command->callback([arguments, &action] { action = [arguments] { return observe_command(*arguments); }; });
 }
 
+void add_accept(CLI::App* command, std::string& accept) {
+  command->add_option("--accept", accept,
+                      "Gates that need no truth (uncertainty, halves, prediction): a file, or default");
+}
+
 void add_calibrate(CLI::App& app, Action& action) {
   CLI::App* command = add_command(app, "calibrate", "Solve for the pose of every camera; write results/METHOD.yaml",
                                   "rigproof calibrate monday/ --method joint_memroc");
@@ -124,6 +130,8 @@ void add_calibrate(CLI::App& app, Action& action) {
   command->add_option("-m,--method", arguments->methods,
                       "As `rigproof methods` lists them, or external:FILE.yaml; may be repeated");
   command->add_option("-o,--output", arguments->output, "Folder for the results; default results/ beside the input");
+  add_accept(command, arguments->accept);
+  command->add_option("--junit", arguments->junit, "Also write the gates of --accept as JUnit XML");
   add_jobs(command, arguments->common);
   add_common(command, arguments->common);
   command->callback([arguments, &action] { action = [arguments] { return calibrate_command(*arguments); }; });
@@ -152,6 +160,7 @@ void add_run(CLI::App& app, Action& action) {
                       "As `rigproof methods` lists them, or external:FILE.yaml; may be repeated");
   command->add_option("--budget", arguments->budget,
                       "Limits on the error: a file, or ci, paper, honest; default 4 of the stated sigmas");
+  add_accept(command, arguments->accept);
   command->add_option("--junit", arguments->junit, "Also write the checks as JUnit XML");
   command->callback([arguments, &action] { action = [arguments] { return run_command(*arguments); }; });
 }
@@ -287,6 +296,7 @@ int run_main(int argc, char** argv) {
   add_observe(app, action);
   add_calibrate(app, action);
   add_validate(app, action);
+  add_uncertainty_commands(app, action);
   add_inspect(app, action);
   add_convert(app, action);
   add_doctor(app, action);

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "acceptance.h"
 #include "commands.h"
 #include "generating.h"
 #include "judging.h"
@@ -44,6 +45,11 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     terminal.text(format_suspicion(verdict.comparison));
     terminal.text(format_verdict(verdict.comparison, verdict.gate, budget));
     terminal.text(format_same_run(verdict.comparison, budget, comparisons));
+    if (arguments.accept.empty()) continue;
+    const AcceptCriteria criteria = accept_criteria_of(arguments.accept);
+    const AcceptReport report = check_acceptance(*method, result, input.observations, criteria);
+    print_acceptance(terminal, report, criteria);
+    records.push_back(acceptance_record(result, report, criteria));
   }
   return records;
 }
@@ -63,6 +69,7 @@ int run_command(const RunArguments& arguments) {
   const GenerateConfig config = configuration_of(arguments.generate);
   methods_by_name(arguments.methods);  // an unknown method is told before anything is rendered
   budget_of(arguments.budget);
+  if (!arguments.accept.empty()) accept_criteria_of(arguments.accept);
   if (arguments.generate.dry_run) return print_plan(arguments.generate, config);
   const CommonArguments& common = arguments.generate.common;
   const Terminal terminal(common.quiet || common.json);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "commands.h"
+#include "rigproof/calib/accept.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/fields.h"
@@ -28,6 +29,7 @@ const std::map<std::string, std::function<std::string()>>& generated_schemas() {
          return schema_of_fields("Rigproof run", [&config](FieldVisitor& visitor) { config.visit(visitor); });
        }},
       {"budget", budget_schema},
+      {"accept", accept_criteria_schema},
       {"external", external_config_schema}};
   return schemas;
 }

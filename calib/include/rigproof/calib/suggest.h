@@ -33,7 +33,7 @@ struct SuggestOptions {
   int stops = 3;
   SuggestCriterion criterion = SuggestCriterion::kWorstAxis;
   /// Standard deviations that count as equally bad. Observations::accept takes their place where it is given.
-  AcceptLimits limits{0.005, 0.003, 0.00175};
+  AcceptLimits limits{0.005, 0.003, 0.00174533};
   /// Where the robot may stand; absent: not farther than reach_m from the rectangle that it has stood in.
   std::optional<DriveArea> area;
   double reach_m = 1.0;

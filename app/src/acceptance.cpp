@@ -1,0 +1,86 @@
+#include "acceptance.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "print_result.h"
+#include "rigproof/core/data_path.h"
+#include "rigproof/validate/figures.h"
+
+namespace rigproof {
+namespace {
+
+std::string with_unit(double value, const std::string& unit) {
+  return short_figure(value) + (unit.empty() ? "" : " " + unit);
+}
+
+}  // namespace
+
+AcceptCriteria accept_criteria_of(const std::string& file_or_name) {
+  const std::string shipped = "accept/" + file_or_name;
+  const std::vector<std::string> presets = list_presets("config");
+  std::error_code ignored;
+  const bool is_shipped = !std::filesystem::exists(file_or_name, ignored) &&
+                          std::find(presets.begin(), presets.end(), shipped) != presets.end();
+  return load_accept_criteria(find_data_file("config", is_shipped ? shipped : file_or_name));
+}
+
+void print_acceptance(const Terminal& terminal, const AcceptReport& report, const AcceptCriteria& criteria) {
+  std::vector<std::vector<std::string>> rows = {{"accept " + criteria.name, "value", "limit", ""}};
+  for (const AcceptCheck& check : report.checks)
+    rows.push_back({" " + check.name, check.reason.empty() ? with_unit(check.value, check.unit) : "-",
+                    plain_figure(check.limit) + (check.unit.empty() ? "" : " " + check.unit),
+                    check.passed ? "ok" : "FAIL"});
+  const std::vector<std::string> lines = aligned(rows);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string reason = i == 0 ? "" : report.checks[i - 1].reason;
+    terminal.line(lines[i] + (reason.empty() ? "" : "  " + reason));
+  }
+  for (const std::string& note : report.notes) terminal.line(" " + note);
+  const std::string counts =
+      std::to_string(report.checks.size() - report.failures()) + "/" + std::to_string(report.checks.size());
+  terminal.line(report.passed() ? terminal.colored("ACCEPTED", Color::kGood) + "  " + counts + " gates"
+                                : terminal.colored("REJECTED", Color::kBad) + "  " + counts + " gates");
+}
+
+std::string with_acceptance(const std::string& result_json, const AcceptReport& report,
+                            const AcceptCriteria& criteria) {
+  nlohmann::json json = nlohmann::json::parse(result_json);
+  nlohmann::json& acceptance = json["acceptance"];
+  acceptance = {{"criteria", criteria.name},
+                {"passed", report.passed()},
+                {"notes", report.notes},
+                {"checks", nlohmann::json::array()}};
+  for (const AcceptCheck& check : report.checks) {
+    const bool has_value = check.reason.empty();
+    acceptance["checks"].push_back({{"name", check.name},
+                                    {"passed", check.passed},
+                                    {"value", has_value ? nlohmann::json(check.value) : nlohmann::json(nullptr)},
+                                    {"limit", check.limit},
+                                    {"unit", check.unit},
+                                    {"reason", check.reason}});
+  }
+  return json.dump(2);
+}
+
+ValidationRecord acceptance_record(const Result& result, const AcceptReport& report, const AcceptCriteria& criteria) {
+  ValidationRecord record;
+  record.subject = result.method + " accept";
+  record.comparison.method = result.method;
+  record.comparison.status = result.status;
+  record.comparison.reasons = result.reasons;
+  record.budget.name = criteria.name;
+  for (const AcceptCheck& gate : report.checks) {
+    Check check;
+    check.name = check.subject = gate.name;
+    check.passed = gate.passed;
+    check.value = gate.value;
+    check.limit = gate.limit;
+    check.unit = gate.unit;
+    check.reason = gate.reason;
+    record.gate.checks.push_back(std::move(check));
+  }
+  return record;
+}
+
+}  // namespace rigproof
