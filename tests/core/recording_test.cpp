@@ -292,7 +292,7 @@ TEST(Rig, CameraInfoOfRosMessagesIsRead) {
 
 TEST(Rig, EveryProblemIsReportedAtOnce) {
   const std::string text = rig_problems(
-      "board: {type: charuco, squares: [6], square_mm: -1}\n"
+      "board: {type: circles, squares: [6], square_mm: -1}\n"
       "robot_fram: base\n"
       "odometry: {file: a.csv, noise: {model: per_pos, sigma_xy_mm: -1}}\n"
       "cameras:\n"
@@ -303,7 +303,7 @@ TEST(Rig, EveryProblemIsReportedAtOnce) {
       std::string(kIntrinsics) +
       "}\n"
       "accept: {xy_mm: 8}\n");
-  EXPECT_THAT(text, HasSubstr("rig.yaml:1: board.type: charuco: must be one of checkerboard"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:1: board.type: circles: must be one of checkerboard"));
   EXPECT_THAT(text, HasSubstr("rig.yaml:1: board.squares: a list of 1: must be a list of 2 numbers"));
   EXPECT_THAT(text, HasSubstr("rig.yaml:1: board.square_mm: -1: allowed is 0.1 to 1"));
   EXPECT_THAT(text, HasSubstr("rig.yaml:2: robot_fram: unknown key; did you mean \"robot_frame\"?"));

@@ -89,6 +89,10 @@ class Observer {
       : recording_(recording), options_(options), plan_(detection::plan_stops(recording, options)) {}
 
   Observations run() {
+    const std::string& type = recording_.rig.board.type;
+    if (type != "checkerboard")
+      throw Error(recording_.folder.string() + ": board.type: " + type +
+                  ": such boards are printed and rendered, but not detected; calibration needs a checkerboard");
     describe();
     look_for_boards();
     refuse_wrong_sizes();
