@@ -210,8 +210,8 @@ void draw_ratios(const std::vector<Table>& sheets, const std::filesystem::path& 
                       0.85,
                       1.3,
                       0.1,
-                      96.0,
-                      36.0};
+                      88.0,
+                      33.0};
   draw_sheets(sheets, figure, file, [](const Panel& panel, const Table& sheet) {
     const bool chosen = sheet.front().first.sheet.choose_model;
     const double goal = panel.y(chosen ? 1.25 : 1.15), one = panel.y(1.0), right = panel.left + panel.width;
