@@ -21,7 +21,7 @@ nlohmann::json json_of(const SceneCheck& check) {
           {"grounds_found", check.grounds_found},
           {"worst_normal_deg", check.worst_normal_deg},
           {"worst_height_mm", check.worst_height_mm},
-          {"wall_is_largest_plane", check.temptations},
+          {"least_floor_share", check.least_floor_share},
           {"keypoints", check.keypoints},
           {"good", check.ground_is_good() && check.board_is_good()}};
 }

@@ -57,6 +57,7 @@ class ObjectShapes {
 struct ObjectPattern {
   std::array<double, 3> size_m;  ///< depth, width, height unless the scene says otherwise
   void (*build)(ObjectShapes*);
+  bool is_fixed = false;  ///< part of a building, or rooted: randomisation leaves it where it is
 };
 using ObjectKinds = std::map<std::string, ObjectPattern>;
 const ObjectKinds& indoor_object_kinds();

@@ -61,6 +61,8 @@ double object_radius_m(const SceneObject& object) {
   return 0.5 * std::hypot(size[0], size[1]);
 }
 
+bool is_fixed(const SceneObject& object) { return pattern_of(object).is_fixed; }
+
 ObjectsMjcf objects_mjcf(const SceneDescription& scene, std::uint64_t seed) {
   ObjectsMjcf mjcf;
   mjcf.assets = std::string("  <material name=\"") + kGlowMaterial + "\" specular=\"0\" emission=\"1\"/>\n";

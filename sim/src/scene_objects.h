@@ -20,6 +20,9 @@ std::array<double, 3> object_size_m(const SceneObject& object);
 /// Radius of the circle on the floor around the object's place that holds all of it.
 double object_radius_m(const SceneObject& object);
 
+/// True for what is part of a building or rooted, such as doors and trees.
+bool is_fixed(const SceneObject& object);
+
 struct ObjectsMjcf {
   std::string assets;  ///< a material for each texture that objects use
   std::string bodies;  ///< one a object, named `object_NUMBER_KIND`

@@ -33,11 +33,18 @@ bool in_the_way(const SceneModel& scene, const SceneObject& object) {
          distance_to_path(scene.world.straight_path, object.x_m, object.y_m) < radius + kClearanceM;
 }
 
+// True where a round object meets the rectangle on which another stands.
+bool touches(const SceneObject& object, const SceneObject& other) {
+  const std::array<double, 3> size = object_size_m(other);
+  const double heading = deg_to_rad(other.heading_deg), dx = object.x_m - other.x_m, dy = object.y_m - other.y_m;
+  const double along = dx * std::cos(heading) + dy * std::sin(heading);
+  const double across = dy * std::cos(heading) - dx * std::sin(heading);
+  return std::hypot(std::max(0.0, std::abs(along) - 0.5 * size[0]), std::max(0.0, std::abs(across) - 0.5 * size[1])) <
+         0.8 * object_radius_m(object);
+}
+
 bool touches_any(const SceneObject& object, const std::vector<SceneObject>& others) {
-  return std::any_of(others.begin(), others.end(), [&](const SceneObject& other) {
-    return std::hypot(object.x_m - other.x_m, object.y_m - other.y_m) <
-           0.8 * (object_radius_m(object) + object_radius_m(other));
-  });
+  return std::any_of(others.begin(), others.end(), [&](const SceneObject& other) { return touches(object, other); });
 }
 
 std::vector<SceneObject> strew(const SceneModel& scene, const SceneScatter& scatter, RandomStream random) {
@@ -52,7 +59,8 @@ std::vector<SceneObject> strew(const SceneModel& scene, const SceneScatter& scat
       object.x_m = scatter.x_m.sample(random);
       object.y_m = scatter.y_m.sample(random);
       object.heading_deg = scatter.heading_deg.sample(random);
-      if (in_the_way(scene, object) || touches_any(object, strewn_ones)) continue;
+      if (in_the_way(scene, object) || touches_any(object, scene.world.objects) || touches_any(object, strewn_ones))
+        continue;
       strewn_ones.push_back(object);
       break;
     }
@@ -85,8 +93,7 @@ SceneObject moved(const SceneModel& scene, const SceneVariation& variation, Rand
   elsewhere.x_m += variation.clutter_shift_m.sample(*random);
   elsewhere.y_m += variation.clutter_shift_m.sample(*random);
   elsewhere.heading_deg += variation.clutter_turn_deg.sample(*random);
-  const bool is_new_obstacle = in_the_way(scene, elsewhere) && !in_the_way(scene, object);
-  return is_new_obstacle ? object : elsewhere;
+  return in_the_way(scene, elsewhere) ? object : elsewhere;
 }
 
 }  // namespace
@@ -96,7 +103,7 @@ SceneModel strewn(const SceneModel& scene, std::uint64_t seed) {
   result.scatter.clear();
   for (std::size_t i = 0; i < scene.scatter.size(); ++i) {
     const std::vector<SceneObject> objects =
-        strew(scene, scene.scatter[i], RandomStream(seed, "scatter", static_cast<std::int64_t>(i)));
+        strew(result, scene.scatter[i], RandomStream(seed, "scatter", static_cast<std::int64_t>(i)));
     result.world.objects.insert(result.world.objects.end(), objects.begin(), objects.end());
   }
   return result;
@@ -110,9 +117,9 @@ void SceneVariation::visit(FieldVisitor& visitor) {
   visitor.field("light_turn_deg", light_turn_deg, {-360.0, 360.0}, "turn of all lights about the vertical, once");
   visitor.field("light_warmth", light_warmth, {-1.0, 1.0}, "-1 bluish to 1 reddish, once");
   visitor.field("cloud_cover", cloud_cover, {-1.0, 1.0}, "added to the scene's share of clouds in the sky, once");
-  visitor.field("clutter_share", clutter_share, {0.0, 1.0}, "share of the scene's objects that are there");
-  visitor.field("clutter_shift_m", clutter_shift_m, {-5.0, 5.0}, "along x and along y, for each object");
-  visitor.field("clutter_turn_deg", clutter_turn_deg, {-360.0, 360.0}, "for each object");
+  visitor.field("clutter_share", clutter_share, {0.0, 1.0}, "share of the scene's movable objects that are there");
+  visitor.field("clutter_shift_m", clutter_shift_m, {-5.0, 5.0}, "along x and along y, for each movable object");
+  visitor.field("clutter_turn_deg", clutter_turn_deg, {-360.0, 360.0}, "for each movable object");
 }
 
 SceneModel varied(const SceneModel& scene, const SceneVariation& variation, std::uint64_t seed) {
@@ -124,6 +131,10 @@ SceneModel varied(const SceneModel& scene, const SceneVariation& variation, std:
   std::vector<SceneObject> objects;
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     RandomStream random(seed, "vary object", static_cast<std::int64_t>(i));
+    if (is_fixed(world.objects[i])) {
+      objects.push_back(world.objects[i]);
+      continue;
+    }
     if (random.uniform() >= variation.clutter_share) continue;
     objects.push_back(moved(result, variation, &random, world.objects[i]));
   }

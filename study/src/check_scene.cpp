@@ -4,11 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <set>
 
 #include "rigproof/calib/ground_plane.h"
 #include "rigproof/calib/image_io.h"
@@ -30,8 +28,9 @@ namespace fs = std::filesystem;
 constexpr const char* kRig = "husky_3x_d455";
 constexpr double kNormalLimitDeg = 1.0, kHeightLimitMm = 5.0, kScaleSigma = 0.003;
 constexpr double kBoardWholeLimit = 0.9;
-// A plane that leans more than this is no ground: several times what noise does to a true one.
-constexpr double kNoGroundDeg = 10.0;
+// Lower than this is floor, noise aside.
+constexpr double kFloorM = 0.02;
+constexpr int kDepthStride = 9;
 // Heights of a rig's cameras above the floor differ less than half a metre from this: the scale error's share of it.
 constexpr double kTypicalHeightM = 0.7;
 
@@ -106,7 +105,7 @@ class Measurement {
   void measure(SceneCheck* check) const {
     count_boards(check);
     measure_grounds(check);
-    look_for_temptations(check);
+    measure_floor_shares(check);
     count_keypoints(check);
     take_pictures(check);
   }
@@ -155,20 +154,27 @@ class Measurement {
     return rad_to_deg(std::acos(std::clamp(up.z(), -1.0, 1.0)));
   }
 
-  // The largest plane of each depth image, as someone finds it who does not know where up is.
-  void look_for_temptations(SceneCheck* check) const {
-    GroundPlaneOptions anything;
-    anything.max_tilt_rad = kPi;
+  // What else than floor is there to be taken for ground.
+  void measure_floor_shares(SceneCheck* check) const {
     for (std::size_t camera = 0; camera < recording_.frames.size(); ++camera) {
       const RigCamera& rig_camera = recording_.rig.cameras[camera];
       for (std::size_t stop = 0; stop < viewpoint_count(); ++stop) {
         const auto depth = read_depth_image(recording_.folder / recording_.frames[camera][stop].depth_file);
         if (!std::holds_alternative<Image16>(depth)) continue;
-        const DepthPoints points = points_from_depth(std::get<Image16>(depth), rig_camera, 9);
-        const GroundPlaneFit fit = fit_ground_plane(points, rig_camera.depth->noise, std::nullopt, anything);
-        check->temptations += !fit.plane || lean_deg(*fit.plane, T_world_camera(stop, camera)) > kNoGroundDeg;
+        const DepthPoints points = points_from_depth(std::get<Image16>(depth), rig_camera, kDepthStride);
+        const double share = floor_share(points, rig_camera.depth->noise, T_world_camera(stop, camera));
+        check->least_floor_share = std::min(check->least_floor_share, share);
       }
     }
+  }
+
+  static double floor_share(const DepthPoints& points, const DepthNoise& noise, const Rigid3& T_world_camera) {
+    std::size_t on_floor = 0;
+    for (const Eigen::Vector3f& point : points.points) {
+      const double height = (T_world_camera * point.cast<double>()).z();
+      on_floor += std::abs(height) < kFloorM + 3.0 * noise.sigma_m(static_cast<double>(point.z()));
+    }
+    return static_cast<double>(on_floor) / static_cast<double>(std::max<std::size_t>(points.points.size(), 1));
   }
 
   void count_keypoints(SceneCheck* check) const {
@@ -243,14 +249,14 @@ std::string format_checks(const std::vector<SceneCheck>& checks) {
   for (const SceneCheck& check : checks) width = std::max(width, check.name.size());
   const int name_width = static_cast<int>(width);
   char line[240];
-  std::snprintf(line, sizeof line, "%-*s  board whole  found    ground   normal  height  walls tempt  keypoints\n",
+  std::snprintf(line, sizeof line, "%-*s  board whole  found    ground   normal  height  floor from  keypoints\n",
                 name_width, "scene");
   std::string text = line;
   for (const SceneCheck& check : checks) {
-    std::snprintf(line, sizeof line, "%-*s  %9.1f %%  %zu/%zu  %4zu/%zu  %4.2f deg  %3.1f mm  %5zu of %zu  %9.0f  %s\n",
+    std::snprintf(line, sizeof line, "%-*s  %9.1f %%  %zu/%zu  %4zu/%zu  %4.2f deg  %3.1f mm  %8.0f %%  %9.0f  %s\n",
                   name_width, check.name.c_str(), 100.0 * check.planned_whole_share, check.boards_found,
                   check.boards_visible, check.grounds_found, check.depth_images, check.worst_normal_deg,
-                  check.worst_height_mm, check.temptations, check.depth_images, check.keypoints,
+                  check.worst_height_mm, 100.0 * check.least_floor_share, check.keypoints,
                   check.ground_is_good() && check.board_is_good() ? "ok" : "FAIL");
     text += line;
   }

@@ -41,6 +41,30 @@ struct SmallRecording : TempFolder {
   }
 };
 
+TEST(Recording, SegmentsTellWhichFramesAreNoStops) {
+  SmallRecording folder;
+  EXPECT_TRUE(load_recording(folder.path()).segments.empty());
+  folder.write("segments.csv", "kind,begin_s,end_s\nstraight,10.5,12.5\n");
+  const Recording recording = load_recording(folder.path());
+  ASSERT_EQ(recording.segments.size(), 1U);
+  EXPECT_EQ(recording.segments[0].kind, kStraightSegment);
+  ASSERT_EQ(recording.frames[0].size(), 3U);
+  EXPECT_FALSE(recording.in_segment(recording.frames[0][0]));
+  EXPECT_TRUE(recording.in_segment(recording.frames[0][1]));
+  EXPECT_EQ(recording.frames_of(recording.segments[0], 0).size(), 2U);
+  save_recording(recording);
+  EXPECT_EQ(folder.read("segments.csv"), "kind,begin_s,end_s\nstraight,10.5,12.5\n");
+}
+
+TEST(Recording, MistakesInSegmentsAreNamed) {
+  SmallRecording folder;
+  folder.write("segments.csv", "kind,begin_s,end_s\nstrait,10,11\nstraight,12,x\nstraight,12,11\n");
+  EXPECT_THAT(folder.problems(), testing::AllOf(HasSubstr("segments.csv:2: kind"), HasSubstr("allowed is straight"),
+                                                HasSubstr("segments.csv:3: end_s"), HasSubstr("before begin_s")));
+  folder.write("segments.csv", "10,12\n");
+  EXPECT_THAT(folder.problems(), HasSubstr("kind,begin_s,end_s"));
+}
+
 TEST(Recording, RoundTripKeepsEveryValueAndEveryByte) {
   const TempFolder folder;
   const Recording recording = sample_recording(folder / "a");

@@ -140,5 +140,16 @@ TEST(Stops, RefuseWhatCannotBeAnswered) {
   }
 }
 
+TEST(Stops, FramesOfASegmentAreNone) {
+  Recording recording = recording_with({{0.0, 1.0, 2.0, 3.0, 4.0}}, circle(10.0));
+  ASSERT_EQ(plan_stops(recording, {}).stops.size(), 5U);
+  recording.segments = {{kStraightSegment, 1.5, 3.5}};
+  const StopPlan plan = plan_stops(recording, {});
+  ASSERT_EQ(plan.stops.size(), 3U);
+  EXPECT_EQ(plan.stops[2].stop.stamp_s, 4.0);
+  EXPECT_EQ(plan.stops[2].frames[0], std::vector<int>{4});
+  EXPECT_TRUE(plan.exclusions.empty());
+}
+
 }  // namespace
 }  // namespace rigproof::detection

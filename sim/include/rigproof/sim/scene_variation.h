@@ -19,15 +19,15 @@ struct SceneVariation {
   Distribution light_turn_deg = 0.0;    ///< of all lights about the vertical, once
   Distribution light_warmth = 0.0;      ///< -1 bluish to 1 reddish, once
   Distribution cloud_cover = 0.0;       ///< added to the scene's, once
-  double clutter_share = 1.0;           ///< of the objects and of the strewn ones that are there
-  Distribution clutter_shift_m = 0.0;   ///< along x and along y, for each object
-  Distribution clutter_turn_deg = 0.0;  ///< for each object
+  double clutter_share = 1.0;           ///< of the movable objects (no doors, no trees) that are there
+  Distribution clutter_shift_m = 0.0;   ///< along x and along y, for each movable object
+  Distribution clutter_turn_deg = 0.0;  ///< for each movable object
 
   void visit(FieldVisitor& visitor);
 };
 
-/// The scene as the variation and the seed make it. No object gets into the drivable area or onto the straight path
-/// that was not there: one whose new place would be there stays where it was.
+/// The scene as the variation and the seed make it. No object is moved to where it would be in the robot's way, in the
+/// drivable area or on the straight path: it stays where it was.
 SceneModel varied(const SceneModel& scene, const SceneVariation& variation, std::uint64_t seed);
 
 }  // namespace rigproof

@@ -34,7 +34,7 @@ struct SceneCheck {
   std::size_t grounds_found = 0;         ///< that observing accepted
   double worst_normal_deg = 0.0;         ///< of those, against the true vertical
   double worst_height_mm = 0.0;          ///< of those, against the true height of the camera
-  std::size_t temptations = 0;           ///< depth images whose largest plane is no ground: a wall, a front, a table
+  double least_floor_share = 1.0;        ///< of the depth measured in one image: the rest is walls, fronts, things
   double keypoints = 0.0;                ///< SIFT's on an image, mean
   Image8 towards_board, straight_ahead;  ///< two of the pictures, RGB; the second is empty without a straight path
 
