@@ -24,6 +24,8 @@ constexpr double kMotionLoss = 0.1;
 constexpr double kInlier_m = 0.2;
 constexpr double kMinInlierRatio = 0.25;
 constexpr double kConfidence = 0.9999;
+// Two motions are solved exactly whatever they say: a third one must agree.
+constexpr double kMinMotions = 3.0;
 constexpr int kMinTrials = 100, kMaxTrials = 1000;
 constexpr int kMinCommonMotions = 6;
 // Turns smaller than this tell no place from another.
@@ -135,7 +137,7 @@ std::optional<Consensus> lo_ransac(const std::vector<PlanarMotion>& motions, std
     const double ratio = static_cast<double>(best.inliers.size()) / size;
     wanted = std::log(1.0 - kConfidence) / std::log1p(-std::min(0.999999, ratio * ratio));
   }
-  if (static_cast<double>(best.inliers.size()) < std::max(2.0, kMinInlierRatio * size)) return std::nullopt;
+  if (static_cast<double>(best.inliers.size()) < std::max(kMinMotions, kMinInlierRatio * size)) return std::nullopt;
   return best;
 }
 
@@ -314,7 +316,8 @@ AutocalibResult robot_autocalib(const std::vector<AutocalibSensor>& sensors) {
     } else {
       motions[i] = planarise(sensors[i], levels[i]->levelling());
       found[i] = lo_ransac(motions[i], static_cast<std::int32_t>(i));
-      if (!found[i]) result.reasons[i] = count_of_motions(motions[i].size()) + ", no quarter of which agree";
+      if (!found[i])
+        result.reasons[i] = count_of_motions(motions[i].size()) + ", fewer than three or than a quarter of which agree";
     }
   }
   refine_together(&found);
