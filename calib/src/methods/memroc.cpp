@@ -8,6 +8,7 @@
 #include <map>
 
 #include "methods/hand_eye_problem.h"
+#include "methods/partial_covariance.h"
 #include "methods/shared_views.h"
 #include "rigproof/calib/initial_guess.h"
 #include "rigproof/calib/observability.h"
@@ -162,6 +163,9 @@ class MemrocSolver {
       if (const int index = solved_index(k); index >= 0) {
         transform.covariance = covariance_block(static_cast<std::size_t>(index), static_cast<std::size_t>(index));
         clear_unobservable(what.observable, &*transform.covariance);
+      } else {
+        transform.covariance =
+            partial_covariance(observations_, views_, k, *X, what.observable, alignment_, ground_, guess_);
       }
       result_.camera_to_robot.push_back(transform);
     }

@@ -8,6 +8,7 @@ list(APPEND calib_sources
   src/methods/initial_guess.cpp
   src/methods/memroc.cpp
   src/methods/observability.cpp
+  src/methods/partial_covariance.cpp
   src/methods/registry.cpp
   src/methods/shared_views.cpp
   src/methods/trajectory_alignment.cpp
