@@ -78,7 +78,7 @@ class Search {
     if (symptoms_.odometry) try_odometry();
     if (!any_clean() && as_is_.lenses) try_lenses();
     if (!any_clean() && symptoms_.frames) try_each(camera_shift_faults(sample_), false);
-    if (!any_clean() && sample_.cameras.size() > 1) try_swaps();
+    if (!any_clean() && symptoms_.frames && sample_.cameras.size() > 1) try_swaps();
     if (!any_clean() && symptoms_.odometry) try_single_stops();
     if (!any_clean()) return std::nullopt;
     return conclude();

@@ -393,6 +393,7 @@ class Estimator {
     for (const bool bad : symptoms_.bad_corners) symptoms_.odometry = symptoms_.odometry || bad;
     note_lens_trust();
     symptoms_.lenses = !contradictions_.cameras.empty() || (lenses_ && lenses_->suspicious());
+    if (!motion_suffices()) symptoms_.lenses = symptoms_.frames = false;
     if (!symptoms_.any() || original_.stops.size() < 3 || !wrong_frames_.empty() || board_explains()) return;
     cause_ = ml::find_cause(original_, symptoms_, [this](const Observations& repaired, bool same_views) {
       return refit(repaired, same_views);
@@ -422,6 +423,9 @@ class Estimator {
     for (const ml::WildRow& row : wild_rows_) estimate_.result.notes.push_back(ml::sentence_of(row, used_));
   }
 
+  // Where the motion leaves the mounting open, a solution is one of many: its residuals blame no lens and no frame.
+  bool motion_suffices() const { return estimate_.motion.kind == MotionKind::kSufficient; }
+
   // Views of a solution that nothing else agrees with, per camera.
   std::vector<int> views_left_out() const {
     std::vector<int> count(used_.cameras.size(), 0);
@@ -449,7 +453,7 @@ class Estimator {
     const bool suspicious = !contradictions_.odometry.empty() || !contradictions_.cameras.empty() ||
                             std::any_of(left_out.begin(), left_out.end(), [](int count) { return count > 0; }) ||
                             !wild_rows_.empty();
-    if (suspicious && used_.cameras.size() > 1) {
+    if (suspicious && used_.cameras.size() > 1 && motion_suffices()) {
       // At the stated levels wrong frames are outliers; estimated levels may have swallowed them.
       MlOptions strict = options_;
       strict.start.reset();
@@ -769,7 +773,7 @@ class Estimator {
     if (lens_spoils()) return;  // depth on the board would be blamed for the lens
     std::optional<ml::OdometryScale> odometry;
     const int index = ml::Layout::of(used_, priors()).odometry_scale();
-    const bool trusted = !symptoms_.odometry && estimate_.motion.kind == MotionKind::kSufficient;
+    const bool trusted = !symptoms_.odometry && motion_suffices();
     if (trusted && fit_.noise.odometry_model == OdometryModel::kPerIncrement)
       odometry = {fit_.state.odometry_scale, std::sqrt(globals_.covariance(index, index))};
     const ml::BoardScale scale = ml::check_board_scale(used_, views_, odometry);
@@ -784,14 +788,16 @@ class Estimator {
   // Most likely causes first, then what speaks for them, then what the motion does not answer.
   void report_contradictions() {
     Result& result = estimate_.result;
-    std::vector<std::string> reasons = wrong_frames_;
-    if (cause_) reasons.push_back(cause_->sentence);
-    reasons.insert(reasons.end(), contradictions_.cameras.begin(), contradictions_.cameras.end());
-    reasons.insert(reasons.end(), contradictions_.odometry.begin(), contradictions_.odometry.end());
-    if (reasons.empty()) return;
+    std::vector<std::string> causes = wrong_frames_, symptoms = contradictions_.cameras;
+    if (cause_) causes.push_back(cause_->sentence);
+    symptoms.insert(symptoms.end(), contradictions_.odometry.begin(), contradictions_.odometry.end());
+    if (causes.empty() && symptoms.empty()) return;
     const bool all = !wrong_frames_.empty() || !contradictions_.cameras.empty() || lens_spoils() || upside_down_;
-    if (upside_down_) result.reasons.clear();  // "no ground seen" is a consequence
-    result.reasons.insert(result.reasons.begin(), reasons.begin(), reasons.end());
+    if (upside_down_ && motion_suffices()) result.reasons.clear();  // "no ground seen" is a consequence
+    const bool motion_first = !motion_suffices() && causes.empty();
+    result.reasons.insert(motion_first ? result.reasons.end() : result.reasons.begin(), symptoms.begin(),
+                          symptoms.end());
+    result.reasons.insert(result.reasons.begin(), causes.begin(), causes.end());
     for (EstimatedTransform& transform : result.camera_to_robot) {
       for (const std::size_t axis : {0U, 1U, 5U}) transform.observable[axis] = false;
       if (all) transform.observable.fill(false);
