@@ -34,7 +34,7 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin
 
 std::optional<CleanFrame> decoded(const std::vector<std::uint8_t>& bytes) {
   // Memory of another frame, which must not shine through.
-  CleanFrame frame = sample_frame(33, 20);
+  CleanFrame frame = sample_frame(70, 55);
   std::vector<std::uint8_t> scratch(77, 9);
   return decode_clean_frame(bytes, &scratch, &frame) ? std::optional<CleanFrame>(frame) : std::nullopt;
 }
