@@ -96,9 +96,9 @@ TEST(DataSetCommand, MakesARunOfEachWorldAndResumes) {
       "poses=2",  "--set", "image_scale=0.1",          "--set", "straight_drive.frames=3"};
   const ProcessOutput first = rigproof_command(command);
   EXPECT_EQ(first.exit_code, 0) << first.err;
-  for (const char* world : {"home", "meadow"}) {
-    EXPECT_TRUE(fs::is_regular_file(scratch / "set") / world / "run.yaml") << world;
-    EXPECT_TRUE(fs::is_regular_file(scratch / "set") / world / "recording/segments.csv") << world;
+  for (const char* world : {"set/home/", "set/meadow/"}) {
+    EXPECT_TRUE(fs::is_regular_file(scratch / (std::string(world) + "run.yaml"))) << world;
+    EXPECT_TRUE(fs::is_regular_file(scratch / (std::string(world) + "recording/segments.csv"))) << world;
   }
   EXPECT_THAT(rigproof_command(command).out, HasSubstr("all there already"));
   const ProcessOutput run =
