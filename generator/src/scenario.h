@@ -37,9 +37,9 @@ struct Scenario {
   ViewpointPlan plan;
   std::vector<Rigid3> T_scene_robot;  ///< at every stop: on the viewpoints of the plan, or where it drove
   RobotTrajectory trajectory;         ///< of a driven run, by the stamps of the recording; else empty
-  std::vector<SensorModel> sensors;  ///< one a camera
-  Recording recording;               ///< its folder is empty: the caller's
-  std::vector<FrameJob> frames;      ///< of the recording, stop by stop
+  std::vector<SensorModel> sensors;   ///< one a camera
+  Recording recording;                ///< its folder is empty: the caller's
+  std::vector<FrameJob> frames;       ///< of the recording, stop by stop
   Truth truth;
 
   std::size_t stop_count() const { return T_scene_robot.size(); }

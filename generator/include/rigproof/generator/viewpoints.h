@@ -69,7 +69,8 @@ struct ViewpointPlan {
 ViewpointPlan plan_viewpoints(const ViewpointConfig& config, std::int64_t poses, const ViewpointSubject& subject,
                               ViewpointWorld& world, std::uint64_t seed);
 
-/// A place that keeps every constraint, as the planner `sampled` draws the one of this number; nothing if none was found.
+/// A place that keeps every constraint, as the planner `sampled` draws the one of this number; nothing if none was
+/// found.
 std::optional<Viewpoint> draw_viewpoint(const ViewpointConfig& config, std::int64_t number,
                                         const ViewpointSubject& subject, ViewpointWorld& world, std::uint64_t seed);
 
