@@ -44,7 +44,7 @@ TEST(Truth, ProblemsAreNamed) {
   const std::string text = error_text([&] { load_truth(folder / "t.yaml"); });
   for (const char* part :
        {"t.yaml:3: seed: -1: must be a whole number, >= 0", "t.yaml:4: stops: 5: must be a list",
-        "cameras.left.depth_scale: 50: allowed is 0.1 to 10", "drawn.board.bow_mm: much: must be a number",
+        "cameras.left.depth_scale: 50: allowed is 0.1 to 10", "drawn.board.bow_mm: much: must be a finite number",
         "cameras.left.T_robot_camera: is missing", "T_world_board: is missing", "board: is missing"})
     EXPECT_THAT(text, HasSubstr(part));
 }
