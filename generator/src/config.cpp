@@ -206,12 +206,12 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
                 "teleport: the robot is put on its viewpoints exactly, `odometry` says what its wheels tell; drive: it "
                 "drives there by physics, and its encoders tell what they count");
   visitor.nested("drive", drive, "motion drive: how it drives");
-  visitor.check(motion != "drive" || !odometry.declared, "odometry.declared",
-                "must be false with motion drive: its odometry follows no noise law that could be told");
   visitor.nested("board", board, "the calibration board and where it stands");
   visitor.nested("viewpoints", viewpoints, "where the robot stands when it takes images");
   visitor.nested("straight_drive", straight_drive, "frames along a straight line, for methods that need them");
   visitor.nested("odometry", odometry, "what the wheels tell");
+  visitor.check(motion != "drive" || !odometry.declared, "odometry.declared",
+                "must be false with motion drive: its odometry follows no noise law that could be told");
   visitor.field("sensor_noise", sensor_noise, TextChoices{{"realistic", "none"}},
                 "realistic: image and depth noise of the camera's sensor preset; none: clean images");
   visitor.field("depth_scale_bias_percent", depth_scale_bias_percent, {-20.0, 20.0},
