@@ -16,7 +16,7 @@ void add(const Rigid3& estimate, const Rigid3& truth, WorstError* worst) {
 }
 
 SyntheticDrive with_depth(SyntheticDrive drive) {
-  for (RigCamera& camera : drive.observations.cameras) camera.depth = DepthStream();
+  for (RigCamera& camera : drive.observations.cameras) camera.depth.emplace();
   return drive;
 }
 

@@ -24,7 +24,7 @@ SyntheticDrive noisy_drive(std::uint64_t seed, int stops) {
   options.odometry_sigma_m = 0.001;
   options.odometry_sigma_rad = 0.001;
   SyntheticDrive drive = make_drive(options);
-  for (RigCamera& camera : drive.observations.cameras) camera.depth = DepthStream();
+  for (RigCamera& camera : drive.observations.cameras) camera.depth.emplace();
   return drive;
 }
 
