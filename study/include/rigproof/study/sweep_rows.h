@@ -1,0 +1,140 @@
+// What a sweep measured: one row for each (task, method, camera), and the summary of them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rigproof {
+
+/// tx ty tz in centimetres, rx ry rz in degrees; absent where there is no figure.
+using AxisFigures = std::array<std::optional<double>, 6>;
+
+enum class SweepStatus {
+  kSolved,       ///< all six degrees of freedom
+  kPartial,      ///< some of them
+  kNotGiven,     ///< the method answered, but says nothing about this camera or pair
+  kRefused,      ///< the method ran and says that the data cannot answer
+  kCouldNotRun,  ///< told before running: the method needs what this recording has not
+  kFailed,       ///< it crashed, ran too long, wrote garbage, or there was nothing to calibrate from
+};
+const char* sweep_status_name(SweepStatus status);
+
+/// What a row is about. The row `rig` counts: there is exactly one for each (task, method), whatever came of it.
+enum class SweepSubject { kRig, kCamera, kPair };
+const char* sweep_subject_name(SweepSubject subject);
+
+/// One row of rows.csv. Depends on the configuration and the program alone: no times.
+struct SweepRow {
+  std::string task;                 ///< key of the task, 16 hexadecimal digits
+  std::vector<std::string> levels;  ///< label of the task's point on every axis
+  std::int64_t seed = 0;
+  std::string method;
+  SweepSubject subject = SweepSubject::kRig;
+  std::string camera;  ///< "left", "left-center" (parent-child); "all" for the rig
+  SweepStatus status = SweepStatus::kFailed;
+  std::string reason;  ///< why it is not solved, in sentences
+  AxisFigures error;   ///< chart of transform_error(): estimate minus truth, along the parent's axes
+  AxisFigures sigma;   ///< stated standard deviation
+  AxisFigures bound;   ///< Cramer-Rao bound of these data at the truth, one standard deviation
+  /// Difference of roll, pitch and yaw of the camera's body axes in degrees, as the paper reads rotations.
+  std::array<std::optional<double>, 3> roll_pitch_yaw;
+  std::optional<double> nees;  ///< of this camera alone; of all cameras together for the rig
+  int nees_degrees_of_freedom = 0;
+
+  /// error / sigma.
+  std::optional<double> z(std::size_t axis) const;
+};
+
+/// All rows of a sweep, in the order of tasks, methods and cameras.
+struct SweepRows {
+  std::string name;
+  std::vector<std::string> axes;         ///< names, in the order of SweepRow::levels
+  std::vector<std::string> axis_titles;  ///< for people and figures: "odometry noise lambda"
+  std::vector<bool> pooled;              ///< one an axis: the summary takes its levels as repetitions
+  std::vector<std::vector<std::string>> levels;  ///< labels of each axis, in the configuration's order
+  /// Number of each level where it is one (for the x axis of a figure), else its place 0, 1, ..
+  std::vector<std::vector<double>> level_values;
+  std::vector<std::string> methods;
+  std::string reference;  ///< method that the others are tested against
+  std::vector<SweepRow> rows;
+};
+
+/// Reads what stands in a sweep's folder (finished or not). Throws Error.
+SweepRows load_sweep_rows(const std::filesystem::path& folder);
+
+/// Figures of one sample of errors. Cells that hold no value are absent.
+struct SampleFigures {
+  int count = 0;  ///< values: (task, camera) pairs
+  std::optional<double> mean;
+  std::optional<double> mean_absolute;
+  std::optional<double> deviation;  ///< standard deviation of the signed error, with n - 1
+  std::optional<double> deviation_absolute;  ///< of its absolute value
+  /// Of the absolute error, at probabilities .05 .25 .5 .75 .95, interpolated between order statistics.
+  std::array<std::optional<double>, 5> quantiles;
+  std::optional<double> largest;  ///< absolute
+  std::optional<double> rmse;
+  std::optional<double> rmse_over_bound;  ///< root of sum e^2 over sum of squared bounds
+};
+
+/// A method against the reference on the tasks that both solved; a task counts once, by its cameras' mean |error|.
+struct PairedTest {
+  int count = 0;                        ///< tasks
+  std::optional<double> difference;     ///< mean of |error| minus that of the reference; negative = better than it
+  std::optional<double> interval_low;   ///< 95 % of a paired bootstrap over tasks, percentile
+  std::optional<double> interval_high;
+  std::optional<double> p;       ///< Wilcoxon's signed-rank test, two-sided; exact up to 25 tasks
+  std::optional<double> p_holm;  ///< corrected for all tests of the summary (Holm)
+};
+
+enum class SummaryAxis { kTx, kTy, kTz, kRx, kRy, kRz, kRoll, kPitch, kYaw, kTranslation, kRotation };
+const char* summary_axis_name(SummaryAxis axis);
+/// "cm" or "deg".
+const char* summary_axis_unit(SummaryAxis axis);
+
+/// One line of summary.csv: a point of the axes that are not pooled, a method, cameras or pairs, and one axis.
+struct SummaryRow {
+  std::vector<std::string> levels;  ///< of every axis; "all" for one that is pooled
+  std::string method;
+  SweepSubject subject = SweepSubject::kCamera;  ///< kCamera or kPair
+  SummaryAxis axis = SummaryAxis::kTx;
+  int tasks = 0;  ///< that were to be done; the following five are of these
+  int solved = 0, partial = 0, refused = 0, could_not_run = 0, failed = 0;
+  int missing = 0;            ///< not done yet
+  int answered = 0;           ///< tasks in which this axis was given for every camera (or pair)
+  double success_rate = 0.0;  ///< answered / tasks
+  SampleFigures all;          ///< over everything this method answered
+  SampleFigures common;       ///< over the tasks that every method answered which answers this axis at all here
+  PairedTest against_reference;
+};
+
+/// A way to fail, and how often.
+struct FailureCount {
+  std::string method;
+  SweepStatus status = SweepStatus::kFailed;
+  std::string reason;
+  int tasks = 0;
+};
+
+struct SweepSummary {
+  std::string name;
+  std::vector<std::string> axes;
+  std::vector<std::string> methods;
+  std::string reference;
+  std::vector<SummaryRow> rows;
+  std::vector<FailureCount> failures;  ///< the most frequent first
+};
+
+SweepSummary summarise(const SweepRows& rows);
+
+/// The table of a terminal: success rate first, then mean |error| per axis.
+std::string format_summary(const SweepSummary& summary);
+/// The same for summary.md.
+std::string summary_as_markdown(const SweepSummary& summary);
+std::string summary_as_csv(const SweepSummary& summary);
+std::string summary_as_json(const SweepSummary& summary);
+
+}  // namespace rigproof
