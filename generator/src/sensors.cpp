@@ -58,6 +58,9 @@ std::map<std::string, double> SensorModel::labels() const {
   };
   if (image) {
     add("image_noise", 1.0, image->noise);
+    add("full_well_electrons", image->full_well_electrons, image->noise);
+    add("read_noise_electrons", image->read_noise_electrons, image->noise);
+    add("image_gamma", image->gamma, image->noise);
     add("pixel_offset_electrons", image->dark_offset_electrons, image->dark_offset_electrons > 0.0);
     add("pixel_gain_percent", 100.0 * image->pixel_gain, image->pixel_gain > 0.0);
     add("corner_light_percent", 100.0 * image->corner_light, image->corner_light < 1.0);

@@ -313,9 +313,10 @@ TEST(SensingDepth, SwitchesAreLabelledAndNothingElse) {
   EXPECT_TRUE(model.labels().empty());
   model.image = ImageSensing{};
   model.depth = depth_sensing_of(load_sensor_preset("d455"));
-  EXPECT_THAT(model.labels(),
-              testing::UnorderedElementsAre(testing::Pair("image_noise", 1.0), testing::Pair("depth_noise", 1.0),
-                                            testing::Pair("disparity_step_px", 1.0 / 32.0)));
+  EXPECT_THAT(model.labels(), testing::UnorderedElementsAre(
+                                  testing::Pair("image_noise", 1.0), testing::Pair("full_well_electrons", 6300.0),
+                                  testing::Pair("read_noise_electrons", 2.5), testing::Pair("image_gamma", 2.2),
+                                  testing::Pair("depth_noise", 1.0), testing::Pair("disparity_step_px", 1.0 / 32.0)));
   model.depth->bias = 0.05;
   model.depth->imagers_x_m = {0.1};
   model.depth->edge_step_per_m = 0.02;

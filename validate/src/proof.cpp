@@ -60,6 +60,15 @@ YamlTree tree_of(const RealisedDepthNoise& noise) {
   return tree;
 }
 
+YamlTree tree_of(const RealisedImageNoise& noise) {
+  YamlTree tree = YamlTree::inline_map();
+  tree.set("electrons", YamlTree::number(noise.electrons));
+  tree.set("samples", count_of(noise.samples));
+  tree.set("stated_sigma_electrons", YamlTree::number(noise.stated_sigma_electrons));
+  tree.set("sigma_electrons", YamlTree::number(noise.sigma_electrons));
+  return tree;
+}
+
 YamlTree tree_of(const CameraProof& camera) {
   YamlTree tree = YamlTree::map();
   tree.set("camera", YamlTree::text(camera.camera));
@@ -80,6 +89,8 @@ YamlTree tree_of(const CameraProof& camera) {
   tree.set("depth_valid_share", YamlTree::number(camera.depth_valid_share));
   YamlTree& noise = tree.set("depth_noise", YamlTree::sequence());
   for (const RealisedDepthNoise& entry : camera.depth_noise) noise.add(tree_of(entry));
+  YamlTree& image_noise = tree.set("image_noise", YamlTree::sequence());
+  for (const RealisedImageNoise& entry : camera.image_noise) image_noise.add(tree_of(entry));
   return tree;
 }
 
@@ -110,6 +121,17 @@ RealisedDepthNoise read_depth_noise(const YamlTree& tree, const std::string& pat
   return noise;
 }
 
+RealisedImageNoise read_image_noise(const YamlTree& tree, const std::string& path, Problems* problems) {
+  RealisedImageNoise noise;
+  MapReader reader(tree, path, problems);
+  read_number(&reader, "electrons", &noise.electrons);
+  read_count(&reader, "samples", &noise.samples);
+  read_number(&reader, "stated_sigma_electrons", &noise.stated_sigma_electrons);
+  read_number(&reader, "sigma_electrons", &noise.sigma_electrons);
+  reader.finish();
+  return noise;
+}
+
 CameraProof read_camera(const YamlTree& tree, const std::string& path, Problems* problems) {
   CameraProof camera;
   MapReader reader(tree, path, problems);
@@ -134,6 +156,9 @@ CameraProof read_camera(const YamlTree& tree, const std::string& path, Problems*
   if (const YamlTree* noise = reader.find("depth_noise"))
     for (const YamlTree& item : noise->items)
       camera.depth_noise.push_back(read_depth_noise(item, reader.path_of("depth_noise"), problems));
+  if (const YamlTree* noise = reader.find("image_noise"))
+    for (const YamlTree& item : noise->items)
+      camera.image_noise.push_back(read_image_noise(item, reader.path_of("image_noise"), problems));
   reader.finish();
   return camera;
 }
@@ -151,8 +176,10 @@ Proof prove(const Recording& recording, const Observations& observations, const 
     CameraProof entry;
     entry.camera = name;
     append(proof_detail::prove_corners(observations, truth, i, *camera, options, &entry), name, &proof);
-    if (const auto recorded = camera_named(recording.rig.cameras, name))
+    if (const auto recorded = camera_named(recording.rig.cameras, name)) {
       append(proof_detail::prove_depth(recording, truth, *recorded, *camera, options, &entry), name, &proof);
+      append(proof_detail::prove_image(recording, truth, *recorded, *camera, options, &entry), name, &proof);
+    }
     corners += entry.corners;
     proof.cameras.push_back(entry);
   }

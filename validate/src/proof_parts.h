@@ -1,4 +1,4 @@
-// The two halves of the proof: corners and depth.
+// The parts of the proof: corners, depth, and the images' noise.
 #pragma once
 
 #include <optional>
@@ -23,6 +23,10 @@ Findings prove_corners(const Observations& observations, const Truth& truth, std
 
 /// Fills the depth part. `recorded_camera` indexes the recording's cameras.
 Findings prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+                     const ProofOptions& options, CameraProof* proof);
+
+/// Fills in the noise of the images, where the truth says that it was simulated.
+Findings prove_image(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
                      const ProofOptions& options, CameraProof* proof);
 
 }  // namespace rigproof::proof_detail

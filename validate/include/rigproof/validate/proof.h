@@ -22,7 +22,7 @@ struct ProofOptions {
   double depth_max_rms_sigmas = 2.0;
   double depth_max_bias_sigmas = 0.5;
   int depth_stride_px = 8;    ///< every so many pixels in both directions
-  int max_depth_frames = 25;  ///< of each camera, spread evenly; 0 = all of them, -1 = no depth
+  int max_depth_frames = 25;  ///< of each camera, spread evenly; 0 = all of them, -1 = no depth and no image noise
 };
 
 /// Noise of depth pixels near one distance, measured on board and ground.
@@ -32,6 +32,14 @@ struct RealisedDepthNoise {
   double stated_sigma_mm = 0.0;  ///< by the sensor's law, with the rounding to its unit
   double sigma_mm = 0.0;         ///< realised; from the median distance to the median, so that edges do not count
   double bias_mm = 0.0;          ///< realised; median of measured - expected
+};
+
+/// Noise of the images' pixels of about one light, measured within the squares of the board.
+struct RealisedImageNoise {
+  double electrons = 0.0;               ///< light, the median of the squares
+  std::size_t samples = 0;              ///< pixels times colours
+  double stated_sigma_electrons = 0.0;  ///< by the sensor's law (EMVA 1288), with the rounding to levels
+  double sigma_electrons = 0.0;         ///< realised; from the median square, so that dirt does not count
 };
 
 struct CameraProof {
@@ -52,6 +60,7 @@ struct CameraProof {
   double depth_rms_sigmas = 0.0;                ///< whitened, on the board
   double depth_valid_share = 0.0;               ///< of the pixels on the board: those with a measurement
   std::vector<RealisedDepthNoise> depth_noise;  ///< at the distances that occur, of 0.8, 1, 2 and 4 m
+  std::vector<RealisedImageNoise> image_noise;  ///< the photon transfer curve, from dark to bright, where it occurs
 };
 
 struct Proof {
