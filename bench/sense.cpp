@@ -2,7 +2,7 @@
 // What a run takes whatever its length (world, viewpoints) is measured by itself and taken off.
 // The goal is 50 ms a frame of 1280x720.
 //
-//   bench_sense [POSES=20]
+//   bench_sense [POSES=20 [CASE]]     CASE: one of those that it prints, for a profiler
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -51,7 +51,7 @@ const std::vector<std::pair<std::string, std::string>>& cases() {
   return list;
 }
 
-void measure(const std::string& poses, const fs::path& folder) {
+void measure(const std::string& poses, const std::string& only, const fs::path& folder) {
   GenerateOptions options;
   options.jobs = 1;
   options.cache = folder / "cache";
@@ -67,6 +67,7 @@ void measure(const std::string& poses, const fs::path& folder) {
   const double plan_s = cpu_s() - start;
   std::printf("%-16s %6.1f ms CPU a run\n", "planned", 1e3 * plan_s);
   for (const auto& [name, text] : cases()) {
+    if (!only.empty() && only != name) continue;
     options.output = folder / "sensed";
     start = cpu_s();
     generate(parse_generate_config(poses + text, "bench"), options);
@@ -82,7 +83,7 @@ int main(int argc, char** argv) {
   std::string name = (fs::temp_directory_path() / "bench-sense-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) return 1;
   try {
-    measure("poses: " + std::string(argc > 1 ? argv[1] : "20") + "\n", name);
+    measure("poses: " + std::string(argc > 1 ? argv[1] : "20") + "\n", argc > 2 ? argv[2] : "", name);
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     fs::remove_all(name);

@@ -1,11 +1,13 @@
-// A file: header, driver's name, then colour and depth, each deflated. Colour is filtered like a PNG ("up"). The bits
-// of the depth are predicted from the two rows above, since depth is nearly linear in a picture of a plane, and the
-// remainders are stored byte plane by byte plane.
+// A file: header, driver's name, then colour and depth. Colour is filtered like a PNG ("up") and deflated. The bits of
+// the depth are predicted from the two rows above, since depth is nearly linear in a picture of a plane, and the
+// remainders are stored byte plane by byte plane, each behind its size: deflated, or as it is where that would hardly
+// be smaller but takes longest to read.
 #include "clean_cache.h"
 
 #include <isa-l/crc.h>
 #include <isa-l/igzip_lib.h>
 
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -17,9 +19,12 @@
 namespace rigproof {
 namespace {
 
-constexpr char kMagic[8] = {'R', 'P', 'C', 'L', 'E', 'A', 'N', '1'};
+constexpr char kMagic[8] = {'R', 'P', 'C', 'L', 'E', 'A', 'N', '2'};
 constexpr std::uint32_t kMaxSide = 32768, kMaxName = 4096;
 constexpr std::streamoff kMaxBytes = 512 << 20;
+constexpr std::size_t kPlanes = 4;
+// A plane that deflates to more than this is kept as it is.
+constexpr double kHardlySmaller = 0.8;
 
 struct Header {
   char magic[8];
@@ -95,13 +100,13 @@ std::vector<std::uint8_t> split_depth(const ImageF& depth) {
   return bytes;
 }
 
-void join_depth(const std::vector<std::uint8_t>& bytes, ImageF* depth) {
+void join_depth(const std::array<const std::uint8_t*, kPlanes>& bytes, ImageF* depth) {
   const auto width = static_cast<std::size_t>(depth->width), height = static_cast<std::size_t>(depth->height);
   std::vector<std::uint32_t> rows[3];
   for (std::vector<std::uint32_t>& row : rows) row.assign(width, 0U);
   for (std::size_t y = 0; y < height; ++y) {
-    const std::uint8_t* planes[4];
-    for (std::size_t k = 0; k < 4; ++k) planes[k] = bytes.data() + (k * height + y) * width;
+    const std::uint8_t* planes[kPlanes];
+    for (std::size_t k = 0; k < kPlanes; ++k) planes[k] = bytes[k] + y * width;
     std::vector<std::uint32_t>& row = rows[y % 3];
     join_row(planes, rows[(y + 2) % 3].data(), rows[(y + 1) % 3].data(), width, row.data());
     std::memcpy(depth->pixels.data() + y * width, row.data(), width * sizeof(float));
@@ -127,17 +132,17 @@ bool read_file(const std::filesystem::path& file, std::vector<std::uint8_t>* byt
   return static_cast<bool>(in.read(reinterpret_cast<char*>(bytes->data()), size));
 }
 
-std::string deflated(std::vector<std::uint8_t>& bytes) {
+std::string deflated(std::uint8_t* bytes, std::size_t count) {
   std::vector<std::uint8_t> buffer(ISAL_DEF_LVL1_DEFAULT);
-  std::string out(bytes.size() + bytes.size() / 8 + 4096, '\0');
+  std::string out(count + count / 8 + 4096, '\0');
   isal_zstream stream{};
   isal_deflate_stateless_init(&stream);
   stream.level = 1;
   stream.level_buf = buffer.data();
   stream.level_buf_size = static_cast<std::uint32_t>(buffer.size());
   stream.end_of_stream = 1;
-  stream.next_in = bytes.data();
-  stream.avail_in = static_cast<std::uint32_t>(bytes.size());
+  stream.next_in = bytes;
+  stream.avail_in = static_cast<std::uint32_t>(count);
   stream.next_out = reinterpret_cast<std::uint8_t*>(out.data());
   stream.avail_out = static_cast<std::uint32_t>(out.size());
   const int status = isal_deflate_stateless(&stream);
@@ -156,6 +161,44 @@ bool inflate_into(const std::uint8_t* in, std::size_t count, std::uint8_t* out, 
   return isal_inflate_stateless(state.get()) == ISAL_DECOMP_OK && state->total_out == expected;
 }
 
+std::string encode_depth(const ImageF& depth) {
+  std::vector<std::uint8_t> planes = split_depth(depth);
+  const std::size_t size = planes.size() / kPlanes;
+  std::string text;
+  for (std::size_t k = 0; k < kPlanes; ++k) {
+    std::uint8_t* plane = planes.data() + k * size;
+    std::string packed = deflated(plane, size);
+    if (static_cast<double>(packed.size()) > kHardlySmaller * static_cast<double>(size))
+      packed.assign(reinterpret_cast<const char*>(plane), size);
+    const auto bytes = static_cast<std::uint32_t>(packed.size());
+    text.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    text += packed;
+  }
+  return text;
+}
+
+// @param scratch memory for the planes that are deflated
+bool decode_depth(const std::uint8_t* bytes, std::size_t count, std::vector<std::uint8_t>* scratch, ImageF* depth) {
+  const std::size_t size = depth->pixels.size();
+  scratch->resize(kPlanes * size);
+  std::array<const std::uint8_t*, kPlanes> planes{};
+  for (std::size_t k = 0; k < kPlanes; ++k) {
+    std::uint32_t packed = 0;
+    if (count < sizeof packed) return false;
+    std::memcpy(&packed, bytes, sizeof packed);
+    bytes += sizeof packed;
+    count -= sizeof packed;
+    if (packed > count) return false;
+    std::uint8_t* unpacked = scratch->data() + k * size;
+    planes[k] = packed == size ? bytes : unpacked;
+    if (packed != size && !inflate_into(bytes, packed, unpacked, size)) return false;
+    bytes += packed;
+    count -= packed;
+  }
+  join_depth(planes, depth);
+  return count == 0;
+}
+
 bool is_sound(const Header& header, std::size_t bytes) {
   const std::uint64_t expected =
       sizeof(Header) + std::uint64_t{header.name_bytes} + header.color_bytes + header.depth_bytes;
@@ -168,12 +211,8 @@ bool is_sound(const Header& header, std::size_t bytes) {
 
 std::string encode_clean_frame(const CleanFrame& frame) {
   std::vector<std::uint8_t> color_bytes = filtered(frame.color);
-  const std::string color = deflated(color_bytes);
-  std::string depth;
-  if (!frame.depth_m.empty()) {
-    std::vector<std::uint8_t> planes = split_depth(frame.depth_m);
-    depth = deflated(planes);
-  }
+  const std::string color = deflated(color_bytes.data(), color_bytes.size());
+  const std::string depth = frame.depth_m.empty() ? "" : encode_depth(frame.depth_m);
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.width = static_cast<std::uint32_t>(frame.color.width);
@@ -207,10 +246,7 @@ bool decode_clean_frame(const std::vector<std::uint8_t>& bytes, std::vector<std:
     return true;
   }
   resize(width, height, 1, &frame->depth_m);
-  scratch->resize(4 * frame->depth_m.pixels.size());
-  if (!inflate_into(color + header.color_bytes, header.depth_bytes, scratch->data(), scratch->size())) return false;
-  join_depth(*scratch, &frame->depth_m);
-  return true;
+  return decode_depth(color + header.color_bytes, header.depth_bytes, scratch, &frame->depth_m);
 }
 
 std::filesystem::path CleanCache::file_of(const std::string& key) const {

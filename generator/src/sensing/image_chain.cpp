@@ -20,11 +20,28 @@ constexpr int kRootSteps = 2048;
 // The table reaches this much further than a full well; beyond, everything is white even in the noise's lower tail.
 constexpr double kHeadroom = 1.3;
 
-// Level of so many electrons, gamma coded.
-std::uint8_t coded_level(double electrons, const ImageSensing& model) {
-  const double light = std::clamp(electrons / model.full_well_electrons, 0.0, 1.0);
-  return static_cast<std::uint8_t>(std::lround(255.0 * std::pow(light, 1.0 / model.gamma)));
-}
+// Levels of light, gamma coded and rounded. Tables ask for rising light, so that looking for the next level's lower end
+// saves a power for each of their millions of entries.
+class LevelCoder {
+ public:
+  explicit LevelCoder(const ImageSensing& model) {
+    for (int level = 1; level < 256; ++level)
+      lower_end_.push_back(model.full_well_electrons * std::pow((level - 0.5) / 255.0, model.gamma));
+  }
+  /// Electrons + sigma * normal for each of the normals, which rise.
+  void append_levels(double electrons, double sigma, const std::vector<float>& normals,
+                     std::vector<std::uint8_t>* levels) const {
+    const auto light = [&](std::size_t i) { return electrons + sigma * static_cast<double>(normals[i]); };
+    auto next = std::upper_bound(lower_end_.begin(), lower_end_.end(), light(0));
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      while (next != lower_end_.end() && *next <= light(i)) ++next;
+      levels->push_back(static_cast<std::uint8_t>(next - lower_end_.begin()));
+    }
+  }
+
+ private:
+  std::vector<double> lower_end_;  ///< of levels 1, 2, .. 255 [electrons]
+};
 
 double electrons_at(int level, const ImageSensing& model) {
   return model.full_well_electrons * std::pow(level / 255.0, model.gamma);
@@ -95,11 +112,11 @@ void add_weighted(const float* in, float weight, std::size_t count, float* out) 
 
 LevelNoise::LevelNoise(const ImageSensing& model) {
   const std::vector<float> normals = normal_quantiles(kColorBits);
+  const LevelCoder coder(model);
   levels_.reserve(256 * normals.size());
   for (int level = 0; level < 256; ++level) {
-    const double electrons = electrons_at(level, model), sigma = noise_sigma(electrons, model);
-    for (const float normal : normals)
-      levels_.push_back(coded_level(electrons + sigma * static_cast<double>(normal), model));
+    const double electrons = electrons_at(level, model);
+    coder.append_levels(electrons, noise_sigma(electrons, model), normals, &levels_);
   }
 }
 
@@ -138,6 +155,7 @@ void ImageChain::make_pixel_tables(std::size_t samples, const FrameSeed& device)
 
 void ImageChain::make_coding_table() {
   const std::vector<float> normals = normal_quantiles(kColorBits);
+  const LevelCoder coder(model_);
   // Offsets may leave less than nothing.
   const double pedestal = 4.0 * model_.dark_offset_electrons;
   const double steps_per_root = (kRootSteps - 1) / std::sqrt(kHeadroom * model_.full_well_electrons + pedestal);
@@ -145,9 +163,8 @@ void ImageChain::make_coding_table() {
   steps_per_root_ = static_cast<float>(steps_per_root);
   coded_.reserve(static_cast<std::size_t>(kRootSteps) * normals.size());
   for (int root = 0; root < kRootSteps; ++root) {
-    const double electrons = std::pow(root / steps_per_root, 2) - pedestal, sigma = noise_sigma(electrons, model_);
-    for (const float normal : normals)
-      coded_.push_back(coded_level(electrons + sigma * static_cast<double>(normal), model_));
+    const double electrons = std::pow(root / steps_per_root, 2) - pedestal;
+    coder.append_levels(electrons, noise_sigma(electrons, model_), normals, &coded_);
   }
 }
 

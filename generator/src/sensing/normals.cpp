@@ -5,6 +5,7 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/vector_clones.h"
 
 namespace rigproof {
 namespace {
@@ -13,6 +14,13 @@ constexpr std::uint32_t kNormalMask = (1U << kNormalBits) - 1U;
 
 double normal_density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi); }
 double normal_probability(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
+
+RIGPROOF_VECTOR_CLONES
+void blend(const float* const weights[4], const float* values, std::size_t count, float* out) {
+  const float *w0 = weights[0], *w1 = weights[1], *w2 = weights[2], *w3 = weights[3];
+  const float v0 = values[0], v1 = values[1], v2 = values[2], v3 = values[3];
+  for (std::size_t i = 0; i < count; ++i) out[i] = w0[i] * v0 + w1[i] * v1 + w2[i] * v2 + w3[i] * v3;
+}
 
 }  // namespace
 
@@ -81,37 +89,44 @@ const float* CorrelatedNormals::next_row() {
 SmoothField::SmoothField(int width, int height, double cell_px, RandomStream random) {
   if (width < 1 || height < 1 || !(cell_px >= 1.0))
     throw Error("smooth field: sizes and cells must be at least a pixel");
-  for (int x = 0; x < width; ++x) across_.push_back(taps_at(x, cell_px));
-  for (int y = 0; y < height; ++y) down_.push_back(taps_at(y, cell_px));
-  columns_ = across_.back().first + 4;
-  lattice_.resize(columns_ * (down_.back().first + 4));
+  across_ = taps_of(width, cell_px);
+  down_ = taps_of(height, cell_px);
+  columns_ = across_.first.back() + 4;
+  lattice_.resize(columns_ * (down_.first.back() + 4));
   for (float& value : lattice_) value = static_cast<float>(random.normal());
 }
 
-SmoothField::Taps SmoothField::taps_at(int pixel, double cell_px) {
-  const double place = pixel / cell_px, t = place - std::floor(place);
-  const double spline[4] = {(1.0 - t) * (1.0 - t) * (1.0 - t) / 6.0, (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0,
-                            (-3.0 * t * t * t + 3.0 * t * t + 3.0 * t + 1.0) / 6.0, t * t * t / 6.0};
-  double squares = 0.0;
-  for (const double weight : spline) squares += weight * weight;
+SmoothField::Taps SmoothField::taps_of(int size, double cell_px) {
   Taps taps;
-  taps.first = static_cast<std::size_t>(place);
-  for (int k = 0; k < 4; ++k) taps.weight[k] = static_cast<float>(spline[k] / std::sqrt(squares));
+  for (int pixel = 0; pixel < size; ++pixel) {
+    const double place = pixel / cell_px, t = place - std::floor(place);
+    const double spline[4] = {(1.0 - t) * (1.0 - t) * (1.0 - t) / 6.0, (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0,
+                              (-3.0 * t * t * t + 3.0 * t * t + 3.0 * t + 1.0) / 6.0, t * t * t / 6.0};
+    double squares = 0.0;
+    for (const double weight : spline) squares += weight * weight;
+    taps.first.push_back(static_cast<std::size_t>(place));
+    for (int k = 0; k < 4; ++k) taps.weight[k].push_back(static_cast<float>(spline[k] / std::sqrt(squares)));
+  }
   return taps;
 }
 
 void SmoothField::row(int y, float* out) const {
-  const Taps& down = down_[static_cast<std::size_t>(y)];
+  const auto row = static_cast<std::size_t>(y);
   std::vector<float> line(columns_, 0.0F);
   for (std::size_t k = 0; k < 4; ++k) {
-    const float* lattice = lattice_.data() + (down.first + k) * columns_;
-    for (std::size_t i = 0; i < columns_; ++i) line[i] += down.weight[k] * lattice[i];
+    const float* lattice = lattice_.data() + (down_.first[row] + k) * columns_;
+    for (std::size_t i = 0; i < columns_; ++i) line[i] += down_.weight[k][row] * lattice[i];
   }
-  for (std::size_t x = 0; x < across_.size(); ++x) {
-    const Taps& taps = across_[x];
-    const float* values = line.data() + taps.first;
-    out[x] = taps.weight[0] * values[0] + taps.weight[1] * values[1] + taps.weight[2] * values[2] +
-             taps.weight[3] * values[3];
+  // Pixels of one cell have the same neighbours.
+  const std::size_t width = across_.first.size();
+  for (std::size_t x = 0; x < width;) {
+    const std::size_t first = across_.first[x];
+    std::size_t end = x + 1;
+    while (end < width && across_.first[end] == first) ++end;
+    const float* weights[4] = {&across_.weight[0][x], &across_.weight[1][x], &across_.weight[2][x],
+                               &across_.weight[3][x]};
+    blend(weights, line.data() + first, end - x, out + x);
+    x = end;
   }
 }
 

@@ -44,15 +44,16 @@ class SmoothField {
   void row(int y, float* out) const;
 
  private:
+  // For each pixel along an axis.
   struct Taps {
-    std::size_t first = 0;  ///< of four neighbours on the lattice
-    float weight[4] = {};   ///< squares add up to 1
+    std::vector<std::size_t> first;  ///< of four neighbours on the lattice; never falls
+    std::vector<float> weight[4];    ///< squares add up to 1
   };
-  static Taps taps_at(int pixel, double cell_px);
+  static Taps taps_of(int size, double cell_px);
 
   std::size_t columns_ = 0;
   std::vector<float> lattice_;
-  std::vector<Taps> across_, down_;
+  Taps across_, down_;
 };
 
 }  // namespace rigproof
