@@ -2,7 +2,8 @@
 //
 //   bench_drive track                        effective track over track of every robot, over speed and turn rate, and
 //                                            how many times faster than real time the physics is (CPU time)
-//   bench_drive scenes [POSES=100] [key: value ..]   a drive through POSES viewpoints in every scene
+//   bench_drive scenes [POSES=100] [key: value ..]   a drive through POSES viewpoints in every scene: the table of
+//                                            docs/driving.md, and what the odometry makes of it
 //
 // Further arguments of `scenes` are lines of a run's configuration, e.g. "scene: indoor_lab" or "seed: 3".
 #include <stdlib.h>
@@ -83,6 +84,41 @@ void track(const fs::path& folder) {
   }
 }
 
+// How far from the plan the robot stood, at worst.
+struct Worst {
+  double position_m = 0.0, heading_rad = 0.0;
+};
+Worst worst_of(const Scenario& scenario) {
+  Worst worst;
+  if (scenario.plan.stops.size() != scenario.stop_count()) return worst;  // capture: moving
+  for (std::size_t i = 0; i < scenario.stop_count(); ++i) {
+    const Rigid3 planned = scenario.plan.stops[i].T_scene_robot(), &real = scenario.T_scene_robot[i];
+    worst.position_m = std::max(worst.position_m, (planned.translation - real.translation).head<2>().norm());
+    worst.heading_rad = std::max(worst.heading_rad, std::abs(wrap_angle(yaw_of(planned) - yaw_of(real))));
+  }
+  return worst;
+}
+
+// Poses of the way on which the robot touches something, twenty a second looked at.
+std::size_t touches_of(const Scenario& scenario) {
+  constexpr std::size_t kEvery = 5;
+  const DrivePhysics physics(scenario.world->description(), {});
+  const std::vector<Rigid3>& poses = scenario.trajectory.poses();
+  std::size_t touches = 0;
+  for (std::size_t i = 0; i < poses.size(); i += kEvery)
+    if (!physics.obstacle(poses[i], 0.0).empty()) ++touches;
+  return touches;
+}
+
+void print_head() {
+  std::printf(
+      "| world | viewpoints | worst place [cm] | worst heading [deg] | touches | ways tried again | replaced | way [m] "
+      "| "
+      "drive [s] | CPU [s] | times real time | odometry: yaw factor | left over a stop [cm, deg] |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+}
+
+// CPU time with planning and loading.
 void drive_scene(const std::string& scene, int poses, const std::string& more) {
   const double before = cpu_s();
   try {
@@ -90,14 +126,15 @@ void drive_scene(const std::string& scene, int poses, const std::string& more) {
     config.poses = poses;
     const Scenario scenario = resolve_scenario(config);
     const double cpu = cpu_s() - before, drive_s = scenario.trajectory.end_s();
-    std::printf(
-        "%-16s %s\n                 %.1f s CPU with planning, %.0f times real time; odometry: scale %.4f, yaw "
-        "factor %.4f, left over %.2f cm, %.2f deg a stop\n",
-        scene.c_str(), scenario.plan.coverage.c_str(), cpu, drive_s / cpu, scenario.truth.odometry_scale,
-        scenario.truth.odometry_yaw_factor, 100.0 * *scenario.truth.odometry_noise.sigma_xy_m,
-        rad_to_deg(*scenario.truth.odometry_noise.sigma_yaw_rad));
+    const Worst worst = worst_of(scenario);
+    std::printf("| `%s` | %zu | %.2f | %.2f | %zu | %zu | %zu | %.0f | %.0f | %.1f | %.0f | %.3f | %.1f, %.2f |\n",
+                scene.c_str(), scenario.stop_count(), 100.0 * worst.position_m, rad_to_deg(worst.heading_rad),
+                touches_of(scenario), scenario.ways_tried_again, scenario.viewpoints_replaced,
+                scenario.trajectory.length_m(), drive_s, cpu, drive_s / cpu, scenario.truth.odometry_yaw_factor,
+                100.0 * *scenario.truth.odometry_noise.sigma_xy_m,
+                rad_to_deg(*scenario.truth.odometry_noise.sigma_yaw_rad));
   } catch (const Error& error) {
-    std::printf("%-16s %s\n", scene.c_str(), error.what());
+    std::printf("| `%s` | %s |\n", scene.c_str(), error.what());
   }
   std::fflush(stdout);
 }
@@ -123,6 +160,7 @@ int main(int argc, char** argv) {
   if (::mkdtemp(folder.data()) == nullptr) return 1;
   try {
     if (what == "track") track(folder);
+    if (what == "scenes") print_head();
     if (what == "scenes")
       for (const std::string& scene : scenes.empty() ? scene_model_names() : scenes) drive_scene(scene, poses, more);
   } catch (const Error& error) {

@@ -1,4 +1,5 @@
 // `rigproof generate`.
+#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -39,26 +40,68 @@ std::filesystem::path output_of(const GenerateArguments& arguments, const Genera
   return arguments.output.empty() ? std::filesystem::path("runs") / config.name : arguments.output;
 }
 
-GenerateReport generate_with_progress(const GenerateArguments& arguments, const GenerateConfig& config,
-                                      const Terminal& terminal,
-                                      const std::function<void(const std::string& gl_renderer)>& on_renderer) {
+namespace {
+
+GenerateOptions options_of(const GenerateArguments& arguments, const GenerateConfig& config) {
   GenerateOptions options;
-  bool told = false;
-  options.on_renderer = [&](const std::string& gl_renderer) {
-    told = true;
-    if (on_renderer) on_renderer(gl_renderer);
-  };
   options.output = output_of(arguments, config);
   options.jobs = arguments.common.jobs;
   options.fresh = arguments.fresh;
   options.device = arguments.device;
   options.cache = arguments.cache;
   options.render = arguments.render;
+  return options;
+}
+
+}  // namespace
+
+RunsAhead::~RunsAhead() {
+  given_up_ = true;
+  if (prepared_.valid()) prepared_.wait();
+}
+
+void RunsAhead::start(std::size_t number) {
+  number_ = number;
+  viewpoints_done_ = viewpoints_ = 0;
+  GenerateOptions options = options_of(runs_[number].arguments, runs_[number].config);
+  options.on_the_way = [this](std::size_t done, std::size_t all) {
+    viewpoints_done_ = done;
+    viewpoints_ = all;
+    return !given_up_ && !interrupted();
+  };
+  prepared_ = std::async(std::launch::async, [&config = runs_[number].config, options = std::move(options)] {
+    return prepare_generation(config, options);
+  });
+}
+
+void RunsAhead::start_next() {
+  if (number_ + 1 < runs_.size()) start(number_ + 1);
+}
+
+std::shared_ptr<const Scenario> RunsAhead::take(std::size_t number, const Terminal& terminal) {
+  if (!prepared_.valid() || number_ != number) start(number);
+  ProgressLine progress(terminal, "drive", "viewpoints");
+  while (prepared_.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready)
+    if (viewpoints_ > 0) progress.update(viewpoints_done_, viewpoints_);
+  return prepared_.get();
+}
+
+GenerateReport generate_with_progress(RunsAhead* ahead, std::size_t number, const Terminal& terminal,
+                                      const std::function<void(const std::string& gl_renderer)>& on_renderer) {
+  const auto& [arguments, config] = ahead->runs()[number];
+  GenerateOptions options = options_of(arguments, config);
+  bool told = false;
+  options.on_renderer = [&](const std::string& gl_renderer) {
+    told = true;
+    if (on_renderer) on_renderer(gl_renderer);
+  };
+  options.on_started = [ahead] { ahead->start_next(); };
+  const std::shared_ptr<const Scenario> scenario = ahead->take(number, terminal);
   GenerateReport report;
   {
     ProgressLine progress(terminal, "generate", "images");
     options.progress = progress.callback();
-    report = generate(config, options);
+    report = generate(*scenario, options);
   }
   if (!told && on_renderer) on_renderer(report.gl_renderer);
   if (!report.complete)
@@ -76,7 +119,9 @@ GenerateReport generate_with_progress(const GenerateArguments& arguments, const 
 }
 
 int print_plan(const GenerateArguments& arguments, const GenerateConfig& config) {
-  const GeneratePlan plan = plan_generation(config);
+  GenerateOptions options = options_of(arguments, config);
+  options.on_the_way = [](std::size_t, std::size_t) { return !interrupted(); };
+  const GeneratePlan plan = plan_generation(config, options);
   if (arguments.common.json) {
     const nlohmann::json json = {{"stops", plan.stops},
                                  {"images", plan.images},
@@ -104,10 +149,11 @@ GenerateArguments arguments_of(const GenerateArguments& all, const GenerateConfi
   return arguments;
 }
 
-int generate_one(const GenerateArguments& arguments, const GenerateConfig& config) {
+int generate_one(RunsAhead* ahead, std::size_t number) {
+  const auto& [arguments, config] = ahead->runs()[number];
   if (arguments.dry_run) return print_plan(arguments, config);
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
-  const GenerateReport report = generate_with_progress(arguments, config, terminal);
+  const GenerateReport report = generate_with_progress(ahead, number, terminal);
   const std::filesystem::path output = output_of(arguments, config);
   if (arguments.common.json) {
     const nlohmann::json json = {
@@ -124,14 +170,17 @@ int generate_one(const GenerateArguments& arguments, const GenerateConfig& confi
 }  // namespace
 
 int generate_command(const GenerateArguments& arguments) {
-  const std::vector<GenerateConfig> runs = runs_of(configuration_of(arguments));
+  const std::vector<GenerateConfig> configs = runs_of(configuration_of(arguments));
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
-  const bool many = runs.size() > 1;
+  const bool many = configs.size() > 1;
+  std::vector<RunsAhead::Run> runs;
+  for (const GenerateConfig& config : configs) runs.push_back({arguments_of(arguments, config, many), config});
+  RunsAhead ahead(std::move(runs));
   if (many && arguments.common.json) std::puts("[");
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (many) terminal.line(std::to_string(i + 1) + "/" + std::to_string(runs.size()) + "  " + runs[i].name);
-    generate_one(arguments_of(arguments, runs[i], many), runs[i]);
-    if (many && arguments.common.json) std::puts(i + 1 < runs.size() ? "," : "]");
+  for (std::size_t i = 0; i < configs.size(); ++i) {
+    if (many) terminal.line(std::to_string(i + 1) + "/" + std::to_string(configs.size()) + "  " + configs[i].name);
+    generate_one(&ahead, i);
+    if (many && arguments.common.json) std::puts(i + 1 < configs.size() ? "," : "]");
   }
   return 0;
 }

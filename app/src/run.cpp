@@ -74,7 +74,8 @@ int run_command(const RunArguments& arguments) {
   const CommonArguments& common = arguments.generate.common;
   const Terminal terminal(common.quiet || common.json);
   const RunFolder run{output_of(arguments.generate, config)};
-  generate_with_progress(arguments.generate, config, terminal, [&](const std::string& gl_renderer) {
+  RunsAhead ahead({{arguments.generate, config}});
+  generate_with_progress(&ahead, 0, terminal, [&](const std::string& gl_renderer) {
     terminal.line(terminal.colored(headline(config, gl_renderer, common.jobs), Color::kDim));
   });
   const Input input = open_input(run.root);

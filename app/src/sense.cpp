@@ -57,7 +57,8 @@ int sense_command(const SenseArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   GenerateArguments from_cache = generate;
   from_cache.render = false;
-  const GenerateReport report = generate_with_progress(from_cache, config, terminal);
+  RunsAhead ahead({{from_cache, config}});
+  const GenerateReport report = generate_with_progress(&ahead, 0, terminal);
   if (arguments.common.json) {
     const nlohmann::json json = {{"run", arguments.output.string()},
                                  {"images", report.images},

@@ -67,10 +67,11 @@ class Driver {
     start();
     for (std::size_t i = 1; i < goals_.size(); ++i) {
       if (request_.progress && !request_.progress(drive_.reached.size()))
-        throw Error("interrupted", ExitCode::kTryAgain);
+        throw Error("interrupted while driving; the same command starts the drive again", ExitCode::kTryAgain);
       visit(i);
     }
     drive_.duration_s = time_s();
+    drive_.ways_tried_again = drive_.troubles.size();
     if (config_.capture == "moving") capture_along_the_way();
     return std::move(drive_);
   }

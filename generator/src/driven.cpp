@@ -64,7 +64,7 @@ std::string describe_drive(const Drive& drive) {
                 "; driven %.0f m in %.0f s, at rest within %.1f cm and %.1f deg of the plan; %zu ways tried again, %zu "
                 "viewpoints replaced",
                 drive.trajectory.length_m(), drive.duration_s, 100.0 * drive.worst_position_m,
-                rad_to_deg(drive.worst_heading_rad), drive.troubles.size(), drive.given_up);
+                rad_to_deg(drive.worst_heading_rad), drive.ways_tried_again, drive.given_up);
   return text;
 }
 
@@ -94,7 +94,8 @@ DrivePhysicsDraw draw_physics(const DriveConfig& config, std::uint64_t seed) {
 
 DrivenViewpoints drive_viewpoints(const GenerateConfig& config, const WorldDescription& description,
                                   const RobotModel& robot, const ViewpointSubject& subject, World& world,
-                                  const PhysicsOptions& options) {
+                                  const PhysicsOptions& options,
+                                  const std::function<bool(std::size_t, std::size_t)>& progress) {
   const auto seed = static_cast<std::uint64_t>(config.seed);
   DrivePhysics physics(description, options);
   DrivableWorld drivable(world, physics, 0.01 * config.drive.clearance_cm + kExtraClearance_m);
@@ -111,6 +112,10 @@ DrivenViewpoints drive_viewpoints(const GenerateConfig& config, const WorldDescr
   request.odometry_rate_hz = config.odometry.rate_hz > 0.0 ? config.odometry.rate_hz : kDefaultRate_hz;
   request.area = drivable.drivable_area();
   for (const Viewpoint& stop : known) request.goals.push_back(floor_pose(stop));
+  if (progress)
+    request.progress = [&progress, count = request.goals.size()](std::size_t reached) {
+      return progress(reached, count);
+    };
   std::int64_t next = config.poses;
   if (viewpoints.planner == "sampled")
     request.replacement = [&]() -> std::optional<FloorPose> {

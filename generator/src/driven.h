@@ -1,6 +1,7 @@
 // motion: drive of a configuration: viewpoints that can be driven to, the drive, and its odometry's errors in figures.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 
@@ -24,9 +25,11 @@ struct DrivenViewpoints {
   ViewpointPlan plan;
   Drive drive;
 };
+/// @param progress told of the viewpoints reached, and how many they are; return false to interrupt: Error kTryAgain
 DrivenViewpoints drive_viewpoints(const GenerateConfig& config, const WorldDescription& description,
                                   const RobotModel& robot, const ViewpointSubject& subject, World& world,
-                                  const PhysicsOptions& physics);
+                                  const PhysicsOptions& physics,
+                                  const std::function<bool(std::size_t, std::size_t)>& progress = {});
 
 /// The noise law that comes nearest to an odometry's errors from stop to stop: scale and yaw factor by least squares,
 /// and what is left over.

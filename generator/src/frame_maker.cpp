@@ -2,6 +2,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
 #include "sensing/resolve.h"
 
@@ -110,26 +111,13 @@ std::vector<std::string> files_of_frame(const Scenario& scenario, std::size_t fr
   return paths;
 }
 
-namespace {
-
-// What the renderer takes from a scene's description beside the compiled world, such as its clouds: the scene's files
-// and how they are varied. Sensors and rigs are no part of it: a camera's intrinsics and pose are hashed as they are.
-std::string scene_text(const Scenario& scenario) {
-  std::string text;
-  for (const ScenarioInput& input : scenario.inputs)
-    if (input.name.find("sensors/") == std::string::npos && input.name.find("rigs/") == std::string::npos)
-      text += " " + input.sha256;
-  SceneVariation randomize = scenario.config.randomize;
-  return text + write_fields([&randomize](FieldVisitor& visitor) { randomize.visit(visitor); });
-}
-
-}  // namespace
-
 std::vector<std::string> clean_frame_keys(const Scenario& scenario) {
   const RenderConfig& render = scenario.config.render;
-  const std::string common = std::string(version()) + " " + std::to_string(render.psf_sigma_px) + " " +
+  // The scene's fields are there for those that the renderer takes from its description beside the compiled world.
+  // Sensors and rigs are no part of it: a camera's intrinsics and pose are hashed as they are.
+  const std::string common = std::string(version()) + " " + number_text(render.psf_sigma_px) + " " +
                              std::to_string(render.board_at_double) + std::to_string(render.whole_at_double) + " " +
-                             scenario.world->content_hash() + scene_text(scenario);
+                             scenario.world->content_hash() + " " + scenario.scene_text;
   std::vector<std::string> keys;
   for (const FrameJob& job : scenario.frames) {
     scenario.world->place_robot(scenario.T_scene_robot[job.stop]);

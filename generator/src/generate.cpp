@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "drive_store.h"
 #include "frame_maker.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -84,6 +85,10 @@ FileEntries write_texts(const RunFolder& run, const Scenario& scenario) {
   save_recording(recording);
   std::vector<std::string> files = {"truth/config.yaml", "truth/truth.yaml", "recording/rig.yaml",
                                     "recording/" + recording.rig.odometry_file};
+  if (!scenario.drive_bytes.empty()) {
+    write_file_atomically(run.drive_file(), scenario.drive_bytes);
+    files.push_back("truth/" + run.drive_file().filename().string());
+  }
   for (const RigCamera& camera : recording.rig.cameras) files.push_back("recording/" + camera.folder + "/frames.csv");
   if (!recording.segments.empty()) files.push_back("recording/segments.csv");
   FileEntries entries;
@@ -171,6 +176,8 @@ class Generation {
     WorkerPool pool(
         static_cast<int>(std::min(jobs, frames.size())), [this](std::string* greeting) { return prepare(greeting); },
         kPatienceS);
+    // Not before: a process that is forked while another thread works may inherit what that thread has locked.
+    if (options_.on_started) options_.on_started();
     std::size_t next = 0;
     while (rendered_ < frames.size()) {
       while (go_on && next < frames.size() && pool.wants_job()) pool.submit(frames[next++]);
@@ -255,6 +262,17 @@ GenerateReport make_report(const Scenario& scenario, const Manifest& manifest, s
   return report;
 }
 
+DriveSource source_of(const GenerateOptions& options) {
+  return {options.fresh ? fs::path() : options.output, options.cache, options.on_the_way};
+}
+
+// So that other noise realisations need not drive again either.
+void keep_drive(const Scenario& scenario, const fs::path& cache) {
+  if (cache.empty() || scenario.drive_bytes.empty()) return;
+  const fs::path file = drive_in_cache(cache, scenario.drive_key);
+  if (!fs::exists(file)) write_file_atomically_unsynced(file, scenario.drive_bytes);
+}
+
 // Renders and keeps the manifest; after a failure the manifest still tells what was finished.
 std::size_t render_missing(const Scenario& scenario, const RunFolder& run, const GenerateOptions& options,
                            const std::vector<std::uint32_t>& missing, ManifestKeeper* keeper) {
@@ -275,8 +293,8 @@ std::size_t render_missing(const Scenario& scenario, const RunFolder& run, const
 
 }  // namespace
 
-GeneratePlan plan_generation(const GenerateConfig& config) {
-  const Scenario scenario = resolve_scenario(config);
+GeneratePlan plan_generation(const GenerateConfig& config, const GenerateOptions& options) {
+  const Scenario scenario = resolve_scenario(config, source_of(options));
   GeneratePlan plan;
   plan.stops = scenario.stop_count();
   plan.images = scenario.frame_count();
@@ -287,9 +305,19 @@ GeneratePlan plan_generation(const GenerateConfig& config) {
   return plan;
 }
 
+std::shared_ptr<const Scenario> prepare_generation(const GenerateConfig& config, const GenerateOptions& options) {
+  return std::make_shared<const Scenario>(resolve_scenario(config, source_of(options)));
+}
+
 GenerateReport generate(const GenerateConfig& config, const GenerateOptions& options) {
   const auto start = Clock::now();
-  const Scenario scenario = resolve_scenario(config);
+  GenerateReport report = generate(*prepare_generation(config, options), options);
+  report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return report;
+}
+
+GenerateReport generate(const Scenario& scenario, const GenerateOptions& options) {
+  const auto start = Clock::now();
   if (!options.render) require_cached(scenario, options.cache);
   const RunFolder run{options.output};
   const RunLock lock(run.root);
@@ -308,6 +336,7 @@ GenerateReport generate(const GenerateConfig& config, const GenerateOptions& opt
   save_manifest(manifest, run.manifest_file());
   ManifestKeeper keeper(run, std::move(manifest));
   keeper.add(write_texts(run, scenario));
+  keep_drive(scenario, options.cache);
   const std::size_t rendered = render_missing(scenario, run, options, missing, &keeper);
   GenerateReport report = make_report(scenario, keeper.manifest(), rendered);
   report.seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <tuple>
 
+#include "drive_store.h"
 #include "driven.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/run_folder.h"
+#include "rigproof/core/yaml.h"
 #include "rigproof/generator/odometry.h"
 #include "rigproof/generator/straight_drive.h"
 #include "rigproof/sim/board_pattern.h"
@@ -70,9 +74,10 @@ ScenarioInput input_of(const fs::path& file) {
   return {inside ? relative.generic_string() : file.filename().string(), sha256_hex_of_file(file)};
 }
 
-// The presets' own files; values that come from elsewhere (sensors, boards) stand in what is recorded.
-std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigModel& rig, const SceneModel& scene) {
-  std::vector<fs::path> files = {find_data_file("rigs", config.rig), rig.robot.mjcf,
+// The presets' own files, and the board, which a preset may hold or the rig.
+std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigModel& rig, const SceneModel& scene,
+                                     const Board& board) {
+  std::vector<fs::path> files = {find_data_file("rigs", config.rig), rig.robot.file, rig.robot.mjcf,
                                  find_data_file("scenes", config.scene), scene.world.mjcf};
   for (const RigCamera& camera : rig.rig.cameras) {
     if (!camera.sensor.empty()) files.push_back(find_data_file("sensors", camera.sensor));
@@ -82,10 +87,13 @@ std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigMode
   }
   std::vector<ScenarioInput> inputs;
   for (const fs::path& file : files) inputs.push_back(input_of(file));
-  const auto by_name = [](const ScenarioInput& a, const ScenarioInput& b) { return a.name < b.name; };
-  const auto same_name = [](const ScenarioInput& a, const ScenarioInput& b) { return a.name == b.name; };
-  std::sort(inputs.begin(), inputs.end(), by_name);
-  inputs.erase(std::unique(inputs.begin(), inputs.end(), same_name), inputs.end());
+  inputs.push_back({"the board", sha256_hex(emit_yaml(tree_of(board)))});
+  // Two files outside of the data folder may share a name.
+  const auto whole = [](const ScenarioInput& input) { return std::tie(input.name, input.sha256); };
+  const auto before = [&](const ScenarioInput& a, const ScenarioInput& b) { return whole(a) < whole(b); };
+  const auto same = [&](const ScenarioInput& a, const ScenarioInput& b) { return whole(a) == whole(b); };
+  std::sort(inputs.begin(), inputs.end(), before);
+  inputs.erase(std::unique(inputs.begin(), inputs.end(), same), inputs.end());
   return inputs;
 }
 
@@ -219,14 +227,31 @@ void teleport(const WorldDescription& description, const ViewpointSubject& subje
   if (config.odometry.declared) scenario->recording.rig.odometry_noise = truth.odometry_noise;
 }
 
+// The same drive, whether it is taken from a file or simulated.
+DrivenViewpoints kept_or_simulated(const WorldDescription& description, const ViewpointSubject& subject,
+                                   const DriveSource& source, const PhysicsOptions& physics, Scenario* scenario) {
+  const std::string& key = scenario->drive_key = drive_key(scenario->config, scenario->inputs);
+  std::vector<fs::path> files;
+  if (!source.run.empty()) files.push_back(RunFolder{source.run}.drive_file());
+  if (!source.cache.empty()) files.push_back(drive_in_cache(source.cache, key));
+  std::optional<DrivenViewpoints> driven = find_drive(files, key);
+  if (!driven)
+    driven = drive_viewpoints(scenario->config, description, scenario->rig.robot, subject, *scenario->world, physics,
+                              source.progress);
+  scenario->drive_bytes = encode_drive(*driven, key);
+  return std::move(*driven);
+}
+
 // Stops where physics left the robot; the odometry is what its wheels counted.
-void drive(const WorldDescription& description, const ViewpointSubject& subject, Scenario* scenario) {
+void drive(const WorldDescription& description, const ViewpointSubject& subject, const DriveSource& source,
+           Scenario* scenario) {
   const GenerateConfig& config = scenario->config;
   const DrivePhysicsDraw draw = draw_physics(config.drive, seed_of(config));
-  DrivenViewpoints driven =
-      drive_viewpoints(config, description, scenario->rig.robot, subject, *scenario->world, draw.physics);
+  DrivenViewpoints driven = kept_or_simulated(description, subject, source, draw.physics, scenario);
   scenario->plan = std::move(driven.plan);
   scenario->trajectory = std::move(driven.drive.trajectory);
+  scenario->ways_tried_again = driven.drive.ways_tried_again;
+  scenario->viewpoints_replaced = driven.drive.given_up;
   std::vector<double> stamps_s;
   for (const Capture& capture : driven.drive.captures) {
     stamps_s.push_back(capture.stamp_s);
@@ -273,7 +298,7 @@ Camera scaled_camera(const Camera& camera, double scale) {
   return scaled;
 }
 
-Scenario resolve_scenario(const GenerateConfig& config) {
+Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& source) {
   if (!config.scenes.empty())
     throw Error("scenes: this configuration makes " + std::to_string(config.scenes.size()) +
                 " runs; `rigproof generate` makes them all, and --set scenes=[] --set scene=" + config.scenes.front() +
@@ -282,9 +307,10 @@ Scenario resolve_scenario(const GenerateConfig& config) {
   scenario.config = config;
   scenario.rig = resolve_rig(config);
   const SceneModel scene = varied(load_scene_model(config.scene), config.randomize, seed_of(config));
-  scenario.inputs = inputs_of(config, scenario.rig, scene);
-  scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
   const Board board = resolve_board(config.board, scenario.rig.rig.board);
+  scenario.inputs = inputs_of(config, scenario.rig, scene, board);
+  scenario.scene_text = scene_text(scene);
+  scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
   const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene));
   const BoardDefectsDraw defects = draw_board_defects(config.board.defects, seed_of(config));
   WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
@@ -292,7 +318,10 @@ Scenario resolve_scenario(const GenerateConfig& config) {
   description.board_margin_m = defects.border_m;
   scenario.world = World::compose(description);
   const ViewpointSubject subject{description.cameras, board, T_scene_board, description.board_margin_m};
-  (config.motion == "drive" ? drive : teleport)(description, subject, &scenario);
+  if (config.motion == "drive")
+    drive(description, subject, source, &scenario);
+  else
+    teleport(description, subject, &scenario);
   scenario.truth.drawn.insert(defects.drawn.begin(), defects.drawn.end());
   const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;
   disturb_time(config.sensing.time, sensing_seed(config), &scenario.recording, &scenario.truth);

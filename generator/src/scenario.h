@@ -1,6 +1,8 @@
 // A configuration worked out: the world, the stops, what is recorded and what is true. Everything but the images.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,14 +35,17 @@ struct Scenario {
   GenerateConfig config;
   RigModel rig;
   std::vector<ScenarioInput> inputs;
+  std::string scene_text;  ///< every field of the scene as it was varied: see rigproof::scene_text
   std::unique_ptr<World> world;
   ViewpointPlan plan;
   std::vector<Rigid3> T_scene_robot;  ///< at every stop: on the viewpoints of the plan, or where it drove
   RobotTrajectory trajectory;         ///< of a driven run, by the stamps of the recording; else empty
-  std::vector<SensorModel> sensors;   ///< one a camera
-  Recording recording;                ///< its folder is empty: the caller's
-  std::vector<FrameJob> frames;       ///< of the recording, stop by stop
+  std::size_t ways_tried_again = 0, viewpoints_replaced = 0;  ///< of a driven run
+  std::vector<SensorModel> sensors;                           ///< one a camera
+  Recording recording;                                        ///< its folder is empty: the caller's
+  std::vector<FrameJob> frames;                               ///< of the recording, stop by stop
   Truth truth;
+  std::string drive_key, drive_bytes;  ///< of a driven run, for its file: see drive_store.h
 
   std::size_t stop_count() const { return T_scene_robot.size(); }
   std::size_t camera_count() const { return rig.rig.cameras.size(); }
@@ -48,8 +53,16 @@ struct Scenario {
   std::size_t frame_count() const { return frames.size(); }
 };
 
-/// Loads what the configuration names and plans the drive. Throws Error with every problem found.
-Scenario resolve_scenario(const GenerateConfig& config);
+/// motion: drive.
+struct DriveSource {
+  std::filesystem::path run, cache;  ///< folders that may hold the drive; empty = none
+  /// Told of the viewpoints reached, and how many they are, of a drive that has to be simulated; false interrupts it.
+  std::function<bool(std::size_t, std::size_t)> progress;
+};
+
+/// Loads what the configuration names and plans the drive. Throws Error with every problem found, or kTryAgain where
+/// the drive was interrupted.
+Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& source = {});
 
 /// Intrinsics of the same camera with an image of `scale` times the size.
 Camera scaled_camera(const Camera& camera, double scale);

@@ -230,6 +230,7 @@ BoardPlacement BoardPlacementRange::middle() const {
 RobotModel load_robot_model(const std::string& name_or_file) {
   const std::filesystem::path file = find_data_file("robots", name_or_file);
   RobotModel robot;
+  robot.file = file;
   robot.name = file.stem().string();
   std::string mjcf;
   const NumberRange length{0.01, 10.0};
@@ -283,6 +284,14 @@ SceneModel load_scene_model(const std::string& name_or_file) {
   for (SceneTexture& texture : scene.world.textures)
     if (!texture.file.empty()) texture.file = beside(file, texture.file.string());
   return scene;
+}
+
+std::string scene_text(const SceneModel& scene) {
+  SceneModel plain = scene;
+  plain.description.clear();
+  for (SceneTexture& texture : plain.world.textures) texture.file = texture.file.filename();
+  std::string mjcf = plain.world.mjcf.filename().string();
+  return write_fields([&](FieldVisitor& visitor) { visit_scene(visitor, plain, mjcf); });
 }
 
 std::vector<std::string> robot_model_names() { return list_presets("robots"); }

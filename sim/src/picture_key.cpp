@@ -51,9 +51,15 @@ std::string World::content_hash() const {
   // What the renderer takes from the description instead of the model: the sky, the clip planes, the board's region.
   bytes.add_all(scene.sky_zenith);
   bytes.add_all(scene.sky_horizon);
+  bytes.add(scene.cloud_cover);
+  bytes.add_all(scene.cloud_color);
   bytes.add(scene.near_m);
   bytes.add(scene.far_m);
   bytes.add(scene.shadows);
+  // Shadows are drawn on the floor that they can be seen on.
+  for (const double end :
+       {scene.drivable_area.x_min, scene.drivable_area.x_max, scene.drivable_area.y_min, scene.drivable_area.y_max})
+    bytes.add(end);
   bytes.add(description.scene_seed);
   bytes.add(description.board.squares_x);
   bytes.add(description.board.squares_y);

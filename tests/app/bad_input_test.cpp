@@ -276,6 +276,19 @@ TEST(Interrupt, TheSameCommandResumesToTheSameBytes) {
   EXPECT_EQ(tree_content(run), tree_content(killed));
 }
 
+TEST(Interrupt, WhileDrivingItEndsSoonAndNothingIsWritten) {
+  const TempFolder scratch;
+  const fs::path run = scratch / "run";
+  // A drive of ten seconds and more, and time enough to begin with it.
+  const ProcessOutput interrupted =
+      run_process({"sh", "-c",
+                   std::string(RIGPROOF_BINARY_DIR) + "/app/rigproof generate --set motion=drive --set poses=100 -o " +
+                       run.string() + " & pid=$!; sleep 2; kill -TERM $pid; wait $pid"});
+  EXPECT_EQ(interrupted.exit_code, 75) << interrupted.out << interrupted.err;
+  EXPECT_THAT(interrupted.err, HasSubstr("interrupted while driving; the same command starts the drive again"));
+  EXPECT_FALSE(fs::exists(run));
+}
+
 TEST(BadInput, HostileFolder) {
   const TempFolder scratch;
   const fs::path recording = copy_of_recording(scratch);

@@ -23,6 +23,7 @@
 #include "rigproof/core/run_folder.h"
 #include "rigproof/generator/generate.h"
 #include "rigproof/truth/truth.h"
+#include "run_contents.h"
 #include "temp_folder.h"
 
 namespace rigproof {
@@ -41,16 +42,6 @@ GenerateOptions into(const fs::path& folder, int jobs = 2) {
   options.output = folder;
   options.jobs = jobs;
   return options;
-}
-
-// Hash of every file, temporary ones included.
-std::map<std::string, std::string> contents(const fs::path& folder) {
-  std::map<std::string, std::string> hashes;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    hashes[fs::relative(entry.path(), folder).generic_string()] = sha256_hex_of_file(entry.path());
-  }
-  return hashes;
 }
 
 // One run that the others are compared with.
@@ -182,27 +173,6 @@ TEST(Generation, DamagedFilesAreMadeAnew) {
   EXPECT_EQ(contents(run), reference());
 }
 
-// Ends a whole process group and waits for every member, grandchildren too: their lock on the folder goes last.
-void kill_group(pid_t leader) {
-  ::kill(-leader, SIGKILL);
-  ::waitpid(leader, nullptr, 0);
-}
-
-pid_t generate_in_background(const fs::path& run) {
-  const pid_t pid = ::fork();
-  if (pid == 0) {
-    ::setpgid(0, 0);
-    try {
-      generate(small_config(), into(run));
-    } catch (const std::exception&) {
-      ::_exit(1);
-    }
-    ::_exit(0);
-  }
-  ::setpgid(pid, pid);
-  return pid;
-}
-
 TEST(Generation, KilledAtAnyMomentItResumesToTheSameBytes) {
   const auto start = std::chrono::steady_clock::now();
   reference();
@@ -213,7 +183,7 @@ TEST(Generation, KilledAtAnyMomentItResumesToTheSameBytes) {
   for (int trial = 0; trial < trials; ++trial) {
     const TempFolder folder;
     const fs::path run = folder.path() / "run";
-    const pid_t pid = generate_in_background(run);
+    const pid_t pid = in_background([&] { generate(small_config(), into(run)); });
     std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform(0.2, 1.0) * std::min(whole_s, 3.0)));
     kill_group(pid);
     // What is visible is whole.

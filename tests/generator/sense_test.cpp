@@ -15,6 +15,7 @@
 #include "rigproof/generator/generate.h"
 #include "rigproof/generator/parameters.h"
 #include "rigproof/truth/truth.h"
+#include "run_contents.h"
 #include "scenario.h"
 #include "temp_folder.h"
 
@@ -45,14 +46,6 @@ GenerateOptions into(const fs::path& folder, const fs::path& cache = {}, bool re
   options.cache = cache;
   options.render = render;
   return options;
-}
-
-std::map<std::string, std::string> contents(const fs::path& folder) {
-  std::map<std::string, std::string> hashes;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      hashes[fs::relative(entry.path(), folder).generic_string()] = sha256_hex_of_file(entry.path());
-  return hashes;
 }
 
 TEST(Sense, FromTheCacheComeTheBytesOfADirectGeneration) {

@@ -17,6 +17,7 @@ struct RunFolder {
   std::filesystem::path truth() const { return root / "truth"; }
   std::filesystem::path truth_file() const { return truth() / "truth.yaml"; }
   std::filesystem::path config_file() const { return truth() / "config.yaml"; }
+  std::filesystem::path drive_file() const { return truth() / "drive.bin"; }
   std::filesystem::path proof_file() const { return truth() / "proof.yaml"; }
   std::filesystem::path observations_file() const { return root / "observations.json"; }
   std::filesystem::path results() const { return root / "results"; }

@@ -34,9 +34,10 @@ struct Drive {
   std::vector<OdometrySample> odometry;
   RobotTrajectory trajectory;
   std::vector<DriveTrouble> troubles;
-  std::size_t given_up = 0;       ///< viewpoints for which no plan worked
-  std::size_t corrections = 0;    ///< times that the robot had to correct its place at a viewpoint
-  double worst_position_m = 0.0;  ///< at rest, from the plan
+  std::size_t ways_tried_again = 0;  ///< as many as troubles
+  std::size_t given_up = 0;          ///< viewpoints for which no plan worked
+  std::size_t corrections = 0;       ///< times that the robot had to correct its place at a viewpoint
+  double worst_position_m = 0.0;     ///< at rest, from the plan
   double worst_heading_rad = 0.0;
   double duration_s = 0.0;
 };

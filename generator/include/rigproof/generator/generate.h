@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "rigproof/generator/config.h"
 
 namespace rigproof {
+
+struct Scenario;
 
 struct GenerateOptions {
   std::filesystem::path output;  ///< the run's folder
@@ -20,6 +23,12 @@ struct GenerateOptions {
   bool render = true;            ///< false: the cache must hold every clean render, and no driver is needed
   /// (images done, images in all); return false to interrupt. Called from the main process only.
   std::function<bool(std::size_t, std::size_t)> progress;
+  /// motion: drive, while the drive is simulated, which happens once a run: (viewpoints reached, viewpoints in all);
+  /// return false to interrupt, which is an Error with ExitCode::kTryAgain. Called by whoever prepares.
+  std::function<bool(std::size_t, std::size_t)> on_the_way;
+  /// Told once when render processes work and the caller's own process is nearly idle: the time to prepare the next run
+  /// of several, in a thread. Not called if nothing is left to render.
+  std::function<void()> on_started;
   /// Told once what renders, before the first image is done; not called if nothing is left to render.
   std::function<void(const std::string& gl_renderer)> on_renderer;
 };
@@ -43,10 +52,18 @@ struct GenerateReport {
   std::string coverage;
 };
 
-GeneratePlan plan_generation(const GenerateConfig& config);
+GeneratePlan plan_generation(const GenerateConfig& config, const GenerateOptions& options = {});
 
-/// Generates or resumes. Byte-identical for one configuration at any number of jobs, interrupted or not.
-/// Throws Error on bad input or environment.
+/// The first half of generate(): loads and composes the world, plans the viewpoints and drives through them, unless the
+/// output or the cache holds that drive. Writes nothing; one thread at a time may prepare or generate the same run.
+/// Throws Error on bad input.
+std::shared_ptr<const Scenario> prepare_generation(const GenerateConfig& config, const GenerateOptions& options);
+
+/// The other half: generates or resumes. Byte-identical for one configuration at any number of jobs, interrupted or
+/// not. Throws Error on a bad environment.
+GenerateReport generate(const Scenario& scenario, const GenerateOptions& options);
+
+/// Both.
 GenerateReport generate(const GenerateConfig& config, const GenerateOptions& options);
 
 }  // namespace rigproof

@@ -58,6 +58,9 @@ class RobotTrajectory {
   bool empty() const { return stamps_s_.empty(); }
   double begin_s() const { return stamps_s_.front(); }
   double end_s() const { return stamps_s_.back(); }
+  const std::vector<double>& stamps_s() const { return stamps_s_; }
+  /// T_scene_robot, one a stamp.
+  const std::vector<Rigid3>& poses() const { return poses_; }
   /// T_scene_robot at a stamp, on the arc of constant twist between two samples; before and after, the robot stands.
   Rigid3 at(double stamp_s) const;
   /// The poses in the middles of `count` equal parts of an exposure: what motion blur sums, and at which a rolling

@@ -18,6 +18,7 @@ namespace rigproof {
 
 /// models/robots/NAME.yaml: a wheeled robot. Its MJCF holds the body `robot`, whose origin is the robot frame.
 struct RobotModel {
+  std::filesystem::path file;
   std::string name;
   std::string description;
   std::filesystem::path mjcf;
@@ -83,6 +84,10 @@ struct SceneModel {
 RobotModel load_robot_model(const std::string& name_or_file);
 RigModel load_rig_model(const std::string& name_or_file);
 SceneModel load_scene_model(const std::string& name_or_file);
+
+/// All fields of a scene as text, but for its description and the folders of its files: the same text, the same scene,
+/// given the same MJCF and pictures.
+std::string scene_text(const SceneModel& scene);
 
 /// Names of the models that are installed, sorted.
 std::vector<std::string> robot_model_names();
