@@ -41,7 +41,9 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     const Verdict verdict = judge(result, truth, budget);
     records.push_back({result.method, verdict.comparison, budget, verdict.gate});
     comparisons.push_back(verdict.comparison);
-    terminal.text(format_errors(verdict.comparison, &verdict.gate));
+    Comparison shown = verdict.comparison;
+    if (result.status != ResultStatus::kSolved) shown.reasons.clear();  // print_result() gave them
+    terminal.text(format_errors(shown, &verdict.gate));
     terminal.text(format_suspicion(verdict.comparison));
     terminal.text(format_verdict(verdict.comparison, verdict.gate, budget));
     terminal.text(format_same_run(verdict.comparison, budget, comparisons));
