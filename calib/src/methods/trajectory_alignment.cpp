@@ -210,8 +210,9 @@ double path_agreement(const Observations& observations, const std::vector<ViewPo
 
 // Up as a ground plane says it, in camera and in board coordinates.
 struct Normal {
-  int camera;
+  int camera, stop;
   Vector3d in_camera;
+  PlaneHeight height;  // of the camera over the plane
   std::optional<Vector3d> in_board;
 };
 
@@ -222,7 +223,7 @@ std::vector<Normal> plane_normals(const Observations& observations, const std::v
   for (const PlaneObservation& plane : observations.ground_planes) {
     const double length = plane.inverse_depth_plane.norm();
     if (!(length > 0.0)) continue;
-    Normal normal{plane.camera, -plane.inverse_depth_plane / length, std::nullopt};
+    Normal normal{plane.camera, plane.stop, -plane.inverse_depth_plane / length, height_above(plane), std::nullopt};
     const auto view = view_at.find({plane.stop, plane.camera});
     if (view != view_at.end()) normal.in_board = view->second->T_camera_board.rotation.conjugate() * normal.in_camera;
     normals.push_back(normal);
@@ -252,16 +253,19 @@ std::optional<Vector3d> consensus(const std::vector<Vector3d>& directions) {
   return Vector3d(best.normalized());
 }
 
-// A normal along which the cameras moved is a wall's, unless they hardly moved at all.
+// A normal along which the cameras moved is a wall's, unless they hardly moved at all. A small board far away is seen
+// turned by degrees, and the camera then as far up or down: what that makes is no motion.
 bool fits_motion(const std::vector<Level>& levels, const std::vector<CameraMean>& means, const Vector3d& up) {
-  double along = 0.0, moved = 0.0;
+  constexpr double kShare = 0.04, kNoise = 2.0;
+  double along = 0.0, moved = 0.0, noise = 0.0;
   for (const Level& level : levels) {
     const Vector3d offset = level.position - means[static_cast<std::size_t>(level.camera)].position;
     along += std::pow(offset.dot(up), 2);
     moved += offset.squaredNorm();
+    noise += up.dot(level.position_covariance * up);
   }
   const double count = static_cast<double>(std::max<std::size_t>(1, levels.size()));
-  return moved / count < 0.01 || along < 0.04 * moved;
+  return moved / count < 0.01 || along < kShare * moved + kNoise * noise;
 }
 
 struct Context {
@@ -270,6 +274,32 @@ struct Context {
   std::vector<Level> levels;
   std::vector<Normal> normals;
 };
+
+// Whether the same plane, from the same height and in the same direction, was before the camera from most stops, though
+// the robot moved: the ground. A wall turns away or comes nearer. Needs no pose of the board, which may be off by
+// degrees.
+bool stays_with_camera(const Context& context, const Normal& candidate) {
+  constexpr double kMoved_m = 0.1, kTurned_rad = 0.1, kSameHeight_m = 0.02;
+  const double cosine = std::cos(kSamePlane_rad);
+  const auto stop_of = [&](const Normal& n) -> const Stop& {
+    return context.observations.stops[static_cast<std::size_t>(n.stop)];
+  };
+  int all = 0, same = 0;
+  bool moved = false;
+  for (const Normal& other : context.normals) {
+    if (other.camera != candidate.camera) continue;
+    ++all;
+    const double allowed = kSameHeight_m + 4.0 * std::hypot(candidate.height.sigma_m, other.height.sigma_m);
+    if (candidate.in_camera.dot(other.in_camera) < cosine ||
+        std::abs(candidate.height.height_m - other.height.height_m) > allowed)
+      continue;
+    ++same;
+    const Stop &a = stop_of(candidate), &b = stop_of(other);
+    moved = moved || std::hypot(b.x_m - a.x_m, b.y_m - a.y_m) > kMoved_m ||
+            std::abs(wrap_angle(b.yaw_rad - a.yaw_rad)) > kTurned_rad;
+  }
+  return moved && same >= 3 && 2 * same > all;
+}
 
 // 1 or -1, or 0 if nothing tells.
 double sign_of_up(const Context& context, const Vector3d& up) {
@@ -299,7 +329,8 @@ void align_by_ground(const Context& context, TrajectoryAlignment* alignment) {
   const std::vector<CameraMean> means = camera_means(context.levels, Vector3d::UnitZ(), cameras);
   std::vector<Vector3d> in_board;
   for (const Normal& normal : context.normals)
-    if (normal.in_board && fits_motion(context.levels, means, *normal.in_board)) in_board.push_back(*normal.in_board);
+    if (normal.in_board && (stays_with_camera(context, normal) || fits_motion(context.levels, means, *normal.in_board)))
+      in_board.push_back(*normal.in_board);
   if (const std::optional<Vector3d> up = consensus(in_board)) {
     alignment->up_board = *up;
     alignment->source = VerticalSource::kGround;

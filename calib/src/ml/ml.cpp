@@ -31,6 +31,10 @@ std::string format(const char* pattern, Args... args) {
   return text;
 }
 
+// Where no gate says more.
+constexpr const char* kOpenDirection =
+    "not all of its pose is determined: what the data tell along some direction is lost in rounding; add stops";
+
 // One odometry model's solution.
 struct Fit {
   ml::NoiseLevels noise;
@@ -442,7 +446,8 @@ class Estimator {
       doubtful[static_cast<std::size_t>(row.stop)] = true;
       if (row.slip) doubtful[static_cast<std::size_t>(row.stop) - 1] = true;
     }
-    return ml::find_swapped_frames(used_, views_, fit_.state, doubtful);
+    return ml::likelier_swapped(final_problem(fit_.noise), fit_.state,
+                                ml::find_swapped_frames(used_, views_, fit_.state, doubtful));
   }
 
   // Swapped frames spoil a recording; single wrong ones are left out.
@@ -691,6 +696,8 @@ class Estimator {
       const std::array<bool, 6> free_of = determined(free.middleRows(6 * c, 6));
       for (std::size_t axis = 0; axis < 6; ++axis)
         transform.observable[axis] = observability.observable[axis] && free_of[axis];
+      if (transform.observable != observability.observable && observability.sentences.empty())
+        add_reason(transform.child + ": " + kOpenDirection);
       transform.covariance = covariance;
       for (const std::string& sentence : observability.sentences) add_reason(sentence);
       estimate_.result.camera_to_robot.push_back(std::move(transform));
@@ -726,6 +733,8 @@ class Estimator {
         const Matrix6d covariance = P * joint_ * P.transpose();
         transform.covariance = covariance;
         transform.observable = determined(P * free);
+        if (!transform.fully_observable() && estimate_.result.reasons.empty())
+          add_reason(transform.child + " in " + transform.parent + ": " + kOpenDirection);
         gate_pair(P * gate_joint_ * P.transpose(), &transform);
         estimate_.result.camera_to_camera.push_back(std::move(transform));
       }

@@ -20,6 +20,36 @@ constexpr Bounds kOdometryYaw = {kMinOdometryYaw_rad, 0.5};
 constexpr Bounds kSuspensionHeight = {kMinSuspensionHeight_m, 0.02};
 constexpr Bounds kSuspensionTilt = {kMinSuspensionTilt_rad, 0.02};
 constexpr Bounds kScale = {0.05, 200.0};
+// No sensor resolves less, whatever is stated; beyond it, equations that also hold odometry lose that in rounding.
+constexpr double kMinCorner_px = 1e-3;
+constexpr double kMinPlane_per_m = 2e-5;  // a hundredth of a millimetre at 0.7 m
+
+// The scale of corners or planes, bounded so that their level does not fall below what no sensor resolves.
+Bounds scale_above(double floor, double stated) {
+  return {stated > 0.0 ? std::max(kScale.low, floor / stated) : kScale.low, kScale.high};
+}
+
+// Root mean square of the stated sigmas of a camera's corners [px].
+double stated_corner_px(const Observations& observations, int camera) {
+  double variance = 0.0, count = 0.0;
+  for (const BoardView& view : observations.board_views) {
+    if (view.camera != camera) continue;
+    for (const CornerObservation& corner : view.corners) variance += corner.covariance_px2.trace() / 2.0;
+    count += static_cast<double>(view.corners.size());
+  }
+  return count > 0.0 ? std::sqrt(variance / count) : 0.0;
+}
+
+// Root mean square of the stated sigmas of a camera's planes [1/m].
+double stated_plane_per_m(const std::vector<PlaneObservation>& planes, int camera) {
+  double variance = 0.0, count = 0.0;
+  for (const PlaneObservation& plane : planes) {
+    if (plane.camera != camera) continue;
+    variance += plane.covariance_per_m2.trace() / 3.0;
+    ++count;
+  }
+  return count > 0.0 ? std::sqrt(variance / count) : 0.0;
+}
 
 // ln of what sigma must be multiplied by so that the weighted squares meet their expectation.
 double log_change(const GroupSum& all, int loss_dimensions) {
@@ -34,7 +64,9 @@ double log_change(const GroupSum& all, int loss_dimensions) {
 // its changes is summed (Aitken).
 class LevelUpdater {
  public:
-  LevelUpdater(const EstimatedLevels& levels, NoiseLevels* noise) {
+  LevelUpdater(const EstimatedLevels& levels, Problem* problem) {
+    NoiseLevels* noise = &problem->noise;
+    const Observations& observations = problem->observations();
     const auto add = [this](bool wanted, Group group, std::size_t camera, int dimensions, Bounds bounds,
                             double* sigma) {
       if (wanted) levels_.push_back({group, static_cast<int>(camera), dimensions, bounds, sigma, 0.0});
@@ -44,9 +76,15 @@ class LevelUpdater {
     add(levels.suspension_height, Group::kSuspensionHeight, 0, 3, kSuspensionHeight, &noise->suspension_height_m);
     add(levels.suspension_tilt, Group::kSuspensionTilt, 0, 3, kSuspensionTilt, &noise->suspension_tilt_rad);
     for (std::size_t c = 0; c < noise->corner_scale.size(); ++c) {
-      add(levels.corners, Group::kCorners, c, 2, kScale, &noise->corner_scale[c]);
-      add(levels.planes, Group::kGround, c, 3, kScale, &noise->ground_scale[c]);
-      add(levels.planes, Group::kBoardPlane, c, 3, kScale, &noise->board_plane_scale[c]);
+      const int camera = static_cast<int>(c);
+      const auto plane_scale = [camera](const std::vector<PlaneObservation>& planes) {
+        return scale_above(kMinPlane_per_m, stated_plane_per_m(planes, camera));
+      };
+      add(levels.corners, Group::kCorners, c, 2, scale_above(kMinCorner_px, stated_corner_px(observations, camera)),
+          &noise->corner_scale[c]);
+      add(levels.planes, Group::kGround, c, 3, plane_scale(observations.ground_planes), &noise->ground_scale[c]);
+      add(levels.planes, Group::kBoardPlane, c, 3, plane_scale(observations.board_planes),
+          &noise->board_plane_scale[c]);
     }
   }
 
@@ -145,7 +183,7 @@ SolverSummary minimise_with_levels(const EstimatedLevels& levels, const SolverOp
     SolverOptions few = options;
     few.max_iterations = 4;
     few.tolerance = std::max(options.tolerance, 1e-3);
-    LevelUpdater updater(levels, &problem->noise);
+    LevelUpdater updater(levels, problem);
     for (int round = 0; round < kMaxRounds; ++round) {
       total.iterations += minimise(*problem, few, state).iterations;
       const std::optional<GroupSums> sums = problem->sums_with_leverage(*state);

@@ -6,7 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "ml/faults.h"
 #include "ml/residuals.h"
+#include "ml/solver.h"
 #include "rigproof/calib/pnp.h"
 
 namespace rigproof::ml {
@@ -92,12 +94,74 @@ class Finder {
   std::map<std::pair<int, int>, std::vector<int>> found_;
 };
 
+// The robot's pose at a stop as each view there proposes it.
+std::vector<RobotPose> proposals(const Observations& observations, const State& state, int stop) {
+  std::vector<RobotPose> poses;
+  for (const BoardView& view : observations.board_views) {
+    if (view.stop != stop) continue;
+    const std::size_t c = static_cast<std::size_t>(view.camera);
+    if (const std::optional<BoardPose> pose =
+            estimate_board_pose(view.corners, observations.board, observations.cameras[c].camera))
+      poses.push_back(
+          RobotPose::from_transform(state.T_world_board * (state.T_robot_camera[c] * pose->T_camera_board).inverse()));
+  }
+  return poses;
+}
+
+// Least cost of the run when every view of one stop counts, filed as in `observations`.
+double cost_with_all_views(const Problem& solved, const State& solution, int stop, const Observations& observations) {
+  Problem problem(observations, solved.priors(), solved.noise);
+  problem.camera_fixed = solved.camera_fixed;
+  std::map<std::pair<int, int>, bool> left_out;
+  const std::vector<BoardView>& filed = solved.observations().board_views;
+  for (std::size_t v = 0; v < filed.size(); ++v) left_out[{filed[v].stop, filed[v].camera}] = solved.view_left_out[v];
+  for (std::size_t v = 0; v < observations.board_views.size(); ++v) {
+    const BoardView& view = observations.board_views[v];
+    problem.view_left_out[v] = view.stop != stop && left_out[{view.stop, view.camera}];
+  }
+  State state = solution;
+  RobotPose& pose = state.poses[static_cast<std::size_t>(stop)];
+  RobotPose best = pose;
+  double least = 0.0;
+  problem.linearise(state, Weighting::kRobust, &least, nullptr);
+  for (const RobotPose& proposed : proposals(observations, solution, stop)) {
+    double cost = 0.0;
+    pose = proposed;
+    problem.linearise(state, Weighting::kRobust, &cost, nullptr);
+    if (cost >= least) continue;
+    least = cost;
+    best = proposed;
+  }
+  pose = best;
+  SolverOptions options;
+  options.max_iterations = 8;
+  options.tolerance = 0.1;
+  return minimise(problem, options, &state).cost;
+}
+
 }  // namespace
 
 std::vector<SwappedFrames> find_swapped_frames(const Observations& observations, const std::vector<ViewPose>& views,
                                                const State& state, const std::vector<bool>& doubtful) {
   if (state.poses.size() != doubtful.size()) return {};
   return Finder(observations, views, state, doubtful).find();
+}
+
+std::vector<SwappedFrames> likelier_swapped(const Problem& problem, const State& state,
+                                            const std::vector<SwappedFrames>& candidates) {
+  constexpr double kDecides = 20.0;  // -2 ln of the likelihood ratio
+  std::vector<SwappedFrames> kept;
+  for (const SwappedFrames& candidate : candidates) {
+    SwappedFrames likelier{candidate.first, candidate.second, {}};
+    for (const int stop : candidate.stops) {
+      Observations exchanged = problem.observations();
+      swap_frames(stop, candidate.first, candidate.second, &exchanged);
+      const double as_filed = cost_with_all_views(problem, state, stop, problem.observations());
+      if (cost_with_all_views(problem, state, stop, exchanged) < as_filed - kDecides) likelier.stops.push_back(stop);
+    }
+    if (!likelier.stops.empty()) kept.push_back(std::move(likelier));
+  }
+  return kept;
 }
 
 std::string description_of(const SwappedFrames& swapped, const Observations& observations) {

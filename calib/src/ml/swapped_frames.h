@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "ml/noise.h"
+#include "ml/problem.h"
 #include "ml/state.h"
 #include "rigproof/calib/view_poses.h"
 #include "rigproof/core/observations.h"
@@ -20,6 +20,11 @@ struct SwappedFrames {
 /// @param doubtful stops with a view or an odometry row that nothing else agrees with; only these are looked at
 std::vector<SwappedFrames> find_swapped_frames(const Observations& observations, const std::vector<ViewPose>& views,
                                                const State& state, const std::vector<bool>& doubtful);
+/// Those of them that the likelihood prefers to the frames as they are filed: a stop whose odometry row is wild is also
+/// predicted wrongly, and chance puts what another camera would see there.
+/// @param problem at the solution's levels, with what was left out
+std::vector<SwappedFrames> likelier_swapped(const Problem& problem, const State& state,
+                                            const std::vector<SwappedFrames>& candidates);
 /// "frames of left and right are swapped at stops 3, 7".
 std::string description_of(const SwappedFrames& swapped, const Observations& observations);
 
