@@ -17,10 +17,10 @@ constexpr double kSquareMargin = 0.2;  // of a square's side, beyond the lens's 
 constexpr double kLeastMargin_px = 3.0;
 constexpr std::size_t kLeastPixels = 30;
 // Levels beyond which noise is cut off by black or white.
-constexpr double kDarkest = 25.0, kBrightest = 235.0;
+constexpr double kDarkest = 15.0, kBrightest = 235.0;
 constexpr std::size_t kFewestSquares = 20;
 // Upper ends of the bands of light, as shares of the full well.
-constexpr std::array<double, 6> kBands = {0.01, 0.03, 0.1, 0.25, 0.5, 1.0};
+constexpr std::array<double, 6> kBands = {0.01, 0.03, 0.1, 0.3, 0.6, 1.0};
 
 // The law by which the truth says that levels were made.
 struct ImageLaw {

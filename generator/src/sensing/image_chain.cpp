@@ -81,16 +81,22 @@ void roots_of(const float* electrons, std::size_t count, float pedestal, float s
   }
 }
 
+// Light of a row of pixels over that of the render.
 RIGPROOF_VECTOR_CLONES
-void dim_row(float* electrons, std::size_t pixels, int channels, float exposure, float falloff, float y2, float x_first,
-             float x_step) {
+void light_of_row(float exposure, float falloff, float y2, float x_first, float x_step, std::size_t pixels,
+                  float* light) {
   for (std::size_t x = 0; x < pixels; ++x) {
     const float across = x_first + x_step * static_cast<float>(x);
     const float loss = 1.0F + falloff * (across * across + y2);
-    const float light = exposure / (loss * loss);
-    for (int c = 0; c < channels; ++c)
-      electrons[x * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] *= light;
+    light[x] = exposure / (loss * loss);
   }
+}
+
+// Calls change(electrons, i) for every sample of a row after its pixel's light.
+template <typename Change>
+void expose_samples(const float* light, std::size_t pixels, const Change& change, float* electrons) {
+  for (std::size_t x = 0, i = 0; x < pixels; ++x)
+    for (int c = 0; c < 3; ++c, ++i) electrons[i] = change(electrons[i] * light[x], i);
 }
 
 std::vector<float> gaussian_taps(double sigma_px) {
@@ -169,17 +175,29 @@ void ImageChain::make_coding_table() {
 }
 
 // Light of a row, dimmed by lens and exposure, through the pixels' own gains and offsets.
-void ImageChain::expose_row(int y, float exposure, float* electrons) const {
+void ImageChain::expose_row(int y, float exposure, float* light, float* electrons) const {
   const std::size_t samples = static_cast<std::size_t>(width_) * 3;
   const float half_x = 0.5F * static_cast<float>(width_ - 1), half_y = 0.5F * static_cast<float>(height_ - 1);
   const float corner = std::sqrt(half_x * half_x + half_y * half_y);
   const float v = (static_cast<float>(y) - half_y) / corner;
-  dim_row(electrons, static_cast<std::size_t>(width_), 3, exposure, falloff_, v * v, -half_x / corner, 1.0F / corner);
+  const auto pixels = static_cast<std::size_t>(width_);
+  light_of_row(exposure, falloff_, v * v, -half_x / corner, 1.0F / corner, pixels, light);
   const std::size_t first = static_cast<std::size_t>(y) * samples;
-  if (!gain_draws_.empty())
-    for (std::size_t i = 0; i < samples; ++i) electrons[i] *= gain_of_draw_[gain_draws_[first + i]];
-  if (!offset_draws_.empty())
-    for (std::size_t i = 0; i < samples; ++i) electrons[i] += offset_of_draw_[offset_draws_[first + i]];
+  const std::uint8_t* gains = gain_draws_.empty() ? nullptr : gain_draws_.data() + first;
+  const std::uint8_t* offsets = offset_draws_.empty() ? nullptr : offset_draws_.data() + first;
+  const float *gain_of = gain_of_draw_.data(), *offset_of = offset_of_draw_.data();
+  const auto with_gain = [=](float e, std::size_t i) { return e * gain_of[gains[i]]; };
+  const auto with_offset = [=](float e, std::size_t i) { return e + offset_of[offsets[i]]; };
+  const auto with_both = [=](float e, std::size_t i) { return with_offset(with_gain(e, i), i); };
+  if (gains != nullptr && offsets != nullptr)
+    expose_samples(light, pixels, with_both, electrons);
+  else if (gains != nullptr)
+    expose_samples(light, pixels, with_gain, electrons);
+  else if (offsets != nullptr)
+    expose_samples(light, pixels, with_offset, electrons);
+  else
+    expose_samples(
+        light, pixels, [](float e, std::size_t) { return e; }, electrons);
 }
 
 void ImageChain::code_row(const float* electrons, const std::uint32_t* words, std::size_t count, std::int32_t* roots,
@@ -204,7 +222,8 @@ void ImageChain::apply(const FrameSeed& frame, Image8* image) const {
     blur_samples(model_.defocus_sigma_px, &blurred);
   }
   std::vector<float> electrons(image->row_length());
-  std::vector<std::uint32_t> words(static_cast<std::size_t>(image->width));
+  std::vector<float> light(static_cast<std::size_t>(image->width));
+  std::vector<std::uint32_t> words(light.size());
   std::vector<std::int32_t> roots(electrons.size());
   for (int y = 0; y < image->height; ++y) {
     std::uint8_t* row = image->row(y);
@@ -212,7 +231,7 @@ void ImageChain::apply(const FrameSeed& frame, Image8* image) const {
       for (std::size_t i = 0; i < electrons.size(); ++i) electrons[i] = electrons_of_level_[row[i]];
     else
       std::copy_n(blurred.row(y), electrons.size(), electrons.data());
-    expose_row(y, exposure, electrons.data());
+    expose_row(y, exposure, light.data(), electrons.data());
     noise.fill(words.data(), words.size());
     code_row(electrons.data(), words.data(), electrons.size(), roots.data(), row);
   }

@@ -29,7 +29,8 @@ class ImageChain {
  private:
   void make_pixel_tables(std::size_t samples, const FrameSeed& device);
   void make_coding_table();
-  void expose_row(int y, float exposure, float* electrons) const;
+  /// @param light scratch memory for a number a pixel
+  void expose_row(int y, float exposure, float* light, float* electrons) const;
   /// @param roots scratch memory for `count` numbers
   void code_row(const float* electrons, const std::uint32_t* words, std::size_t count, std::int32_t* roots,
                 std::uint8_t* out) const;

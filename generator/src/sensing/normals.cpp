@@ -105,7 +105,7 @@ SmoothField::Taps SmoothField::taps_of(int size, double cell_px) {
     double squares = 0.0;
     for (const double weight : spline) squares += weight * weight;
     taps.first.push_back(static_cast<std::size_t>(place));
-    for (int k = 0; k < 4; ++k) taps.weight[k].push_back(static_cast<float>(spline[k] / std::sqrt(squares)));
+    for (std::size_t k = 0; k < 4; ++k) taps.weight[k].push_back(static_cast<float>(spline[k] / std::sqrt(squares)));
   }
   return taps;
 }

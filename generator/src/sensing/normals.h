@@ -1,6 +1,7 @@
 // Standard normal numbers for whole images: white, correlated like a matching window, and smooth.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -46,8 +47,8 @@ class SmoothField {
  private:
   // For each pixel along an axis.
   struct Taps {
-    std::vector<std::size_t> first;  ///< of four neighbours on the lattice; never falls
-    std::vector<float> weight[4];    ///< squares add up to 1
+    std::vector<std::size_t> first;            ///< of four neighbours on the lattice; never falls
+    std::array<std::vector<float>, 4> weight;  ///< squares add up to 1
   };
   static Taps taps_of(int size, double cell_px);
 
