@@ -6,7 +6,7 @@
 #include "rigproof/core/text.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
-#include "table.h"
+#include "rigproof/validate/text_table.h"
 
 namespace rigproof {
 namespace {

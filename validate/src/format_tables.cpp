@@ -4,7 +4,7 @@
 #include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/published.h"
-#include "table.h"
+#include "rigproof/validate/text_table.h"
 
 namespace rigproof {
 namespace {

@@ -1,4 +1,4 @@
-#include "table.h"
+#include "rigproof/validate/text_table.h"
 
 #include <algorithm>
 
