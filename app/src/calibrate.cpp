@@ -1,6 +1,4 @@
 // `rigproof observe` and `rigproof calibrate`.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -32,30 +30,12 @@ std::string camera_summary(const Observations& observations, int camera) {
 
 }  // namespace
 
-void require_writable(const std::filesystem::path& product_folder) {
-  if (::access(product_folder.c_str(), W_OK) != 0)
-    throw Error(product_folder.string() + ": cannot be written; choose another folder with --output");
-}
-
-Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal) {
-  ProgressLine progress(terminal, "observe", "images");
-  ObserveOptions options;
-  options.threads = jobs;
-  options.progress = progress.callback();
-  Observations observations = observations_of(input, options);
-  if (interrupted()) throw Error("interrupted", ExitCode::kTryAgain);
-  return observations;
-}
-
-MethodInput method_input(const Input& input, const Observations& observations, int jobs) {
-  return {observations, input.recording ? &*input.recording : nullptr, jobs};
-}
-
 int observe_command(const ObserveArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
+  const Vision vision(arguments.vision);
   const Input input = open_input(arguments.input);
   if (arguments.output.empty()) require_writable(product_folder(input));
-  const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
+  const Observations observations = observe_with_progress(input, vision, arguments.common.jobs, terminal);
   const std::filesystem::path output =
       arguments.output.empty() ? product_folder(input) / "observations.json" : arguments.output;
   save_observations(observations, output);
@@ -83,16 +63,18 @@ int calibrate_command(const CalibrateArguments& arguments) {
   std::optional<AcceptCriteria> criteria;
   if (!arguments.accept.empty()) criteria = accept_criteria_of(arguments.accept);
   if (!criteria && !arguments.junit.empty()) throw Error("--junit: holds the gates of --accept; give both");
+  const Vision vision(arguments.vision);
   const Input input = open_input(arguments.input);
   if (arguments.output.empty()) require_writable(product_folder(input));
   const std::filesystem::path folder = arguments.output.empty() ? product_folder(input) / "results" : arguments.output;
   const auto methods = methods_by_name(arguments.methods, {folder, [] { return !interrupted(); }});
-  const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
+  const Observations observations = observe_with_progress(input, vision, arguments.common.jobs, terminal);
+  const MethodInput given = method_input(input, observations, vision, arguments.common.jobs);
   bool all_solved = true;
   std::string json;
   std::vector<ValidationRecord> gates;
   for (const auto& method : methods) {
-    const Result result = run_method(*method, method_input(input, observations, arguments.common.jobs));
+    const Result result = run_with_progress(*method, given, terminal);
     const std::filesystem::path file = folder / (result.method + ".yaml");
     save_result(result, file);
     all_solved = all_solved && result.status == ResultStatus::kSolved;

@@ -40,8 +40,16 @@ struct SenseArguments {
 };
 int sense_command(const SenseArguments& arguments);
 
+/// How images are looked at besides for corners.
+struct VisionArguments {
+  std::string ground = "depth";   ///< depth, images, auto
+  std::string features = "sift";  ///< or onnx:FILE
+  std::string horizon;            ///< onnx:FILE; empty = geometry
+};
+
 struct ObserveArguments {
   CommonArguments common;
+  VisionArguments vision;
   std::filesystem::path input;
   std::filesystem::path output;  ///< empty = observations.json beside the recording
 };
@@ -49,6 +57,7 @@ int observe_command(const ObserveArguments& arguments);
 
 struct CalibrateArguments {
   CommonArguments common;
+  VisionArguments vision;
   std::filesystem::path input;
   std::vector<std::string> methods;
   std::filesystem::path output;  ///< a folder; empty = results/ beside the input
@@ -69,6 +78,7 @@ int validate_command(const ValidateArguments& arguments);
 
 struct RunArguments {
   GenerateArguments generate;
+  VisionArguments vision;
   std::vector<std::string> methods;
   std::filesystem::path budget;
   std::string accept;  ///< as for calibrate

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "rigproof/calib/ground_source.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
@@ -102,6 +103,24 @@ void add_sense(CLI::App& app, Action& action) {
   command->callback([arguments, &action] { action = [arguments] { return sense_command(*arguments); }; });
 }
 
+void add_features(CLI::App* command, VisionArguments& vision) {
+  command
+      ->add_option("--ground", vision.ground,
+                   "Where the ground comes from: depth; images: triangulated features; auto: images for cameras whose "
+                   "depth shows too little of it")
+      ->check(CLI::IsMember(ground_source_names()))
+      ->capture_default_str();
+  command
+      ->add_option("--features", vision.features, "Of images: sift, or onnx:FILE, a keypoint network like SuperPoint")
+      ->capture_default_str();
+}
+
+void add_vision(CLI::App* command, VisionArguments& vision) {
+  add_features(command, vision);
+  command->add_option("--horizon", vision.horizon,
+                      "For sensorx2car: onnx:FILE, a network that sees horizon and vanishing point; default geometry");
+}
+
 void add_observe(CLI::App& app, Action& action) {
   CLI::App* command =
       add_command(app, "observe", "Detect corners and planes in a recording; write observations.json (kilobytes)",
@@ -109,6 +128,7 @@ void add_observe(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<ObserveArguments>();
   command->add_option("INPUT", arguments->input, "A run, a recording, or a folder in the MEMROC layout")->required();
   command->add_option("-o,--output", arguments->output, "File; default observations.json in the input's folder");
+  add_features(command, arguments->vision);
   add_jobs(command, arguments->common);
   add_common(command, arguments->common);
   command->callback([arguments, &action] { action = [arguments] { return observe_command(*arguments); }; });
@@ -130,6 +150,7 @@ void add_calibrate(CLI::App& app, Action& action) {
   command->add_option("-m,--method", arguments->methods,
                       "As `rigproof methods` lists them, or external:FILE.yaml; may be repeated");
   command->add_option("-o,--output", arguments->output, "Folder for the results; default results/ beside the input");
+  add_vision(command, arguments->vision);
   add_accept(command, arguments->accept);
   command->add_option("--junit", arguments->junit, "Also write the gates of --accept as JUnit XML");
   add_jobs(command, arguments->common);
@@ -160,6 +181,7 @@ void add_run(CLI::App& app, Action& action) {
                       "As `rigproof methods` lists them, or external:FILE.yaml; may be repeated");
   command->add_option("--budget", arguments->budget,
                       "Limits on the error: a file, or ci, paper, honest; default 4 of the stated sigmas");
+  add_vision(command, arguments->vision);
   add_accept(command, arguments->accept);
   command->add_option("--junit", arguments->junit, "Also write the checks as JUnit XML");
   command->callback([arguments, &action] { action = [arguments] { return run_command(*arguments); }; });

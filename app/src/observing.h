@@ -2,7 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
+#include "commands.h"
+#include "rigproof/calib/feature_source.h"
+#include "rigproof/calib/horizon_source.h"
 #include "rigproof/calib/method.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/formats/open_input.h"
@@ -16,7 +20,24 @@ void require_writable(const std::filesystem::path& product_folder);
 /// Throws Error with ExitCode::kTryAgain if the user interrupts.
 Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal);
 
+/// What the user named to look at images with. Made before anything is read, so that a wrong name or network is told at
+/// once.
+struct Vision {
+  Vision() = default;
+  /// Throws Error.
+  explicit Vision(const VisionArguments& arguments);
+  std::string ground = "depth";
+  std::unique_ptr<FeatureSource> features;
+  std::unique_ptr<HorizonSource> horizon;
+};
+
+/// As above, with the ground from where the user wants it; says which cameras have theirs from images.
+Observations observe_with_progress(const Input& input, const Vision& vision, int jobs, const Terminal& terminal);
+
 /// What a method is given of an input.
-MethodInput method_input(const Input& input, const Observations& observations, int jobs);
+MethodInput method_input(const Input& input, const Observations& observations, const Vision& vision, int jobs);
+
+/// run_method() with a line of progress where the method reads images.
+Result run_with_progress(const Method& method, MethodInput input, const Terminal& terminal);
 
 }  // namespace rigproof

@@ -33,7 +33,7 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
   std::vector<ValidationRecord> records;
   std::vector<Comparison> comparisons;
   for (const auto& method : methods_by_name(arguments.methods, {run.results(), [] { return !interrupted(); }})) {
-    const Result result = run_method(*method, input);
+    const Result result = run_with_progress(*method, input, terminal);
     save_result(result, run.result_file(result.method));
     *all_solved = *all_solved && result.status == ResultStatus::kSolved;
     terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s));
@@ -70,6 +70,7 @@ void prove_and_say(const RunFolder& run, const Input& input, const Observations&
 int run_command(const RunArguments& arguments) {
   const GenerateConfig config = configuration_of(arguments.generate);
   methods_by_name(arguments.methods);  // an unknown method is told before anything is rendered
+  const Vision vision(arguments.vision);
   budget_of(arguments.budget);
   if (!arguments.accept.empty()) accept_criteria_of(arguments.accept);
   if (arguments.generate.dry_run) return print_plan(arguments.generate, config);
@@ -81,12 +82,12 @@ int run_command(const RunArguments& arguments) {
     terminal.line(terminal.colored(headline(config, gl_renderer, common.jobs), Color::kDim));
   });
   const Input input = open_input(run.root);
-  const Observations observations = observe_with_progress(input, common.jobs, terminal);
+  const Observations observations = observe_with_progress(input, vision, common.jobs, terminal);
   save_observations(observations, run.observations_file());
   prove_and_say(run, input, observations, terminal);
   bool all_solved = true;
   const std::vector<ValidationRecord> records =
-      solve_and_judge(arguments, run, method_input(input, observations, common.jobs), terminal, &all_solved);
+      solve_and_judge(arguments, run, method_input(input, observations, vision, common.jobs), terminal, &all_solved);
   if (!arguments.junit.empty()) save_junit(records, arguments.junit);
   write_pictures({input, observations, load_truth(run.truth_file()), load_results(run.results())}, run.pictures());
   terminal.line("pictures   " + run.pictures().string());

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "cli_fixture.h"
+#include "onnx_bytes.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/result.h"
 
@@ -38,6 +39,40 @@ TEST(Rivals, LiIsJudgedByItsPairs) {
   ASSERT_EQ(rigproof_command({"calibrate", run, "-m", "li", "-o", results}).exit_code, 0);
   const ProcessOutput output = rigproof_command({"validate", run, results + "/li.yaml", "--json"});
   EXPECT_EQ(output.exit_code, 0) << output.out;
+}
+
+// The depth of the small run is not used, and heights come out all the same.
+TEST(ImageGround, CalibratesWithoutDepth) {
+  const TempFolder scratch;
+  const std::string results = (scratch / "results").string(), run = small_run().string();
+  const ProcessOutput output =
+      rigproof_command({"calibrate", run, "-m", "memroc", "--ground", "images", "-o", results});
+  EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
+  EXPECT_THAT(output.out, HasSubstr("left: ground from images"));
+  const Result result = load_result(results + "/memroc.yaml");
+  const double heights_m[] = {0.700, 0.640, 0.725};
+  ASSERT_EQ(result.camera_to_robot.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(result.camera_to_robot[i].T_parent_child.translation.z(), heights_m[i], 0.02);
+}
+
+TEST(ImageGround, MistakesAreNamed) {
+  const TempFolder scratch;
+  const std::string run = small_run().string(), observations = (scratch / "observations.json").string();
+  const auto error = [&](const std::vector<std::string>& arguments) {
+    const ProcessOutput output = rigproof_command(arguments);
+    EXPECT_EQ(output.exit_code, 2) << output.out;
+    return output.err;
+  };
+  EXPECT_THAT(error({"observe", run, "-o", observations, "--ground", "image"}), HasSubstr("images"));
+  EXPECT_THAT(error({"observe", run, "-o", observations, "--features", "surf"}), HasSubstr("onnx:FILE"));
+  EXPECT_THAT(error({"calibrate", run, "--features", "onnx:/no/such.onnx"}), HasSubstr("/no/such.onnx"));
+  const std::string keypoints = scratch.write("keypoints.onnx", keypoint_network()).string();
+  EXPECT_THAT(error({"calibrate", run, "--horizon", "onnx:" + keypoints}), HasSubstr("keypoints.onnx"));
+  EXPECT_FALSE(std::filesystem::exists(observations));
+  ASSERT_EQ(rigproof_command({"observe", run, "-o", observations}).exit_code, 0);
+  EXPECT_THAT(error({"calibrate", observations, "--ground", "images", "-o", (scratch / "r").string()}),
+              HasSubstr("observations alone"));
 }
 
 TEST(External, ADescriptionStandsWhereAMethodDoes) {

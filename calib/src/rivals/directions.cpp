@@ -8,6 +8,11 @@ namespace rigproof::rivals {
 
 using Eigen::Vector3d;
 
+void Directions::add(const Vector3d& vector, double weight) {
+  vectors.push_back(vector);
+  weights.push_back(weight);
+}
+
 std::optional<Vector3d> Directions::common() const {
   if (vectors.size() < kMinDirections) return std::nullopt;
   Vector3d mean = Vector3d::Zero();

@@ -14,6 +14,7 @@ struct Directions {
   std::vector<Eigen::Vector3d> vectors;
   std::vector<double> weights;
 
+  void add(const Eigen::Vector3d& vector, double weight);
   /// Weighted mean under Cauchy's loss at three times the median angle, so that outliers count no more; absent with
   /// fewer than kMinDirections.
   std::optional<Eigen::Vector3d> common() const;

@@ -1,19 +1,16 @@
 // Keypoints of a network through OpenCV's dnn module.
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <opencv2/dnn.hpp>
 
 #include "rigproof/calib/feature_source.h"
 #include "rigproof/core/error.h"
-#include "rigproof/core/files.h"
+#include "rivals/onnx_network.h"
 
 namespace rigproof {
 namespace {
 
 constexpr int kCell = 8;
 constexpr int kScoreChannels = kCell * kCell + 1;
-constexpr std::uintmax_t kMaxNetworkBytes = 1U << 30U;
 
 struct Keypoint {
   int x, y;
@@ -27,14 +24,7 @@ int rounded_up(int size) { return (size + kCell - 1) / kCell * kCell; }
 
 class DnnFeatures : public FeatureSource {
  public:
-  DnnFeatures(const std::filesystem::path& file, const DnnFeatureOptions& options) : options_(options) {
-    const std::vector<std::uint8_t> bytes = read_binary_file(file, kMaxNetworkBytes);
-    try {
-      network_ = cv::dnn::readNetFromONNX(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-      outputs_ = network_.getUnconnectedOutLayersNames();
-    } catch (const cv::Exception& error) {
-      throw Error(file.string() + ": is no network that OpenCV can read: " + error.err);
-    }
+  DnnFeatures(const std::filesystem::path& file, const DnnFeatureOptions& options) : options_(options), network_(file) {
     try {
       detect(Image8(4 * kCell, 4 * kCell));
     } catch (const Error& error) {
@@ -47,7 +37,7 @@ class DnnFeatures : public FeatureSource {
     cv::Mat input = cv::Mat::zeros(height, width, CV_32F);
     for (int y = 0; y < grey.height; ++y)
       for (int x = 0; x < grey.width; ++x) input.at<float>(y, x) = static_cast<float>(grey.at(x, y)) / 255.0F;
-    const std::vector<cv::Mat> blobs = forward(cv::dnn::blobFromImage(input));
+    const std::vector<cv::Mat> blobs = network_.forward(cv::dnn::blobFromImage(input));
     const cv::Mat *scores = nullptr, *descriptors = nullptr;
     for (const cv::Mat& blob : blobs) {
       const bool fits = blob.dims == 4 && blob.size[2] == height / kCell && blob.size[3] == width / kCell;
@@ -64,20 +54,6 @@ class DnnFeatures : public FeatureSource {
   }
 
  private:
-  // A network works on one image at a time.
-  std::vector<cv::Mat> forward(const cv::Mat& blob) const {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    try {
-      network_.setInput(blob);
-      std::vector<cv::Mat> outputs, copies;
-      network_.forward(outputs, outputs_);
-      for (const cv::Mat& output : outputs) copies.push_back(output.clone());
-      return copies;
-    } catch (const cv::Exception& error) {
-      throw Error("the network does not take a grey image: " + error.err);
-    }
-  }
-
   // Softmax over the cell's pixels and "none".
   std::vector<Keypoint> keypoints(const cv::Mat& scores, int width, int height) const {
     std::vector<Keypoint> points;
@@ -137,9 +113,7 @@ class DnnFeatures : public FeatureSource {
   }
 
   DnnFeatureOptions options_;
-  mutable std::mutex mutex_;
-  mutable cv::dnn::Net network_;
-  std::vector<cv::String> outputs_;
+  rivals::OnnxNetwork network_;
 };
 
 }  // namespace

@@ -4,6 +4,9 @@
 #include <limits>
 #include <opencv2/features2d.hpp>
 
+#include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
+
 namespace rigproof {
 namespace {
 
@@ -47,6 +50,13 @@ Eigen::MatrixXf squared_distances(const ImageFeatures& a, const ImageFeatures& b
 }  // namespace
 
 std::unique_ptr<FeatureSource> sift_features(int max_features) { return std::make_unique<SiftFeatures>(max_features); }
+
+std::unique_ptr<FeatureSource> feature_source_by_name(const std::string& name) {
+  static const std::string kOnnx = "onnx:";
+  if (name == "sift") return sift_features();
+  if (name.rfind(kOnnx, 0) == 0 && name.size() > kOnnx.size()) return dnn_features(name.substr(kOnnx.size()));
+  throw Error("features: \"" + for_message(name) + "\": must be sift or onnx:FILE, a keypoint network");
+}
 
 std::vector<std::pair<std::size_t, std::size_t>> match_features(const ImageFeatures& a, const ImageFeatures& b,
                                                                 double max_ratio) {

@@ -50,11 +50,12 @@ void match_images(const MethodInput& input, const FeatureSource& source, std::ve
   for (const ImagePair& pair : *pairs) features[pair.image_from].first = features[pair.image_to].first = pair.camera;
   std::vector<std::pair<const CameraFrame* const, std::pair<int, FeatureRays>>*> jobs;
   for (auto& job : features) jobs.push_back(&job);
-  detection::for_each_parallel(jobs.size(), input.threads, [&](std::size_t i) {
+  const auto read = [&](std::size_t i) {
     const auto camera = static_cast<std::size_t>(jobs[i]->second.first);
     jobs[i]->second.second =
         read_features(*input.recording, *jobs[i]->first, input.observations.cameras[camera].camera, source);
-  });
+  };
+  for_each_image(input, jobs.size(), read);
   detection::for_each_parallel(pairs->size(), input.threads, [&](std::size_t i) {
     ImagePair& pair = (*pairs)[i];
     pair.matches = match(features.at(pair.image_from).second, features.at(pair.image_to).second);
@@ -71,6 +72,13 @@ std::vector<const CameraFrame*> segment_frames(const Recording& recording, const
 }
 
 }  // namespace
+
+void for_each_image(const MethodInput& input, std::size_t count, const std::function<void(std::size_t)>& work) {
+  std::function<bool(std::size_t)> proceed;
+  if (input.progress) proceed = [&](std::size_t done) { return input.progress(done, count); };
+  if (!detection::for_each_parallel(count, input.threads, work, proceed))
+    throw Error("interrupted", ExitCode::kTryAgain);
+}
 
 std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const FeatureSource& source,
                                                 const std::function<bool(int, int, int)>& wanted) {
@@ -100,6 +108,15 @@ std::vector<ImagePair> match_straight_segments(const MethodInput& input, const F
   }
   match_images(input, source, &pairs);
   return pairs;
+}
+
+std::vector<std::pair<int, const CameraFrame*>> straight_segment_images(const Recording& recording) {
+  std::vector<std::pair<int, const CameraFrame*>> images;
+  for (const RecordingSegment& segment : recording.segments)
+    for (std::size_t k = 0; k < recording.frames.size() && segment.kind == kStraightSegment; ++k)
+      for (const CameraFrame* frame : segment_frames(recording, segment, k))
+        images.emplace_back(static_cast<int>(k), frame);
+  return images;
 }
 
 std::size_t straight_segment_steps(const Recording& recording) {

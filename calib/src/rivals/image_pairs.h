@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "rigproof/calib/feature_source.h"
@@ -17,6 +19,23 @@ struct ImagePair {
   const CameraFrame *image_from = nullptr, *image_to = nullptr;  ///< in the recording
 };
 
+/// Where features of an input come from: what the input names, else SIFT.
+class Features {
+ public:
+  explicit Features(const MethodInput& input)
+      : own_(input.features == nullptr ? sift_features() : nullptr),
+        source_(input.features == nullptr ? *own_ : *input.features) {}
+  const FeatureSource& source() const { return source_; }
+
+ private:
+  std::unique_ptr<FeatureSource> own_;
+  const FeatureSource& source_;
+};
+
+/// work(i) for every image, in parallel as the input says and with its progress. Throws Error with
+/// ExitCode::kTryAgain if it is interrupted.
+void for_each_image(const MethodInput& input, std::size_t count, const std::function<void(std::size_t)>& work);
+
 /// Of every camera, each image with the next one, by (camera, stop). Images that cannot be read are skipped, as are
 /// steps that `wanted` turns down. Does not depend on the number of threads.
 /// @param wanted is asked with (camera, from, to)
@@ -26,6 +45,9 @@ std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const 
 /// Of every camera, each image of a straight segment of the recording with the next one, which the robot reached by
 /// driving ahead.
 std::vector<ImagePair> match_straight_segments(const MethodInput& input, const FeatureSource& source);
+
+/// Of every camera, the images of straight segments, in the order in which they were taken.
+std::vector<std::pair<int, const CameraFrame*>> straight_segment_images(const Recording& recording);
 
 /// How many steps straight segments have, at most, for one camera; no image is opened.
 std::size_t straight_segment_steps(const Recording& recording);

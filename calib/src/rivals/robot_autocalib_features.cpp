@@ -131,7 +131,8 @@ class RobotAutocalib : public Method {
 
   Result solve_recording(const MethodInput& input) const override {
     if (input.recording == nullptr) return solve(input.observations);
-    const auto pairs = rivals::match_consecutive_images(input, *sift_features(), [](int, int, int) { return true; });
+    const rivals::Features features(input);
+    const auto pairs = rivals::match_consecutive_images(input, features.source(), [](int, int, int) { return true; });
     std::vector<AutocalibSensor> sensors;
     for (std::size_t k = 0; k < input.observations.cameras.size(); ++k)
       sensors.push_back(sensor_from_images(input, pairs, static_cast<int>(k)));

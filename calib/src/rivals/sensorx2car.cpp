@@ -1,4 +1,5 @@
-// SensorX2Car, camera to car (Yan et al. 2023): rotation from the forward direction and the vertical.
+// SensorX2Car, camera to car (Yan et al. 2023): rotation from the forward direction and the vertical, which a network
+// sees in single images or geometry finds between them.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -6,6 +7,7 @@
 #include "rigproof/calib/rivals.h"
 #include "rigproof/core/conventions.h"
 #include "rivals/directions.h"
+#include "rivals/horizon_directions.h"
 #include "rivals/image_pairs.h"
 #include "rivals/rival_result.h"
 #include "rivals/straight_drive.h"
@@ -33,7 +35,8 @@ class SensorX2Car : public Method {
   MethodTraits traits() const override {
     return {"sensorx2car",
             "SensorX2Car (Yan et al. 2023): forward from straight steps, vertical from turns, by image features",
-            "images, odometry; straight steps and turns", "rotation only, camera to robot and camera to camera"};
+            "images, odometry; straight steps and turns, or a network (--horizon)",
+            "rotation only, camera to robot and camera to camera"};
   }
 
   std::string why_not(const MethodInput& input) const override {
@@ -60,24 +63,39 @@ class SensorX2Car : public Method {
     result.method = traits().name;
     if (input.recording == nullptr) return solve(input.observations);
     const Observations& observations = input.observations;
-    const auto wanted = [&](int /*camera*/, int from, int to) {
-      const rivals::Step step = rivals::step_between(observations, from, to);
-      return step.straight() || std::abs(step.turn_rad) > kMinTurn_rad;
-    };
-    const std::unique_ptr<FeatureSource> source = sift_features();
-    const std::vector<rivals::ImagePair> pairs = rivals::match_consecutive_images(input, *source, wanted);
-    std::vector<rivals::Directions> forward(observations.cameras.size()), up(observations.cameras.size());
-    for (const rivals::ImagePair& pair : pairs) collect(observations, pair, &forward, &up);
-    for (const rivals::ImagePair& pair : rivals::match_straight_segments(input, *source))
-      collect_ahead(observations, pair, &forward);
+    rivals::HorizonDirections seen;
+    seen.ahead.resize(observations.cameras.size());
+    seen.up.resize(observations.cameras.size());
+    if (input.horizon != nullptr) seen = rivals::directions_from_horizons(input, *input.horizon);
+    follow_features(input, &seen.ahead, &seen.up);
     for (std::size_t k = 0; k < observations.cameras.size(); ++k)
-      solve_camera(observations, static_cast<int>(k), forward[k], up[k], &result);
+      solve_camera(observations, static_cast<int>(k), seen.ahead[k], seen.up[k], &result);
     add_pairs(&result);
     rivals::conclude_by_cameras(observations, &result);
     return result;
   }
 
  private:
+  // What the network did not tell.
+  static void follow_features(const MethodInput& input, std::vector<rivals::Directions>* forward,
+                              std::vector<rivals::Directions>* up) {
+    const Observations& observations = input.observations;
+    const auto told = [](const rivals::Directions& directions) { return !directions.vectors.empty(); };
+    const bool needs_forward = std::none_of(forward->begin(), forward->end(), told);
+    const bool needs_up = std::none_of(up->begin(), up->end(), told);
+    if (!needs_forward && !needs_up) return;
+    const auto wanted = [&](int /*camera*/, int from, int to) {
+      const rivals::Step step = rivals::step_between(observations, from, to);
+      return step.straight() ? needs_forward : needs_up && std::abs(step.turn_rad) > kMinTurn_rad;
+    };
+    const rivals::Features features(input);
+    for (const rivals::ImagePair& pair : rivals::match_consecutive_images(input, features.source(), wanted))
+      collect(observations, pair, forward, up);
+    if (!needs_forward) return;
+    for (const rivals::ImagePair& pair : rivals::match_straight_segments(input, features.source()))
+      collect_ahead(observations, pair, forward);
+  }
+
   static void collect(const Observations& observations, const rivals::ImagePair& pair,
                       std::vector<rivals::Directions>* forward, std::vector<rivals::Directions>* up) {
     const auto k = static_cast<std::size_t>(pair.camera);
@@ -87,11 +105,9 @@ class SensorX2Car : public Method {
     const rivals::Step step = rivals::step_between(observations, pair.from, pair.to);
     const Vector3d turn = so3_log(pose->T_a_b.rotation);
     if (step.straight() && turn.norm() < kMaxDrift_rad) {
-      (*forward)[k].vectors.push_back(step.forward_m > 0.0 ? went(*pose) : Vector3d(-went(*pose)));
-      (*forward)[k].weights.push_back(step.forward_m * step.forward_m);
+      (*forward)[k].add(step.forward_m > 0.0 ? went(*pose) : Vector3d(-went(*pose)), step.forward_m * step.forward_m);
     } else if (std::abs(step.turn_rad) > kMinTurn_rad && turn.norm() > 0.5 * kMinTurn_rad) {
-      (*up)[k].vectors.push_back((step.turn_rad > 0.0 ? turn : Vector3d(-turn)).normalized());
-      (*up)[k].weights.push_back(turn.squaredNorm());
+      (*up)[k].add((step.turn_rad > 0.0 ? turn : Vector3d(-turn)).normalized(), turn.squaredNorm());
     }
   }
 
@@ -102,8 +118,7 @@ class SensorX2Car : public Method {
     const double sigma = rivals::ray_sigma(observations.cameras[k].camera, kMatchSigma_px);
     const auto pose = rivals::estimate_relative_pose(pair.matches, sigma);
     if (!pose || so3_log(pose->T_a_b.rotation).norm() > kMaxDrift_rad) return;
-    (*forward)[k].vectors.push_back(went(*pose));
-    (*forward)[k].weights.push_back(kSegmentWeight_m2);
+    (*forward)[k].add(went(*pose), kSegmentWeight_m2);
   }
 
   static void solve_camera(const Observations& observations, int k, const rivals::Directions& forward,
@@ -127,7 +142,8 @@ class SensorX2Car : public Method {
     transform.observable = {false, false, false, true, true, true};
     result->camera_to_robot.push_back(transform);
     char text[200];
-    std::snprintf(text, sizeof(text), "%s: %d straight steps, %d turns, forward and vertical %.2f deg from square",
+    std::snprintf(text, sizeof(text),
+                  "%s: forward from %d straight steps, vertical from %d turns or horizons, %.2f deg from square",
                   name.c_str(), static_cast<int>(forward.vectors.size()), static_cast<int>(up.vectors.size()),
                   std::abs(90.0 - rad_to_deg(std::acos(std::clamp(x->dot(*z), -1.0, 1.0)))));
     result->notes.emplace_back(text);

@@ -1,15 +1,19 @@
 # The methods of other people, and what sees features in images.
-find_package(OpenCV 4.5 REQUIRED COMPONENTS core calib3d features2d dnn)
+find_package(OpenCV 4.5 REQUIRED COMPONENTS core calib3d features2d imgproc dnn)
 list(APPEND calib_sources
   src/rivals/directions.cpp
   src/rivals/dnn_features.cpp
+  src/rivals/dnn_horizon.cpp
   src/rivals/feature_source.cpp
+  src/rivals/ground_source.cpp
+  src/rivals/horizon_directions.cpp
   src/rivals/image_files.cpp
   src/rivals/image_ground.cpp
   src/rivals/image_pairs.cpp
   src/rivals/li.cpp
   src/rivals/memroc_reference.cpp
   src/rivals/memroc_reference_cost.cpp
+  src/rivals/onnx_network.cpp
   src/rivals/opencv_hand_eye.cpp
   src/rivals/pattern_bundle.cpp
   src/rivals/pattern_graph.cpp

@@ -7,8 +7,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "error_text.h"
+#include "rigproof/calib/ground_source.h"
+#include "rigproof/calib/memroc.h"
 #include "rigproof/calib/trajectory_alignment.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
 #include "room.h"
 #include "temp_folder.h"
 
@@ -47,6 +51,64 @@ TEST(ImageGround, LeavesCamerasWithDepthAlone) {
   drive.observations.ground_planes.emplace_back();
   EXPECT_TRUE(ground_from_images({drive.observations, &drive.recording, 1}, *sift_features()).planes.empty());
   EXPECT_TRUE(ground_from_images({drive.observations}, *sift_features()).planes.empty());
+}
+
+TEST(GroundSource, GivesACameraWithoutDepthItsHeight) {
+  const TempFolder folder;
+  const std::vector<Rigid3> cameras = {two_cameras()[0]};
+  RoomDrive drive = drive_through_room(before_the_board(), cameras, true, folder.path());
+  const MethodInput input{drive.observations, &drive.recording, 2};
+  Observations depth = drive.observations;
+  EXPECT_TRUE(take_ground_from(GroundSource::kDepth, input, &depth).lines.empty());
+  EXPECT_TRUE(depth.ground_planes.empty());
+  EXPECT_FALSE(memroc_method().solve(depth).camera_to_robot.at(0).observable[2]);
+  Observations images = drive.observations;
+  const GroundReport report = take_ground_from(GroundSource::kAuto, input, &images);
+  ASSERT_EQ(report.lines.size(), 1U);
+  EXPECT_THAT(report.lines[0], testing::HasSubstr("camera0: ground from images"));
+  const Result result = memroc_method().solve(images);
+  ASSERT_EQ(result.status, ResultStatus::kSolved) << testing::PrintToString(result.reasons);
+  EXPECT_NEAR(result.camera_to_robot[0].T_parent_child.translation.z(), cameras[0].translation.z(), 0.02);
+}
+
+// A depth stream that hardly ever shows the ground is replaced; one that does is left alone, unless images are asked
+// for.
+TEST(GroundSource, TrustsDepthThatShowsTheGroundOftenEnough) {
+  const TempFolder folder;
+  const std::vector<Rigid3> cameras = {two_cameras()[0]};
+  RoomDrive drive = drive_through_room(before_the_board(), cameras, true, folder.path());
+  drive.observations.cameras[0].depth = DepthStream();
+  const Eigen::Vector3d up = cameras[0].rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const auto with_planes = [&](std::size_t count) {
+    Observations observations = drive.observations;
+    for (std::size_t i = 0; i < count; ++i) {
+      const BoardView& view = observations.board_views[i];
+      PlaneObservation plane;
+      plane.stop = view.stop;
+      plane.camera = view.camera;
+      plane.file = view.file;
+      plane.inverse_depth_plane = -up / cameras[0].translation.z();
+      plane.covariance_per_m2 = 1e-4 * Eigen::Matrix3d::Identity();
+      observations.ground_planes.push_back(plane);
+    }
+    return observations;
+  };
+  const MethodInput input{drive.observations, &drive.recording, 2};
+  EXPECT_EQ(cameras_without_trusted_depth(with_planes(2)), std::vector<int>{0});
+  EXPECT_TRUE(cameras_without_trusted_depth(with_planes(6)).empty());
+  Observations enough = with_planes(6);
+  EXPECT_TRUE(take_ground_from(GroundSource::kAuto, input, &enough).lines.empty());
+  EXPECT_TRUE(enough.cameras[0].depth.has_value());
+  const GroundReport report = take_ground_from(GroundSource::kImages, input, &enough);
+  ASSERT_EQ(report.lines.size(), 1U);
+  EXPECT_THAT(report.lines[0], testing::HasSubstr("instead of 6 from depth"));
+  EXPECT_DOUBLE_EQ(enough.cameras[0].depth.value().noise.scale_sigma, 0.002);
+  EXPECT_GE(enough.ground_planes.size(), 4U);
+}
+
+TEST(GroundSource, GoesByName) {
+  EXPECT_EQ(ground_source_by_name("auto"), GroundSource::kAuto);
+  EXPECT_THAT(error_text([] { ground_source_by_name("image"); }), testing::HasSubstr("did you mean \"images\""));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,9 @@ struct DnnFeatureOptions {
 /// descriptors, both at an eighth of the size. Throws Error if the file is no such network.
 std::unique_ptr<FeatureSource> dnn_features(const std::filesystem::path& onnx_file,
                                             const DnnFeatureOptions& options = {});
+
+/// "sift" or "onnx:FILE". Throws Error for anything else, and as dnn_features().
+std::unique_ptr<FeatureSource> feature_source_by_name(const std::string& name);
 
 /// Indices into a and b of features that are each other's nearest and clearly nearer than the second nearest.
 /// @param max_ratio of the distances to the nearest and the second nearest

@@ -1,6 +1,8 @@
 // A calibration method, and the registry of all of them.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,9 @@
 #include "rigproof/core/result.h"
 
 namespace rigproof {
+
+class FeatureSource;
+class HorizonSource;
 
 /// What a method states about itself; `rigproof methods` prints it.
 struct MethodTraits {
@@ -22,8 +27,13 @@ struct MethodTraits {
 /// recording holds what a robot could record and never the truth.
 struct MethodInput {
   const Observations& observations;
-  const Recording* recording = nullptr;  ///< none where the input was observations alone
-  int threads = 0;                       ///< 0 = all cores; results do not depend on it
+  const Recording* recording = nullptr;     ///< none where the input was observations alone
+  int threads = 0;                          ///< 0 = all cores; results do not depend on it
+  const FeatureSource* features = nullptr;  ///< where methods that follow features get them; none: SIFT
+  const HorizonSource* horizon = nullptr;   ///< a network that sees horizon and way ahead; none: geometry
+  /// Called from one thread at a time with (images read, images in all) by what reads images; return false to
+  /// interrupt, which throws Error with ExitCode::kTryAgain.
+  std::function<bool(std::size_t, std::size_t)> progress = {};
 };
 
 class Method {

@@ -1,0 +1,58 @@
+#include "observing.h"
+
+#include <unistd.h>
+
+#include "rigproof/calib/ground_source.h"
+#include "rigproof/core/error.h"
+#include "rigproof/study/workflow.h"
+
+namespace rigproof {
+
+void require_writable(const std::filesystem::path& product_folder) {
+  if (::access(product_folder.c_str(), W_OK) != 0)
+    throw Error(product_folder.string() + ": cannot be written; choose another folder with --output");
+}
+
+Vision::Vision(const VisionArguments& arguments)
+    : ground(arguments.ground), features(feature_source_by_name(arguments.features)) {
+  if (!arguments.horizon.empty()) horizon = horizon_source_by_name(arguments.horizon);
+}
+
+Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal) {
+  ProgressLine progress(terminal, "observe", "images");
+  ObserveOptions options;
+  options.threads = jobs;
+  options.progress = progress.callback();
+  Observations observations = observations_of(input, options);
+  if (interrupted()) throw Error("interrupted", ExitCode::kTryAgain);
+  return observations;
+}
+
+Observations observe_with_progress(const Input& input, const Vision& vision, int jobs, const Terminal& terminal) {
+  const GroundSource source = ground_source_by_name(vision.ground);
+  if (source == GroundSource::kImages && !input.recording)
+    throw Error(input.path.string() + ": --ground images needs images, and the input is observations alone");
+  Observations observations = observe_with_progress(input, jobs, terminal);
+  ProgressLine progress(terminal, "ground", "images");
+  MethodInput images = method_input(input, observations, vision, jobs);
+  images.progress = progress.callback();
+  for (const std::string& line : take_ground_from(source, images, &observations).lines) terminal.line(line);
+  return observations;
+}
+
+MethodInput method_input(const Input& input, const Observations& observations, const Vision& vision, int jobs) {
+  return {observations,
+          input.recording ? &*input.recording : nullptr,
+          jobs,
+          vision.features.get(),
+          vision.horizon.get(),
+          {}};
+}
+
+Result run_with_progress(const Method& method, MethodInput input, const Terminal& terminal) {
+  ProgressLine progress(terminal, method.traits().name, "images");
+  input.progress = progress.callback();
+  return run_method(method, input);
+}
+
+}  // namespace rigproof
