@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/pdf.h"
 #include "rigproof/core/version.h"
 #include "rigproof/sim/board_pattern.h"
 
@@ -33,16 +33,6 @@ constexpr std::array<Paper, 7> kPapers = {{{"a4", 210.0, 297.0},
                                            {"letter", 215.9, 279.4},
                                            {"tabloid", 279.4, 431.8}}};
 
-std::string number(double value, int digits = 4) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  std::string result = text;
-  if (result.find('.') == std::string::npos) return result;
-  result.erase(result.find_last_not_of('0') + 1);
-  if (result.back() == '.') result.pop_back();
-  return result == "-0" ? "0" : result;
-}
-
 // Operators of a PDF content stream, in millimetres from the lower left corner of the page.
 class Drawing {
  public:
@@ -54,19 +44,14 @@ class Drawing {
     text_ += coordinates({width_mm}) + "w " + coordinates({x0, y0}) + "m " + coordinates({x1, y1}) + "l S\n";
   }
   void text(double x, double y, double size_mm, const std::string& words) {
-    std::string escaped;
-    for (const char c : words) {
-      if (c == '(' || c == ')' || c == '\\') escaped += '\\';
-      escaped += c;
-    }
-    text_ += "BT /F1 " + coordinates({size_mm}) + "Tf " + coordinates({x, y}) + "Td (" + escaped + ") Tj ET\n";
+    text_ += "BT /F1 " + coordinates({size_mm}) + "Tf " + coordinates({x, y}) + "Td " + pdf_string(words) + " Tj ET\n";
   }
   const std::string& operators() const { return text_; }
 
  private:
   static std::string coordinates(std::initializer_list<double> values_mm) {
     std::string text;
-    for (const double value : values_mm) text += number(value * kPointsPerMm) + " ";
+    for (const double value : values_mm) text += pdf_number(value * kPointsPerMm) + " ";
     return text;
   }
 
@@ -92,11 +77,11 @@ Page page_of(const Board& board, const BoardPdfOptions& options) {
       largest =
           std::max(largest, std::min((page.width_mm - 2.0 * (kBlankEdge_mm + border)) / board.squares_x,
                                      (page.height_mm - 2.0 * (kBlankEdge_mm + border) - kFooter_mm) / board.squares_y));
-    throw Error("paper " + options.paper + ": " + std::to_string(board.squares_x) + " x " +
-                std::to_string(board.squares_y) + " squares of " + number(1000.0 * board.square_m) +
-                " mm do not fit; " +
-                (largest < 1.0 ? std::string() : "squares of up to " + number(std::floor(largest)) + " mm do, or ") +
-                "take larger paper, e.g. fit");
+    throw Error(
+        "paper " + options.paper + ": " + std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) +
+        " squares of " + pdf_number(1000.0 * board.square_m) + " mm do not fit; " +
+        (largest < 1.0 ? std::string() : "squares of up to " + pdf_number(std::floor(largest)) + " mm do, or ") +
+        "take larger paper, e.g. fit");
   }
   throw Error("paper: " + options.paper + ": must be one of a4, a3, a2, a1, a0, letter, tabloid, fit");
 }
@@ -120,10 +105,10 @@ std::vector<std::string> instructions(const Board& board, double ruler_mm) {
       board.type == "aprilgrid"
           ? "from the left edge of the first to the left edge of the last small square of a row"
           : "the " + std::to_string(board.squares_x) + " squares of a row together, outer edge to outer edge";
-  return {board.type + ", " + counts + " squares of " + number(square_mm) + " mm" +
+  return {board.type + ", " + counts + " squares of " + pdf_number(square_mm) + " mm" +
               (dictionary.empty() ? "" : ", " + dictionary) + "   (rigproof " + version() + ")",
-          "Print at 100 %, without scaling to the page. The ruler must measure " + number(ruler_mm) + " mm.",
-          "Then measure " + span + ": " + number(square_mm * board.squares_x) + " mm if exact.",
+          "Print at 100 %, without scaling to the page. The ruler must measure " + pdf_number(ruler_mm) + " mm.",
+          "Then measure " + span + ": " + pdf_number(square_mm * board.squares_x) + " mm if exact.",
           "Give what you measure divided by " + std::to_string(board.squares_x) +
               " as square_mm. Glue it onto a flat, stiff plate."};
 }
@@ -159,24 +144,12 @@ const std::vector<std::string>& paper_names() {
 
 std::string board_pdf(const Board& board, const BoardPdfOptions& options) {
   const Page page = page_of(board, options);
-  const std::string stream = content(board, options, page);
-  const std::array<std::string, 5> objects = {
-      "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
-      "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 " + number(page.width_mm * kPointsPerMm) + " " +
-          number(page.height_mm * kPointsPerMm) + "] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> >>",
-      "<< /Length " + std::to_string(stream.size()) + " >>\nstream\n" + stream + "endstream",
-      "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>"};
-  std::string pdf = "%PDF-1.6\n";
-  std::string table = "xref\n0 6\n0000000000 65535 f \n";
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    char offset[32];
-    std::snprintf(offset, sizeof offset, "%010zu 00000 n \n", pdf.size());
-    table += offset;
-    pdf += std::to_string(i + 1) + " 0 obj\n" + objects[i] + "\nendobj\n";
-  }
-  const std::size_t start = pdf.size();
-  return pdf + table + "trailer\n<< /Size 6 /Root 1 0 R >>\nstartxref\n" + std::to_string(start) + "\n%%EOF\n";
+  PdfPage document;
+  document.width_pt = page.width_mm * kPointsPerMm;
+  document.height_pt = page.height_mm * kPointsPerMm;
+  document.operators = content(board, options, page);
+  document.print_at_true_size = true;
+  return pdf_document(document);
 }
 
 }  // namespace rigproof

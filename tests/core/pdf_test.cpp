@@ -1,0 +1,42 @@
+#include "rigproof/core/pdf.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+namespace rigproof {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Pdf, OffsetsOfItsTableAreWhereObjectsBegin) {
+  PdfPage page;
+  page.width_pt = 100.0;
+  page.height_pt = 50.5;
+  page.operators = "0 0 10 10 re f\n";
+  const std::string pdf = pdf_document(page);
+  EXPECT_EQ(pdf.rfind("%PDF-", 0), 0U);
+  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 100 50.5]"));
+  EXPECT_THAT(pdf, HasSubstr("/Length 15"));
+  const std::size_t table = pdf.find("xref\n0 7\n");
+  ASSERT_NE(table, std::string::npos);
+  EXPECT_THAT(pdf.substr(table), HasSubstr("startxref\n" + std::to_string(table) + "\n%%EOF"));
+  for (int object = 1; object <= 6; ++object) {
+    const std::size_t line = table + 9 + static_cast<std::size_t>(20 * object);
+    const auto offset = static_cast<std::size_t>(std::atol(pdf.substr(line, 10).c_str()));
+    EXPECT_EQ(pdf.substr(offset, 7), std::to_string(object) + " 0 obj");
+  }
+}
+
+TEST(Pdf, TextIsEscapedAndMeasured) {
+  EXPECT_EQ(pdf_string("a (b) \\ \xc3\xa9 c"), "(a \\(b\\) \\\\ ?? c)");
+  EXPECT_EQ(pdf_number(1.5), "1.5");
+  EXPECT_EQ(pdf_number(-0.00001), "0");
+  EXPECT_EQ(pdf_number(20.0), "20");
+  // Adobe's metrics: space 278, A 667, i 222, 1 556 thousandths.
+  EXPECT_NEAR(helvetica_width("A i1"), 0.667 + 0.278 + 0.222 + 0.556, 1e-12);
+}
+
+}  // namespace
+}  // namespace rigproof
