@@ -295,7 +295,14 @@ std::string scene_text(const SceneModel& scene) {
 }
 
 std::vector<std::string> robot_model_names() { return list_presets("robots"); }
-std::vector<std::string> rig_model_names() { return list_presets("rigs"); }
+std::vector<std::string> rig_model_names() {
+  std::vector<std::string> names = list_presets("rigs");
+  // Folders hold variants of one rig for sweeps.
+  names.erase(std::remove_if(names.begin(), names.end(),
+                             [](const std::string& name) { return name.find('/') != std::string::npos; }),
+              names.end());
+  return names;
+}
 std::vector<std::string> scene_model_names() { return list_presets("scenes"); }
 
 std::vector<WorldCamera> world_cameras(const RigModel& rig) {
