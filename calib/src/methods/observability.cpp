@@ -217,7 +217,8 @@ MotionVerdict assess_motion(const Observations& observations, const std::vector<
       motions.push_back(planar_motion(observations, pair, *X));
   }
   MotionVerdict verdict;
-  verdict.usable_poses = distinct_stops(trusted);
+  // A single motion has one centre whatever it is: two stops, however many others no camera saw twice.
+  verdict.usable_poses = motions.size() == 1 ? 2 : distinct_stops(trusted);
   GaugeMatrices gauge;
   Vector2d centre = Vector2d::Zero();
   if (!motions.empty()) {

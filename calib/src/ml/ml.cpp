@@ -31,6 +31,9 @@ std::string format(const char* pattern, Args... args) {
   return text;
 }
 
+// Probability of an odometry model above which the other one's answer is of no account.
+constexpr double kSureOfModel = 0.999;
+
 // Where no gate says more.
 constexpr const char* kOpenDirection =
     "not all of its pose is determined: what the data tell along some direction is lost in rounding; add stops";
@@ -329,6 +332,7 @@ class Estimator {
     decision.log_likelihood_ratio = 0.5 * std::abs(difference);
     decision.probability = 1.0 / (1.0 + std::exp(-decision.log_likelihood_ratio));
     note_decision(other);
+    if (decision.probability < kSureOfModel) other_ = std::move(other);
   }
 
   static bool at_floor(const ml::NoiseLevels& noise) {
@@ -593,17 +597,44 @@ class Estimator {
       estimate_.result.reasons.push_back("The equations have no solution: the robot poses are not determined.");
       return;
     }
-    globals_ = ml::invert_information(eliminated->schur());
-    const Eigen::MatrixXd J = ml::camera_chart(fit_.state, problem.layout());
-    joint_ = J * globals_.covariance * J.transpose();
-    free_ = J * globals_.free_directions;
-    gate_joint_ = exceeds_limits() ? gate_covariance(J) : joint_;
+    find_covariance(*eliminated);
+    allow_for_other_model();
     report_cameras();
     report_pairs();
     check_lengths();
     report_contradictions();
     report_status();
     report_residuals(sums);
+  }
+
+  void find_covariance(const ml::EliminatedSystem& eliminated) {
+    globals_ = ml::invert_information(eliminated.schur());
+    const Eigen::MatrixXd J = ml::camera_chart(fit_.state, ml::Layout::of(used_, priors()));
+    joint_ = J * globals_.covariance * J.transpose();
+    free_ = J * globals_.free_directions;
+    gate_joint_ = exceeds_limits() ? gate_covariance(J) : joint_;
+  }
+
+  // Where the data leave open which odometry model holds, the other one's answer and uncertainty count with its
+  // probability: the law of total variance, about the answer that is given. Whether it is of use is judged by the
+  // likelier model alone, as by the likeliest level.
+  void allow_for_other_model() {
+    if (!other_) return;
+    Estimator alternative(*this);
+    alternative.fit_ = *other_;
+    alternative.final_sums_ = alternative.final_problem(other_->noise).sums_with_leverage(other_->state);
+    const ml::Problem problem = alternative.final_problem(alternative.stated_levels());
+    const auto eliminated = ml::EliminatedSystem::eliminate(
+        problem.linearise(other_->state, ml::Weighting::kInformation, nullptr, nullptr), 0.0);
+    if (!eliminated) return;
+    alternative.find_covariance(*eliminated);
+    if (free_.cols() > 0 || alternative.free_.cols() > 0) return;
+    Eigen::VectorXd apart(joint_.rows());
+    for (std::size_t c = 0; c < fit_.state.T_robot_camera.size(); ++c)
+      apart.segment<6>(6 * static_cast<Eigen::Index>(c)) =
+          transform_error(other_->state.T_robot_camera[c], fit_.state.T_robot_camera[c]);
+    const double share = 1.0 - estimate_.odometry.probability;
+    joint_ = (1.0 - share) * joint_ + share * (alternative.joint_ + apart * apart.transpose());
   }
 
   bool exceeds_limits() const {
@@ -892,7 +923,8 @@ class Estimator {
   InitialGuess guess_;
   ml::State start_;
   Fit fit_;
-  int max_rounds_ = 8;  // in which wrong views are left out: one for each camera at a stop
+  std::optional<Fit> other_;  // the other odometry model's solution, where it is not out of the question
+  int max_rounds_ = 8;        // in which wrong views are left out: one for each camera at a stop
   std::size_t rejected_planes_ = 0;
   ml::Symptoms symptoms_;
   std::vector<ml::WildRow> wild_rows_;

@@ -155,6 +155,22 @@ TEST(Refusal, ExactDataAreSolved) {
   }
 }
 
+// Five stops of four cameras that share no view do not tell one odometry model from the other, and the likelier one may
+// be wrong: what the other one says must be part of the stated uncertainty.
+TEST(Refusal, AnUndecidedOdometryModelIsPartOfTheUncertainty) {
+  for (const std::uint64_t seed : {3U, 7U, 15U}) {
+    GeometricConfig config;
+    config.seed = seed;
+    config.rig = random_rig(seed, 4);
+    config.stops = 5;
+    config.declare_odometry_model = config.declare_odometry_sigmas = false;
+    const GeometricRun run = draw_geometric_run(config);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations);
+    EXPECT_LT(estimate.odometry.probability, 0.999) << seed;
+    EXPECT_LT(worst_of_what_stands(estimate.result, run.truth), 6.0) << seed;
+  }
+}
+
 TEST(Refusal, HealthyDrivesAreNot) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     GeometricConfig config;
