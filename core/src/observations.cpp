@@ -81,9 +81,12 @@ std::string json_of(const PlaneObservation& plane) {
 }
 
 std::string json_of(const Stop& stop) {
+  std::string way;
+  for (const Eigen::Vector3d& pose : stop.way) way += (way.empty() ? "" : ", ") + numbers(pose.x(), pose.y(), pose.z());
   return "{\"stamp_s\": " + number(stop.stamp_s) + ", \"x_m\": " + number(stop.x_m) + ", \"y_m\": " + number(stop.y_m) +
          ", \"yaw_rad\": " + number(stop.yaw_rad) +
-         ", \"interpolation_sigma_m\": " + number(stop.interpolation_sigma_m) + "}";
+         ", \"interpolation_sigma_m\": " + number(stop.interpolation_sigma_m) +
+         (way.empty() ? "" : ", \"way\": [" + way + "]") + "}";
 }
 
 std::string json_of(const Exclusion& exclusion) {
@@ -200,15 +203,18 @@ class ElementReader {
   }
   std::vector<double> numbers(const char* key, std::size_t size) {
     const Json* value = find(key);
+    return value == nullptr ? std::vector<double>(size, 0.0) : checked_numbers(*value, key, size);
+  }
+  std::vector<double> checked_numbers(const Json& value, const char* key, std::size_t size) {
     std::vector<double> list(size, 0.0);
-    if (value == nullptr) return list;
-    if (!value->is_array() || value->size() != size) {
-      problem(key, *value, "must be a list of " + std::to_string(size) + " numbers");
+    if (!value.is_array() || value.size() != size) {
+      problem(key, value, "must be a list of " + std::to_string(size) + " numbers");
       return list;
     }
-    for (std::size_t i = 0; i < size; ++i) list[i] = checked((*value)[i], key, {});
+    for (std::size_t i = 0; i < size; ++i) list[i] = checked(value[i], key, {});
     return list;
   }
+  bool has(const char* key) const { return json_.is_object() && json_.contains(key); }
   const Json* list(const char* key) {
     const Json* value = find(key);
     if (value != nullptr && value->is_array()) return value;
@@ -346,6 +352,13 @@ class ObservationsReader {
     stop.y_m = e.number("y_m");
     stop.yaw_rad = e.number("yaw_rad");
     stop.interpolation_sigma_m = e.number("interpolation_sigma_m", {0.0});
+    if (!e.has("way")) return stop;
+    const Json* way = e.list("way");
+    if (way == nullptr) return stop;
+    for (const Json& pose : *way) {
+      const std::vector<double> values = e.checked_numbers(pose, "way", 3);
+      stop.way.emplace_back(values[0], values[1], values[2]);
+    }
     return stop;
   }
 

@@ -46,6 +46,8 @@ TEST(Observations, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(a.ground_planes[2].covariance_per_m2, b.ground_planes[2].covariance_per_m2);
   EXPECT_EQ(a.ground_planes[2].inverse_depth_plane, b.ground_planes[2].inverse_depth_plane);
   EXPECT_EQ(a.stops[1].yaw_rad, b.stops[1].yaw_rad);
+  EXPECT_TRUE(b.stops[0].way.empty());
+  EXPECT_EQ(a.stops[1].way, b.stops[1].way);
   EXPECT_EQ(a.exclusions[1].reason, b.exclusions[1].reason);
   EXPECT_EQ(b.exclusions[1].stop, -1);
   save_observations(b, folder / "again.json");
@@ -75,6 +77,9 @@ TEST(Observations, EveryKindOfProblemIsNamed) {
   EXPECT_THAT(f.problems_with("\"x_m\": ", "\"x_m\": 1e999, \"_\": "), HasSubstr("not valid JSON"));
   EXPECT_THAT(f.problems_with("\"x_m\": ", "\"x_m\": null, \"_\": "),
               HasSubstr("stops[0].x_m: null: must be a finite"));
+  EXPECT_THAT(f.problems_with("\"way\": [[", "\"way\": [[0, "),
+              HasSubstr("stops[1].way: a list of 4: must be a list of 3"));
+  EXPECT_THAT(f.problems_with("\"way\": [", "\"way\": 7, \"x\": ["), HasSubstr("stops[1].way: 7: must be a list"));
   EXPECT_THAT(f.problems_with("rigproof-observations", "rigproof-result"),
               HasSubstr("must be one of rigproof-observations"));
   EXPECT_THAT(f.problems_with("\"version\": 1", "\"version\": 2"), HasSubstr("version: 2: allowed is 1 to 1"));

@@ -95,6 +95,7 @@ inline Observations sample_observations() {
   o.accept = rig.accept;
   for (int stop = 0; stop < 2; ++stop) {
     o.stops.push_back({stop + random.uniform(), random.normal(), random.normal(), random.normal(), 0.0});
+    if (stop > 0) o.stops.back().way = {random_vector(random, 3.0), random_vector(random, 3.0)};
     for (int camera = 0; camera < 2; ++camera) {
       BoardView view;
       view.stop = stop;

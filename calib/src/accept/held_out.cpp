@@ -85,6 +85,7 @@ std::optional<HeldOut> predict_held_out(const Observations& observations, int fo
   const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));
   const Observations all = with_levels(used_observations(estimate.result, observations, ground), estimate);
   MlOptions options;
+  options.along_way = estimate.noise.along_way;
   options.start = estimate.state;
   options.estimate_corner_level = options.estimate_plane_level = false;
   options.suspension_height_sigma_m = estimate.noise.suspension_height_m;

@@ -24,6 +24,48 @@ double path_between(const OdometrySample& a, const OdometrySample& b) {
          OdometryTrack::kTurnLever * std::abs(wrap_angle(b.yaw_rad - a.yaw_rad));
 }
 
+constexpr double kThinned_m = 1e-3, kThinned_rad = 1e-3;
+constexpr double kTurns_rad = 0.05, kMoves_m = 1e-3;
+
+Eigen::Vector3d pose_of(const Stop& stop) { return {stop.x_m, stop.y_m, stop.yaw_rad}; }
+Rigid3 transform_of(const Eigen::Vector3d& pose) { return planar_pose(pose.x(), pose.y(), pose.z()); }
+
+// Whether the arc from the first to the last pose passes all poses in between.
+bool arc_meets(const std::vector<Eigen::Vector3d>& poses, std::size_t first, std::size_t last) {
+  const Rigid3 T_first = transform_of(poses[first]);
+  const Vector6d twist = se3_log(T_first.inverse() * transform_of(poses[last]));
+  const Eigen::Vector2d chord = poses[last].head<2>() - poses[first].head<2>();
+  const double turn = wrap_angle(poses[last].z() - poses[first].z());
+  double share = 0.0;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    // Where along the arc: by the way or, where it turns on the spot or much, by the turn; time does not matter.
+    const Eigen::Vector2d passed = poses[i].head<2>() - poses[first].head<2>();
+    double at = 0.0;
+    if (chord.norm() > kMoves_m && std::abs(turn) < kTurns_rad)
+      at = chord.dot(passed) / chord.squaredNorm();
+    else if (turn != 0.0)
+      at = wrap_angle(poses[i].z() - poses[first].z()) / turn;
+    if (at < share - 1e-3 || at > 1.0 + 1e-3) return false;  // there and back
+    share = std::max(share, at);
+    const Rigid3 T = T_first * se3_exp(at * twist);
+    if ((T.translation.head<2>() - poses[i].head<2>()).norm() > kThinned_m ||
+        std::abs(wrap_angle(yaw_of(T) - poses[i].z())) > kThinned_rad)
+      return false;
+  }
+  return true;
+}
+
+// The longest arc from a pose on that meets what it passes: found by doubling, then halving.
+std::size_t end_of_arc(const std::vector<Eigen::Vector3d>& poses, std::size_t first) {
+  std::size_t end = first + 1;
+  for (std::size_t step = 1; step > 0;) {
+    const bool meets = end + step < poses.size() && arc_meets(poses, first, end + step);
+    if (meets) end += step;
+    step = meets ? 2 * step : step / 2;
+  }
+  return end;
+}
+
 }  // namespace
 
 OdometryTrack::OdometryTrack(const std::vector<OdometrySample>& samples, double max_gap_s, double nearest_s)
@@ -58,6 +100,24 @@ std::optional<OdometryReading> OdometryTrack::at(double stamp_s, std::string* re
                                      : seconds_text("no odometry (at %.3f s; it covers %.3f to %.3f s)", stamp_s,
                                                     samples_.front().stamp_s, samples_.back().stamp_s);
   return std::nullopt;
+}
+
+std::vector<Eigen::Vector3d> OdometryTrack::way(const Stop& from, const Stop& to) const {
+  std::vector<Eigen::Vector3d> poses = {pose_of(from)};
+  const auto later = [](double stamp_s, const OdometrySample& sample) { return stamp_s < sample.stamp_s; };
+  double last_s = from.stamp_s;
+  for (auto sample = std::upper_bound(samples_.begin(), samples_.end(), from.stamp_s + kSameStamp, later);
+       sample != samples_.end() && sample->stamp_s < to.stamp_s - kSameStamp; ++sample) {
+    if (sample->stamp_s - last_s > max_gap_s_) return {};
+    poses.emplace_back(sample->x_m, sample->y_m, sample->yaw_rad);
+    last_s = sample->stamp_s;
+  }
+  if (to.stamp_s - last_s > max_gap_s_) return {};
+  poses.push_back(pose_of(to));
+  std::vector<Eigen::Vector3d> kept;
+  for (std::size_t end = end_of_arc(poses, 0); end + 1 < poses.size(); end = end_of_arc(poses, end))
+    kept.push_back(poses[end]);
+  return kept;
 }
 
 OdometryReading OdometryTrack::sample(std::size_t index) const {

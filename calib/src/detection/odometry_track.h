@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/core/observations.h"
 #include "rigproof/core/recording.h"
 
 namespace rigproof::detection {
@@ -30,6 +31,10 @@ class OdometryTrack {
 
   /// The pose at a stamp, or nothing and the reason in words.
   std::optional<OdometryReading> at(double stamp_s, std::string* reason) const;
+  /// Samples (x, y, yaw) between two readings of the odometry, thinned: arcs of constant twist between those that are
+  /// kept pass the others within 1 mm and 1 mrad. Ends are exact, and a yaw factor moves what lies between by a few per
+  /// cent of that.
+  std::vector<Eigen::Vector3d> way(const Stop& from, const Stop& to) const;
 
  private:
   OdometryReading sample(std::size_t index) const;

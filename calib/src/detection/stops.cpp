@@ -81,7 +81,8 @@ std::vector<int> evenly_spread(const std::vector<int>& all, std::size_t count) {
 // The odometry at the middle of the frames that stand for the stop.
 Stop stop_of(const std::vector<Frame>& group) {
   const Frame& middle = group[group.size() / 2];
-  return {middle.stamp_s, middle.odometry.x_m, middle.odometry.y_m, middle.odometry.yaw_rad, middle.odometry.sigma_m};
+  return {middle.stamp_s,          middle.odometry.x_m,     middle.odometry.y_m,
+          middle.odometry.yaw_rad, middle.odometry.sigma_m, {}};
 }
 
 PlannedStop plan_stop(const Recording& recording, const std::vector<Frame>& group, int stop,
@@ -122,6 +123,8 @@ StopPlan plan_stops(const Recording& recording, const ObserveOptions& options) {
     plan.stops.push_back(plan_stop(recording, group, static_cast<int>(plan.stops.size()), &plan.exclusions));
     begin = end;
   }
+  for (std::size_t i = 1; i < plan.stops.size(); ++i)
+    plan.stops[i].stop.way = track.way(plan.stops[i - 1].stop, plan.stops[i].stop);
   return plan;
 }
 

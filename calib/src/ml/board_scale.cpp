@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <utility>
+
+#include "ml/sentence.h"
 
 namespace rigproof::ml {
 namespace {
@@ -16,13 +17,6 @@ constexpr double kMinDepthOfBoth = 2.5;
 constexpr double kMaxBoth = 4.0;
 // Of what is called a unit rather than an error of scale.
 constexpr double kUnit = 0.4;
-
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  char text[512];
-  std::snprintf(text, sizeof(text), pattern, args...);
-  return text;
-}
 
 struct Ratio {
   double value = 0.0;  // ln of measured over expected depth

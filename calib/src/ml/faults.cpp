@@ -14,7 +14,17 @@ using Change = std::function<void(Stop*)>;
 
 std::function<void(Observations*)> for_each_stop(const Change& change) {
   return [change](Observations* observations) {
-    for (Stop& stop : observations->stops) change(&stop);
+    for (Stop& stop : observations->stops) {
+      for (Eigen::Vector3d& pose : stop.way) {
+        Stop passed;
+        passed.x_m = pose.x();
+        passed.y_m = pose.y();
+        passed.yaw_rad = pose.z();
+        change(&passed);
+        pose = {passed.x_m, passed.y_m, passed.yaw_rad};
+      }
+      change(&stop);
+    }
   };
 }
 
@@ -49,7 +59,10 @@ void shift_rows(int stops, std::vector<Stop>* rows) {
   for (int i = 0; i < static_cast<int>(rows->size()); ++i) {
     const int from = i - stops;
     if (from < 0 || from >= static_cast<int>(rows->size())) continue;
-    set_pose(pose_of(shifted[static_cast<std::size_t>(from)]), &(*rows)[static_cast<std::size_t>(i)]);
+    const Stop& source = shifted[static_cast<std::size_t>(from)];
+    Stop& row = (*rows)[static_cast<std::size_t>(i)];
+    set_pose(pose_of(source), &row);
+    row.way = source.way;
   }
 }
 
@@ -65,7 +78,10 @@ void undo_interpolation(double share, std::vector<Stop>* rows) {
   } else {
     for (std::size_t i = 0; i + 1 < n; ++i) original[i + 1] = between(original[i], poses[i], 1.0 / share);
   }
-  for (std::size_t i = 0; i < n; ++i) set_pose(original[i], &(*rows)[i]);
+  for (std::size_t i = 0; i < n; ++i) {
+    set_pose(original[i], &(*rows)[i]);
+    (*rows)[i].way.clear();  // of rows between stops nothing is known
+  }
 }
 
 double median_interval_s(const Observations& observations) {
@@ -93,6 +109,17 @@ void keep_stops(int first, int end, std::vector<T>* values) {
   values->erase(std::remove_if(values->begin(), values->end(),
                                [=](const T& value) { return value.stop < first || value.stop >= end; }),
                 values->end());
+}
+
+// The way to the stop after this one, past it.
+void join_ways(int stop, std::vector<Stop>* stops) {
+  const std::size_t i = static_cast<std::size_t>(stop);
+  if (i + 1 >= stops->size()) return;
+  const Stop& passed = (*stops)[i];
+  std::vector<Eigen::Vector3d> way = passed.way, rest = std::move((*stops)[i + 1].way);
+  way.emplace_back(passed.x_m, passed.y_m, passed.yaw_rad);
+  way.insert(way.end(), rest.begin(), rest.end());
+  (*stops)[i + 1].way = std::move(way);
 }
 
 template <typename T>
@@ -204,6 +231,7 @@ Fault wrong_stop(const Observations& observations, int stop) {
                 "stop %d (%.1f s) contradicts the others: its odometry row, or what its frames show", stop,
                 observations.stops[static_cast<std::size_t>(stop)].stamp_s);
   return {FaultKind::kStop, text, false, [stop](Observations* repaired) {
+            join_ways(stop, &repaired->stops);
             repaired->stops.erase(repaired->stops.begin() + stop);
             erase_stop(stop, &repaired->board_views);
             erase_stop(stop, &repaired->ground_planes);

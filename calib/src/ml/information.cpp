@@ -36,6 +36,7 @@ ml::State to_state(const Observations& observations, const CalibrationState& val
 ml::NoiseLevels to_levels(const CalibrationNoise& noise, std::size_t cameras) {
   ml::NoiseLevels levels;
   levels.odometry_model = noise.odometry_model;
+  levels.along_way = noise.along_way;
   levels.odometry_xy_m = std::max(noise.odometry_xy_m, ml::kMinOdometryXy_m);
   levels.odometry_yaw_rad = std::max(noise.odometry_yaw_rad, ml::kMinOdometryYaw_rad);
   levels.suspension_height_m = std::max(noise.suspension_height_m, ml::kMinSuspensionHeight_m);

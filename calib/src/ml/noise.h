@@ -11,6 +11,9 @@ namespace rigproof::ml {
 /// Standard deviations by which residuals are whitened; every one is given or estimated (see variance_components.h).
 struct NoiseLevels {
   OdometryModel odometry_model = OdometryModel::kPerIncrement;
+  /// Increments only: the sigmas are those after a way of one metre and a turn of one radian, and grow with the square
+  /// root of either; a turn's error bends the way after it.
+  bool along_way = false;
   double odometry_xy_m = 0.002;
   double odometry_yaw_rad = 0.01;
   double suspension_height_m = 5e-4;

@@ -15,12 +15,47 @@ constexpr double kWild = 45.0;
 
 using Rows = std::vector<Eigen::Vector3d>;  // x, y [m], yaw [rad]
 
-// What the odometry should say about the motion from one stop to another.
-Eigen::Vector3d residual_between(const Observations& observations, const State& state, std::size_t from,
-                                 std::size_t to) {
-  return increment_residual(state.poses[from], state.poses[to], state.odometry_scale, state.odometry_yaw_factor,
-                            measured_increment(observations.stops[from], observations.stops[to]))
-      .value;
+// What the odometry should say about the motion from one stop to another, less what it says, in sigmas.
+struct Contradiction {
+  Eigen::Vector3d residual;  // metres, radians
+  Eigen::Vector3d whitened;
+};
+
+// The way to a stop from the one before the stop before.
+Stop over_two(const Stop& middle, Stop to) {
+  std::vector<Eigen::Vector3d> way = middle.way;
+  way.emplace_back(middle.x_m, middle.y_m, middle.yaw_rad);
+  way.insert(way.end(), to.way.begin(), to.way.end());
+  to.way = std::move(way);
+  return to;
+}
+
+Contradiction along_way(const Observations& observations, const NoiseLevels& noise, const State& state,
+                        std::size_t from, std::size_t to) {
+  const Stop& start = observations.stops[from];
+  const Stop end =
+      to == from + 2 ? over_two(observations.stops[from + 1], observations.stops[to]) : observations.stops[to];
+  const OdometryWay way(start, end);
+  const Eigen::Vector3d residual =
+      way_residual(state.poses[from], state.poses[to], state.odometry_scale, state.odometry_yaw_factor, way).value;
+  return {residual, way_noise(way, noise, start, end).whitening * residual};
+}
+
+Contradiction contradiction_between(const Observations& observations, const NoiseLevels& noise, const State& state,
+                                    std::size_t from, std::size_t to) {
+  if (noise.along_way) return along_way(observations, noise, state, from, to);
+  Eigen::Vector3d sigma(noise.odometry_xy_m, noise.odometry_xy_m, noise.odometry_yaw_rad);
+  if (to > from + 1) {  // two motions, the second one turned by the first one's error
+    const RobotPose &a = state.poses[from + 1], &b = state.poses[to];
+    const double lever = noise.odometry_yaw_rad * std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
+    sigma.head<2>().setConstant(std::sqrt(2.0 * noise.odometry_xy_m * noise.odometry_xy_m + lever * lever));
+    sigma.z() *= std::sqrt(2.0);
+  }
+  const Eigen::Vector3d residual =
+      increment_residual(state.poses[from], state.poses[to], state.odometry_scale, state.odometry_yaw_factor,
+                         measured_increment(observations.stops[from], observations.stops[to]))
+          .value;
+  return {residual, residual.cwiseQuotient(sigma)};
 }
 
 Eigen::Vector3d residual_at(const Observations& observations, const State& state, std::size_t i) {
@@ -56,19 +91,13 @@ std::vector<WildRow> wild_poses(const Observations& observations, const NoiseLev
 std::vector<WildRow> wild_increments(const Observations& observations, const NoiseLevels& noise, const State& state) {
   std::vector<WildRow> rows;
   const std::size_t n = observations.stops.size();
-  const auto wild = [&](std::size_t from, std::size_t to) {
-    NoiseLevels summed = noise;
-    if (to > from + 1) {  // two motions, the second one turned by the first one's error
-      const RobotPose &a = state.poses[from + 1], &b = state.poses[to];
-      const double lever = noise.odometry_yaw_rad * std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
-      summed.odometry_xy_m = std::sqrt(2.0 * noise.odometry_xy_m * noise.odometry_xy_m + lever * lever);
-      summed.odometry_yaw_rad *= std::sqrt(2.0);
-    }
-    return square_of(residual_between(observations, state, from, to), summed) > kWild;
+  const auto between = [&](std::size_t from, std::size_t to) {
+    return contradiction_between(observations, noise, state, from, to);
   };
+  const auto wild = [&](std::size_t from, std::size_t to) { return between(from, to).whitened.squaredNorm() > kWild; };
   for (std::size_t i = 1; i < n; ++i) {
     if (!wild(i - 1, i)) continue;
-    const Eigen::Vector3d residual = residual_between(observations, state, i - 1, i);
+    const Eigen::Vector3d residual = between(i - 1, i).residual;
     const bool last = i + 1 == n, only_first = i == 1 && n > 2 && !wild(1, 2);
     if (!last && wild(i, i + 1) && !wild(i - 1, i + 1)) {
       rows.push_back(wild_row(i, false, residual));
@@ -129,6 +158,8 @@ StampShift estimate_stamp_shift(const Observations& observations, const NoiseLev
   const std::size_t n = rows.size();
   double slope = 0.0, information = 0.0;
   if (n < 4 || state.poses.size() != n) return {};
+  // Where the robot drives from stop to stop, a row read early lies on the way, not between two stops.
+  if (noise.along_way) return {};
   const bool increments = noise.odometry_model == OdometryModel::kPerIncrement;
   const Eigen::Vector3d inverse(1.0 / noise.odometry_xy_m, 1.0 / noise.odometry_xy_m, 1.0 / noise.odometry_yaw_rad);
   for (std::size_t i = 1; i + 1 < n; ++i) {
@@ -139,7 +170,7 @@ StampShift estimate_stamp_shift(const Observations& observations, const NoiseLev
     };
     Eigen::Vector3d residual, change;
     if (increments) {
-      residual = residual_between(observations, state, i, i + 1);
+      residual = contradiction_between(observations, noise, state, i, i + 1).residual;
       change = measured_increment(read(i, kShare), read(i + 1, kShare)) -
                measured_increment(read(i, -kShare), read(i + 1, -kShare));
     } else {

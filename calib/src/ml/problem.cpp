@@ -157,7 +157,7 @@ class LeverageSink {
 // Noise alone gives 45 whitened squares in three dimensions once in a billion.
 constexpr double kOutlierWeight = 1.0 / 6.0;
 
-void add_residual(double square, double weight, int dimensions, GroupSum* sum) {
+void add_residual(double square, double weight, double dimensions, GroupSum* sum) {
   const double weighted = weight * square;
   sum->square += square;
   sum->weighted_square += weighted;
@@ -168,7 +168,7 @@ void add_residual(double square, double weight, int dimensions, GroupSum* sum) {
   sum->outlier_dimensions += dimensions;
 }
 
-GroupSum sum_of_residual(double square, double weight, int dimensions) {
+GroupSum sum_of_residual(double square, double weight, double dimensions) {
   GroupSum sum;
   add_residual(square, weight, dimensions, &sum);
   return sum;
@@ -253,7 +253,7 @@ GroupSum& GroupSum::operator+=(const GroupSum& other) {
 }
 
 GroupSum GroupSum::without_outliers() const {
-  constexpr int kFew = 5;  // one in five; more say that the level is wrong
+  constexpr double kFew = 5.0;  // one in five; more say that the level is wrong
   GroupSum sum = *this;
   if (kFew * outlier_dimensions > dimensions) return sum;
   sum.weighted_square -= outlier_weighted_square;
@@ -282,6 +282,8 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
   }
   for (std::size_t i = 0; i + 1 < observations.stops.size(); ++i)
     increments_.push_back(measured_increment(observations.stops[i], observations.stops[i + 1]));
+  for (std::size_t i = 0; noise_levels.along_way && i + 1 < observations.stops.size(); ++i)
+    ways_.emplace_back(observations.stops[i], observations.stops[i + 1]);
 }
 
 std::vector<Problem::Plane> Problem::prepare(const std::vector<PlaneObservation>& planes) {
@@ -316,6 +318,16 @@ Eigen::Vector3d Problem::odometry_sigmas(std::size_t stop) const {
   if (noise.odometry_model == OdometryModel::kPerIncrement) add(stop - 1);
   const double xy = std::sqrt(xy2);
   return {xy, xy, noise.odometry_yaw_rad};
+}
+
+double Problem::log_odometry_variance(std::size_t stop) const {
+  if (!noise.along_way) return 2.0 * odometry_sigmas(stop).array().log().sum();
+  return 2.0 * way_noise(ways_[stop - 1], noise, observations_.stops[stop - 1], observations_.stops[stop])
+                   .whitening.diagonal()
+                   .array()
+                   .inverse()
+                   .log()
+                   .sum();
 }
 
 template <int kExtra, typename Sink>
@@ -439,6 +451,35 @@ void Problem::visit_increment(const State& state, Weighting weighting, int to, S
   sink(block);
 }
 
+// Translation and turning share the residuals: a group's part is what its noise is of each residual's variance.
+template <typename Sink>
+void Problem::visit_way(const State& state, Weighting weighting, int to, Sink& sink) const {
+  const std::size_t i = static_cast<std::size_t>(to);
+  const OdometryWay& way = ways_[i - 1];
+  const WayNoise shape = way_noise(way, noise, observations_.stops[i - 1], observations_.stops[i]);
+  const IncrementResidual residual =
+      way_residual(state.poses[i - 1], state.poses[i], state.odometry_scale, state.odometry_yaw_factor, way);
+  const Eigen::Vector3d r = shape.whitening * residual.value;
+  const double s = r.squaredNorm(), w = loss.weight(s);
+  RowJacobian<3, 8> J;
+  J << residual.by_from, residual.by_to, residual.by_scale, residual.by_yaw_factor;
+  J = (shape.whitening * J).eval();
+  const double factor = block_factor(weighting, w, cauchy_moments(3));
+  auto block = make_block<3, 3, 2>(Group::kOdometryXy, 0, Segment{to - 1, 0}, Segment{to, 0},
+                                   Segment{-1, layout_.odometry_scale()});
+  for (const Group group : {Group::kOdometryXy, Group::kOdometryYaw}) {
+    const Eigen::Matrix3d share =
+        group == Group::kOdometryYaw ? shape.turning : Eigen::Matrix3d(Eigen::Matrix3d::Identity() - shape.turning);
+    const RowJacobian<3, 8> shared = share * J;
+    block.group = group;
+    block.cost = group == Group::kOdometryXy ? loss.cost(s) : 0.0;
+    block.sum = sum_of_residual(r.dot(share * r), w, share.trace());
+    block.H = factor * J.transpose() * shared;
+    block.g = factor * shared.transpose() * r;
+    sink(block);
+  }
+}
+
 // Three residuals that share a loss, each on one unknown of the pose: absolute odometry or the suspension's slack.
 template <typename Sink>
 void Problem::visit_diagonal(const Eigen::Vector3d& value, const Eigen::Vector3d& inverse_sigmas, Weighting weighting,
@@ -468,7 +509,9 @@ void Problem::visit_poses(const State& state, Weighting weighting, Sink& sink) c
   for (int i = 0; i < layout_.poses; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
     const RobotPose& pose = state.poses[k];
-    if (increments) {
+    if (increments && noise.along_way) {
+      if (i > 0) visit_way(state, weighting, i, sink);
+    } else if (increments) {
       if (i > 0) visit_increment(state, weighting, i, sink);
     } else {
       const Stop& stop = observations_.stops[k];
@@ -575,8 +618,7 @@ std::optional<GroupSums> Problem::sums_with_leverage(const State& state) const {
 double Problem::log_normalisation() const {
   double sum = 0.0;
   const bool increments = noise.odometry_model == OdometryModel::kPerIncrement;
-  for (std::size_t i = increments ? 1 : 0; i < observations_.stops.size(); ++i)
-    sum += 2.0 * odometry_sigmas(i).array().log().sum();
+  for (std::size_t i = increments ? 1 : 0; i < observations_.stops.size(); ++i) sum += log_odometry_variance(i);
   sum += 2.0 * layout_.poses * (std::log(noise.suspension_height_m) + 2.0 * std::log(noise.suspension_tilt_rad));
   for (std::size_t v = 0; v < views_.size(); ++v)
     if (!view_left_out[v])

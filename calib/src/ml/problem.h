@@ -25,13 +25,13 @@ inline constexpr std::size_t kGroupCount = 7;
 
 /// Sums over the residuals of a group, whitened by the current noise levels.
 struct GroupSum {
-  double square = 0.0;           ///< of r
-  double weighted_square = 0.0;  ///< of w r^2
-  double weight = 0.0;           ///< of w, a dimension
-  double leverage = 0.0;         ///< dimensions that the unknowns absorb
-  int dimensions = 0;
+  double square = 0.0;                   ///< of r
+  double weighted_square = 0.0;          ///< of w r^2
+  double weight = 0.0;                   ///< of w, a dimension
+  double leverage = 0.0;                 ///< dimensions that the unknowns absorb
+  double dimensions = 0.0;               ///< of correlated residuals each group has its share
   double outlier_weighted_square = 0.0;  ///< the part of residuals that no noise explains
-  int outlier_dimensions = 0;
+  double outlier_dimensions = 0.0;
 
   GroupSum& operator+=(const GroupSum& other);
   /// Dimensions that the unknowns do not absorb.
@@ -106,6 +106,7 @@ class Problem {
   static std::vector<Plane> prepare(const std::vector<PlaneObservation>& planes);
   Camera lens(const State& state, int camera) const;
   Eigen::Vector3d odometry_sigmas(std::size_t stop) const;
+  double log_odometry_variance(std::size_t stop) const;
   template <int kExtra, typename Sink>
   void visit_view(const State& state, Weighting weighting, const View& view, Sink& sink) const;
   template <typename Sink>
@@ -114,6 +115,8 @@ class Problem {
   void visit_ground_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;
   template <typename Sink>
   void visit_increment(const State& state, Weighting weighting, int to, Sink& sink) const;
+  template <typename Sink>
+  void visit_way(const State& state, Weighting weighting, int to, Sink& sink) const;
   template <typename Sink>
   void visit_diagonal(const Eigen::Vector3d& value, const Eigen::Vector3d& inverse_sigmas, Weighting weighting,
                       const PosePart& part, Sink& sink) const;
@@ -134,6 +137,7 @@ class Problem {
   std::vector<Plane> ground_planes_;
   std::vector<Plane> board_planes_;
   std::vector<Eigen::Vector3d> increments_;  // [i]: from stop i to i + 1
+  std::vector<OdometryWay> ways_;            // the same; only if the noise is that of the way
 };
 
 }  // namespace rigproof::ml

@@ -114,6 +114,21 @@ IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to,
   return residual;
 }
 
+IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, double scale, double yaw_factor,
+                               const OdometryWay& way) {
+  const OdometryWay::Motion motion = way.motion(yaw_factor);
+  // Of equal headings the one nearest to the turns that were driven.
+  Eigen::Vector3d turned = motion.value;
+  turned.z() /= yaw_factor;
+  IncrementResidual residual = increment_residual(from, to, scale, 1.0, turned);
+  const double turn = turned.z() + residual.value.z();
+  residual.value.z() = yaw_factor * turn - motion.value.z();
+  residual.by_from(2, 2) *= yaw_factor;
+  residual.by_to(2, 2) *= yaw_factor;
+  residual.by_yaw_factor << -motion.xy_by_yaw_factor, turn;
+  return residual;
+}
+
 Eigen::Vector3d measured_increment(const Stop& from, const Stop& to) {
   const double c = std::cos(from.yaw_rad), s = std::sin(from.yaw_rad);
   const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;

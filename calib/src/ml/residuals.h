@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "ml/odometry_way.h"
 #include "ml/state.h"
 #include "rigproof/core/camera.h"
 
@@ -63,6 +64,9 @@ struct IncrementResidual {
 };
 IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to, double scale, double yaw_factor,
                                      const Eigen::Vector3d& measured);
+/// The same along the way, which the yaw factor bends: s Rz(-yaw_i) dp - m_xy(k).
+IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, double scale, double yaw_factor,
+                               const OdometryWay& way);
 /// What the odometry says about the motion from one stop to the next, in the former's frame: x, y, yaw.
 Eigen::Vector3d measured_increment(const Stop& from, const Stop& to);
 

@@ -4,16 +4,23 @@ list(APPEND calib_sources
   src/ml/contradictions.cpp
   src/ml/covariance.cpp
   src/ml/diagnosis.cpp
+  src/ml/examination.cpp
   src/ml/faults.cpp
+  src/ml/fit.cpp
   src/ml/information.cpp
-  src/ml/ml.cpp
   src/ml/lens_check.cpp
+  src/ml/ml.cpp
   src/ml/noise.cpp
+  src/ml/odometry_choice.cpp
   src/ml/odometry_rows.cpp
+  src/ml/odometry_way.cpp
+  src/ml/preparation.cpp
   src/ml/problem.cpp
+  src/ml/report.cpp
   src/ml/residuals.cpp
   src/ml/robust_views.cpp
   src/ml/shared_ground_error.cpp
   src/ml/solver.cpp
+  src/ml/stated_levels.cpp
   src/ml/state.cpp
   src/ml/swapped_frames.cpp)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ml/odometry_way.h"
 #include "rigproof/calib/initial_guess.h"
 #include "rigproof/calib/trajectory_alignment.h"
 #include "rigproof/calib/view_poses.h"
@@ -121,6 +122,18 @@ const Seen* nearest(const std::vector<Seen>& seen, const Eigen::Vector3d& board_
   return best == seen.end() ? nullptr : &*best;
 }
 
+// Of ways yet to be driven nothing is known: they are taken for increments as uncertain as those seen on average.
+void expect_increments(const Observations& observations, CalibrationNoise* noise) {
+  if (!noise->along_way) return;
+  ml::NoiseLevels along_way;
+  along_way.odometry_xy_m = noise->odometry_xy_m;
+  along_way.odometry_yaw_rad = noise->odometry_yaw_rad;
+  const ml::NoiseLevels levels = ml::per_increment(along_way, observations);
+  noise->along_way = false;
+  noise->odometry_xy_m = levels.odometry_xy_m;
+  noise->odometry_yaw_rad = levels.odometry_yaw_rad;
+}
+
 }  // namespace
 
 Knowledge knowledge_from(const Observations& observations) {
@@ -130,6 +143,7 @@ Knowledge knowledge_from(const Observations& observations) {
     const std::vector<std::string>& reasons = knowledge.estimate.result.reasons;
     throw Error("suggest: " + (reasons.empty() ? std::string("there is no estimate to start from") : reasons.front()));
   }
+  expect_increments(observations, &knowledge.estimate.noise);
   const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
   const TrajectoryAlignment alignment = align_trajectories(observations, views);
   const GroundCheck ground = check_ground_planes(observations, alignment);

@@ -202,6 +202,8 @@ class Drawer {
   void draw_odometry() {
     if (config_.odometry_model == OdometryModel::kPerPose)
       draw_odometry_per_pose();
+    else if (config_.along_way)
+      draw_odometry_along_way();
     else
       draw_odometry_per_increment();
   }
@@ -246,6 +248,44 @@ class Drawer {
       odometry.head<2>() += Eigen::Rotation2Dd(odometry.z()) * measured;
       odometry.z() += config_.odometry_yaw_factor * wrap_angle(to.z() - from.z()) + noise.z();
       push_stop(i, odometry);
+    }
+  }
+
+  // Turn, way, turn in small pieces, each of them measured with its own noise.
+  void draw_odometry_along_way() {
+    Eigen::Vector3d odometry = planar(0);
+    push_stop(0, odometry);
+    for (std::size_t i = 1; i < scene_.T_world_robot.size(); ++i) {
+      const Eigen::Vector3d from = planar(i - 1), to = planar(i);
+      const Eigen::Vector2d step = Eigen::Rotation2Dd(-from.z()) * Eigen::Vector2d(to.head<2>() - from.head<2>());
+      const bool backwards = step.x() < 0.0;
+      const double first = std::atan2(backwards ? -step.y() : step.y(), std::abs(step.x()));
+      const double way = backwards ? -step.norm() : step.norm();
+      RandomStream random(config_.seed, "geometric odometry", static_cast<std::int64_t>(i));
+      std::vector<Eigen::Vector3d> passed;
+      drive_piece(0.0, first, &random, &odometry, &passed);
+      drive_piece(way, 0.0, &random, &odometry, &passed);
+      drive_piece(0.0, wrap_angle(to.z() - from.z() - first), &random, &odometry, &passed);
+      passed.pop_back();  // the stop itself
+      push_stop(i, odometry);
+      run_.observations.stops.back().way = std::move(passed);
+    }
+  }
+
+  void drive_piece(double way, double turn, RandomStream* random, Eigen::Vector3d* odometry,
+                   std::vector<Eigen::Vector3d>* passed) const {
+    constexpr int kSteps = 8;
+    constexpr double kTurnOfAMetre_rad = 0.1;
+    const double along_m = std::abs(way) / kSteps, turning = std::abs(turn) / kSteps + kTurnOfAMetre_rad * along_m;
+    const double sigma_xy = config_.lambda * kPaperTranslationSigma_m * std::sqrt(along_m);
+    const double sigma_yaw = config_.lambda * kPaperYawSigma_rad * std::sqrt(turning);
+    for (int k = 0; k < kSteps; ++k) {
+      const Eigen::Vector2d noise(random->normal(0.0, sigma_xy), random->normal(0.0, sigma_xy));
+      const double turned = config_.odometry_yaw_factor * turn / kSteps + random->normal(0.0, sigma_yaw);
+      odometry->head<2>() += Eigen::Rotation2Dd(odometry->z() + 0.5 * turned) *
+                             Eigen::Vector2d(Eigen::Vector2d(config_.odometry_scale * way / kSteps, 0.0) + noise);
+      odometry->z() += turned;
+      passed->push_back(*odometry);
     }
   }
 

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "odometry_track.h"
+#include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 
 namespace rigproof::detection {
@@ -51,6 +53,57 @@ TEST(OdometryTrack, FollowsArcsBetweenSamples) {
     EXPECT_NEAR(reading->yaw_rad, 0.25 * t, 1e-12);
   }
   EXPECT_EQ(track.at(samples[7].stamp_s, &reason)->sigma_m, 0.0);
+}
+
+Stop stop_at(const OdometrySample& sample) { return {sample.stamp_s, sample.x_m, sample.y_m, sample.yaw_rad, 0.0}; }
+
+// Stands, turns by one radian, drives two metres, turns back by half a radian and stands, at 50 Hz.
+std::vector<OdometrySample> turn_drive_turn() {
+  std::vector<OdometrySample> samples;
+  const auto clamped = [](double t) { return std::min(1.0, std::max(0.0, t)); };
+  for (int i = 0; i <= 250; ++i) {
+    const double t = 0.02 * i, first = clamped(t - 0.5), way = 2.0 * clamped(t - 2.0), second = clamped(t - 3.5);
+    samples.push_back({t, way * std::cos(1.0), way * std::sin(1.0), first - 0.5 * second});
+  }
+  return samples;
+}
+
+TEST(OdometryTrack, KeepsTheCornersOfTheWay) {
+  const std::vector<OdometrySample> samples = turn_drive_turn();
+  const OdometryTrack track(samples, 0.5, 0.02);
+  const std::vector<Eigen::Vector3d> way = track.way(stop_at(samples.front()), stop_at(samples.back()));
+  ASSERT_EQ(way.size(), 2U);
+  EXPECT_LT((way[0] - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 1e-3);
+  EXPECT_LT((way[1] - Eigen::Vector3d(2.0 * std::cos(1.0), 2.0 * std::sin(1.0), 1.0)).norm(), 1e-3);
+}
+
+TEST(OdometryTrack, AnArcNeedsNoPosesInBetween) {
+  const std::vector<OdometrySample> samples = circle(10.0);  // 2.5 rad
+  const OdometryTrack track(samples, 0.5, 0.02);
+  EXPECT_TRUE(track.way(stop_at(samples.front()), stop_at(samples.back())).empty());
+}
+
+// Seven quarters of a turn end where a quarter back does: the way tells them apart.
+TEST(OdometryTrack, CountsFullTurns) {
+  std::vector<OdometrySample> samples;
+  for (int i = 0; i <= 175; ++i)
+    samples.push_back({0.02 * i, 0.0, 0.0, std::remainder(0.01 * kPi * 2.0 * i, 2.0 * kPi)});
+  const OdometryTrack track(samples, 0.5, 0.02);
+  double last = samples.front().yaw_rad, turned = 0.0;
+  std::vector<Eigen::Vector3d> way = track.way(stop_at(samples.front()), stop_at(samples.back()));
+  way.emplace_back(0.0, 0.0, samples.back().yaw_rad);
+  for (const Eigen::Vector3d& pose : way) {
+    turned += std::remainder(pose.z() - last, 2.0 * kPi);
+    last = pose.z();
+  }
+  EXPECT_NEAR(turned, 3.5 * kPi, 1e-9);
+}
+
+TEST(OdometryTrack, AGapHidesTheWay) {
+  std::vector<OdometrySample> samples = turn_drive_turn();
+  samples.erase(samples.begin() + 100, samples.begin() + 140);
+  const OdometryTrack track(samples, 0.5, 0.02);
+  EXPECT_TRUE(track.way(stop_at(samples.front()), stop_at(samples.back())).empty());
 }
 
 TEST(OdometryTrack, StatesItsInterpolationError) {

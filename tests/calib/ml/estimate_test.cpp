@@ -114,6 +114,48 @@ TEST(MlRecovery, CalibratesTheDepthScaleOnTheBoard) {
 }
 
 // 150 trials of chi-square with 18 degrees of freedom: standard deviation of the mean 0.49; the goal's band is 1.5.
+TEST(MlUncertainty, IsTrueAlongTheWay) {
+  GeometricConfig config;
+  config.stops = 15;
+  config.along_way = true;
+  config.odometry_scale = 1.02;
+  config.odometry_yaw_factor = 1.05;
+  MlOptions options = told();
+  options.along_way = true;
+  EXPECT_NEAR(mean_nees(config, options, 150), 18.0, 1.5);
+}
+
+// What a chord cannot tell: with 5 % too much turn the way after a turn is bent.
+TEST(MlRecovery, IsExactAlongTheWay) {
+  GeometricConfig config = noise_free({});
+  config.stops = 12;
+  config.along_way = true;
+  config.odometry_scale = 1.02;
+  config.odometry_yaw_factor = 1.05;
+  MlOptions options = told();
+  options.along_way = true;
+  const GeometricRun run = draw_geometric_run(config);
+  const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
+  EXPECT_NEAR(estimate.state.odometry_yaw_factor, 1.05, 1e-6);
+  expect_exact(run, estimate, 1e-5);  // the priors of 10 % pull by (1e-5 / 0.1)^2
+}
+
+TEST(MlOdometry, TheWayIsChosenWhereItIsDriven) {
+  for (int seed = 0; seed < 10; ++seed) {
+    GeometricConfig config;
+    config.seed = static_cast<std::uint64_t>(seed);
+    config.stops = 20;
+    config.along_way = true;
+    config.odometry_yaw_factor = 0.96;
+    config.declare_odometry_model = config.declare_odometry_sigmas = false;
+    const GeometricRun run = draw_geometric_run(config);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations);
+    EXPECT_TRUE(estimate.odometry.along_way) << seed;
+    EXPECT_EQ(estimate.result.status, ResultStatus::kSolved) << seed;
+    EXPECT_NEAR(estimate.state.odometry_yaw_factor, 0.96, 0.02) << seed;
+  }
+}
+
 TEST(MlUncertainty, IsTruePerIncrement) {
   GeometricConfig config;
   config.stops = 15;

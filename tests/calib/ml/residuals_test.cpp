@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 
 namespace rigproof::ml {
@@ -150,6 +151,73 @@ TEST_P(Residuals, IncrementByEveryUnknown) {
   Eigen::MatrixXd J(3, 8);
   J << value.by_from, value.by_to, value.by_scale, value.by_yaw_factor;
   expect_near(differences(8, residual), J);
+}
+
+// A way of turns, arcs and a way back, as odometry measured it.
+Stop driven_stop(RandomStream* random) {
+  Stop stop;
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Vector3d pose(random->uniform(-2, 2), random->uniform(-2, 2), random->uniform(-3, 3));
+    if (i < 5) {
+      stop.way.push_back(pose);
+      stop.way.emplace_back(pose.x(), pose.y(), pose.z() + random->uniform(-1, 1));  // on the spot
+    } else {
+      stop.x_m = pose.x();
+      stop.y_m = pose.y();
+      stop.yaw_rad = pose.z();
+    }
+  }
+  return stop;
+}
+
+TEST_P(Residuals, WayByEveryUnknown) {
+  RandomStream random(static_cast<std::uint64_t>(GetParam()), "way test");
+  const OdometryWay way(Stop(), driven_stop(&random));
+  const double scale = 1.02, factor = 1.05;
+  RobotPose to = pose;
+  to.x_m += 0.6;
+  to.yaw_rad += way.motion(factor).value.z() / factor + 0.1;
+  const IncrementResidual analytic = way_residual(pose, to, scale, factor, way);
+  const Eigen::MatrixXd J = differences(8, [&](const Eigen::VectorXd& step) {
+    Vector6d a = Vector6d::Zero(), b = Vector6d::Zero();
+    a.head<3>() = step.head<3>();
+    b.head<3>() = step.segment<3>(3);
+    return way_residual(moved(pose, a), moved(to, b), scale + step[6], factor + step[7], way).value;
+  });
+  Eigen::MatrixXd expected(3, 8);
+  expected << analytic.by_from, analytic.by_to, analytic.by_scale, analytic.by_yaw_factor;
+  expect_near(J, expected);
+}
+
+TEST(OdometryWay, EndsWhereTheStopIs) {
+  RandomStream random(3, "way test");
+  Stop from;
+  from.x_m = 1.0;
+  from.yaw_rad = 2.0;
+  const Stop to = driven_stop(&random);
+  const Eigen::Vector3d motion = OdometryWay(from, to).motion(1.0).value, expected = measured_increment(from, to);
+  EXPECT_NEAR((motion - expected).head<2>().norm(), 0.0, 1e-12);
+  EXPECT_NEAR(wrap_angle(motion.z() - expected.z()), 0.0, 1e-12);
+}
+
+// A quarter turn that was a little less bends the two metres after it; the turn at the end bends nothing.
+TEST(OdometryWay, ATurnsErrorBendsTheWayAfterIt) {
+  Stop to;
+  to.way = {{0, 0, kPi / 2}, {0, 2, kPi / 2}};
+  to.x_m = 0.0;
+  to.y_m = 2.0;
+  to.yaw_rad = kPi;
+  const OdometryWay way(Stop(), to);
+  const double factor = 1.05, turned = kPi / 2 / factor;
+  const Eigen::Vector2d end = way.motion(factor).value.head<2>();
+  EXPECT_NEAR((end - 2.0 * Eigen::Vector2d(std::cos(turned), std::sin(turned))).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(way.length_m(), 2.0, 1e-12);
+  EXPECT_NEAR(way.turning_rad(), kPi, 1e-12);
+  // Heading noise of the first turn alone moves the end sideways, by two metres a radian.
+  const Eigen::Matrix3d turning = way.noise_of_turning();
+  EXPECT_NEAR(turning(0, 0) / (kPi / 2), 4.0, 0.3);
+  EXPECT_NEAR(turning(2, 2), kPi, 0.3);
+  EXPECT_NEAR(way.noise_of_translation()(0, 0), 2.0, 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, Residuals, testing::Range(0, 8));

@@ -22,6 +22,9 @@ struct CalibrationState {
 /// Standard deviations of what is not in the observations themselves. Corners and planes carry their covariances.
 struct CalibrationNoise {
   OdometryModel odometry_model = OdometryModel::kPerIncrement;
+  /// Increments only: the sigmas are those after a way of one metre and a turn of one radian, and grow with the square
+  /// root of either along Stop::way; a turn's error bends the way after it.
+  bool along_way = false;
   double odometry_xy_m = 0.002;
   double odometry_yaw_rad = 0.01;
   double suspension_height_m = 0.0;

@@ -22,6 +22,9 @@ struct MlOptions {
   /// Priors of the odometry's systematic errors (increments only), one sigma; 0 = none are assumed.
   double odometry_scale_sigma = 0.1;
   double odometry_yaw_factor_sigma = 0.1;
+  /// Declared odometry noise is that along the way (CalibrationNoise::along_way). Where no model is declared, that is
+  /// tried if the observations know the ways.
+  bool along_way = false;
   /// Priors of focal length (relative) and principal point; 0 = the stated intrinsics are believed.
   double focal_relative_sigma = 0.0;
   double principal_point_sigma_px = 0.0;
@@ -36,7 +39,8 @@ struct MlOptions {
 struct OdometryDecision {
   bool decided_from_data = false;
   OdometryModel model = OdometryModel::kPerIncrement;
-  double log_likelihood_ratio = 0.0;  ///< ln of the ratio to the other model, >= 0
+  bool along_way = false;             ///< increments whose noise grows along the way
+  double log_likelihood_ratio = 0.0;  ///< ln of the ratio to the next best model, >= 0
   double probability = 1.0;           ///< of this model, both being equally likely beforehand
 };
 

@@ -49,6 +49,9 @@ struct Stop {
   double yaw_rad = 0.0;
   /// Standard deviation of the interpolation between odometry samples; 0 where a sample was met.
   double interpolation_sigma_m = 0.0;
+  /// Odometry poses (x [m], y [m], yaw [rad]) between the stop before and this one, in the order of driving, thinned so
+  /// that arcs of constant twist between them meet what was left out; empty where odometry has no rows in between.
+  std::vector<Eigen::Vector3d> way = {};
 };
 
 /// Begins the reason of an exclusion that concerns the depth of a frame only, not its image.

@@ -52,9 +52,9 @@ struct SweepRow {
 /// All rows of a sweep, in the order of tasks, methods and cameras.
 struct SweepRows {
   std::string name;
-  std::vector<std::string> axes;         ///< names, in the order of SweepRow::levels
-  std::vector<std::string> axis_titles;  ///< for people and figures: "odometry noise lambda"
-  std::vector<bool> pooled;              ///< one an axis: the summary takes its levels as repetitions
+  std::vector<std::string> axes;                 ///< names, in the order of SweepRow::levels
+  std::vector<std::string> axis_titles;          ///< for people and figures: "odometry noise lambda"
+  std::vector<bool> pooled;                      ///< one an axis: the summary takes its levels as repetitions
   std::vector<std::vector<std::string>> levels;  ///< labels of each axis, in the configuration's order
   /// Number of each level where it is one (for the x axis of a figure), else its place 0, 1, ..
   std::vector<std::vector<double>> level_values;
@@ -71,7 +71,7 @@ struct SampleFigures {
   int count = 0;  ///< values: (task, camera) pairs
   std::optional<double> mean;
   std::optional<double> mean_absolute;
-  std::optional<double> deviation;  ///< standard deviation of the signed error, with n - 1
+  std::optional<double> deviation;           ///< standard deviation of the signed error, with n - 1
   std::optional<double> deviation_absolute;  ///< of its absolute value
   /// Of the absolute error, at probabilities .05 .25 .5 .75 .95, interpolated between order statistics.
   std::array<std::optional<double>, 5> quantiles;
@@ -82,9 +82,9 @@ struct SampleFigures {
 
 /// A method against the reference on the tasks that both solved; a task counts once, by its cameras' mean |error|.
 struct PairedTest {
-  int count = 0;                        ///< tasks
-  std::optional<double> difference;     ///< mean of |error| minus that of the reference; negative = better than it
-  std::optional<double> interval_low;   ///< 95 % of a paired bootstrap over tasks, percentile
+  int count = 0;                       ///< tasks
+  std::optional<double> difference;    ///< mean of |error| minus that of the reference; negative = better than it
+  std::optional<double> interval_low;  ///< 95 % of a paired bootstrap over tasks, percentile
   std::optional<double> interval_high;
   std::optional<double> p;       ///< Wilcoxon's signed-rank test, two-sided; exact up to 25 tasks
   std::optional<double> p_holm;  ///< corrected for all tests of the summary (Holm)

@@ -1,0 +1,88 @@
+#include "ml/odometry_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "ml/sentence.h"
+#include "rigproof/core/conventions.h"
+
+namespace rigproof::ml {
+namespace {
+
+// Probability of an odometry model above which another one's answer is of no account.
+constexpr double kSureOfModel = 0.999;
+
+bool at_floor(const NoiseLevels& noise) {
+  return noise.odometry_xy_m < 2.0 * kMinOdometryXy_m && noise.odometry_yaw_rad < 2.0 * kMinOdometryYaw_rad;
+}
+
+void note_decision(const Fit& other, OdometryChoice* choice) {
+  const OdometryDecision& decision = choice->decision;
+  const char* name = odometry_model_name(decision.model);
+  std::vector<std::string>& notes = choice->notes;
+  if (at_floor(choice->fit.noise) && at_floor(other.noise))
+    notes.push_back("Odometry noise per pose and per increment are indistinguishable: both are at the resolution.");
+  else if (decision.probability < 0.95)
+    notes.push_back(format("Odometry noise taken as %s; the data prefer it only weakly (probability %.2f).", name,
+                           decision.probability));
+  else if (decision.along_way)
+    notes.push_back(
+        format("Odometry noise grows along the way (log likelihood ratio %.1f): %.2f mm after one metre, %.3f deg "
+               "after a turn "
+               "of one radian; a turn's error bends the way after it.",
+               decision.log_likelihood_ratio, 1e3 * choice->fit.noise.odometry_xy_m,
+               rad_to_deg(choice->fit.noise.odometry_yaw_rad)));
+  else
+    notes.push_back(format("Odometry noise is %s (log likelihood ratio %.1f): %.2f mm, %.3f deg.", name,
+                           decision.log_likelihood_ratio, 1e3 * choice->fit.noise.odometry_xy_m,
+                           rad_to_deg(choice->fit.noise.odometry_yaw_rad)));
+}
+
+bool has_ways(const Observations& observations) {
+  return std::any_of(observations.stops.begin(), observations.stops.end(),
+                     [](const Stop& stop) { return !stop.way.empty(); });
+}
+
+// Exchanges them where the other is likelier; by how much -2 ln L differs. A drive that leaves the equations open
+// decides nothing.
+double keep_likelier(Fit* fit, Fit* other) {
+  const double difference = other->minus_two_log_likelihood - fit->minus_two_log_likelihood;
+  if (!std::isfinite(difference)) return 0.0;
+  if (difference < 0.0) std::swap(*fit, *other);
+  return std::abs(difference);
+}
+
+}  // namespace
+
+OdometryChoice choose_odometry(const Preparation& prepared) {
+  OdometryChoice choice;
+  const OdometryModel declared = prepared.original.odometry_noise.model;
+  OdometryDecision& decision = choice.decision;
+  if (declared != OdometryModel::kUnknown) {
+    decision.model = declared;
+    decision.along_way = prepared.options.along_way;
+    choice.fit = fit_model(prepared, {declared, prepared.options.along_way});
+    return choice;
+  }
+  decision.decided_from_data = true;
+  choice.fit = fit_model(prepared, {OdometryModel::kPerIncrement, false});
+  Fit second = fit_model(prepared, {OdometryModel::kPerPose, false}, kLeaveOutRounds, &choice.fit);
+  double difference = keep_likelier(&choice.fit, &second);
+  if (has_ways(prepared.used)) {
+    Fit third = fit_model(prepared, {OdometryModel::kPerIncrement, true}, kLeaveOutRounds, &choice.fit);
+    keep_likelier(&choice.fit, &third);
+    if (third.minus_two_log_likelihood < second.minus_two_log_likelihood) second = std::move(third);
+    difference = second.minus_two_log_likelihood - choice.fit.minus_two_log_likelihood;
+    if (!std::isfinite(difference)) difference = 0.0;
+  }
+  decision.model = choice.fit.noise.odometry_model;
+  decision.along_way = choice.fit.noise.along_way;
+  decision.log_likelihood_ratio = 0.5 * difference;
+  decision.probability = 1.0 / (1.0 + std::exp(-decision.log_likelihood_ratio));
+  note_decision(second, &choice);
+  if (decision.probability < kSureOfModel) choice.other = std::move(second);
+  return choice;
+}
+
+}  // namespace rigproof::ml

@@ -1,0 +1,97 @@
+#include "ml/preparation.h"
+
+#include <algorithm>
+
+#include "ml/robust_views.h"
+#include "ml/shared_ground_error.h"
+
+namespace rigproof::ml {
+namespace {
+
+Priors priors_of(const Observations& observations, const MlOptions& options) {
+  Priors priors;
+  priors.odometry_scale = options.odometry_scale_sigma;
+  priors.odometry_yaw_factor = options.odometry_yaw_factor_sigma;
+  for (const RigCamera& camera : observations.cameras)
+    priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
+  priors.focal_relative = options.focal_relative_sigma;
+  priors.principal_point_px = options.principal_point_sigma_px;
+  return priors;
+}
+
+State starting_state(const Observations& observations, const CalibrationState& start) {
+  State state;
+  state.T_robot_camera = start.T_robot_camera;
+  state.T_world_board = start.T_world_board;
+  for (const Rigid3& T : start.T_world_robot) state.poses.push_back(RobotPose::from_transform(T));
+  state.odometry_scale = start.odometry_scale;
+  state.odometry_yaw_factor = start.odometry_yaw_factor;
+  state.depth_bias.assign(observations.cameras.size(), 0.0);
+  for (std::size_t c = 0; c < start.depth_scale.size(); ++c) state.depth_bias[c] = start.depth_scale[c] - 1.0;
+  state.intrinsics.assign(observations.cameras.size(), Eigen::Vector3d::Zero());
+  state.ground_offset.assign(observations.cameras.size(), Eigen::Vector3d::Zero());
+  return state;
+}
+
+CalibrationState guessed(const InitialGuess& guess) {
+  CalibrationState state;
+  for (const std::optional<Rigid3>& T : guess.T_robot_camera) state.T_robot_camera.push_back(T.value_or(Rigid3()));
+  state.T_world_board = *guess.T_world_board;
+  state.T_world_robot = guess.T_world_robot;
+  return state;
+}
+
+}  // namespace
+
+Preparation::Preparation(const Observations& observations, const MlOptions& ml_options,
+                         const std::vector<ViewPose>* known_views)
+    : original(observations), options(ml_options), used(observations) {
+  if (known_views != nullptr) {
+    views = *known_views;
+  } else {
+    ViewPoses poses = estimate_view_poses(original);
+    views = std::move(poses.poses);
+    excluded = std::move(poses.exclusions);
+    refine_robustly(original, &views);
+  }
+  alignment = align_trajectories(original, views);
+  const GroundCheck ground = check_ground_planes(original, alignment);
+  rejected_planes = ground.rejected.size();
+  guess = initial_guess(original, views, alignment, ground);
+  excluded.insert(excluded.end(), ground.rejected.begin(), ground.rejected.end());
+  if (!solvable()) return;
+  motion = assess_motion(original, views, alignment, guess, solved_cameras());
+  keep_usable(ground);
+  start = starting_state(original, options.start ? *options.start : guessed(guess));
+}
+
+std::vector<int> Preparation::solved_cameras() const {
+  std::vector<int> cameras;
+  for (std::size_t c = 0; c < guess.T_robot_camera.size(); ++c)
+    if (guess.T_robot_camera[c]) cameras.push_back(static_cast<int>(c));
+  return cameras;
+}
+
+void Preparation::keep_usable(const GroundCheck& ground) {
+  used.ground_planes.clear();
+  used.board_planes.clear();
+  for (std::size_t i = 0; i < original.ground_planes.size(); ++i)
+    if (ground.accepted[i] && solved(original.ground_planes[i].camera))
+      used.ground_planes.push_back(original.ground_planes[i]);
+  for (const PlaneObservation& plane : original.board_planes)
+    if (solved(plane.camera)) used.board_planes.push_back(plane);
+  if (options.estimate_plane_level) ground_offset = shared_ground_errors(used);
+}
+
+Priors Preparation::priors() const {
+  Priors priors = priors_of(used, options);
+  priors.ground_offset = ground_offset;
+  return priors;
+}
+
+bool Preparation::has_pose(std::size_t view) const {
+  return std::any_of(views.begin(), views.end(),
+                     [view](const ViewPose& pose) { return pose.view == static_cast<int>(view); });
+}
+
+}  // namespace rigproof::ml

@@ -1,0 +1,48 @@
+// What a solution starts from: usable observations, board poses of the views, the motion and a first guess.
+#pragma once
+
+#include <vector>
+
+#include "ml/noise.h"
+#include "ml/state.h"
+#include "rigproof/calib/initial_guess.h"
+#include "rigproof/calib/ml.h"
+#include "rigproof/calib/trajectory_alignment.h"
+#include "rigproof/calib/view_poses.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+/// Stays where it is made: problems refer to its observations.
+struct Preparation {
+  /// @param views what the same views gave before; null: they are looked at
+  Preparation(const Observations& observations, const MlOptions& options, const std::vector<ViewPose>* views = nullptr);
+  Preparation(const Preparation&) = delete;
+  Preparation& operator=(const Preparation&) = delete;
+
+  const Observations& original;
+  const MlOptions& options;
+  Observations used;  ///< without planes that are not the ground
+  std::vector<ViewPose> views;
+  std::vector<Exclusion> excluded;
+  TrajectoryAlignment alignment;
+  InitialGuess guess;
+  MotionVerdict motion;
+  State start;
+  std::size_t rejected_planes = 0;
+  std::vector<Eigen::Matrix3d> ground_offset;  ///< covariance of what a camera's ground planes share; empty: none
+
+  /// False: no camera saw the board, there is nothing to solve.
+  bool solvable() const { return guess.T_world_board.has_value(); }
+  bool has_pose(std::size_t view) const;
+  bool solved(int camera) const { return guess.T_robot_camera[static_cast<std::size_t>(camera)].has_value(); }
+  std::vector<int> solved_cameras() const;
+  Priors priors() const;
+  /// Where the motion leaves the mounting open, a solution is one of many: its residuals blame no lens and no frame.
+  bool motion_suffices() const { return motion.kind == MotionKind::kSufficient; }
+
+ private:
+  void keep_usable(const GroundCheck& ground);
+};
+
+}  // namespace rigproof::ml
