@@ -120,7 +120,7 @@ struct GenerateConfig {
   RenderConfig render;
   std::string clouds = "none";  ///< none | pcd
   std::int64_t cloud_stride_px = 2;
-  std::int64_t png_level = 1;
+  std::int64_t png_level = 0;
 
   void visit(FieldVisitor& visitor);
 };

@@ -1,4 +1,5 @@
-// Encodes images as PNG several times faster than the usual libraries: one filter for all rows, ISA-L's deflate.
+// Encodes images as PNG several times faster than the usual libraries: one filter for all rows, and a deflate that
+// looks for runs only, or ISA-L's.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +10,12 @@
 
 namespace rigproof {
 
-/// What deflate can hope for.
-enum class PngContent {
-  kClean,  ///< repetitions are searched for
-  kNoisy   ///< none are: twice as fast and no larger, where every pixel is noisy
-};
-
 /// Reuses its buffers from image to image. One thread at a time.
 class PngEncoder {
  public:
-  /// @param level 0 (fastest) to 3 (smallest), as ISA-L counts; clean content only. Throws Error outside of that.
-  explicit PngEncoder(int level = 1, PngContent content = PngContent::kClean);
+  /// @param level 0 codes runs alone: the fastest, and the same bytes on every machine. 1 to 3 (smallest) search for
+  ///   repetitions, as ISA-L counts. Throws Error outside of that.
+  explicit PngEncoder(int level = 0);
   ~PngEncoder();
   PngEncoder(const PngEncoder&) = delete;
   PngEncoder& operator=(const PngEncoder&) = delete;
