@@ -29,8 +29,8 @@ constexpr int kProgressPeriodMs = 100;
 constexpr double kPatienceS = 300.0;
 
 // Bytes a pixel and milliseconds a megapixel on one core, measured with llvmpipe in the indoor lab.
-constexpr double kColorBytesClean = 1.2, kColorBytesNoisy = 1.8;
-constexpr double kDepthBytesClean = 0.2, kDepthBytesNoisy = 0.76;
+constexpr double kColorBytesClean = 1.15, kColorBytesNoisy = 1.5;
+constexpr double kDepthBytesClean = 0.3, kDepthBytesNoisy = 0.72;
 constexpr double kMillisecondsClean = 55.0, kMillisecondsNoisy = 65.0;
 constexpr double kCloudBytes = 12.0;
 

@@ -21,16 +21,7 @@ ml::State to_state(const Observations& observations, const CalibrationState& val
   require(values.T_robot_camera.size() == cameras, "T_robot_camera", values.T_robot_camera.size(), cameras);
   require(values.depth_scale.size() == cameras, "depth_scale", values.depth_scale.size(), cameras);
   require(values.T_world_robot.size() == stops, "T_world_robot", values.T_world_robot.size(), stops);
-  ml::State state;
-  state.T_robot_camera = values.T_robot_camera;
-  state.T_world_board = values.T_world_board;
-  for (const Rigid3& T : values.T_world_robot) state.poses.push_back(ml::RobotPose::from_transform(T));
-  state.odometry_scale = values.odometry_scale;
-  state.odometry_yaw_factor = values.odometry_yaw_factor;
-  for (const double scale : values.depth_scale) state.depth_bias.push_back(scale - 1.0);
-  state.intrinsics.assign(cameras, Eigen::Vector3d::Zero());
-  state.ground_offset.assign(cameras, Eigen::Vector3d::Zero());
-  return state;
+  return ml::state_from(values);
 }
 
 ml::NoiseLevels to_levels(const CalibrationNoise& noise, std::size_t cameras) {

@@ -11,6 +11,20 @@ Rigid3 moved_transform(const Rigid3& T, const Eigen::Ref<const Vector6d>& step) 
 
 }  // namespace
 
+State state_from(const CalibrationState& values) {
+  const std::size_t cameras = values.T_robot_camera.size();
+  State state;
+  state.T_robot_camera = values.T_robot_camera;
+  state.T_world_board = values.T_world_board;
+  for (const Rigid3& T : values.T_world_robot) state.poses.push_back(RobotPose::from_transform(T));
+  state.odometry_scale = values.odometry_scale;
+  state.odometry_yaw_factor = values.odometry_yaw_factor;
+  for (const double scale : values.depth_scale) state.depth_bias.push_back(scale - 1.0);
+  state.intrinsics.assign(cameras, Eigen::Vector3d::Zero());
+  state.ground_offset.assign(cameras, Eigen::Vector3d::Zero());
+  return state;
+}
+
 RobotPose RobotPose::from_transform(const Rigid3& T_world_robot) {
   RobotPose pose;
   pose.x_m = T_world_robot.translation.x();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ml/noise.h"
+#include "rigproof/calib/information.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/rigid3.h"
 
@@ -34,6 +35,9 @@ struct State {
   std::vector<Eigen::Vector3d> intrinsics;     ///< relative focal length, shift of cx and of cy [px], one a camera
   std::vector<Eigen::Vector3d> ground_offset;  ///< common to all ground planes of a camera [1/m]
 };
+
+/// The state of values as they are reported; intrinsics as told, ground planes without a common error.
+State state_from(const CalibrationState& values);
 
 /// Unknowns: six a pose (x, y, yaw, height, roll, pitch), then the globals in the order below. Rotations move by
 /// R <- R Exp(phi).

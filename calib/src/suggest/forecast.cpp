@@ -15,21 +15,6 @@ namespace {
 
 constexpr double kNoInformation = 1e6;  // sigma [m, rad] of odometry that is left out
 
-ml::State state_of(const Knowledge& knowledge) {
-  const CalibrationState& values = knowledge.estimate.state;
-  const std::size_t cameras = values.T_robot_camera.size();
-  ml::State state;
-  state.T_robot_camera = values.T_robot_camera;
-  state.T_world_board = values.T_world_board;
-  for (const Rigid3& T : values.T_world_robot) state.poses.push_back(ml::RobotPose::from_transform(T));
-  state.odometry_scale = values.odometry_scale;
-  state.odometry_yaw_factor = values.odometry_yaw_factor;
-  for (const double scale : values.depth_scale) state.depth_bias.push_back(scale - 1.0);
-  state.intrinsics.assign(cameras, Eigen::Vector3d::Zero());
-  state.ground_offset.assign(cameras, Eigen::Vector3d::Zero());
-  return state;
-}
-
 // A level that next to nothing tells is not believed below the nominal one.
 double believed(double estimated, const std::optional<double>& declared, double nominal, std::size_t stops) {
   constexpr std::size_t kFewStops = 8;
@@ -96,7 +81,7 @@ Observations without_views(Observations observations) {
 
 Forecast::Forecast(const Knowledge& knowledge)
     : knowledge_(knowledge),
-      state_(state_of(knowledge)),
+      state_(ml::state_from(knowledge.estimate.state)),
       levels_(levels_of(knowledge)),
       priors_(priors_of(knowledge)),
       layout_(ml::Layout::of(knowledge.observations, priors_)),
