@@ -58,6 +58,8 @@ function(rigproof_add_test name)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_LINK} rigproof_test_support GTest::gtest GTest::gmock GTest::gtest_main)
   rigproof_apply_rules(${target})
+  # GoogleTest's macros take a third less time to compile this way, and what is tested keeps its own flags.
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
@@ -67,8 +69,25 @@ function(rigproof_add_test name)
   if("unit" IN_LIST ARG_LABELS)
     add_dependencies(unit_tests ${target})
   endif()
+  if(RIGPROOF_SANITIZE)
+    rigproof_add_shards(${target} ${name} ${ARG_TIMEOUT} "${ARG_LABELS}" "${ARG_FIXTURE}")
+    return()
+  endif()
   gtest_discover_tests(${target} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST
                        PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}" FIXTURES_REQUIRED "${ARG_FIXTURE}")
+endfunction()
+
+# A sanitized program takes longer to start than most cases to run: there ctest sees a few shards of all cases.
+function(rigproof_add_shards target name timeout labels fixture)
+  set(shards 4)
+  math(EXPR last "${shards} - 1")
+  math(EXPR shard_timeout "4 * ${timeout}")
+  foreach(shard RANGE ${last})
+    add_test(NAME "${name}.shard${shard}" COMMAND ${target} --gtest_brief=1)
+    set_tests_properties("${name}.shard${shard}" PROPERTIES
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard}" TIMEOUT ${shard_timeout}
+      LABELS "${labels}" FIXTURES_REQUIRED "${fixture}")
+  endforeach()
 endfunction()
 
 # rigproof_add_benchmark(render SOURCES .. LINK ..) makes the Google Benchmark program bench_render.
