@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rigproof/core/data_path.h"
+#include "rigproof/core/includes.h"
 #include "rigproof/core/yaml.h"
 
 namespace rigproof {
@@ -307,6 +308,8 @@ void read_fields_of_block(const YamlTree& block, const std::string& path, Proble
   visit(reader);
   if (block.is_map()) reader.finish();
 }
+
+YamlTree resolve_includes(YamlTree tree) { return with_includes(std::move(tree), 0); }
 
 std::string write_fields(const VisitFields& visit) {
   YamlTree tree = YamlTree::map();

@@ -165,6 +165,8 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
 }
 
 void OdometryConfig::visit(FieldVisitor& visitor) {
+  visitor.field("seed", seed, {-1.0, 9007199254740992.0},
+                "of the odometry's noise, to repeat it alone; -1 = that of everything random that is not rendered");
   visitor.field("model", model, TextChoices{{"per_increment", "per_pose", "thrun", "wheels"}},
                 "per_increment: noise on every motion from stop to stop, so that it drifts; per_pose: independent on "
                 "every absolute pose; thrun: grows with the motion; wheels: systematic errors of wheels, slip, ticks");
@@ -212,6 +214,8 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
   visitor.nested("odometry", odometry, "what the wheels tell");
   visitor.check(motion != "drive" || !odometry.declared, "odometry.declared",
                 "must be false with motion drive: its odometry follows no noise law that could be told");
+  visitor.check(motion != "drive" || odometry.seed < 0, "odometry.seed",
+                "must be -1 with motion drive: its odometry is what the wheels count");
   visitor.field("sensor_noise", sensor_noise, TextChoices{{"realistic", "none"}},
                 "realistic: image and depth noise of the camera's sensor preset; none: clean images");
   visitor.field("depth_scale_bias_percent", depth_scale_bias_percent, {-20.0, 20.0},

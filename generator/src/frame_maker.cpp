@@ -53,6 +53,7 @@ FrameMaker::FrameMaker(const Scenario& scenario, const std::filesystem::path& ru
 }
 
 void FrameMaker::render(const FrameJob& job) {
+  rendered_ = true;
   scenario_.world->place_robot(scenario_.T_scene_robot[job.stop]);
   renderer_->render(job.camera, &view_);
   clean_.gl_renderer = renderer_->gl_renderer();
@@ -64,6 +65,7 @@ void FrameMaker::render(const FrameJob& job) {
 }
 
 void FrameMaker::take_clean_frame(std::size_t frame, const FrameJob& job) {
+  rendered_ = false;
   if (source_.cache == nullptr) return render(job);
   const std::string& key = source_.keys[frame];
   const bool held = source_.cache->load(key, &clean_);

@@ -37,6 +37,9 @@ class FrameMaker {
   /// relative to the run.
   FileEntries make(std::size_t frame);
 
+  /// Whether the last frame was rendered, instead of taken from the cache.
+  bool rendered() const { return rendered_; }
+
   /// Empty if nothing is rendered.
   std::string gl_renderer() const { return renderer_ ? renderer_->gl_renderer() : ""; }
 
@@ -50,6 +53,7 @@ class FrameMaker {
   const FrameSource& source_;
   RunFolder run_;
   std::uint64_t seed_;
+  bool rendered_ = false;
   std::unique_ptr<Renderer> renderer_;
   CleanFrame clean_;
   RenderedView view_;

@@ -13,6 +13,7 @@
 #include "frame_maker.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folder_lock.h"
 #include "run_state.h"
 #include "scenario.h"
 #include "worker_pool.h"
@@ -58,22 +59,30 @@ double expected_mb(const Scenario& scenario) {
   return bytes * megapixels(scenario);
 }
 
-// One line a file: size, hash, path.
-std::string text_of(const FileEntries& entries) {
-  std::string text;
+// What a render process reports of a frame.
+struct FrameNews {
+  bool rendered = true;  ///< false: its clean render came from the cache
+  FileEntries entries;
+};
+
+// A line that says whether it was rendered; then one line a file: size, hash, path.
+std::string text_of(bool rendered, const FileEntries& entries) {
+  std::string text = rendered ? "1\n" : "0\n";
   for (const auto& [path, entry] : entries) {
     text += std::to_string(entry.size_bytes) + " " + entry.sha256 + " " + path + "\n";
   }
   return text;
 }
 
-FileEntries entries_of(const std::string& text) {
-  FileEntries entries;
+FrameNews news_of(const std::string& text) {
+  FrameNews news;
   std::istringstream in(text);
+  in >> news.rendered;
   Manifest::Entry entry;
   std::string path;
-  while (in >> entry.size_bytes >> entry.sha256 && in.get() == ' ' && std::getline(in, path)) entries[path] = entry;
-  return entries;
+  while (in >> entry.size_bytes >> entry.sha256 && in.get() == ' ' && std::getline(in, path))
+    news.entries[path] = entry;
+  return news;
 }
 
 // Everything but images: small, quickly made, written anew whenever a generation starts.
@@ -189,7 +198,8 @@ class Generation {
     return go_on;
   }
 
-  std::size_t rendered() const { return rendered_; }
+  std::size_t made() const { return rendered_; }
+  std::size_t from_cache() const { return from_cache_; }
 
  private:
   // Without a context where the cache has it all, drawn by one driver.
@@ -206,7 +216,10 @@ class Generation {
     ::setenv("LP_NUM_THREADS", "1", 1);
     const auto maker = std::make_shared<FrameMaker>(scenario_, run_.root, source_);
     *greeting = maker->gl_renderer();
-    return [maker](std::uint32_t frame) { return text_of(maker->make(frame)); };
+    return [maker](std::uint32_t frame) {
+      const FileEntries entries = maker->make(frame);
+      return text_of(maker->rendered(), entries);
+    };
   }
 
   void take(const WorkerEvent& event) {
@@ -214,9 +227,7 @@ class Generation {
       case WorkerEvent::Kind::kReady:
         return event.text.empty() ? void() : take_renderer(event.text);
       case WorkerEvent::Kind::kDone:
-        keeper_->add(entries_of(event.text));
-        ++rendered_;
-        return;
+        return take_news(news_of(event.text));
       case WorkerEvent::Kind::kFailed:
         throw Error(event.text);
       case WorkerEvent::Kind::kDied:
@@ -224,6 +235,12 @@ class Generation {
                         "; what is finished is kept: the same command goes on from there",
                     ExitCode::kTryAgain);
     }
+  }
+
+  void take_news(const FrameNews& news) {
+    keeper_->add(news.entries);
+    ++rendered_;
+    if (!news.rendered) ++from_cache_;
   }
 
   void take_renderer(const std::string& gl_renderer) {
@@ -247,14 +264,13 @@ class Generation {
   ManifestKeeper* keeper_;
   CleanCache cache_;
   FrameSource source_;
-  std::size_t already_done_ = 0, rendered_ = 0;
+  std::size_t already_done_ = 0, rendered_ = 0, from_cache_ = 0;
   bool renderer_told_ = false;
 };
 
-GenerateReport make_report(const Scenario& scenario, const Manifest& manifest, std::size_t rendered) {
+GenerateReport make_report(const Scenario& scenario, const Manifest& manifest) {
   GenerateReport report;
   report.images = scenario.frame_count();
-  report.images_rendered = rendered;
   for (const auto& [path, entry] : manifest.files) report.bytes += entry.size_bytes;
   report.complete = manifest.complete;
   report.gl_renderer = manifest.gl_renderer;
@@ -274,8 +290,8 @@ void keep_drive(const Scenario& scenario, const fs::path& cache) {
 }
 
 // Renders and keeps the manifest; after a failure the manifest still tells what was finished.
-std::size_t render_missing(const Scenario& scenario, const RunFolder& run, const GenerateOptions& options,
-                           const std::vector<std::uint32_t>& missing, ManifestKeeper* keeper) {
+GenerateReport render_missing(const Scenario& scenario, const RunFolder& run, const GenerateOptions& options,
+                              const std::vector<std::uint32_t>& missing, ManifestKeeper* keeper) {
   Generation generation(scenario, run, options, keeper);
   try {
     const bool all = generation.render(missing);
@@ -288,7 +304,10 @@ std::size_t render_missing(const Scenario& scenario, const RunFolder& run, const
     }
     throw;
   }
-  return generation.rendered();
+  GenerateReport report = make_report(scenario, keeper->manifest());
+  report.images_rendered = generation.made();
+  report.images_from_cache = generation.from_cache();
+  return report;
 }
 
 }  // namespace
@@ -320,14 +339,14 @@ GenerateReport generate(const Scenario& scenario, const GenerateOptions& options
   const auto start = Clock::now();
   if (!options.render) require_cached(scenario, options.cache);
   const RunFolder run{options.output};
-  const RunLock lock(run.root);
+  const FolderLock lock(run.root, "another rigproof generates into this folder");
   Manifest manifest = open_run(run, scenario, options.fresh);
   const std::size_t files_known = manifest.files.size();
   drop_damaged(run, &manifest);
   const std::vector<std::uint32_t> missing = missing_frames(scenario, manifest);
   if (manifest.complete && missing.empty() && manifest.files.size() == files_known) {
     if (options.progress) options.progress(scenario.frame_count(), scenario.frame_count());
-    return make_report(scenario, manifest, 0);
+    return make_report(scenario, manifest);
   }
   remove_temporary_files(run.root);
   check_disk_space(
@@ -337,8 +356,7 @@ GenerateReport generate(const Scenario& scenario, const GenerateOptions& options
   ManifestKeeper keeper(run, std::move(manifest));
   keeper.add(write_texts(run, scenario));
   keep_drive(scenario, options.cache);
-  const std::size_t rendered = render_missing(scenario, run, options, missing, &keeper);
-  GenerateReport report = make_report(scenario, keeper.manifest(), rendered);
+  GenerateReport report = render_missing(scenario, run, options, missing, &keeper);
   report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return report;
 }

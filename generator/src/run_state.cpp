@@ -1,14 +1,8 @@
 #include "run_state.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <sstream>
 #include <system_error>
-#include <thread>
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -21,8 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// Processes of a killed generation end with the frame that they are at.
-constexpr std::chrono::seconds kLockPatience{5};
 // A killed generation loses at most what was rendered since the last write of the manifest.
 constexpr double kWritePeriodS = 2.0;
 // Writing may take this share of the time.
@@ -109,25 +101,6 @@ void remove_own(const RunFolder& run) {
 }
 
 }  // namespace
-
-RunLock::RunLock(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw Error(folder.string() + ": cannot create the folder: " + error.message());
-  descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor_ < 0) throw Error(folder.string() + ": cannot open: " + std::generic_category().message(errno));
-  const auto deadline = Clock::now() + kLockPatience;
-  while (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK) return;  // a file system without locks: go on without
-    if (Clock::now() > deadline) {
-      ::close(descriptor_);
-      throw Error(folder.string() + ": another rigproof generates into this folder", ExitCode::kTryAgain);
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-}
-
-RunLock::~RunLock() { ::close(descriptor_); }
 
 std::string config_file_text(const Scenario& scenario) {
   std::string text = std::string("# resolved by rigproof ") + version() + "; generates the same run again\n";

@@ -1,5 +1,4 @@
-// What is on disk of a run: is it ours, does it belong to this configuration, what is finished, and the lock that keeps
-// a second generation out.
+// What is on disk of a run: is it ours, does it belong to this configuration, and what is finished.
 #pragma once
 
 #include <chrono>
@@ -13,20 +12,6 @@
 #include "scenario.h"
 
 namespace rigproof {
-
-/// Holds the folder for one generation; processes that are forked from it hold it, too, until they end.
-class RunLock {
- public:
-  /// Creates the folder where it is missing. Waits for a moment for processes of a killed generation to end.
-  /// Throws Error if another generation works in the folder.
-  explicit RunLock(const std::filesystem::path& folder);
-  ~RunLock();
-  RunLock(const RunLock&) = delete;
-  RunLock& operator=(const RunLock&) = delete;
-
- private:
-  int descriptor_ = -1;
-};
 
 /// truth/config.yaml: the resolved configuration, and in comments the presets that it was resolved with.
 std::string config_file_text(const Scenario& scenario);

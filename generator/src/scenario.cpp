@@ -18,6 +18,7 @@
 #include "rigproof/generator/straight_drive.h"
 #include "rigproof/sim/board_pattern.h"
 #include "sensing/resolve.h"
+#include "told_odometry.h"
 
 namespace rigproof {
 namespace {
@@ -97,40 +98,6 @@ std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigMode
   return inputs;
 }
 
-// Drawn once a run.
-OdometrySimulation resolve_odometry(const OdometryConfig& config, const RobotModel& robot, std::uint64_t seed,
-                                    std::map<std::string, double>* drawn) {
-  RandomStream random(seed, "odometry systematics");
-  OdometrySimulation simulation;
-  simulation.model = config.model == "per_pose" ? OdometryModel::kPerPose : OdometryModel::kPerIncrement;
-  simulation.sigma_xy_m = config.lambda * config.sigma_xy_cm / 100.0;
-  simulation.sigma_yaw_rad = config.lambda * config.sigma_yaw_rad;
-  simulation.scale = config.scale.sample(random);
-  simulation.yaw_factor = config.yaw_factor.sample(random);
-  simulation.rate_hz = config.rate_hz;
-  if (config.model == "thrun") simulation.law = OdometryLaw::kThrun;
-  simulation.thrun = {config.thrun.a1, config.thrun.a2, config.thrun.a3, config.thrun.a4};
-  if (config.model != "wheels") return simulation;
-  simulation.law = OdometryLaw::kWheels;
-  const auto draw = [&](const char* name, const Distribution& distribution) {
-    return (*drawn)[std::string("odometry.wheels.") + name] = distribution.sample(random);
-  };
-  WheelErrors& wheels = simulation.wheels;
-  wheels.nominal_track_m = robot.track_m * robot.slip_factor;
-  wheels.diameter_ratio = draw("diameter_ratio", config.wheels.diameter_ratio);
-  wheels.track_ratio = draw("track_ratio", config.wheels.track_ratio);
-  wheels.icr_x_m = draw("icr_x_m", config.wheels.icr_x_m);
-  wheels.icr_asymmetry_m = draw("icr_asymmetry_m", config.wheels.icr_asymmetry_m);
-  wheels.slip = 0.01 * config.wheels.slip_percent;
-  if (robot.encoder_ticks_per_turn > 0.0)
-    wheels.way_of_tick_m = 2.0 * kPi * robot.wheel_radius_m / robot.encoder_ticks_per_turn;
-  return simulation;
-}
-
-OdometryNoise noise_of(const OdometrySimulation& simulation) {
-  return {simulation.model, simulation.sigma_xy_m, simulation.sigma_yaw_rad};
-}
-
 // The robot's frame at the first stop, levelled to the scene's floor.
 Rigid3 levelled(const Rigid3& T) { return planar_pose(T.translation.x(), T.translation.y(), yaw_of(T)); }
 
@@ -188,16 +155,6 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
   return recording;
 }
 
-// Odometry whose noise is no law of its own: the nearest one.
-void label_odometry(const std::vector<OdometrySample>& odometry, Truth* truth) {
-  std::vector<OdometrySample> at_stops;
-  for (const TrueStop& stop : truth->stops) at_stops.push_back(odometry_at(odometry, stop.stamp_s));
-  const OdometryFit fit = fit_odometry(truth->stops, at_stops);
-  truth->odometry_noise = {OdometryModel::kPerIncrement, fit.rms_xy_m, fit.rms_yaw_rad};
-  truth->odometry_scale = fit.scale;
-  truth->odometry_yaw_factor = fit.yaw_factor;
-}
-
 // Stops exactly on the viewpoints, at equal times; the odometry is the truth with noise.
 void teleport(const WorldDescription& description, const ViewpointSubject& subject, Scenario* scenario) {
   const GenerateConfig& config = scenario->config;
@@ -209,22 +166,9 @@ void teleport(const WorldDescription& description, const ViewpointSubject& subje
     stamps_s.push_back(static_cast<double>(stamps_s.size()) * config.stop_period_s);
     scenario->T_scene_robot.push_back(stop.T_scene_robot());
   }
-  std::map<std::string, double> drawn;
-  const OdometrySimulation odometry =
-      resolve_odometry(config.odometry, scenario->rig.robot, sensing_seed(config), &drawn);
-  Truth& truth = scenario->truth;
-  truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
-  truth.drawn.insert(drawn.begin(), drawn.end());
+  scenario->truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
   scenario->recording = recorded_part(*scenario, description.board);
-  scenario->recording.odometry = simulate_odometry(truth.stops, odometry, sensing_seed(config));
-  if (odometry.law == OdometryLaw::kPaper) {
-    truth.odometry_noise = noise_of(odometry);
-    truth.odometry_scale = odometry.scale;
-    truth.odometry_yaw_factor = odometry.yaw_factor;
-  } else {
-    label_odometry(scenario->recording.odometry, &truth);
-  }
-  if (config.odometry.declared) scenario->recording.rig.odometry_noise = truth.odometry_noise;
+  tell_odometry(config, scenario->rig.robot, &scenario->recording, &scenario->truth);
 }
 
 // The same drive, whether it is taken from a file or simulated.
@@ -282,6 +226,12 @@ std::vector<FrameJob> recorded_frames(const std::vector<std::vector<CameraFrame>
 }
 
 }  // namespace
+
+std::vector<ScenarioInput> scenario_inputs(const GenerateConfig& config) {
+  const RigModel rig = load_rig_model(config.rig);
+  const SceneModel scene = varied(load_scene_model(config.scene), config.randomize, seed_of(config));
+  return inputs_of(config, rig, scene, resolve_board(config.board, rig.rig.board));
+}
 
 Camera scaled_camera(const Camera& camera, double scale) {
   if (scale == 1.0) return camera;

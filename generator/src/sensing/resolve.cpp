@@ -152,6 +152,10 @@ Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::u
 void disturb_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth) {
   for (std::size_t i = 0; i < recording->frames.size(); ++i)
     disturb_frames(config, seed, static_cast<std::int32_t>(i), &recording->frames[i], &truth->cameras[i]);
+  disturb_odometry_time(config, seed, recording, truth);
+}
+
+void disturb_odometry_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth) {
   RandomStream random(seed, "odometry clock");
   const double delay_s = config.odometry_delay_ms.sample(random) / 1000.0;
   for (OdometrySample& sample : recording->odometry)

@@ -24,5 +24,7 @@ Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::u
 /// What is wrong with the clocks: moves the stamps of frames and odometry, forgets dropped frames, and labels it in the
 /// truth. Stamps stay in order. At least one frame of every camera is kept.
 void disturb_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth);
+/// The part of it that concerns the odometry.
+void disturb_odometry_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth);
 
 }  // namespace rigproof

@@ -75,6 +75,7 @@ struct ViewpointConfig {
 
 /// What the robot's wheels tell.
 struct OdometryConfig {
+  std::int64_t seed = -1;               ///< of the odometry's noise; -1 = as everything else that is not rendered
   std::string model = "per_increment";  ///< per_increment | per_pose | thrun | wheels
   double lambda = 1.0;
   double sigma_xy_cm = 0.2;

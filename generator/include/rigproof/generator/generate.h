@@ -43,8 +43,9 @@ struct GeneratePlan {
 };
 
 struct GenerateReport {
-  std::size_t images = 0;           ///< in the run
-  std::size_t images_rendered = 0;  ///< by this call, or sensed from the cache; the rest was there already
+  std::size_t images = 0;             ///< in the run
+  std::size_t images_rendered = 0;    ///< by this call, or sensed from the cache; the rest was there already
+  std::size_t images_from_cache = 0;  ///< of those, the ones whose clean render the cache held
   std::uint64_t bytes = 0;
   double seconds = 0.0;
   bool complete = false;  ///< false: interrupted, resumes
