@@ -39,6 +39,12 @@ CalibrationNoise noise_at(const Truth& truth) {
   return noise;
 }
 
+std::optional<InformationBound> information_at_truth(const Observations& observations, const Truth& truth) {
+  const std::optional<CalibrationState> state = state_at(observations, truth);
+  if (!state || observations.stops.empty()) return std::nullopt;
+  return cramer_rao_bound(observations, *state, noise_at(truth));
+}
+
 // Whether directions that the data leave free move this axis of a transform.
 bool is_open(const Eigen::MatrixXd& free, Eigen::Index row) {
   constexpr double kShare = 1e-4;  // of the direction's largest part
@@ -92,11 +98,33 @@ const double kDegrees = rad_to_deg(1.0);
 
 }  // namespace
 
+std::vector<TransformBound> transform_bounds(const Observations& observations, const Truth& truth) {
+  const std::optional<InformationBound> bound = information_at_truth(observations, truth);
+  std::vector<TransformBound> bounds;
+  if (!bound) return bounds;
+  for (std::size_t c = 0; c < bound->camera_to_robot.size(); ++c) {
+    TransformBound& entry = bounds.emplace_back();
+    entry.parent = "robot";
+    entry.child = observations.cameras[c].name;
+    for (int axis = 0; axis < 6; ++axis)
+      if (!is_open(bound->free_directions, 6 * static_cast<Eigen::Index>(c) + axis))
+        entry.sigma[static_cast<std::size_t>(axis)] = std::sqrt(bound->camera_to_robot[c](axis, axis));
+  }
+  for (const InformationBound::Pair& pair : bound->camera_to_camera) {
+    TransformBound& entry = bounds.emplace_back();
+    entry.parent = observations.cameras[static_cast<std::size_t>(pair.parent)].name;
+    entry.child = observations.cameras[static_cast<std::size_t>(pair.child)].name;
+    if (bound->free_directions.cols() > 0) continue;
+    for (int axis = 0; axis < 6; ++axis)
+      entry.sigma[static_cast<std::size_t>(axis)] = std::sqrt(pair.covariance(axis, axis));
+  }
+  return bounds;
+}
+
 std::optional<DataBound> data_bound(const Observations& observations, const Truth& truth) {
-  const std::optional<CalibrationState> state = state_at(observations, truth);
-  if (!state || observations.stops.empty()) return std::nullopt;
-  const InformationBound bound = cramer_rao_bound(observations, *state, noise_at(truth));
-  return DataBound{in_robot(bound), between_cameras(bound)};
+  const std::optional<InformationBound> bound = information_at_truth(observations, truth);
+  if (!bound) return std::nullopt;
+  return DataBound{in_robot(*bound), between_cameras(*bound)};
 }
 
 std::string format_bound(const DataBound& bound) {

@@ -9,16 +9,20 @@
 #include "parallel.h"
 #include "rigproof/calib/checkerboard.h"
 #include "rigproof/calib/image_io.h"
+#include "rigproof/calib/picture_memory.h"
 #include "rigproof/calib/trajectory_alignment.h"
 #include "rigproof/calib/view_poses.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "sight.h"
 #include "stops.h"
 
 namespace rigproof {
 namespace {
 
+using detection::PlaneSight;
 using detection::PlannedStop;
+using detection::Sight;
 using detection::StopPlan;
 
 // Depth images are sampled so that about this many points remain: more tell little about a plane and cost time.
@@ -28,24 +32,6 @@ constexpr std::size_t kDiagnosedImages = 12;
 
 // Height sigmas of one camera's planes differ by the share of the image that the floor fills, a few times at most.
 constexpr double kMaxUncertaintyRatio = 10.0;
-
-/// One image of the recording and what came of it.
-struct Sight {
-  int stop = 0;
-  int camera = 0;
-  int frame = 0;
-  bool readable = false;  ///< the image has the right size
-  bool wrong_size = false;
-  std::vector<CornerObservation> corners;
-  std::string reason;  ///< why there are no corners
-};
-
-/// Depth of one image.
-struct PlaneSight {
-  std::optional<PlaneObservation> ground;
-  std::optional<PlaneObservation> board;
-  std::string problem;  ///< why there is no ground plane
-};
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
 
@@ -85,8 +71,8 @@ std::optional<Value> take(std::variant<Value, Unreadable> read, std::string* rea
 
 class Observer {
  public:
-  Observer(const Recording& recording, const ObserveOptions& options)
-      : recording_(recording), options_(options), plan_(detection::plan_stops(recording, options)) {}
+  Observer(const Recording& recording, const ObserveOptions& options, PictureMemory* memory)
+      : recording_(recording), options_(options), memory_(memory), plan_(detection::plan_stops(recording, options)) {}
 
   Observations run() {
     const std::string& type = recording_.rig.board.type;
@@ -146,7 +132,31 @@ class Observer {
     return read<Image8>(frame_of(sight).color_file, read_grey_image, reason);
   }
 
+  // What a memory holds of a file, or finding it now and keeping it. Nothing is kept of a file that is not known.
+  template <typename Found, typename Find>
+  void recall_or(PictureMemory::Finding finding, const std::string& key, Found* found, const Find& find) const {
+    if (!key.empty())
+      if (const std::optional<std::string> bytes = memory_->recall(finding, key))
+        if (detection::read_bytes(*bytes, found)) return;
+    const bool worth_keeping = find();
+    if (!key.empty() && worth_keeping) memory_->keep(finding, key, detection::bytes_of(*found));
+  }
+
+  std::string content_of(const std::string& file) const {
+    return memory_ == nullptr ? std::string() : memory_->content_of(file);
+  }
+
   void look(Sight* sight) const {
+    const std::string content = content_of(frame_of(*sight).color_file);
+    const Camera& camera = recording_.rig.cameras[static_cast<std::size_t>(sight->camera)].camera;
+    const std::string key = content.empty() ? content : detection::corners_key(content, camera, recording_.rig.board);
+    recall_or(PictureMemory::Finding::kCorners, key, sight, [&] {
+      search(sight);
+      return sight->readable;
+    });
+  }
+
+  void search(Sight* sight) const {
     const std::optional<Image8> image = read_image(*sight, &sight->reason);
     if (!image) return;
     const Camera& camera = recording_.rig.cameras[static_cast<std::size_t>(sight->camera)].camera;
@@ -305,11 +315,32 @@ class Observer {
     return points;
   }
 
+  const std::string& depth_file_of(const Sight& sight) const {
+    const CameraFrame& frame = frame_of(sight);
+    return frame.depth_file.empty() ? frame.cloud_file : frame.depth_file;
+  }
+
   PlaneSight look_at_depth(const Sight& sight, const std::optional<Rigid3>& T_camera_board,
                            const std::optional<Eigen::Vector3d>& up_camera) const {
+    const std::string content = content_of(depth_file_of(sight));
+    const RigCamera& camera = recording_.rig.cameras[static_cast<std::size_t>(sight.camera)];
+    const std::string key = content.empty() ? content
+                                            : detection::planes_key(content, camera, recording_.rig.board, kDepthPoints,
+                                                                    T_camera_board, up_camera);
+    PlaneSight planes;
+    recall_or(PictureMemory::Finding::kPlanes, key, &planes, [&] {
+      std::string unreadable;
+      const std::optional<DepthPoints> points = read_points(sight, &unreadable);
+      if (points) planes = fit_planes(sight, *points, T_camera_board, up_camera);
+      if (!points) planes.problem = unreadable;
+      return points.has_value();
+    });
+    return planes;
+  }
+
+  PlaneSight fit_planes(const Sight& sight, const DepthPoints& points, const std::optional<Rigid3>& T_camera_board,
+                        const std::optional<Eigen::Vector3d>& up_camera) const {
     PlaneSight result;
-    const std::optional<DepthPoints> points = read_points(sight, &result.problem);
-    if (!points) return result;
     const DepthNoise& noise = recording_.rig.cameras[static_cast<std::size_t>(sight.camera)].depth->noise;
     const auto fit_ground = [&](const DepthPoints& elsewhere) {
       GroundPlaneFit fit = fit_ground_plane(elsewhere, noise, up_camera);
@@ -317,10 +348,10 @@ class Observer {
       if (!result.ground) result.problem = fit.reason;
     };
     if (!T_camera_board) {
-      fit_ground(*points);
+      fit_ground(points);
       return result;
     }
-    const detection::SplitPoints split = detection::split_at_board(*points, recording_.rig.board, *T_camera_board);
+    const detection::SplitPoints split = detection::split_at_board(points, recording_.rig.board, *T_camera_board);
     fit_ground(split.elsewhere);
     result.board = detection::fit_board_plane(split.on_board, noise, *T_camera_board);
     return result;
@@ -357,8 +388,7 @@ class Observer {
   }
 
   void keep(const Sight& sight, PlaneSight planes) {
-    const CameraFrame& frame = frame_of(sight);
-    const std::string& file = frame.depth_file.empty() ? frame.cloud_file : frame.depth_file;
+    const std::string& file = depth_file_of(sight);
     if (!planes.problem.empty()) exclude_depth(sight.camera, sight.stop, file, planes.problem);
     const auto add = [&](std::optional<PlaneObservation>& plane, std::vector<PlaneObservation>* to) {
       if (!plane) return;
@@ -412,6 +442,7 @@ class Observer {
 
   const Recording& recording_;
   const ObserveOptions& options_;
+  PictureMemory* memory_;  ///< null = none
   StopPlan plan_;
   std::vector<Sight> sights_;         ///< by (stop, camera, frame)
   std::vector<const Sight*> chosen_;  ///< one readable frame for each (stop, camera)
@@ -421,7 +452,11 @@ class Observer {
 }  // namespace
 
 Observations observe(const Recording& recording, const ObserveOptions& options) {
-  return Observer(recording, options).run();
+  return Observer(recording, options, nullptr).run();
+}
+
+Observations observe(const Recording& recording, const ObserveOptions& options, PictureMemory* memory) {
+  return Observer(recording, options, memory).run();
 }
 
 }  // namespace rigproof

@@ -23,6 +23,7 @@ list(APPEND calib_sources
   src/detection/point_cloud.cpp
   src/detection/saddle_candidates.cpp
   src/detection/saddle_fit.cpp
+  src/detection/sight.cpp
   src/detection/smooth_image.cpp
   src/detection/stops.cpp)
 list(APPEND calib_private_libraries opencv_core opencv_imgproc opencv_imgcodecs opencv_calib3d PkgConfig::DEFLATE

@@ -31,6 +31,9 @@ const Method& robot_autocalib_board_method();
 /// steps and the axis of the turns.
 const Method& sensorx2car_method();
 
+/// Whether a method opens the images, depth images or clouds of a recording, rather than its observations alone.
+bool reads_files(const Method& method);
+
 /// All of them, in the order in which they are listed.
 const std::vector<const Method*>& rival_methods();
 

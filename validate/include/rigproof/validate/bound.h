@@ -21,6 +21,16 @@ struct DataBound {
   AxisBounds camera_to_camera;  ///< all absent with a single camera
 };
 
+/// The same for a single transform, in the order of the truth's cameras and pairs as a Comparison has them.
+struct TransformBound {
+  std::string parent;  ///< "robot" or a camera
+  std::string child;
+  AxisBounds sigma;
+};
+
+/// One entry for each camera of the observations, then for each pair. Empty where data_bound() would be absent.
+std::vector<TransformBound> transform_bounds(const Observations& observations, const Truth& truth);
+
 /// The bound of these observations of the run: corners and planes with their stated covariances, the odometry with the
 /// noise that was drawn. Absent if a camera or a stop of the observations is not in the truth.
 std::optional<DataBound> data_bound(const Observations& observations, const Truth& truth);

@@ -1,0 +1,225 @@
+#include "sight.h"
+
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#include "rigproof/core/files.h"
+
+namespace rigproof::detection {
+namespace {
+
+// Raised whenever what is found in a picture, or these bytes, change.
+constexpr std::uint32_t kFormat = 1;
+
+class Writer {
+ public:
+  template <typename Number>
+  void number(Number value) {
+    static_assert(std::is_arithmetic_v<Number>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  void text(const std::string& value) {
+    number(static_cast<std::uint32_t>(value.size()));
+    bytes_ += value;
+  }
+  template <typename Matrix>
+  void matrix(const Matrix& value) {
+    for (Eigen::Index i = 0; i < value.size(); ++i) number(value.data()[i]);
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::string& bytes) : bytes_(bytes) {}
+
+  template <typename Number>
+  void number(Number* value) {
+    static_assert(std::is_arithmetic_v<Number>);
+    if (!take(sizeof *value)) return;
+    std::memcpy(value, bytes_.data() + at_ - sizeof *value, sizeof *value);
+  }
+  // One byte; anything but 0 is true, so that foreign bytes cannot make an impossible bool.
+  bool flag() {
+    std::uint8_t value = 0;
+    number(&value);
+    return value != 0;
+  }
+  void text(std::string* value) {
+    const std::size_t size = count(1);
+    if (take(size)) *value = bytes_.substr(at_ - size, size);
+  }
+  template <typename Matrix>
+  void matrix(Matrix* value) {
+    for (Eigen::Index i = 0; i < value->size(); ++i) number(&value->data()[i]);
+  }
+  /// A number of things of at least so many bytes, which must be there.
+  std::size_t count(std::size_t bytes_each) {
+    std::uint32_t value = 0;
+    number(&value);
+    if (value > (bytes_.size() - at_) / bytes_each) good_ = false;
+    return good_ ? value : 0;
+  }
+  bool finished() const { return good_ && at_ == bytes_.size(); }
+
+ private:
+  bool take(std::size_t size) {
+    good_ = good_ && size <= bytes_.size() - at_;
+    if (good_) at_ += size;
+    return good_;
+  }
+
+  const std::string& bytes_;
+  std::size_t at_ = 0;
+  bool good_ = true;
+};
+
+void write(const std::optional<PlaneObservation>& plane, Writer* to) {
+  to->number(static_cast<std::uint8_t>(plane.has_value()));
+  if (!plane) return;
+  to->matrix(plane->inverse_depth_plane);
+  to->matrix(plane->covariance_per_m2);
+  to->number(plane->effective_points);
+  to->number(plane->inlier_points);
+  to->number(plane->residual_rms);
+}
+
+void read(Reader* from, std::optional<PlaneObservation>* plane) {
+  plane->reset();
+  if (!from->flag()) return;
+  PlaneObservation& value = plane->emplace();
+  from->matrix(&value.inverse_depth_plane);
+  from->matrix(&value.covariance_per_m2);
+  from->number(&value.effective_points);
+  from->number(&value.inlier_points);
+  from->number(&value.residual_rms);
+}
+
+bool is_format(Reader* from) {
+  std::uint32_t format = 0;
+  from->number(&format);
+  return format == kFormat;
+}
+
+void write(const Camera& camera, Writer* to) {
+  for (const int side : {camera.width_px, camera.height_px, static_cast<int>(camera.lens)}) to->number(side);
+  for (const double value : {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px}) to->number(value);
+  for (const double value : camera.distortion) to->number(value);
+}
+
+void write(const Board& board, Writer* to) {
+  to->text(board.type);
+  to->number(board.squares_x);
+  to->number(board.squares_y);
+  to->number(board.square_m);
+}
+
+void write(const Rigid3& T, Writer* to) {
+  to->matrix(T.rotation.coeffs());
+  to->matrix(T.translation);
+}
+
+void write(const DepthStream& depth, Writer* to) {
+  const DepthNoise& noise = depth.noise;
+  to->number(static_cast<int>(noise.law));
+  for (const double value : {depth.unit_m, depth.min_m, depth.max_m, noise.inverse_depth_sigma_per_m, noise.constant_m,
+                             noise.proportional, noise.correlation_px, noise.scale_sigma})
+    to->number(value);
+  to->number(static_cast<std::uint8_t>(depth.own_camera.has_value()));
+  if (!depth.own_camera) return;
+  write(depth.own_camera->camera, to);
+  write(depth.own_camera->T_color_depth, to);
+}
+
+Writer begun_key(const char* kind, const std::string& content) {
+  Writer key;
+  key.number(kFormat);
+  key.text(kind);
+  key.text(content);
+  return key;
+}
+
+}  // namespace
+
+std::string bytes_of(const Sight& sight) {
+  Writer to;
+  to.number(kFormat);
+  to.number(static_cast<std::uint8_t>(sight.readable));
+  to.number(static_cast<std::uint8_t>(sight.wrong_size));
+  to.text(sight.reason);
+  to.number(static_cast<std::uint32_t>(sight.corners.size()));
+  for (const CornerObservation& corner : sight.corners) {
+    to.number(corner.id);
+    to.matrix(corner.pixel);
+    to.matrix(corner.covariance_px2);
+  }
+  return to.bytes();
+}
+
+std::string bytes_of(const PlaneSight& planes) {
+  Writer to;
+  to.number(kFormat);
+  to.text(planes.problem);
+  write(planes.ground, &to);
+  write(planes.board, &to);
+  return to.bytes();
+}
+
+bool read_bytes(const std::string& bytes, Sight* sight) {
+  constexpr std::size_t kCornerBytes = sizeof(int) + 6 * sizeof(double);
+  Reader from(bytes);
+  if (!is_format(&from)) return false;
+  Sight read = *sight;
+  read.readable = from.flag();
+  read.wrong_size = from.flag();
+  from.text(&read.reason);
+  read.corners.resize(from.count(kCornerBytes));
+  for (CornerObservation& corner : read.corners) {
+    from.number(&corner.id);
+    from.matrix(&corner.pixel);
+    from.matrix(&corner.covariance_px2);
+  }
+  if (!from.finished()) return false;
+  *sight = std::move(read);
+  return true;
+}
+
+bool read_bytes(const std::string& bytes, PlaneSight* planes) {
+  Reader from(bytes);
+  if (!is_format(&from)) return false;
+  PlaneSight found;
+  from.text(&found.problem);
+  read(&from, &found.ground);
+  read(&from, &found.board);
+  if (!from.finished()) return false;
+  *planes = std::move(found);
+  return true;
+}
+
+std::string corners_key(const std::string& content, const Camera& camera, const Board& board) {
+  Writer key = begun_key("corners", content);
+  key.number(camera.width_px);
+  key.number(camera.height_px);
+  write(board, &key);
+  return sha256_hex(key.bytes());
+}
+
+std::string planes_key(const std::string& content, const RigCamera& camera, const Board& board, int points,
+                       const std::optional<Rigid3>& T_camera_board, const std::optional<Eigen::Vector3d>& up_camera) {
+  Writer key = begun_key("planes", content);
+  write(camera.camera, &key);
+  if (camera.depth) write(*camera.depth, &key);
+  write(board, &key);
+  key.number(points);
+  key.number(static_cast<std::uint8_t>(T_camera_board.has_value()));
+  if (T_camera_board) write(*T_camera_board, &key);
+  key.number(static_cast<std::uint8_t>(up_camera.has_value()));
+  if (up_camera) key.matrix(*up_camera);
+  return sha256_hex(key.bytes());
+}
+
+}  // namespace rigproof::detection
