@@ -16,6 +16,7 @@
 #include "rigproof/core/version.h"
 #include "rigproof/sim/board_pattern.h"
 #include "rigproof/sim/board_pdf.h"
+#include "sweep_commands.h"
 #include "terminal.h"
 #include "uncertainty_commands.h"
 
@@ -318,6 +319,7 @@ int run_main(int argc, char** argv) {
   add_observe(app, action);
   add_calibrate(app, action);
   add_validate(app, action);
+  add_sweep_command(app, action);
   add_uncertainty_commands(app, action);
   add_inspect(app, action);
   add_convert(app, action);

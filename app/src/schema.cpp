@@ -13,6 +13,7 @@
 #include "rigproof/core/text.h"
 #include "rigproof/generator/config.h"
 #include "rigproof/study/external.h"
+#include "rigproof/study/sweep_config.h"
 #include "rigproof/validate/budget.h"
 
 namespace rigproof {
@@ -30,7 +31,8 @@ const std::map<std::string, std::function<std::string()>>& generated_schemas() {
        }},
       {"budget", budget_schema},
       {"accept", accept_criteria_schema},
-      {"external", external_config_schema}};
+      {"external", external_config_schema},
+      {"sweep", sweep_config_schema}};
   return schemas;
 }
 

@@ -73,10 +73,25 @@ struct Garbage {
   std::string reason;
 };
 
-class ExternalMethod : public Method {
+class ExternalMethod : public OutsideMethod {
  public:
-  ExternalMethod(ExternalConfig config, fs::path here, ExternalOptions options)
-      : config_(std::move(config)), here_(std::move(here)), options_(std::move(options)) {}
+  ExternalMethod(ExternalConfig config, const fs::path& file, ExternalOptions options)
+      : config_(std::move(config)),
+        file_(fs::absolute(file)),
+        here_(file_.parent_path()),
+        options_(std::move(options)) {}
+
+  bool reads_recording() const override { return config_.input != "observations"; }
+
+  std::string content_hash() const override {
+    std::string text = sha256_hex_of_file(file_);
+    for (const std::string& word : config_.command) {
+      const fs::path named = here_ / replaced(word, "{here}", here_.string());
+      std::error_code ignored;
+      if (fs::is_regular_file(named, ignored)) text += " " + sha256_hex_of_file(named);
+    }
+    return sha256_hex(text);
+  }
 
   MethodTraits traits() const override {
     const std::string what = config_.summary.empty() ? joined(config_.command, " ") : config_.summary;
@@ -90,26 +105,31 @@ class ExternalMethod : public Method {
 
   Result solve(const Observations& observations) const override { return solve_recording({observations}); }
 
-  Result solve_recording(const MethodInput& input) const override {
-    Result result;
+  Result solve_recording(const MethodInput& input) const override { return run(input).result; }
+
+  Outcome run(const MethodInput& input) const override {
+    Outcome outcome;
+    Result& result = outcome.result;
     result.method = config_.name;
     const Scratch scratch;
-    const ProcessReport report = run(input, scratch.path());
+    const ProcessReport report = start(input, scratch.path());
     keep_log(scratch.path());
     if (report.interrupted) throw Error("interrupted", ExitCode::kTryAgain);
     if (!report.failure.empty()) {
+      outcome.failed = true;
       result.reasons.push_back("The program " + report.failure + ".");
       for (const std::string& line : last_lines(text_of(scratch.path() / kErrorName, kMaxLogBytes)))
         result.notes.push_back("it said: " + line);
-      return result;
+      return outcome;
     }
     try {
       result = answer(input.observations, scratch.path());
     } catch (const Garbage& garbage) {
+      outcome.failed = true;
       result.reasons.push_back(garbage.reason);
     }
     result.method = config_.name;
-    return result;
+    return outcome;
   }
 
  private:
@@ -117,7 +137,7 @@ class ExternalMethod : public Method {
   static constexpr const char* kErrorName = "standard_error.txt";
 
   // The program's working folder holds its input and, afterwards, its answer: nothing in it leads to the truth.
-  ProcessReport run(const MethodInput& input, const fs::path& scratch) const {
+  ProcessReport start(const MethodInput& input, const fs::path& scratch) const {
     const fs::path work = scratch / "work";
     fs::create_directories(work);
     const fs::path copy = copy_input(input, work);
@@ -231,6 +251,7 @@ class ExternalMethod : public Method {
   }
 
   const ExternalConfig config_;
+  const fs::path file_;
   const fs::path here_;
   const ExternalOptions options_;
 };
@@ -281,12 +302,12 @@ std::string external_config_schema() {
   return schema_of_fields("Rigproof external method", [&config](FieldVisitor& visitor) { config.visit(visitor); });
 }
 
-std::shared_ptr<const Method> make_external_method(const fs::path& file, const ExternalOptions& options) {
+std::shared_ptr<const OutsideMethod> make_external_method(const fs::path& file, const ExternalOptions& options) {
   ExternalConfig config = load_external_config(file);
   for (const Method* method : all_methods())
     if (method->traits().name == config.name)
       throw Error(file.string() + ": name: " + config.name + ": is the name of a method of our own");
-  return std::make_shared<ExternalMethod>(std::move(config), fs::absolute(file).parent_path(), options);
+  return std::make_shared<ExternalMethod>(std::move(config), file, options);
 }
 
 std::vector<std::shared_ptr<const Method>> methods_by_name(const std::vector<std::string>& names,

@@ -39,11 +39,26 @@ struct ExternalOptions {
   std::function<bool()> keep_going;
 };
 
+/// A method that is a program of somebody else's.
+class OutsideMethod : public Method {
+ public:
+  struct Outcome {
+    Result result;
+    bool failed = false;  ///< the program broke (missing, crash, time limit, garbage) rather than refusing
+  };
+  virtual Outcome run(const MethodInput& input) const = 0;
+  /// Hash of the description and of every file that its command names: another one is another method.
+  virtual std::string content_hash() const = 0;
+  /// Whether it is given a copy of the recording, and not the observations alone.
+  virtual bool reads_recording() const = 0;
+};
+
 /// The program as a method. A command that is missing, crashes, hangs, or prints garbage gives a refused Result with
 /// the reason. Its working folder is a temporary one that holds the copy of the input and nothing else; it is removed
 /// afterwards. The program is trusted as much as any other that the user starts: this is no sandbox.
 /// @param file the description; paths in the command may begin with {here}, its folder
-std::shared_ptr<const Method> make_external_method(const std::filesystem::path& file, const ExternalOptions& options);
+std::shared_ptr<const OutsideMethod> make_external_method(const std::filesystem::path& file,
+                                                          const ExternalOptions& options);
 
 /// Methods by name, "external:FILE.yaml" among them; the default method for an empty list. Throws Error that names the
 /// nearest for an unknown one, and every problem of a description.

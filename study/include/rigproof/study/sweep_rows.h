@@ -49,6 +49,13 @@ struct SweepRow {
   std::optional<double> z(std::size_t axis) const;
 };
 
+/// A task that is to be done.
+struct SweepTaskName {
+  std::string key;
+  std::vector<std::size_t> levels;  ///< one an axis
+  std::int64_t seed = 0;
+};
+
 /// All rows of a sweep, in the order of tasks, methods and cameras.
 struct SweepRows {
   std::string name;
@@ -59,8 +66,9 @@ struct SweepRows {
   /// Number of each level where it is one (for the x axis of a figure), else its place 0, 1, ..
   std::vector<std::vector<double>> level_values;
   std::vector<std::string> methods;
-  std::string reference;  ///< method that the others are tested against
-  std::vector<SweepRow> rows;
+  std::string reference;             ///< method that the others are tested against
+  std::vector<SweepTaskName> tasks;  ///< done or not
+  std::vector<SweepRow> rows;        ///< of what is done
 };
 
 /// Reads what stands in a sweep's folder (finished or not). Throws Error.
@@ -86,8 +94,8 @@ struct PairedTest {
   std::optional<double> difference;    ///< mean of |error| minus that of the reference; negative = better than it
   std::optional<double> interval_low;  ///< 95 % of a paired bootstrap over tasks, percentile
   std::optional<double> interval_high;
-  std::optional<double> p;       ///< Wilcoxon's signed-rank test, two-sided; exact up to 25 tasks
-  std::optional<double> p_holm;  ///< corrected for all tests of the summary (Holm)
+  std::optional<double> p;       ///< Wilcoxon's signed-rank test, two-sided; exact up to 50 tasks
+  std::optional<double> p_holm;  ///< corrected for tx .. rz of this point, method and subject (Holm); those alone
 };
 
 enum class SummaryAxis { kTx, kTy, kTz, kRx, kRy, kRz, kRoll, kPitch, kYaw, kTranslation, kRotation };
@@ -111,13 +119,16 @@ struct SummaryRow {
   PairedTest against_reference;
 };
 
-/// A way to fail, and how often.
+/// A way not to solve, and how often. Reasons that differ in figures only are counted together.
 struct FailureCount {
   std::string method;
   SweepStatus status = SweepStatus::kFailed;
-  std::string reason;
+  std::string reason;  ///< of the first such task
   int tasks = 0;
 };
+
+/// Every (method, status, reason) that is not solved, the most frequent first.
+std::vector<FailureCount> count_failures(const SweepRows& rows);
 
 struct SweepSummary {
   std::string name;

@@ -1,0 +1,97 @@
+#include "answer.h"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace rigproof {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kFormat = "rigproof-sweep-answer 1";
+
+json json_of(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
+
+template <std::size_t N>
+json json_of(const std::array<std::optional<double>, N>& values) {
+  json list = json::array();
+  for (const std::optional<double>& value : values) list.push_back(json_of(value));
+  return list;
+}
+
+std::optional<double> optional_of(const json& value) {
+  return value.is_null() ? std::nullopt : std::optional<double>(value.get<double>());
+}
+
+template <std::size_t N>
+void read(const json& list, std::array<std::optional<double>, N>* values) {
+  for (std::size_t i = 0; i < N; ++i) (*values)[i] = optional_of(list.at(i));
+}
+
+json json_of(const SweepRow& row) {
+  return {{"subject", static_cast<int>(row.subject)},
+          {"camera", row.camera},
+          {"status", static_cast<int>(row.status)},
+          {"reason", row.reason},
+          {"error", json_of(row.error)},
+          {"sigma", json_of(row.sigma)},
+          {"bound", json_of(row.bound)},
+          {"rpy", json_of(row.roll_pitch_yaw)},
+          {"nees", json_of(row.nees)},
+          {"nees_dof", row.nees_degrees_of_freedom}};
+}
+
+SweepRow row_of(const json& object) {
+  SweepRow row;
+  const int subject = object.at("subject").get<int>(), status = object.at("status").get<int>();
+  if (subject < 0 || subject > static_cast<int>(SweepSubject::kPair) || status < 0 ||
+      status > static_cast<int>(SweepStatus::kFailed))
+    throw std::out_of_range("subject or status");
+  row.subject = static_cast<SweepSubject>(subject);
+  row.status = static_cast<SweepStatus>(status);
+  row.camera = object.at("camera").get<std::string>();
+  row.reason = object.at("reason").get<std::string>();
+  read(object.at("error"), &row.error);
+  read(object.at("sigma"), &row.sigma);
+  read(object.at("bound"), &row.bound);
+  read(object.at("rpy"), &row.roll_pitch_yaw);
+  row.nees = optional_of(object.at("nees"));
+  row.nees_degrees_of_freedom = object.at("nees_dof").get<int>();
+  return row;
+}
+
+}  // namespace
+
+std::string text_of(const SweepAnswer& answer) {
+  json rows = json::array();
+  for (const SweepRow& row : answer.rows) rows.push_back(json_of(row));
+  const json object = {
+      {"format", kFormat},
+      {"method_hash", answer.method_hash},
+      {"rows", rows},
+      {"times",
+       {{"solve_s", answer.times.solve_s}, {"cpu_s", answer.times.cpu_s}, {"observe_s", answer.times.observe_s}}}};
+  // What a program printed may be no UTF-8.
+  return object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+std::optional<SweepAnswer> read_answer(const std::string& text) {
+  try {
+    const json object = json::parse(text);
+    if (object.at("format") != kFormat) return std::nullopt;
+    SweepAnswer answer;
+    answer.method_hash = object.at("method_hash").get<std::string>();
+    for (const json& row : object.at("rows")) answer.rows.push_back(row_of(row));
+    if (answer.rows.empty() || answer.rows.front().subject != SweepSubject::kRig) return std::nullopt;
+    const json& times = object.at("times");
+    answer.times = {times.at("solve_s").get<double>(), times.at("cpu_s").get<double>(),
+                    times.at("observe_s").get<double>()};
+    return answer;
+  } catch (const json::exception&) {
+    return std::nullopt;
+  } catch (const std::out_of_range&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace rigproof

@@ -1,0 +1,113 @@
+// `rigproof sweep` as a user types it.
+#include <nlohmann/json.hpp>
+
+#include "cli_fixture.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const char* const kSweep = R"(
+mode: geometric
+run: {poses: 8}
+axes: {lambda: {field: odometry.lambda, values: [1, 3]}}
+seeds: 2
+methods: [ml, li]
+)";
+
+class SweepCommand : public testing::Test {
+ protected:
+  ProcessOutput sweep(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "sweep");
+    return rigproof_command(arguments, folder_.path().string());
+  }
+  // Starts a long sweep, waits until it works, and runs a shell command with $pid; prints the sweep's exit code.
+  ProcessOutput beside_a_long_sweep(const std::string& command) {
+    std::string text = kSweep;
+    text.replace(text.find("seeds: 2"), 8, "seeds: 3000");
+    folder_.write("long.yaml", text);
+    const std::string program = RIGPROOF_BINARY_DIR "/app/rigproof";
+    return run_process({"sh", "-c",
+                        program +
+                            " sweep start long.yaml -j 1 & pid=$!; "
+                            "until [ -n \"$(ls sweeps/long/tasks 2>/dev/null)\" ]; do sleep 0.1; done; " +
+                            command + "; wait $pid; echo sweep ended with $?"},
+                       folder_.path().string());
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(SweepCommand, StartsTellsAndGoesOn) {
+  folder_.write("small.yaml", kSweep);
+  const ProcessOutput plan = sweep({"start", "small.yaml", "--dry-run"});
+  ASSERT_EQ(plan.exit_code, 0) << plan.err;
+  EXPECT_THAT(plan.out,
+              AllOf(HasSubstr("lambda 3, seed 1: 0 of 2 answers there"),
+                    HasSubstr("2 points, 4 tasks, 8 answers, 0 of them there"), HasSubstr("would write sweeps/small")));
+  EXPECT_FALSE(fs::exists(folder_ / "sweeps"));
+  const ProcessOutput start = sweep({"start", "small.yaml", "-j", "2"});
+  ASSERT_EQ(start.exit_code, 0) << start.err;
+  EXPECT_THAT(start.out, AllOf(HasSubstr("Camera to robot"), HasSubstr("success"), HasSubstr("8 answers solved")));
+  const ProcessOutput status = sweep({"status", "sweeps/small", "--json"});
+  ASSERT_EQ(status.exit_code, 0) << status.err;
+  EXPECT_EQ(nlohmann::json::parse(status.out)["answers_there"], 8);
+  const ProcessOutput again = sweep({"start", "sweeps/small", "--json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["counters"]["answers already there"], 8);
+  const ProcessOutput summary = sweep({"summary", "sweeps/small"});
+  EXPECT_EQ(summary.exit_code, 0);
+  EXPECT_THAT(start.out, HasSubstr(summary.out));
+}
+
+TEST_F(SweepCommand, SaysWhatIsWrong) {
+  folder_.write("bad.yaml", "axes:\n  noise: {field: odometry.lamda, values: [1]}\n");
+  const ProcessOutput bad = sweep({"start", "bad.yaml"});
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_THAT(bad.err, AllOf(HasSubstr("bad.yaml:2"), HasSubstr("did you mean \"odometry.lambda\"")));
+  EXPECT_FALSE(fs::exists(folder_ / "sweeps"));
+  folder_.write("methods.yaml", "methods: [mll]\n");
+  const ProcessOutput method = sweep({"start", "methods.yaml"});
+  EXPECT_EQ(method.exit_code, 2);
+  EXPECT_THAT(method.err, HasSubstr("did you mean \"ml\""));
+  folder_.write("small.yaml", kSweep);
+  folder_.write("file", "");
+  const ProcessOutput unwritable = sweep({"start", "small.yaml", "-o", "file/results"});
+  EXPECT_EQ(unwritable.exit_code, 2);
+  EXPECT_THAT(unwritable.err, HasSubstr("file/results"));
+  const ProcessOutput redo = sweep({"start", "small.yaml", "--redo", "lii"});
+  EXPECT_EQ(redo.exit_code, 2);
+  EXPECT_THAT(redo.err, HasSubstr("did you mean \"li\""));
+  const ProcessOutput nothing = sweep({"status", "nowhere"});
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("holds no sweep"));
+}
+
+TEST_F(SweepCommand, AnInterruptKeepsWhatIsFinished) {
+  const ProcessOutput output = beside_a_long_sweep("kill -TERM $pid");
+  EXPECT_THAT(output.out, HasSubstr("sweep ended with 75"));
+  EXPECT_THAT(output.err, HasSubstr("interrupted; the same command goes on"));
+  EXPECT_TRUE(fs::exists(folder_ / "sweeps/long/rows.csv"));
+}
+
+TEST_F(SweepCommand, ASecondOneInTheFolderIsRefused) {
+  const std::string program = RIGPROOF_BINARY_DIR "/app/rigproof";
+  const ProcessOutput output = beside_a_long_sweep(program + " sweep start long.yaml; echo second ended with $?; " +
+                                                   program + " sweep status sweeps/long; kill -TERM $pid");
+  EXPECT_THAT(output.out, AllOf(HasSubstr("second ended with 75"), HasSubstr("running")));
+  EXPECT_THAT(output.err, HasSubstr("another rigproof sweeps in this folder"));
+}
+
+TEST_F(SweepCommand, ItsSchemaKnowsTheRunsFields) {
+  const ProcessOutput schema = rigproof_command({"schema", "sweep"});
+  ASSERT_EQ(schema.exit_code, 0);
+  const nlohmann::json json = nlohmann::json::parse(schema.out);
+  EXPECT_TRUE(json["properties"]["run"]["properties"].contains("odometry"));
+  EXPECT_TRUE(json["properties"]["geometric"]["properties"].contains("corner_sigma_px"));
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,167 @@
+// The file of a sweep: what it makes of fields, axes and seeds, and what it says of mistakes.
+#include "rigproof/study/sweep_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "error_text.h"
+#include "rigproof/core/yaml.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+SweepConfig read(const std::string& text) {
+  const TempFolder folder;
+  return load_sweep_config(folder.write("trial.yaml", text));
+}
+
+std::string problem_of(const std::string& text) {
+  return error_text([&] { read(text); });
+}
+
+std::vector<std::string> labels_of(const SweepAxis& axis) {
+  std::vector<std::string> labels;
+  for (const SweepLevel& level : axis.levels) labels.push_back(level.label);
+  return labels;
+}
+
+TEST(SweepConfig, AnEmptyFileIsOneTask) {
+  const SweepConfig config = read("");
+  EXPECT_EQ(config.name, "trial");
+  EXPECT_EQ(config.methods, std::vector<std::string>{"ml"});
+  const SweepPlan plan = plan_sweep(config);
+  ASSERT_EQ(plan.tasks.size(), 1U);
+  EXPECT_EQ(plan.pictures.size(), 1U);
+}
+
+TEST(SweepConfig, AxesGiveEveryCombinationTheLastFastest) {
+  const SweepConfig config = read(R"(
+mode: geometric
+run: {poses: 12, odometry: {sigma_xy_cm: 0.3}}
+axes:
+  lambda: {field: odometry.lambda, range: {from: 0, to: 0.3, step: 0.1}, title: noise}
+  corner: {field: geometric.corner_sigma_px, range: {from: 0.01, to: 1, count: 3, spacing: log}}
+  model: {field: odometry.model, values: [per_pose, per_increment], labels: [absolute, relative], pool: true}
+seeds: {first: 7, count: 2}
+)");
+  ASSERT_EQ(config.axes.size(), 3U);
+  EXPECT_EQ(labels_of(config.axes[0]), (std::vector<std::string>{"0", "0.1", "0.2", "0.3"}));
+  EXPECT_EQ(labels_of(config.axes[1]), (std::vector<std::string>{"0.01", "0.1", "1"}));
+  EXPECT_EQ(labels_of(config.axes[2]), (std::vector<std::string>{"absolute", "relative"}));
+  EXPECT_EQ(config.axes[0].title, "noise");
+  EXPECT_TRUE(config.axes[2].pooled);
+  EXPECT_DOUBLE_EQ(config.axes[0].levels[3].value, 0.3);
+  const SweepPlan plan = plan_sweep(config);
+  ASSERT_EQ(plan.tasks.size(), 48U);
+  EXPECT_EQ(plan.tasks[0].seed, 7);
+  EXPECT_EQ(plan.tasks[1].seed, 8);
+  EXPECT_EQ(plan.tasks[1].config.seed, 8);
+  EXPECT_EQ(plan.tasks[2].config.odometry.model, "per_increment");
+  EXPECT_DOUBLE_EQ(plan.tasks[4].geometric.corner_sigma_px, 0.1);
+  EXPECT_DOUBLE_EQ(plan.tasks[47].config.odometry.lambda, 0.3);
+  EXPECT_DOUBLE_EQ(plan.tasks[0].config.odometry.sigma_xy_cm, 0.3) << "fields beside a varied one stay";
+  EXPECT_TRUE(plan.pictures.empty());
+}
+
+TEST(SweepConfig, FieldsVaryTogether) {
+  const SweepConfig config = read(R"(
+run: {poses: 20}
+axes:
+  board:
+    points:
+      small: {board.squares: [5, 4], board.square_mm: 60}
+      large: {board.squares: [6, 5], board.square_mm: 110}
+  noise: {link: {odometry.lambda: [1, 2], odometry.rate_hz: [0, 10]}}
+)");
+  EXPECT_EQ(labels_of(config.axes[0]), (std::vector<std::string>{"small", "large"}));
+  const SweepPlan plan = plan_sweep(config);
+  ASSERT_EQ(plan.tasks.size(), 4U);
+  EXPECT_DOUBLE_EQ(plan.tasks[3].config.board.square_mm, 110.0);
+  EXPECT_EQ(plan.tasks[3].config.board.squares, (std::vector<double>{6.0, 5.0}));
+  EXPECT_DOUBLE_EQ(plan.tasks[3].config.odometry.rate_hz, 10.0);
+}
+
+TEST(SweepConfig, OnlyWhatPicturesDependOnMakesOtherPictures) {
+  const auto sets = [](const std::string& axis, const std::string& seed_field) {
+    return plan_sweep(read("axes: {a: " + axis + "}\nseeds: {count: 3, field: " + seed_field + "}\n")).pictures;
+  };
+  EXPECT_EQ(sets("{field: odometry.lambda, values: [0, 5]}", "odometry.seed").size(), 1U);
+  EXPECT_EQ(sets("{field: images, values: [5, 50]}", "odometry.seed").size(), 1U);
+  EXPECT_EQ(sets("{field: odometry.lambda, values: [0, 5]}", "seed").size(), 3U);
+  const std::vector<PictureSet> noisy = sets("{field: sensor_noise, values: [none, realistic]}", "odometry.seed");
+  ASSERT_EQ(noisy.size(), 2U);
+  EXPECT_EQ(noisy[0].render_group, noisy[1].render_group) << "the same clean renders";
+  const std::vector<PictureSet> worlds = sets("{field: scene, values: [indoor_lab, office]}", "odometry.seed");
+  ASSERT_EQ(worlds.size(), 2U);
+  EXPECT_NE(worlds[0].render_group, worlds[1].render_group);
+  EXPECT_EQ(
+      plan_sweep(read("run: {motion: drive}\naxes: {r: {field: odometry.rate_hz, values: [20, 50]}}")).pictures.size(),
+      2U)
+      << "a robot that really drives";
+}
+
+TEST(SweepConfig, TasksAreKnownByWhatTheyDependOn) {
+  const std::string text = "mode: geometric\nname: NAME\naxes: {l: {field: odometry.lambda, values: [1, 2]}}\n";
+  const auto key = [&](const std::string& name, const std::string& more) {
+    std::string changed = text + more;
+    return plan_sweep(read(changed.replace(changed.find("NAME"), 4, name))).tasks[1].key;
+  };
+  EXPECT_EQ(key("one", ""), key("two", "methods: [li]\n"));
+  EXPECT_NE(key("one", ""), key("one", "run: {poses: 30}\n"));
+  EXPECT_NE(key("one", ""), key("one", "geometric: {ground: false}\n"));
+}
+
+TEST(SweepConfig, TheResolvedFileReadsBack) {
+  const SweepConfig config = read(R"(
+mode: geometric
+axes:
+  squares: {field: geometric.cameras, values: [2, 3]}
+  odd: {points: {a: {poses: 10}, "b, c": {poses: 11, odometry.scale: {uniform: [0.9, 1.1]}}}}
+geometric: {rig: random}
+seeds: [4, 2]
+methods: [memroc, li]
+)");
+  EXPECT_EQ(config.reference, "memroc");
+  const SweepConfig again = read(emit_yaml(config.resolved));
+  EXPECT_EQ(emit_yaml(again.resolved), emit_yaml(config.resolved));
+  const SweepPlan one = plan_sweep(config), two = plan_sweep(again);
+  ASSERT_EQ(one.tasks.size(), two.tasks.size());
+  for (std::size_t i = 0; i < one.tasks.size(); ++i) EXPECT_EQ(one.tasks[i].key, two.tasks[i].key);
+}
+
+TEST(SweepConfig, SaysWhatIsWrongAndWhere) {
+  EXPECT_THAT(
+      problem_of("axes:\n  a:\n    field: odometry.lamda\n    values: [1]\n"),
+      AllOf(HasSubstr("trial.yaml:3"), HasSubstr("odometry.lamda"), HasSubstr("did you mean \"odometry.lambda\"")));
+  EXPECT_THAT(problem_of("axes:\n  a: {field: lambda, values: [1]}\n"), HasSubstr("did you mean \"odometry.lambda\""));
+  EXPECT_THAT(problem_of("axes:\n  a: {field: odometry.lambda, values: [1,\n -3]}\n"),
+              AllOf(HasSubstr("trial.yaml:3"), HasSubstr("odometry.lambda"), HasSubstr("-3"), HasSubstr("0 to 1000")));
+  EXPECT_THAT(problem_of("run: {pose: 3}\n"), AllOf(HasSubstr("run.pose"), HasSubstr("did you mean \"poses\"")));
+  EXPECT_THAT(problem_of("axes: {a: {field: poses, values: [3]}, b: {field: poses, values: [4]}}\n"),
+              HasSubstr("poses is set by axis b and by axis a"));
+  EXPECT_THAT(problem_of("axes: {a: {field: seed, values: [3]}}\nseeds: 2\n"), HasSubstr("and by the seeds"));
+  EXPECT_THAT(problem_of("axes: {a: {field: poses, values: [3, 3]}}\n"), HasSubstr("two levels have this label"));
+  EXPECT_THAT(problem_of("axes: {a: {field: poses}}\n"), HasSubstr("needs one of values, range, link, points"));
+  EXPECT_THAT(problem_of("axes: {a: {field: poses, range: {from: 1, to: 5}}}\n"), HasSubstr("a step or a count"));
+  EXPECT_THAT(problem_of("axes: {a: {link: {poses: [1, 2], seed: [1]}}}\n"),
+              HasSubstr("as long as those of the other"));
+  EXPECT_THAT(problem_of("axes: {method: {field: poses, values: [3]}}\n"), HasSubstr("no other column's"));
+  EXPECT_THAT(problem_of("axes: {a: {field: images, values: [101]}}\n"), HasSubstr("at most the run's poses, 100"));
+  EXPECT_THAT(problem_of("seeds: {count: 3, field: sed}\n"), HasSubstr("did you mean \"seed\""));
+  EXPECT_THAT(problem_of("run: {scenes: [indoor_lab]}\n"), HasSubstr("by an axis"));
+  EXPECT_THAT(problem_of("geometric: {ground: false}\n"), HasSubstr("belongs to mode: geometric"));
+  EXPECT_THAT(problem_of("mode: geometric\naxes: {a: {field: scene, values: [indoor_lab]}}\n"),
+              HasSubstr("has no effect in mode geometric"));
+  EXPECT_THAT(problem_of("methods: [ml]\nreference: li\n"), HasSubstr("must be one of the methods"));
+  EXPECT_THAT(problem_of("axis: {}\n"), HasSubstr("did you mean \"axes\""));
+  // Everything at once.
+  EXPECT_THAT(problem_of("mode: odd\nseeds: -1\nmethods: []\n"),
+              AllOf(HasSubstr("mode"), HasSubstr("seeds"), HasSubstr("methods")));
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,204 @@
+// Sweeps on pictures: each is rendered once and searched once, whatever else varies.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "rigproof/calib/observe.h"
+#include "rigproof/core/files.h"
+#include "rigproof/generator/generate.h"
+#include "rigproof/generator/plan_run.h"
+#include "rigproof/study/sweep.h"
+#include "sweep/cache.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+// One camera, small images: eight of them.
+const char* const kRun = "run: {rig: husky_1x_d455, poses: 8, image_scale: 0.3, sensor_noise: none}\n";
+constexpr std::uint64_t kImages = 8;
+
+class RenderedSweep : public testing::Test {
+ protected:
+  SweepReport sweep(const std::string& name, const std::string& text, int jobs = 2) {
+    SweepOptions options;
+    options.folder = folder_ / name;
+    options.cache = folder_ / "cache";
+    options.jobs = jobs;
+    return run_sweep(load_sweep_config(folder_.write(name + ".yaml", kRun + text)), options);
+  }
+  static std::uint64_t count(const SweepReport& report, const std::string& name) {
+    const auto found = report.counters.find(name);
+    return found == report.counters.end() ? 0 : found->second;
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(RenderedSweep, OdometryRendersAndDetectsOnce) {
+  const std::string text =
+      "axes: {lambda: {field: odometry.lambda, values: [0, 1, 5]}}\n"
+      "seeds: {count: 3, field: odometry.seed}\nmethods: [ml, opencv_park]\n";
+  const SweepReport report = sweep("a", text);
+  EXPECT_TRUE(report.complete);
+  EXPECT_EQ(report.answers, 18U);
+  EXPECT_EQ(count(report, "images rendered"), kImages);
+  EXPECT_EQ(count(report, "corners detected"), kImages);
+  EXPECT_EQ(count(report, "planes fitted"), kImages);
+  EXPECT_EQ(count(report, "corners from cache"), 9 * kImages);
+  EXPECT_EQ(count(report, "planes from cache"), 9 * kImages);
+  const SweepRows rows = load_sweep_rows(folder_ / "a");
+  std::map<std::string, double> largest;
+  for (const SweepRow& row : rows.rows)
+    if (row.method == "ml" && row.subject == SweepSubject::kCamera && row.error[0])
+      largest[row.levels[0]] = std::max(largest[row.levels[0]], std::abs(*row.error[0]));
+  EXPECT_LT(largest["0"], 1.0);
+  EXPECT_GT(largest["5"], largest["0"]);
+
+  // Warm: another folder, more levels: only solving is left.
+  const SweepReport warm = sweep("b",
+                                 "axes: {lambda: {field: odometry.lambda, values: [0, 1, 5, 9]}}\n"
+                                 "seeds: {count: 3, field: odometry.seed}\nmethods: [ml, opencv_park]\n");
+  EXPECT_EQ(count(warm, "images rendered"), 0U);
+  EXPECT_EQ(count(warm, "corners detected") + count(warm, "planes fitted"), 0U);
+  EXPECT_EQ(count(warm, "answers solved"), 6U);
+  EXPECT_EQ(count(warm, "answers from cache"), 18U);
+}
+
+TEST_F(RenderedSweep, NumbersOfImagesShareTheirPictures) {
+  const SweepReport report = sweep("a", "axes: {count: {field: images, values: [4, 6, 8]}}\nmethods: [ml]\n");
+  EXPECT_EQ(count(report, "images rendered"), kImages);
+  EXPECT_EQ(count(report, "corners detected"), kImages);
+  std::map<std::string, double> bound;
+  for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows)
+    if (row.subject == SweepSubject::kCamera) bound[row.levels[0]] = row.bound[2].value_or(0.0);
+  EXPECT_GT(bound["4"], bound["8"]);
+  EXPECT_GT(bound["8"], 0.0);
+}
+
+TEST_F(RenderedSweep, SensorNoiseIsSensedOnTheSameRenders) {
+  const SweepReport report =
+      sweep("a", "axes: {noise: {field: sensor_noise, values: [none, realistic]}}\nmethods: [opencv_park]\n", 3);
+  EXPECT_EQ(count(report, "images rendered"), kImages);
+  EXPECT_EQ(count(report, "images from clean renders"), kImages);
+  EXPECT_EQ(count(report, "corners detected"), 2 * kImages);
+}
+
+TEST_F(RenderedSweep, PicturesThatWereDeletedAreMadeAgainOnlyForThoseWhoReadThem) {
+  const std::string text = "methods: [opencv_park]\n";
+  sweep("a", text);
+  const SweepCache cache(folder_ / "cache");
+  cache.shrink_to(0, {});
+  std::size_t images = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
+    images += entry.path().extension() == ".png";
+  EXPECT_EQ(images, 0U);
+  EXPECT_EQ(count(sweep("b", "methods: [opencv_tsai]\n"), "images rendered"), 0U);
+  folder_.write("see.yaml", "command: [ls, \"{input}/front/color/000007.png\"]\n");
+  const SweepReport report = sweep("c", "methods: [\"external:see.yaml\"]\n");
+  EXPECT_EQ(count(report, "images rendered"), kImages);
+  EXPECT_EQ(count(report, "corners detected"), 0U);
+}
+
+TEST_F(RenderedSweep, PicturesThatCannotBeDrivenToAreAFailedRow) {
+  const SweepReport report =
+      sweep("a", "axes: {d: {field: viewpoints.distance_m, values: [0.31, 2]}}\nmethods: [opencv_park]\n");
+  EXPECT_TRUE(report.complete);
+  const SweepState state = sweep_state(folder_ / "a");
+  const auto failed = std::find_if(state.failures.begin(), state.failures.end(),
+                                   [](const auto& failure) { return failure.status == SweepStatus::kFailed; });
+  ASSERT_NE(failed, state.failures.end());
+  EXPECT_EQ(failed->tasks, 1);
+  EXPECT_THAT(failed->reason, HasSubstr("Nothing to calibrate from: viewpoints: no place found"));
+}
+
+TEST_F(RenderedSweep, TheGeometricModeAgreesWithIt) {
+  const std::string methods = "methods: [ml]\n";
+  sweep("pictures", "axes: {lambda: {field: odometry.lambda, values: [2]}}\n" + methods);
+  // Corners as the detector states them in such images, depth as the preset has it.
+  sweep("drawn",
+        "mode: geometric\ngeometric: {rig: run, corner_sigma_px: 0.02}\n"
+        "axes: {lambda: {field: odometry.lambda, values: [2]}}\n" +
+            methods);
+  const auto camera_row = [this](const std::string& name) {
+    for (const SweepRow& row : load_sweep_rows(folder_ / name).rows)
+      if (row.subject == SweepSubject::kCamera) return row;
+    return SweepRow();
+  };
+  const SweepRow rendered = camera_row("pictures"), drawn = camera_row("drawn");
+  ASSERT_TRUE(rendered.error[0] && drawn.error[0]) << rendered.reason << drawn.reason;
+  // The same stops and the same odometry: what it dominates is the same error with the same bound.
+  for (const std::size_t axis : {0, 1, 5}) {
+    EXPECT_NEAR(*drawn.bound[axis] / *rendered.bound[axis], 1.0, 0.1) << axis;
+    EXPECT_NEAR(*drawn.error[axis], *rendered.error[axis], 0.3 * *rendered.bound[axis]) << axis;
+  }
+}
+
+TEST(ReplaceOdometry, GivesWhatGenerateWouldHaveWritten) {
+  const TempFolder folder;
+  const std::string base =
+      "rig: husky_1x_d455\nposes: 3\nimage_scale: 0.1\nsensor_noise: none\n"
+      "sensing: {time: {odometry_delay_ms: 15, odometry_jitter_ms: 1}}\n";
+  const auto generated = [&](const std::string& name, const std::string& odometry) {
+    GenerateOptions options;
+    options.output = folder / name;
+    options.jobs = 1;
+    generate(parse_generate_config(base + odometry, "run.yaml"), options);
+    return RunFolder{folder / name};
+  };
+  for (const std::string odometry :
+       {"odometry: {lambda: 3, seed: 9, declared: true}", "odometry: {model: per_pose, rate_hz: 5, seed: 1}",
+        "odometry: {model: wheels, wheels: {track_ratio: {uniform: [1.1, 1.2]}}}", "odometry: {model: thrun}"}) {
+    const PlannedRun wanted = plan_run(parse_generate_config(base + odometry, "run.yaml"));
+    const RunFolder run = generated("base", "");
+    Recording recording = load_recording(run.recording());
+    Truth truth = load_truth(run.truth_file());
+    replace_odometry(parse_generate_config(base + odometry, "run.yaml"), &recording, &truth);
+    ASSERT_EQ(recording.odometry.size(), wanted.recording.odometry.size()) << odometry;
+    for (std::size_t i = 0; i < recording.odometry.size(); ++i) {
+      EXPECT_NEAR(recording.odometry[i].x_m, wanted.recording.odometry[i].x_m, 1e-12);
+      EXPECT_NEAR(recording.odometry[i].yaw_rad, wanted.recording.odometry[i].yaw_rad, 1e-12);
+      EXPECT_DOUBLE_EQ(recording.odometry[i].stamp_s, wanted.recording.odometry[i].stamp_s);
+    }
+    EXPECT_EQ(truth.drawn.size(), wanted.truth.drawn.size()) << odometry;
+    EXPECT_NEAR(*truth.odometry_noise.sigma_xy_m, *wanted.truth.odometry_noise.sigma_xy_m, 1e-12);
+    EXPECT_EQ(recording.rig.odometry_noise.model, wanted.recording.rig.odometry_noise.model) << odometry;
+  }
+}
+
+TEST(PictureMemory, ObservationsFromMemoryAreTheSameToTheBit) {
+  const TempFolder folder;
+  GenerateOptions options;
+  options.output = folder / "run";
+  generate(parse_generate_config("rig: husky_1x_d455\nposes: 4\nimage_scale: 0.3\n", "run.yaml"), options);
+  const RunFolder run{folder / "run"};
+  const Recording recording = load_recording(run.recording());
+  const SweepCache cache(folder / "cache");
+  const auto text = [&](PictureMemory* memory) {
+    const Observations seen = memory == nullptr ? observe(recording) : observe(recording, {}, memory);
+    save_observations(seen, folder / "seen.json");
+    return folder.read("seen.json");
+  };
+  const std::string plain = text(nullptr);
+  CachedFindings first(cache, run), second(cache, run);
+  EXPECT_EQ(text(&first), plain);
+  EXPECT_EQ(first.kept(PictureMemory::Finding::kCorners), 4U);
+  EXPECT_EQ(text(&second), plain);
+  EXPECT_EQ(second.recalled(PictureMemory::Finding::kCorners), 4U);
+  EXPECT_EQ(second.recalled(PictureMemory::Finding::kPlanes), 4U);
+  EXPECT_EQ(second.kept(PictureMemory::Finding::kCorners) + second.kept(PictureMemory::Finding::kPlanes), 0U);
+  // Damaged findings are found again.
+  for (const auto& entry : fs::recursive_directory_iterator(folder / "cache"))
+    if (entry.is_regular_file()) fs::resize_file(entry.path(), fs::file_size(entry.path()) / 2);
+  CachedFindings third(cache, run);
+  EXPECT_EQ(text(&third), plain);
+  EXPECT_EQ(third.kept(PictureMemory::Finding::kCorners), 4U);
+}
+
+}  // namespace
+}  // namespace rigproof

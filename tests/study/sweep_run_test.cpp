@@ -1,0 +1,288 @@
+// Sweeps without pictures: the same bytes however they come about, and nothing done twice.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+
+#include "error_text.h"
+#include "rigproof/core/folder_lock.h"
+#include "rigproof/study/sweep.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const char* const kSmall = R"(
+mode: geometric
+run: {poses: 8}
+axes:
+  lambda: {field: odometry.lambda, values: [0.5, 2]}
+seeds: {count: 2}
+methods: [ml, li]
+)";
+
+class SweepRun : public testing::Test {
+ protected:
+  SweepConfig config(const std::string& text = kSmall) const {
+    return load_sweep_config(folder_.write("s.yaml", text));
+  }
+
+  SweepOptions options(const std::string& name, int jobs = 2) const {
+    SweepOptions options;
+    options.folder = folder_ / name;
+    options.cache = folder_ / (name + "_cache");
+    options.jobs = jobs;
+    return options;
+  }
+
+  // The tables that must not depend on how they came about.
+  std::string tables(const std::string& name) const {
+    std::string text;
+    for (const char* file : {"rows.csv", "rows.jsonl", "summary.csv", "summary.json", "summary.md"})
+      text += folder_.read(name + "/" + file);
+    return text;
+  }
+
+  std::vector<SweepRow> rig_rows(const std::string& name, const std::string& method) const {
+    std::vector<SweepRow> found;
+    for (const SweepRow& row : load_sweep_rows(folder_ / name).rows)
+      if (row.method == method && row.subject == SweepSubject::kRig) found.push_back(row);
+    return found;
+  }
+
+  // A method from outside that is a shell script.
+  std::string script(const std::string& name, const std::string& text, const std::string& more = "") const {
+    folder_.write(name + ".sh", text);
+    return folder_
+        .write(name + ".yaml",
+               "command: [sh, \"{here}/" + name + ".sh\", \"{input}\", \"{output}\"]\ninput: observations\n" + more)
+        .string();
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(SweepRun, GivesOneRowForEachTaskMethodAndCamera) {
+  const SweepReport report = run_sweep(config(), options("a"));
+  EXPECT_TRUE(report.complete);
+  EXPECT_EQ(report.answers, 8U);
+  EXPECT_EQ(report.counters.at("answers solved"), 8U);
+  EXPECT_EQ(report.counters.at("observations made"), 4U) << "one for both methods";
+  const SweepRows rows = load_sweep_rows(folder_ / "a");
+  EXPECT_EQ(rows.tasks.size(), 4U);
+  // Rig, three cameras, three pairs.
+  EXPECT_EQ(rows.rows.size(), 8U * 7U);
+  for (const SweepRow& row : rows.rows) {
+    if (row.subject == SweepSubject::kRig) continue;
+    EXPECT_TRUE(row.bound[0].has_value()) << row.camera;
+    if (row.method == "li" && row.subject == SweepSubject::kCamera) {
+      EXPECT_EQ(row.status, SweepStatus::kNotGiven);
+      EXPECT_FALSE(row.error[0].has_value());
+    } else {
+      EXPECT_EQ(row.status, SweepStatus::kSolved) << row.reason;
+      ASSERT_TRUE(row.z(0).has_value());
+      EXPECT_LT(std::abs(*row.z(0)), 6.0);
+    }
+  }
+  const std::string csv = folder_.read("a/rows.csv");
+  EXPECT_EQ(csv.substr(0, csv.find("sigma")),
+            "task,lambda,seed,method,subject,camera,status,reason,tx_cm,ty_cm,tz_cm,rx_deg,ry_deg,rz_deg,roll_deg,"
+            "pitch_deg,yaw_deg,");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 57);
+  EXPECT_THAT(folder_.read("a/times.csv"), HasSubstr("solve_s,cpu_s,observe_s"));
+}
+
+TEST_F(SweepRun, GivesTheSameBytesAtAnyNumberOfJobs) {
+  run_sweep(config(), options("one", 1));
+  run_sweep(config(), options("three", 3));
+  EXPECT_EQ(tables("one"), tables("three"));
+}
+
+TEST_F(SweepRun, DoesNothingTwice) {
+  run_sweep(config(), options("a"));
+  const std::string first = tables("a");
+  const SweepReport again = run_sweep(config(), options("a"));
+  EXPECT_EQ(again.counters.at("answers already there"), 8U);
+  EXPECT_EQ(again.counters.count("answers solved"), 0U);
+  EXPECT_EQ(tables("a"), first);
+  // Another level: only that is new. Another folder with the same cache: nothing is.
+  std::string more = kSmall;
+  more.replace(more.find("[0.5, 2]"), 8, "[0.5, 2, 4]");
+  EXPECT_EQ(run_sweep(config(more), options("a")).counters.at("answers solved"), 4U);
+  SweepOptions elsewhere = options("b");
+  elsewhere.cache = folder_ / "a_cache";
+  const SweepReport copied = run_sweep(config(), elsewhere);
+  EXPECT_EQ(copied.counters.at("answers from cache"), 8U);
+  EXPECT_EQ(copied.counters.count("answers solved"), 0U);
+  EXPECT_EQ(tables("b"), first);
+  SweepOptions redo = options("a");
+  redo.cache = folder_ / "empty_cache";
+  redo.redo = {"li"};
+  EXPECT_EQ(run_sweep(config(), redo).counters.at("answers solved"), 4U);
+}
+
+TEST_F(SweepRun, AddsAMethodBesideFinishedOnes) {
+  run_sweep(config(), options("a"));
+  SweepOptions add = options("a");
+  add.add = {script("theirs",
+                    "echo '- {parent: base_footprint, child: left, translation_m: [0.3, 0.1, 0.6], "
+                    "quaternion_xyzw: [-0.5, 0.5, -0.5, 0.5]}' > \"$2\"")};
+  const SweepReport report = run_sweep(config(), add);
+  EXPECT_EQ(report.counters.at("answers solved"), 4U);
+  EXPECT_EQ(report.counters.at("answers already there"), 8U);
+  EXPECT_EQ(rig_rows("a", "theirs").size(), 4U);
+  // It stays, and is done again only if it changes.
+  EXPECT_EQ(run_sweep(config(), options("a")).counters.at("answers already there"), 12U);
+  script("theirs", "exit 1");
+  EXPECT_EQ(run_sweep(config(), options("a")).counters.at("answers solved"), 4U);
+  EXPECT_EQ(rig_rows("a", "theirs")[0].status, SweepStatus::kFailed);
+}
+
+TEST_F(SweepRun, WhatBreaksIsAFailedRowWithItsReason) {
+  SweepOptions run = options("a");
+  run.add = {folder_.write("gone.yaml", "command: [/no/such/program]\ninput: observations\n").string(),
+             script("crash", "kill -SEGV $$"), script("hang", "sleep 60", "time_limit_s: 0.2\n"),
+             script("garbage", "head -c 1000 /dev/urandom > \"$2\""),
+             folder_.write("images.yaml", "command: [\"true\"]\ninput: recording\n").string()};
+  std::string one_task = kSmall;
+  one_task.replace(one_task.find("count: 2"), 8, "count: 1");
+  one_task.replace(one_task.find("[0.5, 2]"), 8, "[1]");
+  const SweepReport report = run_sweep(config(one_task), run);
+  EXPECT_TRUE(report.complete) << "a failure is an answer";
+  const auto is = [this](const std::string& method, SweepStatus status, const char* reason) {
+    const std::vector<SweepRow> rows = rig_rows("a", method);
+    ASSERT_EQ(rows.size(), 1U) << method;
+    EXPECT_EQ(rows[0].status, status) << method;
+    EXPECT_THAT(rows[0].reason, HasSubstr(reason)) << method;
+  };
+  is("gone", SweepStatus::kFailed, "cannot be started: /no/such/program");
+  is("crash", SweepStatus::kFailed, "signal 11");
+  is("hang", SweepStatus::kFailed, "longer than its limit of 0.2 s");
+  is("garbage", SweepStatus::kFailed, "is no result");
+  is("images", SweepStatus::kCouldNotRun, "wants the images");
+  const SweepForecast forecast = forecast_sweep(config(one_task), options("a"));
+  ASSERT_EQ(forecast.cannot_run.size(), 1U);
+  EXPECT_THAT(forecast.cannot_run[0], HasSubstr("images: It wants the images"));
+}
+
+TEST_F(SweepRun, AConfigurationThatLeavesNothingToCalibrateIsAFailedRow) {
+  const std::string text = R"(
+mode: geometric
+axes: {poses: {field: poses, values: [1, 8]}, used: {field: images, values: [1, 8]}}
+methods: [ml]
+)";
+  EXPECT_THAT(error_text([&] { config(text); }), HasSubstr("at most the run's poses, 1"));
+  const SweepConfig blind = config(
+      "mode: geometric\nrun: {viewpoints: {distance_m: 0.31, max_candidates: 2}, poses: 3}\ngeometric: {rig: run}\n");
+  run_sweep(blind, options("blind"));
+  const std::vector<SweepRow> rows = rig_rows("blind", "ml");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].status, SweepStatus::kFailed);
+  EXPECT_THAT(rows[0].reason, HasSubstr("Nothing to calibrate from"));
+}
+
+TEST_F(SweepRun, DegenerateDrivesAreRefusedNotFailed) {
+  run_sweep(config("mode: geometric\nrun: {poses: 8}\ngeometric: {drive: straight}\nmethods: [ml]\n"), options("a"));
+  const std::vector<SweepRow> rows = rig_rows("a", "ml");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_TRUE(rows[0].status == SweepStatus::kPartial || rows[0].status == SweepStatus::kRefused);
+  EXPECT_THAT(rows[0].reason, HasSubstr("straight"));
+}
+
+TEST_F(SweepRun, AnInterruptedSweepGoesOn) {
+  run_sweep(config(), options("whole"));
+  SweepOptions interrupted = options("a", 1);
+  std::size_t done = 0;
+  interrupted.progress = [&done](const SweepProgress& progress) { done = progress.answers_done; };
+  interrupted.keep_going = [&done] { return done < 2; };
+  const SweepReport report = run_sweep(config(), interrupted);
+  EXPECT_FALSE(report.complete);
+  EXPECT_LT(report.answers, 8U);
+  EXPECT_GE(report.answers, 2U);
+  const SweepSummary partial = gather_sweep(folder_ / "a");
+  EXPECT_GT(std::count_if(partial.rows.begin(), partial.rows.end(), [](const auto& row) { return row.missing > 0; }),
+            0);
+  EXPECT_TRUE(run_sweep(config(), options("a")).complete);
+  EXPECT_EQ(tables("a"), tables("whole"));
+}
+
+TEST_F(SweepRun, KilledAtAnyMomentItGoesOn) {
+  const SweepConfig sweep = config();
+  run_sweep(sweep, options("whole"));
+  for (int kill_number = 0; kill_number < 6; ++kill_number) {
+    const pid_t pid = fork();
+    ASSERT_GE(pid, 0);
+    if (pid == 0) {
+      run_sweep(sweep, options("a"));
+      _exit(0);
+    }
+    usleep(static_cast<useconds_t>(20000 + 40000 * kill_number));
+    kill(pid, SIGKILL);
+    waitpid(pid, nullptr, 0);
+  }
+  EXPECT_TRUE(run_sweep(sweep, options("a")).complete);
+  EXPECT_EQ(tables("a"), tables("whole"));
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "a" / "tasks"))
+    EXPECT_NE(entry.path().extension(), ".tmp");
+}
+
+TEST_F(SweepRun, ADamagedAnswerIsSolvedAgain) {
+  run_sweep(config(), options("a"));
+  const std::string first = tables("a");
+  const SweepRows rows = load_sweep_rows(folder_ / "a");
+  folder_.write("a/tasks/" + rows.tasks[1].key + "/ml.json", "{\"format\": \"rigproof-sweep-ans");
+  SweepOptions fresh_cache = options("a");
+  fresh_cache.cache = folder_ / "other";
+  EXPECT_EQ(run_sweep(config(), fresh_cache).counters.at("answers solved"), 1U);
+  EXPECT_EQ(tables("a"), first);
+}
+
+TEST_F(SweepRun, TwoSweepsInOneFolderAreRefused) {
+  const FolderLock lock(folder_ / "a", "");
+  try {
+    run_sweep(config(), options("a"));
+    FAIL() << "worked beside another";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code(), ExitCode::kTryAgain);
+    EXPECT_THAT(error.what(), HasSubstr("another rigproof sweeps in this folder"));
+  }
+}
+
+TEST_F(SweepRun, TellsHowFarItIs) {
+  EXPECT_THAT(error_text([&] { sweep_state(folder_ / "nowhere"); }), HasSubstr("holds no sweep"));
+  run_sweep(config(), options("a"));
+  const SweepState state = sweep_state(folder_ / "a");
+  EXPECT_EQ(state.answers, 8U);
+  EXPECT_EQ(state.answers_there, 8U);
+  EXPECT_FALSE(state.running);
+  EXPECT_EQ(state.counters.at("answers solved"), 8U);
+  EXPECT_EQ(sweep_config_file(folder_ / "a"), folder_ / "a" / "sweep.yaml");
+  const SweepConfig resumed = load_sweep_config(sweep_config_file(folder_ / "a"));
+  EXPECT_EQ(run_sweep(resumed, options("a")).counters.at("answers already there"), 8U);
+}
+
+TEST_F(SweepRun, StopsAreTheFirstOfTheDrive) {
+  const std::string text = R"(
+mode: geometric
+run: {poses: 20}
+axes: {count: {field: images, values: [6, 20]}}
+methods: [ml]
+)";
+  run_sweep(config(text), options("a"));
+  const SweepSummary summary = gather_sweep(folder_ / "a");
+  std::map<std::string, double> bound;
+  for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows)
+    if (row.camera == "left") bound[row.levels[0]] = row.bound[0].value_or(0.0);
+  EXPECT_GT(bound["6"], bound["20"]) << "fewer stops say less";
+  EXPECT_GT(bound["20"], 0.0);
+}
+
+}  // namespace
+}  // namespace rigproof
