@@ -200,6 +200,7 @@ const std::vector<Row>& sense_rows() {
   static const std::vector<Row> rows = {
       {"name", "another", {}},
       {"stop_period_s", "3", {}},
+      {"odometry.seed", "5", {}},
       {"odometry.model", "per_pose", {}},
       {"odometry.lambda", "2", {}},
       {"odometry.sigma_xy_cm", "0.3", {}},
