@@ -117,28 +117,6 @@ TEST_F(RenderedSweep, PicturesThatCannotBeDrivenToAreAFailedRow) {
   EXPECT_THAT(failed->reason, HasSubstr("Nothing to calibrate from: viewpoints: no place found"));
 }
 
-TEST_F(RenderedSweep, TheGeometricModeAgreesWithIt) {
-  const std::string methods = "methods: [ml]\n";
-  sweep("pictures", "axes: {lambda: {field: odometry.lambda, values: [2]}}\n" + methods);
-  // Corners as the detector states them in such images, depth as the preset has it.
-  sweep("drawn",
-        "mode: geometric\ngeometric: {rig: run, corner_sigma_px: 0.02}\n"
-        "axes: {lambda: {field: odometry.lambda, values: [2]}}\n" +
-            methods);
-  const auto camera_row = [this](const std::string& name) {
-    for (const SweepRow& row : load_sweep_rows(folder_ / name).rows)
-      if (row.subject == SweepSubject::kCamera) return row;
-    return SweepRow();
-  };
-  const SweepRow rendered = camera_row("pictures"), drawn = camera_row("drawn");
-  ASSERT_TRUE(rendered.error[0] && drawn.error[0]) << rendered.reason << drawn.reason;
-  // The same stops and the same odometry: what it dominates is the same error with the same bound.
-  for (const std::size_t axis : {0, 1, 5}) {
-    EXPECT_NEAR(*drawn.bound[axis] / *rendered.bound[axis], 1.0, 0.1) << axis;
-    EXPECT_NEAR(*drawn.error[axis], *rendered.error[axis], 0.3 * *rendered.bound[axis]) << axis;
-  }
-}
-
 TEST(ReplaceOdometry, GivesWhatGenerateWouldHaveWritten) {
   const TempFolder folder;
   const std::string base =
