@@ -34,6 +34,21 @@ std::optional<StereoGeometry> read_stereo_geometry(const YamlTree& tree, const s
   return StereoGeometry{0.5 * *width / std::tan(0.5 * deg_to_rad(*field_of_view)), *baseline, *sigma};
 }
 
+// {width_px, height_px, hfov_deg, T_color_depth}, or full intrinsics.
+DepthStream::OwnCamera read_raw_depth(const YamlTree& tree, Problems* problems) {
+  MapReader map(tree, "depth.raw", problems);
+  DepthStream::OwnCamera raw;
+  raw.camera = read_nominal_camera(map);
+  map.require("T_color_depth", "{translation_m, quaternion_xyzw}");
+  if (const YamlTree* transform = map.find("T_color_depth")) {
+    MapReader block(*transform, "depth.raw.T_color_depth", problems);
+    raw.T_color_depth = read_transform(block);
+    block.finish();
+  }
+  map.finish();
+  return raw;
+}
+
 void read_preset_depth(const YamlTree& tree, Problems* problems, SensorPreset* preset) {
   MapReader map(tree, "depth", problems);
   DepthStream defaults;
@@ -45,6 +60,7 @@ void read_preset_depth(const YamlTree& tree, Problems* problems, SensorPreset* p
     defaults.noise.inverse_depth_sigma_per_m = stereo.disparity_sigma_px / (stereo.focal_px * stereo.baseline_m);
   }
   preset->depth = read_depth_stream(map, defaults);
+  if (const YamlTree* raw = map.find("raw")) preset->raw_depth = read_raw_depth(*raw, problems);
   map.finish();
 }
 
@@ -66,6 +82,9 @@ SensorPreset load_sensor_preset(const std::string& name) {
   }
   const YamlTree* depth = map.find("depth");
   if (depth != nullptr && depth->is_map()) read_preset_depth(*depth, &problems, &preset);
+  preset.delivers_raw_depth = map.text("depth_frame", {"registered", "raw"}).value_or("registered") == "raw";
+  if (preset.delivers_raw_depth && !preset.raw_depth)
+    map.problem("depth_frame", "raw needs a block depth.raw: {width_px, height_px, hfov_deg, T_color_depth}");
   if (depth != nullptr && !depth->is_map() && depth->scalar != "none") map.problem("depth", "must be none or a block");
   if (const YamlTree* simulation = map.find("simulation"))
     read_fields_of_block(*simulation, "simulation", &problems,

@@ -239,6 +239,18 @@ DepthStream read_depth_stream(MapReader& map, const DepthStream& preset) {
   return depth;
 }
 
+// A simulated device is where its preset says; of a real one that has to be told.
+void take_raw_depth(MapReader& map, const RigReadOptions& options, const SensorPreset& sensor, DepthStream* depth) {
+  if (!sensor.delivers_raw_depth || depth->own_camera) return;
+  if (options.nominal_intrinsics) {
+    depth->own_camera = sensor.raw_depth;
+    return;
+  }
+  map.problem("depth", "the sensor " + sensor.name +
+                           " delivers depth that is not registered to colour; give depth.camera and "
+                           "depth.T_color_depth");
+}
+
 RigCamera read_rig_camera(const std::string& name, MapReader& map, const RigReadOptions& options) {
   RigCamera camera;
   camera.name = name;
@@ -248,6 +260,7 @@ RigCamera read_rig_camera(const std::string& name, MapReader& map, const RigRead
   camera.folder = map.text("folder").value_or(name);
   read_camera_intrinsics(map, options, sensor, &camera);
   camera.depth = read_optional_depth(map, sensor ? sensor->depth : std::nullopt);
+  if (sensor && camera.depth) take_raw_depth(map, options, *sensor, &*camera.depth);
   return camera;
 }
 

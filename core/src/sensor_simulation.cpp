@@ -12,6 +12,9 @@ void ImageSimulation::visit(FieldVisitor& visitor) {
                 "fixed gain error of each pixel (PRNU), one sigma");
   visitor.field("corner_light_percent", corner_light_percent, {5.0, 100.0},
                 "vignetting: light in the image's corner over that in its centre");
+  visitor.field("exposure_ms", exposure_ms, {0.001, 200.0}, "exposure of a row");
+  visitor.field("readout_ms", readout_ms, {0.0, 200.0},
+                "rolling shutter: from the first row's start to the last row's; 0 = global shutter");
   visitor.check(read_noise_electrons < full_well_electrons, "read_noise_electrons",
                 "must be less than full_well_electrons");
 }
@@ -37,6 +40,8 @@ void DepthSimulation::visit(FieldVisitor& visitor) {
   visitor.field("ripple_px", ripple_px, {2.0, 500.0}, "length of a wave");
   visitor.field("outdoor_valid_share", outdoor_valid_share, {0.0, 1.0}, "of the pixels, in daylight");
   visitor.field("outdoor_max_m", outdoor_max_m, {0.0, 1000.0}, "range in daylight");
+  visitor.field("readout_ms", readout_ms, {0.0, 200.0},
+                "time between the measurements of the first and the last row; 0 = all at once");
   visitor.check(patchy_share + ripple_share <= 1.0, "patchy_share",
                 "patchy_share and ripple_share are parts of one variance: together at most 1");
 }

@@ -1,7 +1,7 @@
-// A file: header, driver's name, then colour and depth. Colour is filtered like a PNG ("up") and deflated. The bits of
-// the depth are predicted from the two rows above, since depth is nearly linear in a picture of a plane, and the
-// remainders are stored byte plane by byte plane, each behind its size: deflated, or as it is where that would hardly
-// be smaller but takes longest to read.
+// A file: header, driver's name, then colour, depth and the imager's picture. Pictures are filtered like a PNG ("up")
+// and deflated. The bits of the depth are predicted from the two rows above, since depth is nearly linear in a picture
+// of a plane, and the remainders are stored byte plane by byte plane, each behind its size: deflated, or as it is where
+// that would hardly be smaller but takes longest to read.
 #include "clean_cache.h"
 
 #include <isa-l/crc.h>
@@ -19,7 +19,7 @@
 namespace rigproof {
 namespace {
 
-constexpr char kMagic[8] = {'R', 'P', 'C', 'L', 'E', 'A', 'N', '2'};
+constexpr char kMagic[8] = {'R', 'P', 'C', 'L', 'E', 'A', 'N', '3'};
 constexpr std::uint32_t kMaxSide = 32768, kMaxName = 4096;
 constexpr std::streamoff kMaxBytes = 512 << 20;
 constexpr std::size_t kPlanes = 4;
@@ -28,9 +28,11 @@ constexpr double kHardlySmaller = 0.8;
 
 struct Header {
   char magic[8];
-  std::uint32_t width, height, channels, has_depth;
+  std::uint32_t width, height, channels;
+  std::uint32_t depth_width, depth_height;  ///< 0 = there is none
   std::uint32_t name_bytes, color_bytes, depth_bytes;
-  std::uint32_t checksum;  ///< of all that follows
+  std::uint32_t imager_bytes;  ///< 0 = there is none
+  std::uint32_t checksum;      ///< of all that follows
 };
 
 std::uint32_t checksum_of(const char* bytes, std::size_t count) {
@@ -201,10 +203,11 @@ bool decode_depth(const std::uint8_t* bytes, std::size_t count, std::vector<std:
 
 bool is_sound(const Header& header, std::size_t bytes) {
   const std::uint64_t expected =
-      sizeof(Header) + std::uint64_t{header.name_bytes} + header.color_bytes + header.depth_bytes;
+      sizeof(Header) + std::uint64_t{header.name_bytes} + header.color_bytes + header.depth_bytes + header.imager_bytes;
   return std::memcmp(header.magic, kMagic, sizeof kMagic) == 0 && header.width >= 1 && header.width <= kMaxSide &&
          header.height >= 1 && header.height <= kMaxSide && (header.channels == 1 || header.channels == 3) &&
-         header.name_bytes <= kMaxName && expected == bytes;
+         header.depth_width <= kMaxSide && header.depth_height <= kMaxSide &&
+         (header.depth_width == 0) == (header.depth_height == 0) && header.name_bytes <= kMaxName && expected == bytes;
 }
 
 }  // namespace
@@ -213,16 +216,23 @@ std::string encode_clean_frame(const CleanFrame& frame) {
   std::vector<std::uint8_t> color_bytes = filtered(frame.color);
   const std::string color = deflated(color_bytes.data(), color_bytes.size());
   const std::string depth = frame.depth_m.empty() ? "" : encode_depth(frame.depth_m);
+  std::string imager;
+  if (!frame.imager.empty()) {
+    std::vector<std::uint8_t> imager_bytes = filtered(frame.imager);
+    imager = deflated(imager_bytes.data(), imager_bytes.size());
+  }
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.width = static_cast<std::uint32_t>(frame.color.width);
   header.height = static_cast<std::uint32_t>(frame.color.height);
   header.channels = static_cast<std::uint32_t>(frame.color.channels);
-  header.has_depth = frame.depth_m.empty() ? 0 : 1;
+  header.depth_width = frame.depth_m.empty() ? 0 : static_cast<std::uint32_t>(frame.depth_m.width);
+  header.depth_height = frame.depth_m.empty() ? 0 : static_cast<std::uint32_t>(frame.depth_m.height);
   header.name_bytes = static_cast<std::uint32_t>(frame.gl_renderer.size());
   header.color_bytes = static_cast<std::uint32_t>(color.size());
   header.depth_bytes = static_cast<std::uint32_t>(depth.size());
-  const std::string body = frame.gl_renderer + color + depth;
+  header.imager_bytes = static_cast<std::uint32_t>(imager.size());
+  const std::string body = frame.gl_renderer + color + depth + imager;
   header.checksum = checksum_of(body.data(), body.size());
   return std::string(reinterpret_cast<const char*>(&header), sizeof header) + body;
 }
@@ -241,12 +251,21 @@ bool decode_clean_frame(const std::vector<std::uint8_t>& bytes, std::vector<std:
   const std::uint8_t* color = body + header.name_bytes;
   if (!inflate_into(color, header.color_bytes, frame->color.pixels.data(), frame->color.pixels.size())) return false;
   unfilter(&frame->color);
-  if (header.has_depth == 0) {
+  frame->imager = Image8();
+  if (header.depth_width == 0) {
     frame->depth_m = ImageF();
     return true;
   }
-  resize(width, height, 1, &frame->depth_m);
-  return decode_depth(color + header.color_bytes, header.depth_bytes, scratch, &frame->depth_m);
+  const int depth_width = static_cast<int>(header.depth_width), depth_height = static_cast<int>(header.depth_height);
+  resize(depth_width, depth_height, 1, &frame->depth_m);
+  const std::uint8_t* depth = color + header.color_bytes;
+  if (!decode_depth(depth, header.depth_bytes, scratch, &frame->depth_m)) return false;
+  if (header.imager_bytes == 0) return true;
+  resize(depth_width, depth_height, 1, &frame->imager);
+  std::vector<std::uint8_t>& pixels = frame->imager.pixels;
+  if (!inflate_into(depth + header.depth_bytes, header.imager_bytes, pixels.data(), pixels.size())) return false;
+  unfilter(&frame->imager);
+  return true;
 }
 
 std::filesystem::path CleanCache::file_of(const std::string& key) const {

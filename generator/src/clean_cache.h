@@ -14,6 +14,7 @@ struct CleanFrame {
   std::string gl_renderer;  ///< that drew it
   Image8 color;
   ImageF depth_m;  ///< empty where the camera has none
+  Image8 imager;   ///< what a depth camera of its own sees, of the size of `depth_m`; else empty
 };
 
 /// A folder of clean frames. Any number of processes may read and write at once. Const: one thread at a time.

@@ -191,6 +191,15 @@ void RenderConfig::visit(FieldVisitor& visitor) {
   visitor.field("psf_sigma_px", psf_sigma_px, {0.0, 5.0}, "lens blur, standard deviation; 0 = none");
   visitor.field("board_at_double", board_at_double, "render the board's region at twice the resolution");
   visitor.field("whole_at_double", whole_at_double, "render everything at twice the resolution (slower)");
+  visitor.field("motion_blur", motion_blur, "capture moving: images are the mean over their exposure, in linear light");
+  visitor.field("rolling_shutter", rolling_shutter, "capture moving: rows are read one after the other");
+  visitor.field("exposure_ms", exposure_ms, {0.0, 200.0},
+                "exposure of a row, drawn for each camera; 0 = the sensor preset's");
+  visitor.field("readout_ms", readout_ms, {0.0, 200.0},
+                "rolling shutter: from the first row to the last, drawn for each camera; 0 = the sensor preset's");
+  visitor.field("max_parts", max_parts, {1.0, 1000.0},
+                "capture moving: most pictures that one image is put together from; between two of them things move by "
+                "less than half a pixel, unless this is too few (the truth says so)");
 }
 
 void GenerateConfig::visit(FieldVisitor& visitor) {
@@ -201,6 +210,9 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
                 "several worlds instead: `rigproof generate` makes a run NAME/SCENE of each, with seeds that count up");
   visitor.nested("randomize", randomize, "domain randomisation: surfaces, light and clutter drawn anew for each seed");
   visitor.field("rig", rig, TextChoices{}, "robot and cameras in models/rigs, or a YAML file");
+  visitor.field("depth_frame", depth_frame, TextChoices{{"rig", "registered", "raw"}},
+                "registered: depth has the colour camera's pixels; raw: depth as the sensor preset's depth camera "
+                "measures it, at its own place; rig: as rig and presets say");
   visitor.field("image_scale", image_scale, {0.05, 1.0}, "shrinks every camera's image, for quick trials");
   visitor.field("poses", poses, {1.0, 1e6}, "stops of the robot; planner sampled only");
   visitor.field("stop_period_s", stop_period_s, {0.1, 1000.0}, "teleport: time from stop to stop");

@@ -1,5 +1,8 @@
 #include "frame_maker.h"
 
+#include <cstdio>
+
+#include "exposures.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
@@ -43,25 +46,30 @@ FrameMaker::FrameMaker(const Scenario& scenario, const std::filesystem::path& ru
   if (source.may_render)
     renderer_ = std::make_unique<Renderer>(*scenario.world, render_options(scenario, source.device));
   for (std::size_t i = 0; i < scenario.camera_count(); ++i) {
+    const RigCamera& rig_camera = scenario.recording.rig.cameras[i];
     const Camera& camera = scenario.rig.rig.cameras[i].camera;
     sensors_.emplace_back(scenario.sensors[i], camera.width_px, camera.height_px,
                           FrameSeed{seed_, -1, static_cast<std::int32_t>(i)});
     if (scenario.config.clouds == "none") continue;
-    // A driver makes its clouds with the intrinsics that it was told.
-    clouds_.emplace_back(scenario.recording.rig.cameras[i].camera, static_cast<int>(scenario.config.cloud_stride_px));
+    // A driver makes its clouds with what it was told.
+    const int stride = static_cast<int>(scenario.config.cloud_stride_px);
+    if (rig_camera.depth && rig_camera.depth->own_camera)
+      clouds_.emplace_back(rig_camera.depth->own_camera->camera, stride, rig_camera.depth->own_camera->T_color_depth);
+    else
+      clouds_.emplace_back(rig_camera.camera, stride);
   }
 }
 
 void FrameMaker::render(const FrameJob& job) {
   rendered_ = true;
-  scenario_.world->place_robot(scenario_.T_scene_robot[job.stop]);
-  renderer_->render(job.camera, &view_);
+  renderer_->render_moving(job.camera, color_exposure(scenario_, job), depth_exposure(scenario_, job), &view_);
   clean_.gl_renderer = renderer_->gl_renderer();
   take_pixels(&view_.color, &clean_.color);
   if (job.files.depth_file.empty())
     clean_.depth_m = ImageF();
   else
     take_pixels(&view_.depth_m, &clean_.depth_m);
+  take_pixels(&view_.imager, &clean_.imager);
 }
 
 void FrameMaker::take_clean_frame(std::size_t frame, const FrameJob& job) {
@@ -87,8 +95,9 @@ FileEntries FrameMaker::make(std::size_t frame) {
   take_clean_frame(frame, job);
   FileEntries entries;
   const double unit_m = job.files.depth_file.empty() ? 1.0 : scenario_.rig.rig.cameras[job.camera].depth->unit_m;
-  // Depth first: its sensor looks at the clean colours.
-  if (!job.files.depth_file.empty()) sensor.sense_depth(clean_.depth_m, clean_.color, unit_m, seed, &depth_);
+  // Depth first: its sensor looks at the clean colours, or has a picture of its own.
+  const Image8& looked_at = clean_.imager.empty() ? clean_.color : clean_.imager;
+  if (!job.files.depth_file.empty()) sensor.sense_depth(clean_.depth_m, looked_at, unit_m, seed, &depth_);
   sensor.sense_color(seed, &clean_.color);
   write(job.files.color_file, encoded_color(clean_.color), &entries);
   if (job.files.depth_file.empty()) return entries;
@@ -112,6 +121,18 @@ std::vector<std::string> files_of_frame(const Scenario& scenario, std::size_t fr
   return paths;
 }
 
+namespace {
+
+// Exact; nothing where one picture is the whole.
+std::string exposure_text(const Exposure& exposure) {
+  if (exposure.parts() == 1) return "";
+  char text[96];
+  std::snprintf(text, sizeof text, " %a %a %a", exposure.exposure_s, exposure.readout_s, exposure.gamma);
+  return text;
+}
+
+}  // namespace
+
 std::vector<std::string> clean_frame_keys(const Scenario& scenario) {
   const RenderConfig& render = scenario.config.render;
   // The scene's fields are there for those that the renderer takes from its description beside the compiled world.
@@ -121,9 +142,15 @@ std::vector<std::string> clean_frame_keys(const Scenario& scenario) {
                              scenario.world->content_hash() + " " + scenario.scene_text;
   std::vector<std::string> keys;
   for (const FrameJob& job : scenario.frames) {
-    scenario.world->place_robot(scenario.T_scene_robot[job.stop]);
-    keys.push_back(sha256_hex(common + (job.files.depth_file.empty() ? " color " : " color+depth ") +
-                              scenario.world->view_hash(job.camera)));
+    std::string views;
+    for (const Exposure& exposure : {color_exposure(scenario, job), depth_exposure(scenario, job)}) {
+      views += exposure_text(exposure);
+      for (const Rigid3& T_scene_robot : exposure.T_world_robot) {
+        scenario.world->place_robot(T_scene_robot);
+        views += " " + scenario.world->view_hash(job.camera);
+      }
+    }
+    keys.push_back(sha256_hex(common + (job.files.depth_file.empty() ? " color " : " color+depth ") + views));
   }
   return keys;
 }

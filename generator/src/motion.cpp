@@ -64,6 +64,11 @@ Rigid3 RobotTrajectory::at(double stamp_s) const {
   return poses_[i - 1] * se3_exp(share * se3_log(poses_[i - 1].inverse() * poses_[i]));
 }
 
+Vector6d RobotTrajectory::velocity(double stamp_s) const {
+  constexpr double kHalf_s = 0.01;
+  return se3_log(at(stamp_s - kHalf_s).inverse() * at(stamp_s + kHalf_s)) / (2.0 * kHalf_s);
+}
+
 std::vector<Rigid3> RobotTrajectory::during(double middle_s, double exposure_s, int count) const {
   std::vector<Rigid3> poses;
   for (int i = 0; i < count; ++i) poses.push_back(at(middle_s + exposure_s * ((i + 0.5) / count - 0.5)));

@@ -7,6 +7,7 @@
 
 #include "drive_store.h"
 #include "driven.h"
+#include "exposures.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
@@ -25,18 +26,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Written into frames.csv: what an indoor exposure of these cameras takes. Nothing moves while it lasts.
-constexpr double kExposureS = 0.01;
-
 std::uint64_t seed_of(const GenerateConfig& config) { return static_cast<std::uint64_t>(config.seed); }
+
+void choose_depth_frame(const GenerateConfig& config, const std::string& camera, const std::string& sensor,
+                        DepthStream* depth) {
+  if (config.depth_frame == "registered") depth->own_camera.reset();
+  if (config.depth_frame != "raw" || depth->own_camera) return;
+  if (!sensor.empty()) depth->own_camera = load_sensor_preset(sensor).raw_depth;
+  if (!depth->own_camera)
+    throw Error("depth_frame: raw: the sensor " + (sensor.empty() ? "(none)" : sensor) + " of camera " + camera +
+                " does not say where it measures depth: depth.raw in its preset, or depth.camera and "
+                "depth.T_color_depth in the rig " +
+                config.rig);
+}
 
 RigModel resolve_rig(const GenerateConfig& config) {
   RigModel rig = load_rig_model(config.rig);
   for (RigCamera& camera : rig.rig.cameras) {
-    if (camera.depth && camera.depth->own_camera) {
-      throw Error("rig " + config.rig + ": camera " + camera.name +
-                  " has a depth camera of its own; only depth that is registered to colour is simulated");
-    }
+    if (camera.depth) choose_depth_frame(config, camera.name, camera.sensor, &*camera.depth);
+    if (camera.depth && camera.depth->own_camera)
+      camera.depth->own_camera->camera = scaled_camera(camera.depth->own_camera->camera, config.image_scale);
     camera.camera = scaled_camera(camera.camera, config.image_scale);
     if (camera.folder.empty()) camera.folder = camera.name;
   }
@@ -114,6 +123,7 @@ Truth true_part(const Scenario& scenario, const Board& board, const Rigid3& T_sc
     const RigCamera& camera = scenario.rig.rig.cameras[i];
     TrueCamera entry{camera.name, scenario.rig.T_robot_camera[i], camera.camera, std::nullopt, {}};
     if (camera.depth) entry.depth_scale = scenario.sensors[i].depth_scale;
+    if (camera.depth) entry.depth_camera = camera.depth->own_camera;
     entry.sensing = scenario.sensors[i].labels();
     truth.cameras.push_back(entry);
   }
@@ -147,7 +157,7 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
       if (camera.depth) frame.depth_file = numbered(camera.folder + "/depth", i, ".png");
       if (camera.depth && clouds) frame.cloud_file = numbered(camera.folder + "/cloud", i, ".pcd");
       frame.stamp_s = scenario.truth.stops[i].stamp_s;
-      frame.exposure_s = kExposureS;
+      frame.exposure_s = scenario.shutters[recording.frames.size() - 1].exposure_s;
       frames.push_back(frame);
     }
   }
@@ -203,6 +213,8 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   }
   Truth& truth = scenario->truth;
   truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
+  if (scenario->moves_while_exposing())
+    for (TrueStop& stop : truth.stops) stop.velocity = scenario->trajectory.velocity(stop.stamp_s);
   label_odometry(driven.drive.odometry, &truth);
   truth.drawn.insert(draw.drawn.begin(), draw.drawn.end());
   scenario->recording = recorded_part(*scenario, description.board);
@@ -261,6 +273,7 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   scenario.inputs = inputs_of(config, scenario.rig, scene, board);
   scenario.scene_text = scene_text(scene);
   scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
+  scenario.shutters = resolve_shutters(config, scenario.rig.rig);
   const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene));
   const BoardDefectsDraw defects = draw_board_defects(config.board.defects, seed_of(config));
   WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
@@ -276,6 +289,7 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;
   disturb_time(config.sensing.time, sensing_seed(config), &scenario.recording, &scenario.truth);
   scenario.frames = recorded_frames(taken, scenario.recording.frames);
+  plan_exposures(&scenario);
   return scenario;
 }
 

@@ -29,6 +29,16 @@ struct FrameJob {
   std::size_t stop = 0;
   std::size_t camera = 0;
   CameraFrame files;
+  int color_parts = 1;  ///< pictures that the image is put together from: see exposures.h
+  int depth_parts = 1;
+};
+
+/// When a camera's rows are exposed.
+struct CameraShutter {
+  double exposure_s = 0.01;
+  double readout_s = 0.0;        ///< 0 = global shutter
+  double depth_readout_s = 0.0;  ///< of the depth image
+  double gamma = 2.2;            ///< of the image's levels
 };
 
 struct Scenario {
@@ -42,11 +52,13 @@ struct Scenario {
   RobotTrajectory trajectory;         ///< of a driven run, by the stamps of the recording; else empty
   std::size_t ways_tried_again = 0, viewpoints_replaced = 0;  ///< of a driven run
   std::vector<SensorModel> sensors;                           ///< one a camera
+  std::vector<CameraShutter> shutters;                        ///< one a camera
   Recording recording;                                        ///< its folder is empty: the caller's
   std::vector<FrameJob> frames;                               ///< of the recording, stop by stop
   Truth truth;
   std::string drive_key, drive_bytes;  ///< of a driven run, for its file: see drive_store.h
 
+  bool moves_while_exposing() const { return config.motion == "drive" && config.drive.capture == "moving"; }
   std::size_t stop_count() const { return T_scene_robot.size(); }
   std::size_t camera_count() const { return rig.rig.cameras.size(); }
   bool sensor_images_are_jpeg() const { return config.sensor_noise != "none" && config.sensing.image.jpeg_quality > 0; }

@@ -94,8 +94,10 @@ Sensor::Sensor(const SensorModel& model, int width, int height, const FrameSeed&
   if (model_.image && !prepared_->level_noise) prepared_->chain.emplace(*model_.image, width, height, fixed);
   if (!model_.depth) return;
   normal_table();
+  const auto& own = model_.depth->stream.own_camera;
   if (model_.depth->bias > 0.0)
-    prepared_->bias.emplace(width, height, model_.depth->bias_cell_px, fixed.stream("depth bias"));
+    prepared_->bias.emplace(own ? own->camera.width_px : width, own ? own->camera.height_px : height,
+                            model_.depth->bias_cell_px, fixed.stream("depth bias"));
 }
 
 Sensor::~Sensor() = default;

@@ -307,8 +307,11 @@ std::vector<std::string> scene_model_names() { return list_presets("scenes"); }
 
 std::vector<WorldCamera> world_cameras(const RigModel& rig) {
   std::vector<WorldCamera> cameras;
-  for (std::size_t i = 0; i < rig.rig.cameras.size(); ++i)
-    cameras.push_back({rig.rig.cameras[i].name, rig.T_robot_camera[i], rig.rig.cameras[i].camera});
+  for (std::size_t i = 0; i < rig.rig.cameras.size(); ++i) {
+    const RigCamera& camera = rig.rig.cameras[i];
+    cameras.push_back({camera.name, rig.T_robot_camera[i], camera.camera});
+    if (camera.depth) cameras.back().depth_camera = camera.depth->own_camera;
+  }
   return cameras;
 }
 

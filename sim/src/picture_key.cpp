@@ -31,6 +31,13 @@ class Bytes {
     for (int i = 0; i < 3; ++i) add(T.translation[i]);
     for (int i = 0; i < 4; ++i) add(T.rotation.coeffs()[i]);
   }
+  void add(const Camera& camera) {
+    add(camera.width_px);
+    add(camera.height_px);
+    for (const double value : {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px}) add(value);
+    add(camera.lens);
+    add_all(camera.distortion);
+  }
   std::string hash() const { return sha256_hex(text_); }
 
  private:
@@ -72,15 +79,15 @@ std::string World::content_hash() const {
 std::string World::view_hash(std::size_t camera) const {
   const mjModel* model = impl_->model.get();
   const mjData* data = impl_->data.get();
-  const Camera& optics = impl_->description.cameras.at(camera).camera;
+  const WorldCamera& entry = impl_->description.cameras.at(camera);
   const auto geoms = static_cast<std::size_t>(model->ngeom), lights = static_cast<std::size_t>(model->nlight);
   Bytes bytes;
   bytes.add(T_world_camera(camera));
-  bytes.add(optics.width_px);
-  bytes.add(optics.height_px);
-  for (const double value : {optics.fx_px, optics.fy_px, optics.cx_px, optics.cy_px}) bytes.add(value);
-  bytes.add(optics.lens);
-  bytes.add_all(optics.distortion);
+  bytes.add(entry.camera);
+  if (entry.depth_camera) {
+    bytes.add(entry.depth_camera->T_color_depth);
+    bytes.add(entry.depth_camera->camera);
+  }
   bytes.add(data->geom_xpos, 3 * geoms);
   bytes.add(data->geom_xmat, 9 * geoms);
   bytes.add(data->light_xpos, 3 * lights);

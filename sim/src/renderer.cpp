@@ -9,6 +9,7 @@
 #include "depth.h"
 #include "gl_scene.h"
 #include "lens_map.h"
+#include "light_sum.h"
 #include "rigproof/core/error.h"
 #include "sky.h"
 #include "sun_shadows.h"
@@ -157,10 +158,44 @@ CameraPlan plan_camera(const Camera& camera, const std::string& name) {
   return plan;
 }
 
+PixelRect whole_image(const Camera& camera) { return {0, 0, camera.width_px, camera.height_px}; }
+
+PixelRect rows_of(const PixelRect& rect, const PixelRect& rows) {
+  const int top = std::max(rect.y0, rows.y0), bottom = std::min(rect.y0 + rect.height, rows.y0 + rows.height);
+  return {rect.x0, top, rect.width, std::max(0, bottom - top)};
+}
+
+// When each row of an image is exposed.
+class RowTable {
+ public:
+  RowTable(const Exposure& exposure, const Camera& camera) : width_(camera.width_px) {
+    for (int y = 0; y < camera.height_px; ++y) rows_.push_back(parts_of_row(exposure, y, camera.height_px));
+  }
+  /// Share of the row's exposure that lies in a part.
+  double share(int row, std::size_t part) const {
+    const RowParts& parts = rows_[static_cast<std::size_t>(row)];
+    const bool inside = part >= parts.first && part < parts.first + parts.shares.size();
+    return inside ? parts.shares[part - parts.first] : 0.0;
+  }
+  /// The rows that are exposed in a part: they are neighbours.
+  PixelRect rows_of(std::size_t part) const {
+    const int height = static_cast<int>(rows_.size());
+    int first = 0;
+    while (first < height && share(first, part) <= 0.0) ++first;
+    int end = first;
+    while (end < height && share(end, part) > 0.0) ++end;
+    return {0, first, width_, end - first};
+  }
+
+ private:
+  int width_;
+  std::vector<RowParts> rows_;
+};
+
 // The frustum of the picture that an image is, or is resampled from, at 1x.
 Frustum whole_frustum(const CameraPlan& plan) {
   if (plan.lens) return plan.table.source().frustum();
-  return frustum_of(plan.camera, {0, 0, plan.camera.width_px, plan.camera.height_px}, 1);
+  return frustum_of(plan.camera, whole_image(plan.camera), 1);
 }
 
 void resize(int width, int height, int channels, Image8* image) {
@@ -182,11 +217,20 @@ struct Renderer::Impl {
         shadows(world_in),
         point_spread(options_in.psf_sigma_px),
         reduction(options_in.psf_sigma_px) {
-    for (const WorldCamera& camera : world.description().cameras)
+    for (const WorldCamera& camera : world.description().cameras) {
       plans.push_back(plan_camera(camera.camera, camera.name));
+      depth_plans.emplace_back();
+      if (camera.depth_camera) depth_plans.back() = plan_camera(camera.depth_camera->camera, camera.name + " (depth)");
+    }
   }
 
-  void render(const CameraPlan& plan, const Rigid3& T_world_camera, bool with_ceiling, RenderedView* view);
+  void render(const CameraPlan& plan, const Rigid3& T_world_camera, bool with_ceiling, bool with_depth,
+              RenderedView* view);
+  void render_depth_camera(std::size_t camera, RenderedView* view);
+  void look_from(const Rigid3& T_world_camera, bool with_ceiling);
+  void render_color_rows(const CameraPlan& plan, const Rigid3& T_world_camera, const PixelRect& rows, Image8* color);
+  void expose_color(std::size_t camera, const Exposure& exposure, Image8* color);
+  void expose_depth(std::size_t camera, const Exposure& exposure, RenderedView* view);
   void draw_frame(const CameraPlan& plan, Pass pass);
   RgbaView read_picture(const Frustum& frustum);
   void take_color(const CameraPlan& plan, Image8* color);
@@ -205,13 +249,15 @@ struct Renderer::Impl {
   PointSpread point_spread;
   DoubleReduction reduction;
   std::vector<CameraPlan> plans;
+  std::vector<std::optional<CameraPlan>> depth_plans;  // where depth has a camera of its own
   RayTable region_table;
   std::vector<std::uint8_t> resampled_pixels;
+  Image8 imager_color, part_color;  // scratch
 };
 
 PixelRect Renderer::Impl::region_at_double(const CameraPlan& plan, const Rigid3& T_world_camera) const {
   const Camera& camera = plan.camera;
-  if (options.whole_at_double) return {0, 0, camera.width_px, camera.height_px};
+  if (options.whole_at_double) return whole_image(camera);
   if (!options.board_at_double) return {};
   const WorldDescription& description = world.description();
   return board_region(camera, T_world_camera.inverse() * description.T_world_board, description.board,
@@ -292,18 +338,22 @@ void Renderer::Impl::refine(const CameraPlan& plan, const PixelRect& rect, Image
   reduction.apply(plan.lens ? resampled(picture, region_table) : picture, rect, color);
 }
 
-void Renderer::Impl::render(const CameraPlan& plan, const Rigid3& T_world_camera, bool with_ceiling,
-                            RenderedView* view) {
-  const Camera& camera = plan.camera;
+void Renderer::Impl::look_from(const Rigid3& T_world_camera, bool with_ceiling) {
   gl.look_from(T_world_camera, with_ceiling);
   T_world_eye = T_world_camera;
   shadows.follow_robot(world);
+}
+
+void Renderer::Impl::render(const CameraPlan& plan, const Rigid3& T_world_camera, bool with_ceiling, bool with_depth,
+                            RenderedView* view) {
+  const Camera& camera = plan.camera;
+  look_from(T_world_camera, with_ceiling);
   const PixelRect region = options.color ? region_at_double(plan, T_world_camera) : PixelRect();
   const bool all_at_double = region.width == camera.width_px && region.height == camera.height_px;
   const bool color_at_single = options.color && !all_at_double;
-  if (color_at_single || options.depth) draw_frame(plan, Pass::kColor);
+  if (color_at_single || with_depth) draw_frame(plan, Pass::kColor);
   if (color_at_single) take_color(plan, &view->color);
-  if (options.depth) take_depth(plan, &view->depth_m);
+  if (with_depth) take_depth(plan, &view->depth_m);
   if (options.color) {
     resize(camera.width_px, camera.height_px, 3, &view->color);
     if (!region.empty()) refine(plan, region, &view->color);
@@ -314,6 +364,82 @@ void Renderer::Impl::render(const CameraPlan& plan, const Rigid3& T_world_camera
   }
 }
 
+// Depth, and what the imager sees that measures it.
+void Renderer::Impl::render_depth_camera(std::size_t camera, RenderedView* view) {
+  const CameraPlan& plan = *depth_plans[camera];
+  look_from(world.T_world_camera(camera) * world.description().cameras[camera].depth_camera->T_color_depth, true);
+  draw_frame(plan, Pass::kColor);
+  take_color(plan, &imager_color);
+  take_depth(plan, &view->depth_m);
+  resize(plan.camera.width_px, plan.camera.height_px, 1, &view->imager);
+  for (std::size_t i = 0; i < view->imager.pixels.size(); ++i) view->imager.pixels[i] = imager_color.pixels[3 * i + 1];
+}
+
+// Some rows of what render() draws; the rest of `color` stays.
+void Renderer::Impl::render_color_rows(const CameraPlan& plan, const Rigid3& T_world_camera, const PixelRect& rows,
+                                       Image8* color) {
+  look_from(T_world_camera, true);
+  const PixelRect region = rows_of(region_at_double(plan, T_world_camera), rows);
+  const bool all_at_double = region.width == rows.width && region.height == rows.height;
+  if (!all_at_double) {
+    // Blur reaches beyond the rows that are wanted.
+    const int margin = point_spread.reach_px();
+    const PixelRect with_margin = {0, rows.y0 - margin, rows.width, rows.height + 2 * margin};
+    const PixelRect whole = whole_image(plan.camera);
+    const PixelRect drawn = plan.lens ? whole : rows_of(with_margin, whole);
+    const Frustum frustum = plan.lens ? whole_frustum(plan) : frustum_of(plan.camera, drawn, 1);
+    gl.draw(frustum, Pass::kColor);
+    const RgbaView picture = read_picture(frustum);
+    point_spread.apply(plan.lens ? resampled(picture, plan.table) : picture, &part_color);
+    for (int y = rows.y0; y < rows.y0 + rows.height; ++y)
+      std::copy_n(part_color.row(y - drawn.y0), part_color.row_length(), color->row(y));
+  }
+  if (!region.empty()) refine(plan, region, color);
+}
+
+void Renderer::Impl::expose_color(std::size_t camera, const Exposure& exposure, Image8* color) {
+  const CameraPlan& plan = plans[camera];
+  const int width = plan.camera.width_px, height = plan.camera.height_px;
+  const RowTable table(exposure, plan.camera);
+  LightSum light(width, height, 3, exposure.gamma);
+  resize(width, height, 3, color);
+  for (std::size_t part = 0; part < exposure.parts(); ++part) {
+    const PixelRect rows = table.rows_of(part);
+    if (rows.empty()) continue;
+    world.place_robot(exposure.T_world_robot[part]);
+    render_color_rows(plan, world.T_world_camera(camera), rows, color);
+    for (int y = rows.y0; y < rows.y0 + rows.height; ++y) light.add_row(y, table.share(y, part), color->row(y));
+  }
+  light.write(color);
+}
+
+// Each row at its own time: pictures of the whole, of which every row is taken once.
+void Renderer::Impl::expose_depth(std::size_t camera, const Exposure& exposure, RenderedView* view) {
+  const bool own_camera = depth_plans[camera].has_value();
+  const CameraPlan& plan = own_camera ? *depth_plans[camera] : plans[camera];
+  const RowTable table(exposure, plan.camera);
+  ImageF depth(plan.camera.width_px, plan.camera.height_px);
+  Image8 imager(own_camera ? plan.camera.width_px : 0, own_camera ? plan.camera.height_px : 0);
+  for (std::size_t part = 0; part < exposure.parts(); ++part) {
+    const PixelRect rows = table.rows_of(part);
+    if (rows.empty()) continue;
+    world.place_robot(exposure.T_world_robot[part]);
+    if (own_camera) {
+      render_depth_camera(camera, view);
+    } else {
+      look_from(world.T_world_camera(camera), true);
+      draw_frame(plan, Pass::kColor);
+      take_depth(plan, &view->depth_m);
+    }
+    for (int y = rows.y0; y < rows.y0 + rows.height; ++y) {
+      std::copy_n(view->depth_m.row(y), view->depth_m.row_length(), depth.row(y));
+      if (own_camera) std::copy_n(view->imager.row(y), view->imager.row_length(), imager.row(y));
+    }
+  }
+  view->depth_m = std::move(depth);
+  view->imager = std::move(imager);
+}
+
 Renderer::Renderer(World& world, const RenderOptions& options) {
   if (!(options.psf_sigma_px >= 0.0 && options.psf_sigma_px <= 3.0))
     throw Error("psf_sigma_px: " + std::to_string(options.psf_sigma_px) + ": allowed are 0 to 3 px");
@@ -322,11 +448,28 @@ Renderer::Renderer(World& world, const RenderOptions& options) {
 Renderer::~Renderer() = default;
 
 void Renderer::render(std::size_t camera, RenderedView* view) {
-  impl_->render(impl_->plans.at(camera), impl_->world.T_world_camera(camera), true, view);
+  Impl& r = *impl_;
+  const bool own_depth = r.options.depth && r.depth_plans.at(camera).has_value();
+  r.render(r.plans[camera], r.world.T_world_camera(camera), true, r.options.depth && !own_depth, view);
+  if (own_depth)
+    r.render_depth_camera(camera, view);
+  else
+    view->imager = Image8();
+}
+
+void Renderer::render_moving(std::size_t camera, const Exposure& color, const Exposure& depth, RenderedView* view) {
+  if (depth.exposure_s > 0.0 && depth.parts() > 1) throw Error("depth is taken at one time in each row: exposure_s 0");
+  Impl& r = *impl_;
+  if (color.parts() == 1 && depth.parts() == 1) {
+    r.world.place_robot(color.T_world_robot.front());
+    return render(camera, view);
+  }
+  if (r.options.depth) r.expose_depth(camera, depth, view);
+  if (r.options.color) r.expose_color(camera, color, &view->color);
 }
 
 void Renderer::render_from(const Rigid3& T_world_camera, const Camera& camera, bool with_ceiling, RenderedView* view) {
-  impl_->render(plan_camera(camera, "without a name"), T_world_camera, with_ceiling, view);
+  impl_->render(plan_camera(camera, "without a name"), T_world_camera, with_ceiling, impl_->options.depth, view);
 }
 
 void Renderer::render_bare(std::size_t camera) {

@@ -31,6 +31,8 @@ struct PixelRect {
 class PointSpread {
  public:
   explicit PointSpread(double sigma_px);
+  /// Pixels around a pixel that it takes light from.
+  int reach_px() const { return static_cast<int>(taps_.size()) - 1; }
   /// `rgb` is resized.
   void apply(const RgbaView& source, Image8* rgb);
 

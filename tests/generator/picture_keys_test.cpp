@@ -115,6 +115,7 @@ const std::vector<Row>& world_rows() {
       {"randomize.clutter_turn_deg", "10", {}, true},
       {"rig", "husky_3x_d455", {}, true},
       {"image_scale", "0.2", {}, true},
+      {"depth_frame", "raw", {}, true},
       {"board.preset", "checkerboard_6x5_110mm", {}, true},
       {"board.type", "charuco", {}, true},
       {"board.squares", "[6, 5]", {}, true},
@@ -172,7 +173,14 @@ const std::vector<Row>& drive_rows() {
   const Settings near_pillar = {"motion=drive", "drive.clearance_cm=0", "drive.settle_s=0.2", "viewpoints.planner=list",
                                 // The robot's side is 0.34 m from its middle, the pillar's face at y = 0.7 m.
                                 "viewpoints.list=[{x_m: 0, y_m: 0.3, yaw_deg: 0}, {x_m: 0.3, y_m: 0.3, yaw_deg: 0}]"};
+  const Settings blurred = driving({"drive.capture=moving", "render.exposure_ms=80"});
+  const Settings leaning = driving({"drive.capture=moving", "render.readout_ms=80"});
   static const std::vector<Row> rows = {
+      {"render.motion_blur", "false", blurred},
+      {"render.rolling_shutter", "false", leaning},
+      {"render.exposure_ms", "60", blurred},
+      {"render.readout_ms", "60", leaning},
+      {"render.max_parts", "1", blurred},
       {"motion", "drive", {"viewpoints.planner=list", driving()[3]}},
       {"drive.capture", "moving", driving()},
       {"drive.frame_rate_hz", "3", moving},

@@ -67,5 +67,39 @@ simulation:
     EXPECT_THAT(error, HasSubstr(part));
 }
 
+// A preset's own depth frame: simulated devices have it from the preset, real recordings have to tell it.
+TEST(SensorPresets, RawDepthIsAPropertyOfTheDeviceThatARecordingHasToTell) {
+  std::string text = read_text_file(find_preset("sensors", "d455"));
+  for (const char* name : {"d455", "d435", "l515"}) {
+    const SensorPreset preset = load_sensor_preset(name);
+    EXPECT_FALSE(preset.delivers_raw_depth) << name;
+    ASSERT_TRUE(preset.raw_depth.has_value()) << name;
+    EXPECT_NEAR(preset.raw_depth->T_color_depth.translation.x(), preset.simulation.depth.imagers_x_m[0], 1e-12) << name;
+  }
+  const OwnData folder;
+  const std::string registered = "depth_frame: registered";
+  folder.write("models/sensors/own.yaml", text.replace(text.find(registered), registered.size(), "depth_frame: raw"));
+  folder.write("models/sensors/nowhere.yaml",
+               "color: {width_px: 64, height_px: 48, hfov_deg: 60}\ndepth_frame: raw\ndepth: {unit_m: 0.001}\n");
+  EXPECT_TRUE(load_sensor_preset("own").delivers_raw_depth);
+  EXPECT_THAT(error_text([] { load_sensor_preset("nowhere"); }),
+              HasSubstr("depth_frame: raw: raw needs a block depth.raw"));
+  const std::string camera = "cameras:\n  a:\n    sensor: own\n";
+  folder.write("rig.yaml",
+               "board: {type: checkerboard, squares: [6, 5], square_mm: 100}\n" + camera +
+                   "    intrinsics: {width_px: 64, height_px: 48, fx_px: 50, fy_px: 50, cx_px: 31, cy_px: 23}\n");
+  EXPECT_THAT(error_text([&] { load_rig(folder / "rig.yaml"); }),
+              HasSubstr("give depth.camera and depth.T_color_depth"));
+  Problems problems;
+  const YamlTree tree = parse_yaml("sensor: own", "simulated.yaml");
+  MapReader map(tree, "a", &problems);
+  RigReadOptions simulated;
+  simulated.nominal_intrinsics = true;
+  const RigCamera read = read_rig_camera("a", map, simulated);
+  problems.throw_if_any();
+  ASSERT_TRUE(read.depth && read.depth->own_camera);
+  EXPECT_EQ(read.depth->own_camera->camera.width_px, 848);
+}
+
 }  // namespace
 }  // namespace rigproof

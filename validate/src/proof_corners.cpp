@@ -22,6 +22,7 @@ struct Setup {
   Rigid3 T_robot_camera;
   Rigid3 T_world_board;
   std::function<Rigid3(std::size_t)> T_world_robot;  // by stop
+  double readout_s = 0.0;                            // of a rolling shutter
   std::function<int(int)> board_id;
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> seen;  // the detected pixel as it should have been
 };
@@ -66,6 +67,8 @@ class CornerProof {
  private:
   Setup as_stated() const;
   Residuals residuals(const Setup& setup) const;
+  bool project(const Setup& setup, std::size_t stop, const Rigid3& T_camera_board, const Eigen::Vector3d& p_board,
+               const Eigen::Vector2d& seen, Eigen::Vector2d* pixel) const;
   std::vector<Hypothesis> hypotheses() const;
   void add_mirrored_images(std::vector<Hypothesis>* list) const;
   void add_wrong_poses(std::vector<Hypothesis>* list) const;
@@ -109,12 +112,26 @@ CornerProof::CornerProof(const Observations& observations, const Truth& truth, s
 
 Setup CornerProof::as_stated() const {
   const TrueCamera& camera = truth_.cameras[camera_];
+  const auto readout = camera.sensing.find("readout_ms");
   return {camera.camera,
           camera.T_robot_camera,
           truth_.T_world_board,
           [this](std::size_t stop) { return truth_.stops[stop].T_world_robot; },
+          readout == camera.sensing.end() ? 0.0 : readout->second / 1000.0,
           [](int id) { return id; },
           [](const Eigen::Vector2d& pixel) { return pixel; }};
+}
+
+// A rolling shutter sees a corner when it reads the corner's row: the robot is a little before or after its stop then.
+bool CornerProof::project(const Setup& setup, std::size_t stop, const Rigid3& T_camera_board,
+                          const Eigen::Vector3d& p_board, const Eigen::Vector2d& seen, Eigen::Vector2d* pixel) const {
+  const std::optional<Vector6d>& velocity = truth_.stops[stop].velocity;
+  if (!velocity || setup.readout_s <= 0.0) return setup.camera.project(T_camera_board * p_board, pixel);
+  const double dt_s = row_delay_s(seen.y(), setup.camera.height_px, setup.readout_s);
+  const Rigid3 T_now_before = se3_exp(-dt_s * *velocity);  // of the robot
+  const Rigid3 T_camera_robot = setup.T_robot_camera.inverse();
+  return setup.camera.project(T_camera_robot * (T_now_before * (setup.T_robot_camera * (T_camera_board * p_board))),
+                              pixel);
 }
 
 Residuals CornerProof::residuals(const Setup& setup) const {
@@ -125,7 +142,8 @@ Residuals CornerProof::residuals(const Setup& setup) const {
     double squares = 0.0;
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;
-      if (!setup.camera.project(T_camera_board * truth_.board.corner(setup.board_id(corner.id)), &projected)) {
+      if (!project(setup, view.stop, T_camera_board, truth_.board.corner(setup.board_id(corner.id)),
+                   setup.seen(corner.pixel), &projected)) {
         result.complete = false;
         continue;
       }

@@ -6,6 +6,7 @@
 
 #include "proof_parts.h"
 #include "rigproof/calib/image_io.h"
+#include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/validate/figures.h"
@@ -26,6 +27,7 @@ struct Frame {
   Image16 depth;
   Rigid3 T_world_camera;
   Rigid3 T_board_camera;
+  const TrueStop* stop = nullptr;
 };
 
 // Expected measurement divided by z, and what was measured; a hypothesis is one such rule.
@@ -65,7 +67,9 @@ class DepthProof {
 
  private:
   bool read_frame(const CameraFrame& recorded, Frame* frame) const;
-  void collect(const Frame& frame);
+  void place(double dt_s, Frame* frame) const;
+  void collect(Frame* frame);
+  std::string compare_frames() const;
   void collect_pixel(const Frame& frame, int u, int v);
   Sample sample_at(const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) const;
   std::vector<double> whitened(const std::vector<Sample>& samples, const Hypothesis& hypothesis) const;
@@ -117,9 +121,12 @@ DepthProof::DepthProof(const Recording& recording, const Truth& truth, std::size
       // A device's smooth bias, where it is simulated, is part of the truth: three of its sigmas may come on top.
       max_bias_sigmas_(options.depth_max_bias_sigmas + 3.0 * label("depth_bias_over_noise")),
       max_rms_sigmas_(std::hypot(options.depth_max_rms_sigmas, 3.0 * label("depth_bias_over_noise"))) {
-  if (!rig_camera_.depth || !rig_camera_.depth->own_camera) return;
-  camera_ = rig_camera_.depth->own_camera->camera;
-  T_robot_depth_ = T_robot_depth_ * rig_camera_.depth->own_camera->T_color_depth;
+  // What is true if the truth tells, else what the recording tells; compare_frames() looks at the difference.
+  const std::optional<DepthStream::OwnCamera>& own =
+      true_camera_.depth_camera || !rig_camera_.depth ? true_camera_.depth_camera : rig_camera_.depth->own_camera;
+  if (!own) return;
+  camera_ = own->camera;
+  T_robot_depth_ = T_robot_depth_ * own->T_color_depth;
 }
 
 bool DepthProof::read_frame(const CameraFrame& recorded, Frame* frame) const {
@@ -133,9 +140,14 @@ bool DepthProof::read_frame(const CameraFrame& recorded, Frame* frame) const {
     throw Error(file.string() + ": " + std::to_string(frame->depth.width) + "x" + std::to_string(frame->depth.height) +
                 " pixels, the depth of " + rig_camera_.name + " has to have " + std::to_string(camera_.width_px) + "x" +
                 std::to_string(camera_.height_px));
-  frame->T_world_camera = truth_.stops[*stop].T_world_robot * T_robot_depth_;
-  frame->T_board_camera = truth_.T_world_board.inverse() * frame->T_world_camera;
+  frame->stop = &truth_.stops[*stop];
+  place(0.0, frame);
   return true;
+}
+
+void DepthProof::place(double dt_s, Frame* frame) const {
+  frame->T_world_camera = frame->stop->T_world_robot_after(dt_s) * T_robot_depth_;
+  frame->T_board_camera = truth_.T_world_board.inverse() * frame->T_world_camera;
 }
 
 // Depth z at which the ray from a camera meets the plane z = 0 of `target`.
@@ -187,10 +199,13 @@ void DepthProof::collect_pixel(const Frame& frame, int u, int v) {
   if (ground_z && in_range(*ground_z)) ground_.push_back(sample_at(frame, u, v, ray, *ground_z));
 }
 
-void DepthProof::collect(const Frame& frame) {
+void DepthProof::collect(Frame* frame) {
   const int stride = std::max(1, options_.depth_stride_px);
-  for (int v = stride / 2; v < frame.depth.height; v += stride)
-    for (int u = stride / 2; u < frame.depth.width; u += stride) collect_pixel(frame, u, v);
+  const double readout_s = label("depth_readout_ms") / 1000.0;
+  for (int v = stride / 2; v < frame->depth.height; v += stride) {
+    if (readout_s > 0.0) place(row_delay_s(v, frame->depth.height, readout_s), frame);
+    for (int u = stride / 2; u < frame->depth.width; u += stride) collect_pixel(*frame, u, v);
+  }
 }
 
 std::vector<double> DepthProof::whitened(const std::vector<Sample>& samples, const Hypothesis& hypothesis) const {
@@ -358,9 +373,37 @@ void DepthProof::judge_ground(Findings* findings) const {
                                  " (height or tilt of the camera, or the ground is not flat)");
 }
 
+// "0.059 m and 0.3 deg".
+std::string difference_text(const Rigid3& a, const Rigid3& b) {
+  const Vector6d error = transform_error(a, b);
+  return short_figure(error.head<3>().norm()) + " m and " + short_figure(rad_to_deg(error.tail<3>().norm())) + " deg";
+}
+
+// What the recording tells of the depth camera's place against the truth. Empty if it is the same.
+std::string DepthProof::compare_frames() const {
+  // Quaternions are stored with all digits: anything beyond rounding is another transform.
+  constexpr double kSame = 1e-6;
+  const auto& told = rig_camera_.depth->own_camera;
+  const auto& truth = true_camera_.depth_camera;
+  if (told.has_value() != truth.has_value()) {
+    if (!truth) return {};  // a truth that tells nothing: the recording is taken at its word
+    return "depth is not registered to colour, but rig.yaml has no depth.camera and no depth.T_color_depth";
+  }
+  if (!told || transform_error(told->T_color_depth, truth->T_color_depth).norm() < kSame) return {};
+  const std::string off =
+      "T_color_depth in rig.yaml is off by " + difference_text(told->T_color_depth, truth->T_color_depth);
+  if (transform_error(told->T_color_depth, truth->T_color_depth.inverse()).norm() < kSame)
+    return off + ": it is inverted (colour in depth)";
+  if (transform_error(told->T_color_depth, Rigid3()).norm() < kSame)
+    return off + ": it says that depth is measured where colour is";
+  return off;
+}
+
 Findings DepthProof::run() {
   Findings findings;
   if (!rig_camera_.depth || options_.max_depth_frames < 0) return findings;
+  const std::string frames_differ = compare_frames();
+  if (!frames_differ.empty()) findings.problems.push_back(frames_differ);
   std::vector<const CameraFrame*> with_depth;
   for (const CameraFrame& frame : frames_)
     if (!frame.depth_file.empty()) with_depth.push_back(&frame);
@@ -371,7 +414,7 @@ Findings DepthProof::run() {
     Frame frame;
     if (!read_frame(*with_depth[i * with_depth.size() / count], &frame)) continue;
     ++proof_->depth_frames;
-    collect(frame);
+    collect(&frame);
   }
   summarise();
   const std::vector<double> residuals = whitened(board_, as_stated());

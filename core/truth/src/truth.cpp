@@ -12,6 +12,8 @@ namespace {
 constexpr std::uintmax_t kMaxBytes = 64U << 20U;
 const char* const kFormat = "rigproof-truth";
 constexpr int kVersion = 1;
+// What the poses in `stops` are, for people who read the file.
+const char* const kStopPose = "T_world_robot in the middle of the exposure of the middle row";
 
 // All 64 bits: a seed is no signed number.
 std::uint64_t read_seed(MapReader& map) {
@@ -62,10 +64,27 @@ std::vector<TrueCamera> read_cameras(const YamlTree& tree, Problems* problems) {
     }
     camera.depth_scale = map.number("depth_scale", {0.1, 10.0});
     if (const YamlTree* sensing = map.find("sensing")) camera.sensing = read_sensing(*sensing, map, problems);
+    if (const YamlTree* depth = map.find("depth_camera")) {
+      MapReader block(*depth, map.path_of("depth_camera"), problems);
+      camera.depth_camera = DepthStream::OwnCamera{read_intrinsics(block), required_transform(block, "T_color_depth")};
+      block.finish();
+    }
     map.finish();
     cameras.push_back(std::move(camera));
   }
   return cameras;
+}
+
+// Both or none.
+std::optional<Vector6d> read_velocity(MapReader& map) {
+  const auto linear = map.numbers("velocity_m_s", 3, 3, {-1e3, 1e3});
+  const auto angular = map.numbers("turn_rate_rad_s", 3, 3, {-1e3, 1e3});
+  if (linear.has_value() != angular.has_value())
+    map.problem(linear ? "velocity_m_s" : "turn_rate_rad_s", "velocity_m_s and turn_rate_rad_s belong together");
+  if (!linear || !angular) return std::nullopt;
+  Vector6d velocity;
+  velocity << (*linear)[0], (*linear)[1], (*linear)[2], (*angular)[0], (*angular)[1], (*angular)[2];
+  return velocity;
 }
 
 std::vector<TrueStop> read_stops(const YamlTree& tree, Problems* problems) {
@@ -77,6 +96,7 @@ std::vector<TrueStop> read_stops(const YamlTree& tree, Problems* problems) {
     TrueStop stop;
     stop.stamp_s = map.number("stamp_s").value_or(0.0);
     stop.T_world_robot = read_transform(map);
+    stop.velocity = read_velocity(map);
     map.finish();
     stops.push_back(stop);
   }
@@ -126,6 +146,7 @@ Truth read_truth(const YamlTree& tree, Problems* problems) {
   if (const YamlTree* drawn = map.find("drawn")) read_drawn(*drawn, problems, &truth);
   map.require("cameras", "a map of cameras by name");
   if (const YamlTree* cameras = map.find("cameras")) truth.cameras = read_cameras(*cameras, problems);
+  map.text("stop_pose");
   map.require("stops", "a list of stops");
   if (const YamlTree* stops = map.find("stops")) truth.stops = read_stops(*stops, problems);
   map.finish();
@@ -137,6 +158,10 @@ YamlTree tree_of(const TrueCamera& camera) {
   tree.set("T_robot_camera", rigproof::tree_of(camera.T_robot_camera));
   tree.set("intrinsics", rigproof::tree_of(camera.camera));
   if (camera.depth_scale) tree.set("depth_scale", YamlTree::number(*camera.depth_scale));
+  if (camera.depth_camera) {
+    YamlTree& depth = tree.set("depth_camera", rigproof::tree_of(camera.depth_camera->camera));
+    depth.set("T_color_depth", rigproof::tree_of(camera.depth_camera->T_color_depth));
+  }
   if (camera.sensing.empty()) return tree;
   YamlTree& sensing = tree.set("sensing", YamlTree::inline_map());
   for (const auto& [name, value] : camera.sensing) sensing.set(name, YamlTree::number(value));
@@ -147,6 +172,10 @@ YamlTree tree_of(const TrueStop& stop) {
   YamlTree tree = YamlTree::inline_map();
   tree.set("stamp_s", YamlTree::number(stop.stamp_s));
   set_transform(stop.T_world_robot, &tree);
+  if (!stop.velocity) return tree;
+  const Vector6d& v = *stop.velocity;
+  tree.set("velocity_m_s", YamlTree::numbers({v[0], v[1], v[2]}));
+  tree.set("turn_rate_rad_s", YamlTree::numbers({v[3], v[4], v[5]}));
   return tree;
 }
 
@@ -168,6 +197,7 @@ YamlTree tree_of(const Truth& truth) {
   }
   YamlTree& cameras = tree.set("cameras", YamlTree::map());
   for (const TrueCamera& camera : truth.cameras) cameras.set(camera.name, tree_of(camera));
+  tree.set("stop_pose", YamlTree::text(kStopPose));
   YamlTree& stops = tree.set("stops", YamlTree::sequence());
   for (const TrueStop& stop : truth.stops) stops.add(tree_of(stop));
   return tree;

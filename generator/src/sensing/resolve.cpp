@@ -42,7 +42,12 @@ void add_scene_effects(const DepthSensingConfig& config, const DepthSimulation& 
   const bool stereo = depth->stream.noise.law == DepthNoise::Law::kStereo;
   depth->shift_x_px = drawn_pixels(config.misregistration_px, &random);
   depth->shift_y_px = drawn_pixels(config.misregistration_px, &random);
-  if (config.occlusion) depth->imagers_x_m = device.imagers_x_m;
+  if (config.occlusion) {
+    depth->imagers_x_m = device.imagers_x_m;
+    // They are told beside the colour camera, and wanted beside the depth image's own place.
+    if (const auto& own = depth->stream.own_camera)
+      for (double& x_m : depth->imagers_x_m) x_m -= own->T_color_depth.translation.x();
+  }
   if (config.edges) {
     depth->edge_step_per_m = device.edge_step_per_m;
     depth->edge_jitter_px = device.edge_jitter_px;
@@ -65,8 +70,9 @@ DepthSensing resolve_depth(const DepthSensingConfig& config, const SensorPreset&
   if (preset.depth) depth = depth_sensing_of(preset);
   depth.stream = *camera.depth;  // the rig may refine it
   depth.noise = config.noise;
-  depth.focal_px = camera.camera.fx_px;
-  depth.bias_cell_px = std::max(8.0, camera.camera.fx_px * std::tan(deg_to_rad(device.bias_cell_deg)));
+  const Camera& optics = camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
+  depth.focal_px = optics.fx_px;
+  depth.bias_cell_px = std::max(8.0, optics.fx_px * std::tan(deg_to_rad(device.bias_cell_deg)));
   if (!config.disparity_steps) depth.disparity_step_px = 0.0;
   const bool stereo = depth.stream.noise.law == DepthNoise::Law::kStereo;
   if (config.bias_field) depth.bias = stereo ? device.bias_px : device.bias_m;

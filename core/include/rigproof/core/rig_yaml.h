@@ -71,6 +71,9 @@ struct SensorPreset {
   std::string description;
   Camera camera;  ///< nominal intrinsics of the colour stream
   std::optional<DepthStream> depth;
+  /// Where the device measures depth before its driver registers it to colour: `depth.raw` of the preset.
+  std::optional<DepthStream::OwnCamera> raw_depth;
+  bool delivers_raw_depth = false;  ///< `depth_frame: raw`: what a rig with this sensor has unless it says otherwise
   std::optional<StereoGeometry> stereo;  ///< where the preset gives it; the law in `depth` follows from it
   SensorSimulation simulation;
 };

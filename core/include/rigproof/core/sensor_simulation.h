@@ -17,6 +17,8 @@ struct ImageSimulation {
   double dark_offset_electrons = 1.0;  ///< fixed offset of each pixel (DSNU), one sigma
   double pixel_gain_percent = 0.8;     ///< fixed gain error of each pixel (PRNU), one sigma
   double corner_light_percent = 60.0;  ///< light in the image's corner over that in its centre
+  double exposure_ms = 10.0;           ///< of a row, indoors
+  double readout_ms = 0.0;             ///< rolling shutter: from the first row's start to the last row's; 0 = global
 
   void visit(FieldVisitor& visitor);
 };
@@ -40,6 +42,7 @@ struct DepthSimulation {
   double ripple_px = 12.0;                  ///< their length
   double outdoor_valid_share = 1.0;         ///< of the pixels, in daylight
   double outdoor_max_m = 1000.0;            ///< range in daylight
+  double readout_ms = 0.0;                  ///< between the measurements of the first and the last row; 0 = all at once
 
   void visit(FieldVisitor& visitor);
 };

@@ -95,6 +95,12 @@ struct RenderConfig {
   double psf_sigma_px = 0.6;
   bool board_at_double = true;
   bool whole_at_double = false;
+  // Of a robot that takes images while it moves:
+  bool motion_blur = true;
+  bool rolling_shutter = true;
+  Distribution exposure_ms = 0.0;  ///< drawn for each camera; 0 = its sensor preset's
+  Distribution readout_ms = 0.0;   ///< the same
+  std::int64_t max_parts = 64;     ///< of an exposure: pictures that are drawn for one image
 
   void visit(FieldVisitor& visitor);
 };
@@ -106,6 +112,7 @@ struct GenerateConfig {
   std::vector<std::string> scenes;  ///< several worlds, one run each; see runs_of() in dataset.h
   SceneVariation randomize;
   std::string rig = "husky_3x_d455";
+  std::string depth_frame = "rig";  ///< rig | registered | raw
   double image_scale = 1.0;
   std::int64_t poses = 100;
   double stop_period_s = 2.0;

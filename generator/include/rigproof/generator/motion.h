@@ -63,6 +63,8 @@ class RobotTrajectory {
   const std::vector<Rigid3>& poses() const { return poses_; }
   /// T_scene_robot at a stamp, on the arc of constant twist between two samples; before and after, the robot stands.
   Rigid3 at(double stamp_s) const;
+  /// Velocity at a stamp, linear [m/s] and angular [rad/s], in the robot's frame: the mean over 20 ms around it.
+  Vector6d velocity(double stamp_s) const;
   /// The poses in the middles of `count` equal parts of an exposure: what motion blur sums, and at which a rolling
   /// shutter reads its rows.
   std::vector<Rigid3> during(double middle_s, double exposure_s, int count) const;

@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "rigproof/core/camera.h"
 #include "rigproof/core/image.h"
+#include "rigproof/core/rigid3.h"
 
 namespace rigproof {
 
@@ -16,9 +18,10 @@ namespace rigproof {
 class CloudMaker {
  public:
   /// @param stride every how many pixels a point is taken, along both axes
-  CloudMaker(const Camera& camera, int stride);
+  /// @param T_cloud_camera where the points go; without it they stay in the camera's frame
+  CloudMaker(const Camera& camera, int stride, const std::optional<Rigid3>& T_cloud_camera = std::nullopt);
 
-  /// Points with a depth, row by row, in the camera's frame [m].
+  /// Points with a depth, row by row, in the cloud's frame [m].
   const std::vector<std::array<float, 3>>& points(const Image16& depth, double unit_m);
 
  private:
@@ -26,6 +29,9 @@ class CloudMaker {
     int x, y;
     float ray_x, ray_y;  ///< at z = 1
   };
+  bool is_moved_ = false;
+  Eigen::Matrix3f rotation_ = Eigen::Matrix3f::Identity();
+  Eigen::Vector3f offset_ = Eigen::Vector3f::Zero();
   std::vector<Ray> rays_;
   std::vector<std::array<float, 3>> points_;
 };

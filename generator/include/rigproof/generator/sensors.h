@@ -89,6 +89,7 @@ struct FrameSeed {
 class Sensor {
  public:
   /// @param device its frame is ignored: what is fixed for a device is drawn from (seed, camera)
+  /// A depth stream with a camera of its own has that camera's size instead.
   Sensor(const SensorModel& model, int width, int height, const FrameSeed& device = {});
   ~Sensor();
   Sensor(Sensor&&) noexcept;

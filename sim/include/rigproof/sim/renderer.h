@@ -5,6 +5,7 @@
 #include <string>
 
 #include "rigproof/core/image.h"
+#include "rigproof/sim/exposure.h"
 #include "rigproof/sim/render_device.h"
 #include "rigproof/sim/world.h"
 
@@ -23,7 +24,8 @@ struct RenderOptions {
 /// What one camera sees. Absent parts are empty.
 struct RenderedView {
   Image8 color;        ///< RGB, the camera's size, lens applied
-  ImageF depth_m;      ///< z along the optical axis; 0 = beyond the far plane
+  ImageF depth_m;      ///< z along the optical axis; 0 = beyond the far plane. Of the depth camera where it has its own
+  Image8 imager;       ///< what a depth camera of its own sees, one channel (green), of the size of `depth_m`
   Image16 object_ids;  ///< World::kind_of_object() tells what they are; 0 = nothing
 };
 
@@ -38,6 +40,10 @@ class Renderer {
 
   /// Renders the world as it is now. Bit-identical for the same state, driver and options.
   void render(std::size_t camera, RenderedView* view);
+  /// Renders what the camera records while the robot moves: the mean of pictures of every part of the exposure, each
+  /// row over its own time, in linear light. Depth is that of each row's time. One part gives what render() gives
+  /// there. Places the robot; object ids are not drawn. Throws Error if depth is to be a mean.
+  void render_moving(std::size_t camera, const Exposure& color, const Exposure& depth, RenderedView* view);
   /// Renders what a camera that belongs to no robot sees, e.g. from above; without the ceiling if asked.
   void render_from(const Rigid3& T_world_camera, const Camera& camera, bool with_ceiling, RenderedView* view);
   /// The bare passes alone, rendered and read back without resampling: the denominator of throughput benchmarks.

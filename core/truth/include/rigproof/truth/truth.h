@@ -21,12 +21,25 @@ struct TrueCamera {
   /// What else is simulated of this camera's sensor, by name with unit; 1 for a switch that is on. Nothing that is off
   /// is listed. On disk: block `sensing`.
   std::map<std::string, double> sensing;
+  /// Of a depth camera that is not registered to colour; the recording may tell another one.
+  std::optional<DepthStream::OwnCamera> depth_camera = std::nullopt;
 };
 
+/// Where the robot was when a camera took an image: in the middle of the exposure of the image's middle row.
 struct TrueStop {
   double stamp_s = 0.0;
   Rigid3 T_world_robot;  ///< all six degrees of freedom
+  /// Of a robot that moves: its velocity (linear [m/s], angular [rad/s]) in its own frame. T_world_robot at dt later is
+  /// T_world_robot * se3_exp(dt * velocity).
+  std::optional<Vector6d> velocity = std::nullopt;
+
+  Rigid3 T_world_robot_after(double dt_s) const {
+    return velocity ? T_world_robot * se3_exp(dt_s * *velocity) : T_world_robot;
+  }
 };
+
+/// A shutter that reads rows one after the other: when row v of `height` is exposed, against the middle row.
+inline double row_delay_s(double row, int height, double readout_s) { return readout_s * ((row + 0.5) / height - 0.5); }
 
 struct Truth {
   std::string scene;

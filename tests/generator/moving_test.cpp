@@ -1,0 +1,238 @@
+// Runs that are recorded while the robot drives, and runs whose depth is measured beside the colour camera: what they
+// hold is what the truth says, and the data set's own proof notices where it is not.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "error_text.h"
+#include "exposures.h"
+#include "frame_maker.h"
+#include "rigproof/calib/image_io.h"
+#include "rigproof/calib/observe.h"
+#include "rigproof/core/files.h"
+#include "rigproof/core/run_folder.h"
+#include "rigproof/generator/generate.h"
+#include "rigproof/validate/proof.h"
+#include "scenario.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+
+// Blur and rolling shutter far beyond what the presets say; one camera, from one viewpoint to the next.
+GenerateConfig moving_config(const std::string& render = "exposure_ms: 20, readout_ms: 20") {
+  return parse_generate_config(
+      "{motion: drive, drive: {capture: moving, frame_rate_hz: 1}, poses: 2, seed: 3, "
+      "image_scale: 0.3, rig: husky_1x_d455, render: {" +
+          render + "}}",
+      "moving.yaml");
+}
+
+GenerateConfig raw_config(const std::string& more = "") {
+  return parse_generate_config("poses: 3\nimage_scale: 0.5\ndepth_frame: raw\n" + more, "raw.yaml");
+}
+
+GenerateOptions into(const fs::path& folder, const fs::path& cache = {}, bool render = true) {
+  GenerateOptions options;
+  options.output = folder;
+  options.jobs = 1;
+  options.cache = cache;
+  options.render = render;
+  return options;
+}
+
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> hashes;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      hashes[fs::relative(entry.path(), folder).generic_string()] = sha256_hex_of_file(entry.path());
+  return hashes;
+}
+
+struct SeenRun {
+  Recording recording;
+  Truth truth;
+  Observations observations;
+
+  explicit SeenRun(const fs::path& folder)
+      : recording(load_recording(RunFolder{folder}.recording())),
+        truth(load_truth(RunFolder{folder}.truth_file())),
+        observations(observe(recording)) {}
+  Proof proof() const { return prove(recording, observations, truth); }
+};
+
+TEST(Moving, ExposuresFollowTheDriveAndTheTruthTellsThem) {
+  const Scenario scenario = resolve_scenario(moving_config());
+  const std::map<std::string, double>& labels = scenario.truth.cameras[0].sensing;
+  EXPECT_EQ(labels.at("motion_blur_ms"), 20.0);
+  EXPECT_EQ(labels.at("readout_ms"), 20.0);
+  EXPECT_EQ(labels.count("depth_readout_ms"), 0U) << "the D455's imagers have global shutters";
+  EXPECT_GT(labels.at("exposure_parts"), 4.0);
+  EXPECT_LE(labels.at("exposure_step_px"), 0.5);
+  bool stood = false, moved = false;
+  for (const FrameJob& job : scenario.frames) {
+    const TrueStop& stop = scenario.truth.stops[job.stop];
+    ASSERT_TRUE(stop.velocity.has_value());
+    EXPECT_EQ(job.files.exposure_s, 0.02);
+    const Exposure exposure = color_exposure(scenario, job);
+    EXPECT_EQ(exposure.parts(), static_cast<std::size_t>(job.color_parts));
+    EXPECT_EQ(depth_exposure(scenario, job).parts(), 1U);
+    stood = stood || job.color_parts == 1;
+    moved = moved || job.color_parts > 4;
+    // The poses of the parts lie about the truth's pose of the stop, as its velocity says.
+    const double span_s = 0.04 * (1.0 - 1.0 / job.color_parts);
+    const Rigid3 T_world_scene = scenario.truth.stops[0].T_world_robot * scenario.T_scene_robot[0].inverse();
+    const Vector6d from_first =
+        se3_log((T_world_scene * exposure.T_world_robot.front()).inverse() * stop.T_world_robot);
+    EXPECT_LT((from_first - 0.5 * span_s * *stop.velocity).norm(), 1e-3) << job.stop;
+  }
+  EXPECT_TRUE(moved);
+  EXPECT_TRUE(stood) << "it stands before it starts";
+}
+
+TEST(Moving, TooFewPartsAreReportedAndStandingRunsHaveNone) {
+  const Scenario capped = resolve_scenario(moving_config("exposure_ms: 20, max_parts: 3"));
+  EXPECT_EQ(capped.truth.cameras[0].sensing.at("exposure_parts"), 3.0);
+  EXPECT_GT(capped.truth.cameras[0].sensing.at("exposure_step_px"), 0.5);
+  const Scenario frozen = resolve_scenario(moving_config("motion_blur: false, rolling_shutter: false"));
+  for (const char* label : {"motion_blur_ms", "readout_ms", "exposure_parts"})
+    EXPECT_EQ(frozen.truth.cameras[0].sensing.count(label), 0U) << label;
+  for (const FrameJob& job : frozen.frames) EXPECT_EQ(job.color_parts, 1);
+  const Scenario standing = resolve_scenario(parse_generate_config("{poses: 2, render: {exposure_ms: 50}}", "s.yaml"));
+  EXPECT_EQ(standing.truth.cameras[0].sensing.count("motion_blur_ms"), 0U);
+  EXPECT_FALSE(standing.truth.stops[0].velocity);
+}
+
+// A frame's key hashes each part's view: what changes the shutter changes the frames that move, and no others.
+TEST(Moving, ShuttersAndDepthFramesAreRenderKeys) {
+  const Scenario a = resolve_scenario(moving_config()), b = resolve_scenario(moving_config("exposure_ms: 24"));
+  const std::vector<std::string> keys = clean_frame_keys(a), others = clean_frame_keys(b);
+  ASSERT_EQ(keys.size(), others.size());
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    EXPECT_EQ(keys[i] == others[i], a.frames[i].color_parts == 1 && b.frames[i].color_parts == 1) << i;
+  GenerateConfig registered = raw_config();
+  registered.depth_frame = "registered";
+  EXPECT_NE(clean_frame_keys(resolve_scenario(raw_config())), clean_frame_keys(resolve_scenario(registered)));
+}
+
+// The pictures of a moving camera with a rolling shutter show corners where the truth's velocity puts their rows.
+TEST(Moving, ProofHoldsForBlurredAndLeaningPicturesAndNoticesAWrongVelocity) {
+  const TempFolder folder;
+  const fs::path cache = folder.path() / "cache";
+  GenerateConfig config = moving_config();
+  config.image_scale = 0.5;
+  generate(config, into(folder.path() / "run", cache));
+  generate(config, into(folder.path() / "sensed", cache, false));
+  EXPECT_EQ(contents(folder.path() / "run"), contents(folder.path() / "sensed"));
+  SeenRun run(folder.path() / "run");
+  const Proof proof = run.proof();
+  EXPECT_THAT(proof.problems, testing::IsEmpty());
+  ASSERT_GE(proof.cameras[0].corners, 36U) << "three boards";
+  EXPECT_LT(proof.cameras[0].corner_rms_px.maxCoeff(), 0.1);
+  double largest = 0.0;
+  for (const TrueStop& stop : run.truth.stops) largest = std::max(largest, stop.velocity->norm());
+  EXPECT_GT(largest, 0.2) << "it moved";
+  for (TrueStop& stop : run.truth.stops) *stop.velocity = -*stop.velocity;
+  EXPECT_FALSE(run.proof().passed);
+}
+
+TEST(RawDepth, IsRecordedWithItsOwnCameraAndTheTruthTellsIt) {
+  const Scenario scenario = resolve_scenario(raw_config());
+  const DepthStream& depth = *scenario.recording.rig.cameras[0].depth;
+  ASSERT_TRUE(depth.own_camera.has_value());
+  EXPECT_EQ(depth.own_camera->camera.width_px, 424) << "half of the preset's";
+  EXPECT_NEAR(depth.own_camera->T_color_depth.translation.x(), -0.059, 1e-12);
+  ASSERT_TRUE(scenario.truth.cameras[0].depth_camera.has_value());
+  EXPECT_EQ(scenario.truth.cameras[0].depth_camera->camera.width_px, 424);
+  EXPECT_THAT(error_text([] { resolve_scenario(raw_config("rig: cart_5x_mixed\n")); }), HasSubstr("depth_frame: raw"));
+}
+
+TEST(RawDepth, ComesFromTheCacheWithTheSameBytes) {
+  const TempFolder folder;
+  const GenerateConfig config = raw_config(
+      "clouds: pcd\nsensing: {depth: {texture_holes: true, occlusion: true, edges: true, bias_field: true}}\n");
+  generate(config, into(folder.path() / "run", folder.path() / "cache"));
+  generate(config, into(folder.path() / "sensed", folder.path() / "cache", false));
+  EXPECT_EQ(contents(folder.path() / "run"), contents(folder.path() / "sensed"));
+  // A cloud lies in the colour camera's frame, as the points of the depth image do.
+  const Recording recording = load_recording(RunFolder{folder.path() / "run"}.recording());
+  const CameraFrame& frame = recording.frames[0][0];
+  const auto image = read_depth_image(recording.folder / frame.depth_file);
+  const auto cloud = read_point_cloud(recording.folder / frame.cloud_file);
+  const Image16& depth = std::get<Image16>(image);
+  EXPECT_EQ(depth.width, 424);
+  std::size_t compared = 0;
+  const auto& points = std::get<std::vector<Eigen::Vector3f>>(cloud);
+  const DepthStream& stream = *recording.rig.cameras[0].depth;
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3d p_depth = stream.own_camera->T_color_depth.inverse() * point.cast<double>();
+    Eigen::Vector2d pixel;
+    ASSERT_TRUE(stream.own_camera->camera.project(p_depth, &pixel));
+    const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+    EXPECT_NEAR((pixel - Eigen::Vector2d(x, y)).norm(), 0.0, 1e-2);
+    EXPECT_NEAR(p_depth.z(), stream.unit_m * depth.at(x, y), 1e-4);
+    ++compared;
+  }
+  EXPECT_GT(compared, 1000U);
+}
+
+// The same floor and board, seen from two places: planes agree within what either states.
+TEST(RawDepth, AgreesWithRegisteredDepthInGroundAndBoardPlanes) {
+  const TempFolder folder;
+  generate(raw_config(), into(folder.path() / "raw"));
+  generate(parse_generate_config("poses: 3\nimage_scale: 0.5\n", "raw.yaml"), into(folder.path() / "registered"));
+  const SeenRun raw(folder.path() / "raw"), registered(folder.path() / "registered");
+  const auto compare = [](const std::vector<PlaneObservation>& a, const std::vector<PlaneObservation>& b) {
+    double chi_square = 0.0;
+    std::size_t count = 0;
+    for (const PlaneObservation& p : a) {
+      for (const PlaneObservation& q : b) {
+        if (p.stop != q.stop || p.camera != q.camera) continue;
+        const Eigen::Vector3d d = p.inverse_depth_plane - q.inverse_depth_plane;
+        chi_square += d.dot((p.covariance_per_m2 + q.covariance_per_m2).ldlt().solve(d));
+        ++count;
+      }
+    }
+    EXPECT_GE(count, 6U);
+    // Mean of chi-square with 3 degrees of freedom over six planes and more: above 6 once in ten thousand.
+    EXPECT_LT(chi_square / static_cast<double>(count), 6.0);
+  };
+  compare(raw.observations.ground_planes, registered.observations.ground_planes);
+  compare(raw.observations.board_planes, registered.observations.board_planes);
+}
+
+TEST(RawDepth, ProofNoticesAWrongTransform) {
+  const TempFolder folder;
+  generate(raw_config(), into(folder.path() / "run"));
+  SeenRun run(folder.path() / "run");
+  EXPECT_THAT(run.proof().problems, testing::IsEmpty());
+  EXPECT_GT(run.proof().cameras[0].depth_pixels, 500U);
+  Rigid3& T_color_depth = run.recording.rig.cameras[1].depth->own_camera->T_color_depth;
+  const Rigid3 right = T_color_depth;
+  T_color_depth = right.inverse();
+  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("center: T_color_depth in rig.yaml is off by .12 m")));
+  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("inverted")));
+  T_color_depth = Rigid3();
+  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("measured where colour is")));
+  T_color_depth = right * Rigid3(Eigen::Quaterniond::Identity(), {0.0, 0.0002, 0.0});
+  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("off by")));
+  T_color_depth = right;
+  run.recording.rig.cameras[1].depth->own_camera.reset();
+  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("no depth.T_color_depth")));
+  // Depth that was not measured where the truth says: the pictures themselves tell.
+  SeenRun broken(folder.path() / "run");
+  Rigid3& T_true = broken.truth.cameras[1].depth_camera->T_color_depth;
+  T_true = Rigid3(Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitX())), {-0.059, 0.0, 0.05});
+  broken.recording.rig.cameras[1].depth->own_camera->T_color_depth = T_true;
+  EXPECT_THAT(broken.proof().problems, Contains(HasSubstr("center: depth")));
+}
+
+}  // namespace
+}  // namespace rigproof
