@@ -8,6 +8,7 @@
 #include "error_text.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/recording.h"
 #include "rigproof/core/rig_yaml.h"
 #include "temp_folder.h"
 
