@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "paper_commands.h"
 #include "rigproof/calib/ground_source.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -320,6 +321,7 @@ int run_main(int argc, char** argv) {
   add_calibrate(app, action);
   add_validate(app, action);
   add_sweep_command(app, action);
+  add_paper_command(app, action);
   add_uncertainty_commands(app, action);
   add_inspect(app, action);
   add_convert(app, action);

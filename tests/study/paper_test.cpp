@@ -1,0 +1,179 @@
+// Tables and figures of the paper's experiments, from rows whose errors are known.
+#include "rigproof/study/paper.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+
+#include "error_text.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+SweepRow row_of(const std::string& task, const std::vector<std::string>& levels, const std::string& method,
+                SweepSubject subject, const std::string& camera) {
+  SweepRow row;
+  row.task = task;
+  row.levels = levels;
+  row.method = method;
+  row.subject = subject;
+  row.camera = camera;
+  row.status = SweepStatus::kSolved;
+  return row;
+}
+
+void set_error(double cm, double deg, SweepRow* row) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    row->error[i] = cm;
+    row->error[i + 3] = deg;
+    row->roll_pitch_yaw[i] = deg;
+  }
+}
+
+/// A rig row, a camera, and a pair, all with the same error.
+void add_answers(const std::string& task, const std::vector<std::string>& levels, const std::string& method, double cm,
+                 double deg, SweepRows* rows) {
+  rows->rows.push_back(row_of(task, levels, method, SweepSubject::kRig, "all"));
+  for (const auto& [subject, name] :
+       {std::make_pair(SweepSubject::kCamera, "left"), std::make_pair(SweepSubject::kPair, "left-right")}) {
+    SweepRow row = row_of(task, levels, method, subject, name);
+    set_error(cm, deg, &row);
+    rows->rows.push_back(row);
+  }
+}
+
+SweepRows frame_of(const std::vector<std::string>& axes, const std::vector<std::vector<std::string>>& levels,
+                   const std::vector<std::string>& methods) {
+  SweepRows rows;
+  rows.name = "test";
+  rows.axes = rows.axis_titles = axes;
+  rows.levels = levels;
+  rows.methods = methods;
+  rows.reference = methods.front();
+  rows.pooled.assign(axes.size(), false);
+  for (const auto& list : levels) {
+    rows.level_values.emplace_back();
+    for (std::size_t i = 0; i < list.size(); ++i) rows.level_values.back().push_back(static_cast<double>(i));
+  }
+  return rows;
+}
+
+const std::vector<std::string>* find_row(const PaperTable& table, const std::string& name) {
+  for (const auto& row : table.rows)
+    if (row.front() == name) return &row;
+  return nullptr;
+}
+
+SweepRows table1_rows() {
+  SweepRows rows = frame_of({"images", "world"}, {{"clean"}, {"lab", "office"}}, {"ml", "memroc", "li"});
+  rows.pooled[1] = true;
+  add_answers("a", {"clean", "lab"}, "ml", 0.001, 0.002, &rows);
+  add_answers("b", {"clean", "office"}, "ml", -0.003, 0.002, &rows);
+  add_answers("a", {"clean", "lab"}, "memroc", 0.2, 0.1, &rows);
+  // The second world: nothing.
+  rows.rows.push_back(row_of("b", {"clean", "office"}, "memroc", SweepSubject::kRig, "all"));
+  rows.rows.back().status = SweepStatus::kRefused;
+  for (const auto& [subject, name] :
+       {std::make_pair(SweepSubject::kCamera, "left"), std::make_pair(SweepSubject::kPair, "left-right")})
+    rows.rows.push_back(row_of("b", {"clean", "office"}, "memroc", subject, name));
+  // li: pairs only.
+  for (const char* task : {"a", "b"}) {
+    const std::vector<std::string> levels = {"clean", *task == 'a' ? "lab" : "office"};
+    rows.rows.push_back(row_of(task, levels, "li", SweepSubject::kRig, "all"));
+    rows.rows.push_back(row_of(task, levels, "li", SweepSubject::kPair, "left-right"));
+    set_error(0.05, 0.01, &rows.rows.back());
+  }
+  return rows;
+}
+
+TEST(Paper, TableOneStandsBesideThePublishedRows) {
+  const std::vector<PaperTable> tables = paper_tables(find_paper_experiment("table1"), table1_rows());
+  ASSERT_EQ(tables.size(), 2U);
+  const std::vector<std::string>*ml = find_row(tables[0], "ml"), *memroc = find_row(tables[0], "memroc");
+  ASSERT_TRUE(ml != nullptr && memroc != nullptr);
+  EXPECT_THAT(*ml, ElementsAre("ml", "2/2", ".0020", ".0020", ".0020", ".0020", ".0020", ".0020"));
+  EXPECT_THAT(*memroc, ElementsAre("memroc", "1/2", ".20", ".20", ".20", ".10", ".10", ".10"));
+  EXPECT_THAT(*find_row(tables[0], "  published MEMROC"),
+              ElementsAre("  published MEMROC", "", ".61", ".25", ".15", ".08", ".13", ".16"));
+  // Published are .15 cm in z and .08 deg in roll.
+  EXPECT_EQ(tables[0].notes.front(), "above the published mean: memroc tz roll");
+  EXPECT_THAT(tables[0].notes, testing::Contains(HasSubstr("li says nothing about camera to robot")));
+  EXPECT_EQ(find_row(tables[0], "li"), nullptr);
+  ASSERT_NE(find_row(tables[1], "li"), nullptr);
+  EXPECT_EQ((*find_row(tables[1], "li"))[1], "2/2");
+  EXPECT_THAT(tables[1].notes.back(), HasSubstr("no method is significantly better than ml"));
+  const std::string text = format_paper_tables(tables);
+  EXPECT_THAT(text, HasSubstr("Table 2, camera to camera, images clean"));
+  EXPECT_THAT(text, Not(HasSubstr("NOT JUDGED")));
+  EXPECT_THAT(paper_tables_as_markdown(tables), HasSubstr("| memroc | 1/2 | .20 |"));
+}
+
+TEST(Paper, TableThreeIsToldAgainstLi) {
+  SweepRows rows = frame_of({"world"}, {{"lab", "office", "home"}}, {"ml", "li"});
+  double error = 0.10;
+  for (const std::string& world : rows.levels[0]) {
+    add_answers(world, {world}, "ml", error, 0.02, &rows);
+    add_answers(world, {world}, "li", 0.04, 0.01, &rows);
+    error += 0.10;
+  }
+  const std::vector<PaperTable> tables = paper_tables(find_paper_experiment("table3"), rows);
+  ASSERT_EQ(tables.size(), 3U);
+  EXPECT_THAT(*find_row(tables[0], "ml"), ElementsAre("ml", "3/3", ".16", ".16", ".16", ".010", ".010", ".010"));
+  EXPECT_EQ(find_row(tables[0], "li"), nullptr);
+  EXPECT_EQ((*find_row(tables[1], "ml"))[2], ".20");
+  // .1 .2 .3: mean .2, deviation .1.
+  EXPECT_EQ((*find_row(tables[2], "left ml"))[2], "+.20+-.10");
+}
+
+TEST(Paper, CurvesTellTheGoal) {
+  SweepRows rows = frame_of({"model", "lambda"}, {{"per_increment", "per_pose"}, {"0", "10"}}, {"ml", "joint_memroc"});
+  for (const std::string& model : rows.levels[0])
+    for (const std::string& lambda : rows.levels[1])
+      for (const std::string& method : rows.methods)
+        add_answers(model + lambda, {model, lambda}, method, lambda == "10" ? 1.5 : 0.1, 0.25, &rows);
+  const std::vector<PaperTable> tables = paper_tables(find_paper_experiment("odometry"), rows);
+  ASSERT_EQ(tables.size(), 8U);
+  // Lengths: sqrt(3) times an axis.
+  EXPECT_THAT(*find_row(tables[0], "ml"), ElementsAre("ml", ".17", "2.60"));
+  EXPECT_THAT(tables[0].notes, testing::Contains(HasSubstr("per_pose 1.5 cm .25 deg")));
+}
+
+TEST(Paper, DrawsFiguresAsPixelsAndVectors) {
+  const TempFolder folder;
+  const std::vector<std::filesystem::path> files =
+      write_paper(find_paper_experiment("table1"), table1_rows(), folder / "out");
+  std::vector<std::string> names;
+  for (const auto& file : files) names.push_back(file.filename().string());
+  EXPECT_THAT(names, ElementsAre("table1.png", "table1.pdf", "table1.md"));
+  const cv::Mat picture = cv::imread(files[0].string());
+  ASSERT_FALSE(picture.empty());
+  const std::string pdf = read_text_file(files[1]);
+  EXPECT_THAT(pdf, HasSubstr("%PDF-"));
+  EXPECT_THAT(pdf, HasSubstr("(memroc) Tj"));
+  // 3/4 of a point for each pixel.
+  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 " + std::to_string(picture.cols * 3 / 4)));
+}
+
+TEST(Paper, EveryExperimentDrawsFromUnfinishedRows) {
+  const TempFolder folder;
+  const std::vector<std::pair<std::string, SweepRows>> cases = {
+      {"quantity", frame_of({"stops", "world"}, {{"5", "100"}, {"lab"}}, {"ml", "li"})},
+      {"odometry", frame_of({"model", "lambda"}, {{"per_pose"}, {"0", "10"}}, {"ml", "joint_memroc"})},
+      {"table3", frame_of({"world"}, {{"lab"}}, {"ml", "li"})}};
+  for (const auto& [name, rows] : cases)
+    EXPECT_NO_THROW(write_paper(find_paper_experiment(name), rows, folder / name)) << name;
+  EXPECT_THAT(error_text([] { find_paper_experiment("table4"); }), HasSubstr("table3"));
+}
+
+}  // namespace
+}  // namespace rigproof
