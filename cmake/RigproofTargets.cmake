@@ -11,20 +11,9 @@ function(rigproof_apply_rules target)
     target_compile_options(${target} PRIVATE -fsanitize=${RIGPROOF_SANITIZE} -fno-omit-frame-pointer
                            -fno-sanitize-recover=all)
     target_link_options(${target} PUBLIC -fsanitize=${RIGPROOF_SANITIZE})
-  endif()
-endfunction()
-
-# Under the address sanitizer g++ 12 sees an uninitialised vector where std::variant moves one (Distribution); there is
-# none, and the other builds keep the warning.
-# rigproof_quiet_variant_alarm(TARGET [SOURCE ..]): in the whole target, or in these files of it.
-function(rigproof_quiet_variant_alarm target)
-  if(NOT (RIGPROOF_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU"))
-    return()
-  endif()
-  if(ARGN)
-    set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -Wno-maybe-uninitialized)
-  else()
-    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
+    # Instrumented, g++ 12 sees uninitialised values where std::variant moves them; there are none, and the other builds
+    # keep the warning.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   endif()
 endfunction()
 
