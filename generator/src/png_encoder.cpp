@@ -51,7 +51,8 @@ void filter_row(const std::uint8_t* __restrict__ row, const std::uint8_t* __rest
     const auto to_a = static_cast<std::int16_t>(std::abs(b - c)), to_b = static_cast<std::int16_t>(std::abs(a - c));
     const auto to_c = static_cast<std::int16_t>(std::abs(a + b - 2 * c));
     const std::int16_t second = to_b <= to_c ? b : c;
-    const std::int16_t predicted = (to_a <= to_b) & (to_a <= to_c) ? a : second;
+    const bool nearest = (to_a <= to_b) & (to_a <= to_c);
+    const std::int16_t predicted = nearest ? a : second;
     out[i] = static_cast<std::uint8_t>(row[i] - predicted);
   }
 }
