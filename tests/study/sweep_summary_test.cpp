@@ -169,7 +169,8 @@ TEST(SweepSummary, PooledLevelsAreRepetitions) {
   for (const std::size_t level : {std::size_t{0}, std::size_t{1}, std::size_t{2}})
     sweep.solve(level, 0, "ml", static_cast<double>(level), static_cast<double>(level));
   sweep.rows().pooled = {true};
-  const SummaryRow& row = find(sweep.summary(), "all", "ml");
+  const SweepSummary summary = sweep.summary();
+  const SummaryRow& row = find(summary, "all", "ml");
   EXPECT_EQ(row.tasks, 3);
   EXPECT_DOUBLE_EQ(*row.all.mean_absolute, 1.0);
 }
