@@ -8,6 +8,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/version.h"
+#include "rigproof/generator/parameters.h"
 
 namespace rigproof {
 namespace {
@@ -132,18 +133,8 @@ std::string head_of(const std::string& key, std::string_view body) {
 }  // namespace
 
 std::string drive_key(const GenerateConfig& config, const std::vector<ScenarioInput>& inputs) {
-  const GenerateConfig defaults;
-  GenerateConfig driven = config;
-  driven.name.clear();
-  driven.stop_period_s = defaults.stop_period_s;
-  driven.odometry = defaults.odometry;
-  driven.odometry.rate_hz = config.odometry.rate_hz;
-  driven.sensor_noise = defaults.sensor_noise;
-  driven.depth_scale_bias_percent = defaults.depth_scale_bias_percent;
-  driven.sensing = defaults.sensing;
-  driven.clouds = defaults.clouds;
-  driven.cloud_stride_px = defaults.cloud_stride_px;
-  driven.png_level = defaults.png_level;
+  GenerateConfig driven = without_sense_keys(config);
+  driven.odometry.rate_hz = config.odometry.rate_hz;  // how often the drive is written down
   std::string text = std::string(version()) + " " + World::mujoco_version() + "\n";
   for (const ScenarioInput& input : inputs) text += input.sha256 + "\n";
   return sha256_hex(text + resolved_text(driven));

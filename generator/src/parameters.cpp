@@ -7,7 +7,8 @@
 namespace rigproof {
 namespace {
 
-// What begins with one of these is no matter of rendering; everything else is, new fields included.
+// What begins with one of these is no matter of rendering; everything else is, new fields included. As
+// without_sense_keys() has them.
 const char* const kSenseKeys[] = {
     "name",     "stop_period_s", "odometry.",       "sensor_noise", "depth_scale_bias_percent",
     "sensing.", "clouds",        "cloud_stride_px", "png_level"};
@@ -107,6 +108,21 @@ std::vector<std::string> changed_render_keys(const GenerateConfig& there, const 
     if (!is_sense_key(path)) keys.push_back(path);
   }
   return keys;
+}
+
+GenerateConfig without_sense_keys(const GenerateConfig& config) {
+  const GenerateConfig defaults;
+  GenerateConfig rendered = config;
+  rendered.name = defaults.name;
+  rendered.stop_period_s = defaults.stop_period_s;
+  rendered.odometry = defaults.odometry;
+  rendered.sensor_noise = defaults.sensor_noise;
+  rendered.depth_scale_bias_percent = defaults.depth_scale_bias_percent;
+  rendered.sensing = defaults.sensing;
+  rendered.clouds = defaults.clouds;
+  rendered.cloud_stride_px = defaults.cloud_stride_px;
+  rendered.png_level = defaults.png_level;
+  return rendered;
 }
 
 }  // namespace rigproof

@@ -62,6 +62,28 @@ TEST(Parameters, ChangedRenderKeysAreNamed) {
   EXPECT_THAT(changed_render_keys(there, here), testing::UnorderedElementsAre("board.x_m", "poses"));
 }
 
+TEST(Parameters, WithoutSenseKeysNoneIsLeft) {
+  GenerateConfig changed;
+  changed.name = "other";
+  changed.stop_period_s += 1.0;
+  changed.odometry.lambda += 3.0;
+  changed.sensor_noise = "none";
+  changed.depth_scale_bias_percent = 1.0;
+  changed.sensing.depth.edges = !changed.sensing.depth.edges;
+  changed.clouds = "pcd";
+  changed.cloud_stride_px += 1;
+  changed.png_level += 1;
+  std::set<std::string> expected, tried;
+  const auto first_word = [](const std::string& path) { return path.substr(0, path.find_first_of(".:")); };
+  for (const Parameter& parameter : all_parameters())
+    if (parameter.kind == ParameterKind::kSense) expected.insert(first_word(parameter.path));
+  for (const std::string& difference : differences(GenerateConfig(), changed)) tried.insert(first_word(difference));
+  EXPECT_EQ(tried, expected);
+  changed.poses += 1;
+  EXPECT_THAT(differences(GenerateConfig(), without_sense_keys(changed)),
+              testing::ElementsAre(testing::StartsWith("poses:")));
+}
+
 TEST(Parameters, DocumentationListsThemAsTheyAre) {
   const std::filesystem::path file = data_folder() / "docs" / "sensors.md";
   const std::string text = read_text_file(file);

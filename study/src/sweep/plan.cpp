@@ -6,6 +6,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
+#include "rigproof/generator/parameters.h"
 #include "rigproof/generator/plan_run.h"
 #include "rigproof/sim/world.h"
 #include "rigproof/study/sweep_config.h"
@@ -49,19 +50,8 @@ GenerateConfig picture_config(const GenerateConfig& config) {
 
 // What rendering depends on, but for the number of stops: the first of more stops stand where those of fewer do.
 std::string render_group_of(const GenerateConfig& config) {
-  GenerateConfig group;
-  const GenerateConfig defaults;
-  group = config;
-  group.name.clear();
-  group.stop_period_s = defaults.stop_period_s;
-  group.odometry = defaults.odometry;
-  group.sensor_noise = defaults.sensor_noise;
-  group.depth_scale_bias_percent = defaults.depth_scale_bias_percent;
-  group.sensing = defaults.sensing;
-  group.clouds = defaults.clouds;
-  group.cloud_stride_px = defaults.cloud_stride_px;
-  group.png_level = defaults.png_level;
-  group.poses = defaults.poses;
+  GenerateConfig group = without_sense_keys(config);
+  group.poses = GenerateConfig().poses;
   return sha256_hex(resolved_text(group));
 }
 

@@ -29,4 +29,7 @@ std::string parameter_tables();
 /// Paths of the render keys that differ.
 std::vector<std::string> changed_render_keys(const GenerateConfig& there, const GenerateConfig& here);
 
+/// The configuration with every sense key at its default: equal for runs whose clean pictures and drives are equal.
+GenerateConfig without_sense_keys(const GenerateConfig& config);
+
 }  // namespace rigproof
