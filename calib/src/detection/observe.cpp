@@ -7,6 +7,7 @@
 
 #include "board_depth.h"
 #include "parallel.h"
+#include "recall.h"
 #include "rigproof/calib/checkerboard.h"
 #include "rigproof/calib/image_io.h"
 #include "rigproof/calib/picture_memory.h"
@@ -132,25 +133,11 @@ class Observer {
     return read<Image8>(frame_of(sight).color_file, read_grey_image, reason);
   }
 
-  // What a memory holds of a file, or finding it now and keeping it. Nothing is kept of a file that is not known.
-  template <typename Found, typename Find>
-  void recall_or(PictureMemory::Finding finding, const std::string& key, Found* found, const Find& find) const {
-    if (!key.empty())
-      if (const std::optional<std::string> bytes = memory_->recall(finding, key))
-        if (detection::read_bytes(*bytes, found)) return;
-    const bool worth_keeping = find();
-    if (!key.empty() && worth_keeping) memory_->keep(finding, key, detection::bytes_of(*found));
-  }
-
-  std::string content_of(const std::string& file) const {
-    return memory_ == nullptr ? std::string() : memory_->content_of(file);
-  }
-
   void look(Sight* sight) const {
-    const std::string content = content_of(frame_of(*sight).color_file);
+    const std::string content = detection::content_of(memory_, frame_of(*sight).color_file);
     const Camera& camera = recording_.rig.cameras[static_cast<std::size_t>(sight->camera)].camera;
     const std::string key = content.empty() ? content : detection::corners_key(content, camera, recording_.rig.board);
-    recall_or(PictureMemory::Finding::kCorners, key, sight, [&] {
+    detection::recall_or(memory_, PictureMemory::Finding::kCorners, key, sight, [&] {
       search(sight);
       return sight->readable;
     });
@@ -322,13 +309,13 @@ class Observer {
 
   PlaneSight look_at_depth(const Sight& sight, const std::optional<Rigid3>& T_camera_board,
                            const std::optional<Eigen::Vector3d>& up_camera) const {
-    const std::string content = content_of(depth_file_of(sight));
+    const std::string content = detection::content_of(memory_, depth_file_of(sight));
     const RigCamera& camera = recording_.rig.cameras[static_cast<std::size_t>(sight.camera)];
     const std::string key = content.empty() ? content
                                             : detection::planes_key(content, camera, recording_.rig.board, kDepthPoints,
                                                                     T_camera_board, up_camera);
     PlaneSight planes;
-    recall_or(PictureMemory::Finding::kPlanes, key, &planes, [&] {
+    detection::recall_or(memory_, PictureMemory::Finding::kPlanes, key, &planes, [&] {
       std::string unreadable;
       const std::optional<DepthPoints> points = read_points(sight, &unreadable);
       if (points) planes = fit_planes(sight, *points, T_camera_board, up_camera);

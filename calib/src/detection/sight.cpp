@@ -1,9 +1,8 @@
 #include "sight.h"
 
 #include <cstdint>
-#include <cstring>
-#include <type_traits>
 
+#include "finding_bytes.h"
 #include "rigproof/core/files.h"
 
 namespace rigproof::detection {
@@ -11,72 +10,6 @@ namespace {
 
 // Raised whenever what is found in a picture, or these bytes, change.
 constexpr std::uint32_t kFormat = 1;
-
-class Writer {
- public:
-  template <typename Number>
-  void number(Number value) {
-    static_assert(std::is_arithmetic_v<Number>);
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  void text(const std::string& value) {
-    number(static_cast<std::uint32_t>(value.size()));
-    bytes_ += value;
-  }
-  template <typename Matrix>
-  void matrix(const Matrix& value) {
-    for (Eigen::Index i = 0; i < value.size(); ++i) number(value.data()[i]);
-  }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-};
-
-class Reader {
- public:
-  explicit Reader(const std::string& bytes) : bytes_(bytes) {}
-
-  template <typename Number>
-  void number(Number* value) {
-    static_assert(std::is_arithmetic_v<Number>);
-    if (!take(sizeof *value)) return;
-    std::memcpy(value, bytes_.data() + at_ - sizeof *value, sizeof *value);
-  }
-  // One byte; anything but 0 is true, so that foreign bytes cannot make an impossible bool.
-  bool flag() {
-    std::uint8_t value = 0;
-    number(&value);
-    return value != 0;
-  }
-  void text(std::string* value) {
-    const std::size_t size = count(1);
-    if (take(size)) *value = bytes_.substr(at_ - size, size);
-  }
-  template <typename Matrix>
-  void matrix(Matrix* value) {
-    for (Eigen::Index i = 0; i < value->size(); ++i) number(&value->data()[i]);
-  }
-  /// A number of things of at least so many bytes, which must be there.
-  std::size_t count(std::size_t bytes_each) {
-    std::uint32_t value = 0;
-    number(&value);
-    if (value > (bytes_.size() - at_) / bytes_each) good_ = false;
-    return good_ ? value : 0;
-  }
-  bool finished() const { return good_ && at_ == bytes_.size(); }
-
- private:
-  bool take(std::size_t size) {
-    good_ = good_ && size <= bytes_.size() - at_;
-    if (good_) at_ += size;
-    return good_;
-  }
-
-  const std::string& bytes_;
-  std::size_t at_ = 0;
-  bool good_ = true;
-};
 
 void write(const std::optional<PlaneObservation>& plane, Writer* to) {
   to->number(static_cast<std::uint8_t>(plane.has_value()));
@@ -105,34 +38,11 @@ bool is_format(Reader* from) {
   return format == kFormat;
 }
 
-void write(const Camera& camera, Writer* to) {
-  for (const int side : {camera.width_px, camera.height_px, static_cast<int>(camera.lens)}) to->number(side);
-  for (const double value : {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px}) to->number(value);
-  for (const double value : camera.distortion) to->number(value);
-}
-
 void write(const Board& board, Writer* to) {
   to->text(board.type);
   to->number(board.squares_x);
   to->number(board.squares_y);
   to->number(board.square_m);
-}
-
-void write(const Rigid3& T, Writer* to) {
-  to->matrix(T.rotation.coeffs());
-  to->matrix(T.translation);
-}
-
-void write(const DepthStream& depth, Writer* to) {
-  const DepthNoise& noise = depth.noise;
-  to->number(static_cast<int>(noise.law));
-  for (const double value : {depth.unit_m, depth.min_m, depth.max_m, noise.inverse_depth_sigma_per_m, noise.constant_m,
-                             noise.proportional, noise.correlation_px, noise.scale_sigma})
-    to->number(value);
-  to->number(static_cast<std::uint8_t>(depth.own_camera.has_value()));
-  if (!depth.own_camera) return;
-  write(depth.own_camera->camera, to);
-  write(depth.own_camera->T_color_depth, to);
 }
 
 Writer begun_key(const char* kind, const std::string& content) {

@@ -11,6 +11,7 @@ list(APPEND calib_sources
   src/detection/board_search.cpp
   src/detection/checkerboard.cpp
   src/detection/corner_grid.cpp
+  src/detection/finding_bytes.cpp
   src/detection/homography.cpp
   src/detection/image_io.cpp
   src/detection/ippe.cpp

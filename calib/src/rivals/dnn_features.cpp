@@ -4,6 +4,7 @@
 
 #include "rigproof/calib/feature_source.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
 #include "rivals/onnx_network.h"
 
 namespace rigproof {
@@ -24,7 +25,8 @@ int rounded_up(int size) { return (size + kCell - 1) / kCell * kCell; }
 
 class DnnFeatures : public FeatureSource {
  public:
-  DnnFeatures(const std::filesystem::path& file, const DnnFeatureOptions& options) : options_(options), network_(file) {
+  DnnFeatures(const std::filesystem::path& file, const DnnFeatureOptions& options)
+      : options_(options), network_(file), content_(sha256_hex_of_file(file)) {
     try {
       detect(Image8(4 * kCell, 4 * kCell));
     } catch (const Error& error) {
@@ -51,6 +53,11 @@ class DnnFeatures : public FeatureSource {
     std::vector<Keypoint> points = keypoints(*scores, grey.width, grey.height);
     suppress(grey.width, grey.height, &points);
     return describe(points, *descriptors);
+  }
+
+  std::string identity() const override {
+    return "onnx " + content_ + " " + std::to_string(options_.min_score) + " " +
+           std::to_string(options_.suppression_px) + " " + std::to_string(options_.max_features);
   }
 
  private:
@@ -114,6 +121,7 @@ class DnnFeatures : public FeatureSource {
 
   DnnFeatureOptions options_;
   rivals::OnnxNetwork network_;
+  std::string content_;
 };
 
 }  // namespace

@@ -30,6 +30,8 @@ class SiftFeatures : public FeatureSource {
     return features;
   }
 
+  std::string identity() const override { return "sift " + std::to_string(max_features_); }
+
  private:
   int max_features_;
 };

@@ -75,7 +75,7 @@ GroundReport take_ground_from(GroundSource source, const MethodInput& input, Obs
   Observations without = *observations;
   for (const int camera : cameras) drop_planes(&without.ground_planes, camera);
   const rivals::Features features(input);
-  const MethodInput images{without, input.recording, input.threads, nullptr, nullptr, input.progress};
+  const MethodInput images{without, input.recording, input.threads, nullptr, nullptr, input.progress, input.memory};
   const ImageGround ground = ground_from_images(images, features.source());
   for (const int camera : cameras) {
     const std::string& name = observations->cameras[static_cast<std::size_t>(camera)].name;
@@ -84,6 +84,7 @@ GroundReport take_ground_from(GroundSource source, const MethodInput& input, Obs
       report.lines.push_back(name + ": images show no ground" + (had > 0 ? "; depth is kept" : ""));
       continue;
     }
+    report.cameras.push_back(camera);
     drop_planes(&observations->ground_planes, camera);
     drop_planes(&observations->board_planes, camera);
     std::optional<DepthStream>& depth = observations->cameras[static_cast<std::size_t>(camera)].depth;

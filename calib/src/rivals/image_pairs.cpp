@@ -4,63 +4,111 @@
 #include <map>
 
 #include "detection/parallel.h"
+#include "detection/recall.h"
 #include "rigproof/calib/image_io.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rivals/image_files.h"
+#include "rivals/image_findings.h"
 
 namespace rigproof::rivals {
 namespace {
 
-struct FeatureRays {
-  ImageFeatures features;
-  std::vector<Eigen::Vector3d> rays;
-};
-
-// Features whose pixel has a ray; none where the image cannot be read.
-FeatureRays read_features(const Recording& recording, const CameraFrame& frame, const Camera& camera,
-                          const FeatureSource& source) {
-  FeatureRays result;
+// Of an image, or nothing where it cannot be read.
+std::optional<ImageFeatures> read_features(const Recording& recording, const CameraFrame& frame, const Camera& camera,
+                                           const FeatureSource& source) {
   try {
     const auto read = read_grey_image(path_inside(recording.folder, frame.color_file));
     const Image8* image = std::get_if<Image8>(&read);
-    if (image == nullptr || image->width != camera.width_px || image->height != camera.height_px) return result;
-    result.features = source.detect(*image);
+    if (image == nullptr || image->width != camera.width_px || image->height != camera.height_px) return std::nullopt;
+    return source.detect(*image);
   } catch (const Error&) {
-    return FeatureRays();
+    return std::nullopt;
   }
-  for (const Eigen::Vector2d& pixel : result.features.pixels) {
-    Eigen::Vector3d ray = Eigen::Vector3d::Zero();
-    if (!camera.unproject(pixel, &ray)) ray.setZero();
-    result.rays.push_back(ray);
-  }
-  return result;
 }
 
-std::vector<RayMatch> match(const FeatureRays& a, const FeatureRays& b) {
-  std::vector<RayMatch> matches;
-  for (const auto& [i, j] : match_features(a.features, b.features))
-    if (a.rays[i].z() > 0.0 && b.rays[j].z() > 0.0) matches.push_back({a.rays[i], b.rays[j]});
+std::vector<PixelMatch> match(const ImageFeatures& a, const ImageFeatures& b) {
+  std::vector<PixelMatch> matches;
+  for (const auto& [i, j] : match_features(a, b)) matches.push_back({a.pixels[i], b.pixels[j]});
   return matches;
 }
 
-// Features of every image once, then the matches of every pair; neither depends on the order of the work.
-void match_images(const MethodInput& input, const FeatureSource& source, std::vector<ImagePair>* pairs) {
-  std::map<const CameraFrame*, std::pair<int, FeatureRays>> features;
-  for (const ImagePair& pair : *pairs) features[pair.image_from].first = features[pair.image_to].first = pair.camera;
-  std::vector<std::pair<const CameraFrame* const, std::pair<int, FeatureRays>>*> jobs;
-  for (auto& job : features) jobs.push_back(&job);
-  const auto read = [&](std::size_t i) {
-    const auto camera = static_cast<std::size_t>(jobs[i]->second.first);
-    jobs[i]->second.second =
-        read_features(*input.recording, *jobs[i]->first, input.observations.cameras[camera].camera, source);
-  };
-  for_each_image(input, jobs.size(), read);
-  detection::for_each_parallel(pairs->size(), input.threads, [&](std::size_t i) {
-    ImagePair& pair = (*pairs)[i];
-    pair.matches = match(features.at(pair.image_from).second, features.at(pair.image_to).second);
-  });
+// Matches whose pixels have rays.
+std::vector<RayMatch> rays_of(const std::vector<PixelMatch>& matches, const Camera& camera) {
+  std::vector<RayMatch> rays;
+  for (const PixelMatch& match : matches) {
+    RayMatch ray;
+    if (camera.unproject(match.a, &ray.a) && camera.unproject(match.b, &ray.b) && ray.a.z() > 0.0 && ray.b.z() > 0.0)
+      rays.push_back(ray);
+  }
+  return rays;
 }
+
+// Matches of all pairs: those that the memory holds first, then features of every other image once and the matches of
+// every other pair. Nothing depends on the order of the work.
+class Matcher {
+ public:
+  Matcher(const MethodInput& input, const FeatureSource& source, std::vector<ImagePair>* pairs)
+      : input_(input), source_(source), pairs_(*pairs), found_(pairs->size()) {}
+
+  void run() {
+    for (std::size_t i = 0; i < pairs_.size(); ++i) recall(i);
+    std::vector<std::pair<const CameraFrame* const, Seen>*> images;
+    for (auto& image : images_) images.push_back(&image);
+    for_each_image(input_, images.size(), [&](std::size_t i) {
+      images[i]->second.features =
+          read_features(*input_.recording, *images[i]->first, camera(images[i]->second.camera), source_);
+    });
+    detection::for_each_parallel(pairs_.size(), input_.threads, [this](std::size_t i) { finish(i); });
+  }
+
+ private:
+  struct Seen {
+    int camera = 0;
+    std::optional<ImageFeatures> features;
+  };
+
+  const Camera& camera(int index) const { return input_.observations.cameras[static_cast<std::size_t>(index)].camera; }
+
+  void recall(std::size_t i) {
+    ImagePair& pair = pairs_[i];
+    pair.key = key_of(pair);
+    if (!pair.key.empty())
+      if (const auto bytes = input_.memory->recall(PictureMemory::Finding::kMatches, pair.key)) {
+        std::vector<PixelMatch> matches;
+        if (read_bytes(*bytes, &matches)) found_[i] = std::move(matches);
+      }
+    if (found_[i]) return;
+    images_[pair.image_from].camera = images_[pair.image_to].camera = pair.camera;
+  }
+
+  std::string key_of(const ImagePair& pair) const {
+    const std::string a = detection::content_of(input_.memory, pair.image_from->color_file);
+    const std::string b = detection::content_of(input_.memory, pair.image_to->color_file);
+    const std::string source = source_.identity();
+    return a.empty() || b.empty() || source.empty() ? std::string() : matches_key(source, a, b, camera(pair.camera));
+  }
+
+  void finish(std::size_t i) {
+    ImagePair& pair = pairs_[i];
+    if (!found_[i]) {
+      const auto &a = images_.at(pair.image_from).features, &b = images_.at(pair.image_to).features;
+      if (!a || !b) {
+        pair.key.clear();
+        return;
+      }
+      found_[i] = match(*a, *b);
+      if (!pair.key.empty()) input_.memory->keep(PictureMemory::Finding::kMatches, pair.key, bytes_of(*found_[i]));
+    }
+    pair.matches = rays_of(*found_[i], camera(pair.camera));
+  }
+
+  const MethodInput& input_;
+  const FeatureSource& source_;
+  std::vector<ImagePair>& pairs_;
+  std::vector<std::optional<std::vector<PixelMatch>>> found_;
+  std::map<const CameraFrame*, Seen> images_;
+};
 
 // Frames of a camera in a segment, where they lie in the recording.
 std::vector<const CameraFrame*> segment_frames(const Recording& recording, const RecordingSegment& segment,
@@ -92,7 +140,7 @@ std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const 
       if (wanted(camera, list[i - 1], list[i]))
         pairs.push_back(
             {camera, list[i - 1], list[i], {}, frames.at({list[i - 1], camera}), frames.at({list[i], camera})});
-  match_images(input, source, &pairs);
+  Matcher(input, source, &pairs).run();
   return pairs;
 }
 
@@ -106,7 +154,7 @@ std::vector<ImagePair> match_straight_segments(const MethodInput& input, const F
         pairs.push_back({static_cast<int>(k), -1, -1, {}, frames[i - 1], frames[i]});
     }
   }
-  match_images(input, source, &pairs);
+  Matcher(input, source, &pairs).run();
   return pairs;
 }
 
@@ -130,6 +178,35 @@ std::size_t straight_segment_steps(const Recording& recording) {
     most = std::max(most, steps);
   }
   return most;
+}
+
+std::optional<RelativePose> relative_pose_of(const MethodInput& input, const ImagePair& pair, double sigma_px) {
+  const Camera& camera = input.observations.cameras[static_cast<std::size_t>(pair.camera)].camera;
+  const double sigma = ray_sigma(camera, sigma_px);
+  FoundMotion motion;
+  const auto estimate = [&] {
+    const std::optional<RelativePose> pose = estimate_relative_pose(pair.matches, sigma);
+    motion = FoundMotion();
+    if (!pose) return true;
+    motion.T_a_b = pose->T_a_b;
+    // The inliers stand in the order of the matches.
+    std::size_t next = 0;
+    for (const RayMatch& match : pair.matches) {
+      const bool agrees =
+          next < pose->inliers.size() && match.a == pose->inliers[next].a && match.b == pose->inliers[next].b;
+      motion.agrees.push_back(agrees);
+      next += agrees;
+    }
+    return true;
+  };
+  const std::string key = pair.key.empty() ? std::string() : motion_key(pair.key, camera, sigma);
+  detection::recall_or(input.memory, PictureMemory::Finding::kMotions, key, &motion, estimate);
+  if (motion.T_a_b && motion.agrees.size() != pair.matches.size()) estimate();  // a finding of something else
+  if (!motion.T_a_b) return std::nullopt;
+  RelativePose pose{*motion.T_a_b, {}};
+  for (std::size_t i = 0; i < pair.matches.size(); ++i)
+    if (motion.agrees[i]) pose.inliers.push_back(pair.matches[i]);
+  return pose;
 }
 
 double ray_sigma(const Camera& camera, double sigma_px) { return sigma_px / camera.fx_px; }

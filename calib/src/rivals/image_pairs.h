@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,7 @@ struct ImagePair {
   int from = 0, to = 0;  ///< stops; -1 for images of a segment
   std::vector<RayMatch> matches;
   const CameraFrame *image_from = nullptr, *image_to = nullptr;  ///< in the recording
+  std::string key = {};  ///< of the matches in MethodInput::memory; empty: they are not kept
 };
 
 /// Where features of an input come from: what the input names, else SIFT.
@@ -51,6 +54,10 @@ std::vector<std::pair<int, const CameraFrame*>> straight_segment_images(const Re
 
 /// How many steps straight segments have, at most, for one camera; no image is opened.
 std::size_t straight_segment_steps(const Recording& recording);
+
+/// estimate_relative_pose() of a pair's matches, or what the input's memory holds of it.
+/// @param sigma_px of a match
+std::optional<RelativePose> relative_pose_of(const MethodInput& input, const ImagePair& pair, double sigma_px);
 
 /// A pixel of this camera as a difference of rays.
 double ray_sigma(const Camera& camera, double sigma_px);

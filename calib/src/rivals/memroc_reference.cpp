@@ -4,12 +4,14 @@
 #include <map>
 #include <opencv2/calib3d.hpp>
 
+#include "detection/recall.h"
 #include "rigproof/calib/ground_plane.h"
 #include "rigproof/calib/image_io.h"
 #include "rigproof/calib/rivals.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rivals/image_files.h"
+#include "rivals/image_findings.h"
 #include "rivals/memroc_reference_cost.h"
 #include "rivals/reference_cloud_plane.h"
 #include "rivals/rival_result.h"
@@ -115,25 +117,23 @@ class ReferenceSolver {
   }
 
   // Points of the camera's cloud; none where the recording has neither clouds nor depth, or they cannot be read.
-  std::vector<Eigen::Vector3f> cloud_at(int stop, int k) const {
+  std::vector<Eigen::Vector3f> cloud_of(const CameraFrame& frame, int k) const {
     try {
-      return read_cloud(stop, k);
+      return read_cloud(frame, k);
     } catch (const Error&) {
       return {};
     }
   }
 
-  std::vector<Eigen::Vector3f> read_cloud(int stop, int k) const {
-    const CameraFrame* frame = frames_.empty() ? nullptr : rivals::frame_of(frames_, stop, k);
-    if (frame == nullptr) return {};
+  std::vector<Eigen::Vector3f> read_cloud(const CameraFrame& frame, int k) const {
     const std::filesystem::path& folder = input_.recording->folder;
-    if (!frame->cloud_file.empty()) {
-      auto cloud = read_point_cloud(path_inside(folder, frame->cloud_file));
+    if (!frame.cloud_file.empty()) {
+      auto cloud = read_point_cloud(path_inside(folder, frame.cloud_file));
       if (auto* points = std::get_if<std::vector<Eigen::Vector3f>>(&cloud)) return std::move(*points);
       return {};
     }
-    if (frame->depth_file.empty() || !camera(k).depth) return {};
-    const auto depth = read_depth_image(path_inside(folder, frame->depth_file));
+    if (frame.depth_file.empty() || !camera(k).depth) return {};
+    const auto depth = read_depth_image(path_inside(folder, frame.depth_file));
     const auto* image = std::get_if<Image16>(&depth);
     if (image == nullptr) return {};
     int stride = 1;
@@ -141,10 +141,24 @@ class ReferenceSolver {
     return points_from_depth(*image, camera(k), stride).points;
   }
 
+  std::optional<CloudPlane> plane_of_cloud(int stop, int k) const {
+    const CameraFrame* frame = frames_.empty() ? nullptr : rivals::frame_of(frames_, stop, k);
+    if (frame == nullptr) return std::nullopt;
+    const std::string content =
+        detection::content_of(input_.memory, frame->cloud_file.empty() ? frame->depth_file : frame->cloud_file);
+    const std::string key = content.empty() ? content : rivals::cloud_key(content, camera(k), kCloudPoints, stop, k);
+    std::optional<CloudPlane> plane;
+    detection::recall_or(input_.memory, PictureMemory::Finding::kClouds, key, &plane, [&] {
+      const std::vector<Eigen::Vector3f> cloud = cloud_of(*frame, k);
+      plane = rivals::largest_plane(cloud, RandomStream(0, "memroc_reference plane", stop, k));
+      return !cloud.empty();
+    });
+    return plane;
+  }
+
   // Without a recording the observed plane is what the cloud would have shown.
   std::optional<CloudPlane> plane_at(int stop, int k) const {
-    if (input_.recording != nullptr)
-      return rivals::largest_plane(cloud_at(stop, k), RandomStream(0, "memroc_reference plane", stop, k));
+    if (input_.recording != nullptr) return plane_of_cloud(stop, k);
     for (const PlaneObservation& plane : observations_.ground_planes) {
       if (plane.stop != stop || plane.camera != k) continue;
       const double size = plane.inverse_depth_plane.norm();

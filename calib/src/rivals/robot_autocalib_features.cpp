@@ -59,11 +59,10 @@ std::optional<double> ground_depth(const FeatureMotion& motion, const Eigen::Vec
 
 std::vector<FeatureMotion> motions_of(const MethodInput& input, const std::vector<rivals::ImagePair>& pairs,
                                       int camera) {
-  const Camera& optics = input.observations.cameras[static_cast<std::size_t>(camera)].camera;
   std::vector<FeatureMotion> motions;
   for (const rivals::ImagePair& pair : pairs) {
     if (pair.camera != camera) continue;
-    const auto pose = rivals::estimate_relative_pose(pair.matches, rivals::ray_sigma(optics, kMatchSigma_px));
+    const auto pose = rivals::relative_pose_of(input, pair, kMatchSigma_px);
     if (!pose) continue;
     FeatureMotion motion{pair.from, pair.to, *pose, {}};
     for (const rivals::RayMatch& match : pose->inliers)

@@ -90,19 +90,18 @@ class SensorX2Car : public Method {
     };
     const rivals::Features features(input);
     for (const rivals::ImagePair& pair : rivals::match_consecutive_images(input, features.source(), wanted))
-      collect(observations, pair, forward, up);
+      collect(input, pair, forward, up);
     if (!needs_forward) return;
     for (const rivals::ImagePair& pair : rivals::match_straight_segments(input, features.source()))
-      collect_ahead(observations, pair, forward);
+      collect_ahead(input, pair, forward);
   }
 
-  static void collect(const Observations& observations, const rivals::ImagePair& pair,
-                      std::vector<rivals::Directions>* forward, std::vector<rivals::Directions>* up) {
+  static void collect(const MethodInput& input, const rivals::ImagePair& pair, std::vector<rivals::Directions>* forward,
+                      std::vector<rivals::Directions>* up) {
     const auto k = static_cast<std::size_t>(pair.camera);
-    const double sigma = rivals::ray_sigma(observations.cameras[k].camera, kMatchSigma_px);
-    const auto pose = rivals::estimate_relative_pose(pair.matches, sigma);
+    const auto pose = rivals::relative_pose_of(input, pair, kMatchSigma_px);
     if (!pose) return;
-    const rivals::Step step = rivals::step_between(observations, pair.from, pair.to);
+    const rivals::Step step = rivals::step_between(input.observations, pair.from, pair.to);
     const Vector3d turn = so3_log(pose->T_a_b.rotation);
     if (step.straight() && turn.norm() < kMaxDrift_rad) {
       (*forward)[k].add(step.forward_m > 0.0 ? went(*pose) : Vector3d(-went(*pose)), step.forward_m * step.forward_m);
@@ -112,11 +111,10 @@ class SensorX2Car : public Method {
   }
 
   // A step of a straight segment; the robot drives ahead there. Their lengths are much the same.
-  static void collect_ahead(const Observations& observations, const rivals::ImagePair& pair,
+  static void collect_ahead(const MethodInput& input, const rivals::ImagePair& pair,
                             std::vector<rivals::Directions>* forward) {
     const auto k = static_cast<std::size_t>(pair.camera);
-    const double sigma = rivals::ray_sigma(observations.cameras[k].camera, kMatchSigma_px);
-    const auto pose = rivals::estimate_relative_pose(pair.matches, sigma);
+    const auto pose = rivals::relative_pose_of(input, pair, kMatchSigma_px);
     if (!pose || so3_log(pose->T_a_b.rotation).norm() > kMaxDrift_rad) return;
     (*forward)[k].add(went(*pose), kSegmentWeight_m2);
   }

@@ -8,6 +8,7 @@ list(APPEND calib_sources
   src/rivals/ground_source.cpp
   src/rivals/horizon_directions.cpp
   src/rivals/image_files.cpp
+  src/rivals/image_findings.cpp
   src/rivals/image_ground.cpp
   src/rivals/image_pairs.cpp
   src/rivals/li.cpp

@@ -25,6 +25,8 @@ class FeatureSource {
   virtual ~FeatureSource() = default;
   /// Deterministic. An image in which nothing is found gives no features.
   virtual ImageFeatures detect(const Image8& grey) const = 0;
+  /// Equal only for sources that find the same in every image; empty: nothing that it finds may be kept for later.
+  virtual std::string identity() const { return {}; }
 };
 
 /// Lowe's SIFT, as in OpenCV.

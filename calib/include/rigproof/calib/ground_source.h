@@ -22,9 +22,11 @@ GroundSource ground_source_by_name(const std::string& name);
 /// with the vertical and each other, and planes in a fifth of those images, are wanted. By index.
 std::vector<int> cameras_without_trusted_depth(const Observations& observations);
 
-/// What became of the observations, for people: one line a camera whose ground comes from images.
+/// What became of the observations: a line for people of each camera that was to take its ground from images, and those
+/// that do.
 struct GroundReport {
   std::vector<std::string> lines;
+  std::vector<int> cameras;  ///< by index
 };
 /// Replaces the ground planes of the cameras that `source` gives to images by triangulated ones (image_ground.h). The
 /// depth of such a camera is not used any more: its board planes go, and its depth stream stands for the triangulation,

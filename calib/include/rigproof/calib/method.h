@@ -14,6 +14,7 @@ namespace rigproof {
 
 class FeatureSource;
 class HorizonSource;
+class PictureMemory;
 
 /// What a method states about itself; `rigproof methods` prints it.
 struct MethodTraits {
@@ -34,6 +35,7 @@ struct MethodInput {
   /// Called from one thread at a time with (images read, images in all) by what reads images; return false to
   /// interrupt, which throws Error with ExitCode::kTryAgain.
   std::function<bool(std::size_t, std::size_t)> progress = {};
+  PictureMemory* memory = nullptr;  ///< what was found in the recording's images before; results do not depend on it
 };
 
 class Method {

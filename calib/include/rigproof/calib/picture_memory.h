@@ -8,14 +8,20 @@
 
 namespace rigproof {
 
-/// Where observing keeps what it found in single pictures. Everything that a finding depends on is in its key: the
-/// picture's content, the camera, the board; for planes also where the board and the vertical were.
+/// Where observing, and methods that read images, keep what they found in single pictures and between two of them.
+/// Everything that a finding depends on is in its key: the content of the pictures, the camera, the board; for planes
+/// also where the board and the vertical were; for features where they come from.
 class PictureMemory {
  public:
   enum class Finding {
     kCorners,  ///< in an image
-    kPlanes    ///< in a depth image or a cloud
+    kPlanes,   ///< in a depth image or a cloud: ground and board
+    kClouds,   ///< in a depth image or a cloud: the plane that memroc_reference takes
+    kMatches,  ///< features that two images share
+    kMotions   ///< of the camera between two images, from their matches
   };
+
+  static constexpr std::size_t kFindings = 5;
 
   virtual ~PictureMemory() = default;
   /// A hash of what a file of the recording holds; empty if nobody knows: then nothing is recalled or kept of it.
