@@ -33,6 +33,7 @@ SweepOptions options_of(const PaperArguments& arguments, const std::string& expe
   options.cache = arguments.cache.empty() ? output / "cache" : arguments.cache;
   options.jobs = arguments.common.jobs;
   options.device = arguments.device;
+  options.keep_going = [] { return !interrupted(); };
   return options;
 }
 
@@ -71,8 +72,8 @@ int paper_command(const PaperArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   if (arguments.experiment.empty()) return list_experiments(arguments, terminal);
   const PaperExperiment& experiment = find_paper_experiment(arguments.experiment);
-  const SweepConfig config =
-      load_sweep_config(arguments.config.empty() ? find_data_file("config", experiment.config) : arguments.config);
+  const SweepConfig config = load_sweep_config(
+      arguments.config.empty() ? find_data_file("config", experiment.config) : arguments.config, arguments.set);
   SweepOptions options = options_of(arguments, experiment.name);
   if (arguments.dry_run) return tell_forecast(config, options, arguments, terminal);
   ProgressLine progress(terminal, "paper " + experiment.name, "answers");

@@ -21,6 +21,10 @@ void add_paper_command(CLI::App& app, std::function<int()>& action) {
                       "A sweep of your own with the same axes in place of the shipped one, e.g. with fewer poses");
   command->add_option("--cache", arguments->cache, "Folder of pictures and answers; default cache in the output")
       ->envname("RIGPROOF_CACHE");
+  command
+      ->add_option("--set", arguments->set,
+                   "Override a field of the sweep, e.g. --set run.poses=20 --set run.image_scale=0.5; may be repeated")
+      ->type_name("FIELD=VALUE");
   command->add_flag("--dry-run", arguments->dry_run, "Only say what would be done and how long it takes");
   command->add_option("-j,--jobs", arguments->common.jobs, "Processes; 0 = one a core")
       ->check(CLI::Range(0, 1024))

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 
@@ -20,6 +21,7 @@ struct PaperArguments {
   std::filesystem::path output;  ///< empty = paper/
   std::filesystem::path cache;   ///< empty = cache/ in the output
   bool dry_run = false;
+  std::vector<std::string> set;
   int device = -2;
 };
 int paper_command(const PaperArguments& arguments);

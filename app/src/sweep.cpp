@@ -94,7 +94,7 @@ SweepReport run_with_progress(const SweepConfig& config, SweepOptions options, c
 }  // namespace
 
 int sweep_start_command(const SweepStartArguments& arguments) {
-  const SweepConfig config = load_sweep_config(file_of(arguments));
+  const SweepConfig config = load_sweep_config(file_of(arguments), arguments.set);
   const SweepOptions options = options_of(arguments, config);
   const CommonArguments& common = arguments.common;
   if (arguments.dry_run) return print_forecast(forecast_sweep(config, options), options, common);

@@ -32,6 +32,11 @@ void add_start(CLI::App* sweep, std::function<int()>& action) {
                    "Delete pictures that were not used for the longest time beyond this size; 0 = keep all")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command
+      ->add_option("--set", arguments->set,
+                   "Override a field of CONFIG, e.g. --set run.poses=20 --set seeds=2; may be repeated. The folder "
+                   "keeps what was set")
+      ->type_name("FIELD=VALUE");
   command->add_flag("--dry-run", arguments->dry_run, "Only print the tasks and about how long they take");
   command->add_option("--add", arguments->add,
                       "Another method beside the configuration's, by name or external description; may be repeated");

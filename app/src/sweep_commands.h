@@ -24,6 +24,7 @@ struct SweepStartArguments {
   bool dry_run = false;
   std::vector<std::string> add;
   std::vector<std::string> redo;
+  std::vector<std::string> set;
 };
 int sweep_start_command(const SweepStartArguments& arguments);
 

@@ -105,6 +105,7 @@ void install_interrupt_handler() {
   action.sa_handler = on_interrupt;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` then fails, and the error names the file
 }
 
 bool interrupted() { return interrupt_count > 0; }

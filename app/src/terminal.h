@@ -55,7 +55,8 @@ class ProgressLine {
   bool visible_ = false;
 };
 
-/// Lets SIGINT and SIGTERM ask long tasks to stop at the next safe point; a second one ends the program at once.
+/// Lets SIGINT and SIGTERM ask long tasks to stop at the next safe point; a second one ends the program at once. A file
+/// that grows too large is an error of whoever writes it, no signal.
 void install_interrupt_handler();
 bool interrupted();
 

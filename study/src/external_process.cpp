@@ -75,6 +75,7 @@ struct Child {
 [[noreturn]] void become(const Child& child, const FailurePipe& failure) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  signal(SIGXFSZ, SIG_DFL);  // the program ignores it and tells of the write that fails
   const rlimit files{kMaxFileBytes, kMaxFileBytes};
   const bool ready = setrlimit(RLIMIT_FSIZE, &files) == 0 && chdir(child.folder) == 0 &&
                      redirect("/dev/null", O_RDONLY, STDIN_FILENO) &&

@@ -12,7 +12,9 @@ namespace rigproof {
 namespace {
 
 using testing::AllOf;
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 SweepConfig read(const std::string& text) {
   const TempFolder folder;
@@ -32,7 +34,8 @@ std::vector<std::string> labels_of(const SweepAxis& axis) {
 TEST(SweepConfig, AnEmptyFileIsOneTask) {
   const SweepConfig config = read("");
   EXPECT_EQ(config.name, "trial");
-  EXPECT_EQ(config.methods, std::vector<std::string>{"ml"});
+  ASSERT_EQ(config.methods.size(), 1U);
+  EXPECT_EQ(config.methods[0].label(), "ml");
   const SweepPlan plan = plan_sweep(config);
   ASSERT_EQ(plan.tasks.size(), 1U);
   EXPECT_EQ(plan.pictures.size(), 1U);
@@ -131,6 +134,54 @@ methods: [memroc, li]
   const SweepPlan one = plan_sweep(config), two = plan_sweep(again);
   ASSERT_EQ(one.tasks.size(), two.tasks.size());
   for (std::size_t i = 0; i < one.tasks.size(); ++i) EXPECT_EQ(one.tasks[i].key, two.tasks[i].key);
+}
+
+TEST(SweepConfig, MethodsSayHowTheyLookAtImages) {
+  const SweepConfig config = read(R"(
+ground: auto
+methods:
+  - ml
+  - {method: memroc, ground: depth}
+  - {method: memroc, name: memroc_image_ground, ground: images, features: "onnx:net.onnx"}
+reference: memroc_image_ground
+)");
+  ASSERT_EQ(config.methods.size(), 3U);
+  EXPECT_EQ(config.methods[0].vision.ground, "auto");
+  EXPECT_EQ(config.methods[1].vision.ground, "depth");
+  EXPECT_EQ(config.methods[1].label(), "memroc");
+  EXPECT_EQ(config.methods[2].vision.ground, "images");
+  EXPECT_THAT(config.methods[2].vision.features, AllOf(StartsWith("onnx:/"), EndsWith("/net.onnx")));
+  EXPECT_EQ(config.reference, "memroc_image_ground");
+  const SweepConfig again = read(emit_yaml(config.resolved));
+  EXPECT_EQ(emit_yaml(again.resolved), emit_yaml(config.resolved));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(again.methods[i].label(), config.methods[i].label());
+    EXPECT_EQ(again.methods[i].vision.text(), config.methods[i].vision.text());
+  }
+  EXPECT_EQ(read("ground: images").methods[0].vision.ground, "images");
+  EXPECT_EQ(read("methods: [li, memroc]").reference, "li");
+
+  EXPECT_THAT(problem_of("ground: lidar"), AllOf(HasSubstr("ground"), HasSubstr("lidar"), HasSubstr("images")));
+  EXPECT_THAT(problem_of("features: orb"), HasSubstr("must be sift or onnx:FILE"));
+  EXPECT_THAT(problem_of("horizon: sift"), HasSubstr("must be onnx:FILE"));
+  EXPECT_THAT(problem_of("methods:\n  - {method: ml,\n     grond: images}\n"),
+              AllOf(HasSubstr("trial.yaml:3"), HasSubstr("did you mean \"ground\"")));
+  EXPECT_THAT(problem_of("methods: [{name: a}]"), HasSubstr("methods.method"));
+  EXPECT_THAT(problem_of("methods: [{method: ml, name: a b}]"), HasSubstr("must be letters, digits"));
+  EXPECT_THAT(problem_of("methods: [ml, {method: ml, ground: images}]"),
+              HasSubstr("ml is in the list twice; `name` tells one method's variants apart"));
+}
+
+TEST(SweepConfig, MeasuredNoiseGoesWithARunOnly) {
+  EXPECT_THAT(problem_of("mode: geometric\ngeometric: {measured: seen.json}\n"), HasSubstr("needs rig: run"));
+  EXPECT_THAT(problem_of("mode: geometric\ngeometric: {rig: run, measured: seen.json, corner_sigma_px: 0.02}\n"),
+              HasSubstr("corner_sigma_px"));
+  EXPECT_THAT(problem_of("mode: geometric\ngeometric: {rig: run, measured: no_such.json}\n"),
+              HasSubstr("no_such.json"));
+  EXPECT_THAT(problem_of("mode: geometric\ngeometric: {rig: run, depth_scale_sigma: 0.01}\n"),
+              HasSubstr("depth_scale_sigma"));
+  EXPECT_THAT(problem_of("mode: geometric\naxes: {m: {field: geometric.measured, values: [a.json]}}\n"),
+              HasSubstr("is no field that can be varied"));
 }
 
 TEST(SweepConfig, SaysWhatIsWrongAndWhere) {

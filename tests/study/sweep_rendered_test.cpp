@@ -3,13 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
+#include "rigproof/calib/ground_source.h"
+#include "rigproof/calib/method.h"
 #include "rigproof/calib/observe.h"
 #include "rigproof/core/files.h"
 #include "rigproof/generator/generate.h"
 #include "rigproof/generator/plan_run.h"
 #include "rigproof/study/sweep.h"
+#include "rigproof/validate/validate.h"
 #include "sweep/cache.h"
 #include "temp_folder.h"
 
@@ -25,12 +29,15 @@ constexpr std::uint64_t kImages = 8;
 
 class RenderedSweep : public testing::Test {
  protected:
-  SweepReport sweep(const std::string& name, const std::string& text, int jobs = 2) {
+  SweepReport sweep_of(const std::string& name, const std::string& text, int jobs = 2) {
     SweepOptions options;
     options.folder = folder_ / name;
     options.cache = folder_ / "cache";
     options.jobs = jobs;
-    return run_sweep(load_sweep_config(folder_.write(name + ".yaml", kRun + text)), options);
+    return run_sweep(load_sweep_config(folder_.write(name + ".yaml", text)), options);
+  }
+  SweepReport sweep(const std::string& name, const std::string& text, int jobs = 2) {
+    return sweep_of(name, kRun + text, jobs);
   }
   static std::uint64_t count(const SweepReport& report, const std::string& name) {
     const auto found = report.counters.find(name);
@@ -115,6 +122,108 @@ TEST_F(RenderedSweep, PicturesThatCannotBeDrivenToAreAFailedRow) {
   ASSERT_NE(failed, state.failures.end());
   EXPECT_EQ(failed->tasks, 1);
   EXPECT_THAT(failed->reason, HasSubstr("Nothing to calibrate from: viewpoints: no place found"));
+}
+
+// The stops, and what the pictures of the first task state of corners and planes, are all that the geometric mode
+// knows.
+TEST_F(RenderedSweep, TheGeometricModeAgreesWithIt) {
+  constexpr int kSeeds = 6;
+  const std::string common =
+      "odometry: {lambda: 2}}\nseeds: {count: " + std::to_string(kSeeds) + ", field: sensing.seed}\nmethods: [ml]\n";
+  const std::string run = "run: {rig: husky_1x_d455, poses: 12, image_scale: 0.3, ";
+  sweep_of("pictures", run + common);
+  const fs::path pictures = folder_ / "cache" / "pictures";
+  const auto set = std::find_if(fs::directory_iterator(pictures), fs::directory_iterator(),
+                                [](const auto& entry) { return entry.is_directory(); });
+  ASSERT_NE(set, fs::directory_iterator());
+  save_observations(observe(load_recording(RunFolder{set->path()}.recording())), folder_ / "measured.json");
+  sweep_of("drawn", "mode: geometric\ngeometric: {rig: run, measured: measured.json}\n" + run + common);
+
+  const auto rows = [this](const std::string& name) {
+    std::vector<SweepRow> found;
+    for (const SweepRow& row : load_sweep_rows(folder_ / name).rows)
+      if (row.subject == SweepSubject::kCamera) found.push_back(row);
+    return found;
+  };
+  const std::vector<SweepRow> rendered = rows("pictures"), drawn = rows("drawn");
+  ASSERT_EQ(rendered.size(), static_cast<std::size_t>(kSeeds));
+  ASSERT_EQ(drawn.size(), rendered.size());
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    double rendered_bound = 0.0, drawn_bound = 0.0, rendered_squares = 0.0, drawn_squares = 0.0;
+    for (std::size_t i = 0; i < rendered.size(); ++i) {
+      ASSERT_TRUE(rendered[i].error[axis] && drawn[i].error[axis]) << rendered[i].reason << drawn[i].reason;
+      rendered_bound += *rendered[i].bound[axis];
+      drawn_bound += *drawn[i].bound[axis];
+      rendered_squares += std::pow(*rendered[i].error[axis] / *rendered[i].bound[axis], 2);
+      drawn_squares += std::pow(*drawn[i].error[axis] / *drawn[i].bound[axis], 2);
+    }
+    EXPECT_NEAR(drawn_bound / rendered_bound, 1.0, 0.1) << axis;
+    // Chi square with six degrees of freedom, 0.01 % on either side.
+    constexpr double kLow = 0.175, kHigh = 27.86;
+    EXPECT_GT(rendered_squares, kLow) << axis;
+    EXPECT_LT(rendered_squares, kHigh) << axis;
+    EXPECT_GT(drawn_squares, kLow) << axis;
+    EXPECT_LT(drawn_squares, kHigh) << axis;
+  }
+}
+
+// Every pair of images is matched once, whatever number of stops is used and whichever method asks.
+TEST_F(RenderedSweep, ImagesAreMatchedOnceForAllMethodsAndLevels) {
+  const std::string text =
+      "axes: {count: {field: images, values: [4, 6, 8]}}\n"
+      "methods: [robot_autocalib, sensorx2car, memroc_reference, joint_memroc_reference]\n";
+  const SweepReport report = sweep("a", text, 1);
+  EXPECT_EQ(count(report, "images matched"), kImages - 1);
+  EXPECT_EQ(count(report, "motions found"), kImages - 1);
+  EXPECT_GE(count(report, "matches from cache"), 3U + 5U) << "those of fewer stops, at least";
+  EXPECT_EQ(count(report, "clouds searched"), kImages - 1) << "the first one's is never read";
+  EXPECT_EQ(count(report, "clouds from cache"), 2U * (3 + 5 + 7) - (kImages - 1));
+  const SweepReport again =
+      sweep("b", "axes: {count: {field: images, values: [5, 7]}}\n" + text.substr(text.find('\n') + 1));
+  EXPECT_EQ(count(again, "images matched") + count(again, "motions found") + count(again, "clouds searched"), 0U);
+}
+
+TEST_F(RenderedSweep, AMethodMayTakeItsGroundFromImages) {
+  const std::string methods =
+      "methods: [memroc, {method: memroc, name: memroc_image_ground, ground: images},\n"
+      "          {method: memroc, name: memroc_auto, ground: auto}]\n";
+  sweep("a", methods);
+  std::map<std::string, SweepRow> rows;
+  for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows)
+    if (row.subject == SweepSubject::kCamera) rows[row.method] = row;
+  ASSERT_EQ(rows.size(), 3U);
+  ASSERT_TRUE(rows["memroc"].error[2]) << rows["memroc"].reason;
+  EXPECT_EQ(rows["memroc_auto"].error, rows["memroc"].error) << "depth is trusted here";
+  EXPECT_NE(rows["memroc_image_ground"].error, rows["memroc"].error);
+  EXPECT_NE(rows["memroc_image_ground"].bound, rows["memroc"].bound);
+
+  // As `calibrate --ground images` has it.
+  const fs::path pictures = folder_ / "cache" / "pictures";
+  const auto set = std::find_if(fs::directory_iterator(pictures), fs::directory_iterator(),
+                                [](const auto& entry) { return entry.is_directory(); });
+  const RunFolder run{set->path()};
+  const Recording recording = load_recording(run.recording());
+  Observations observations = observe(recording);
+  const Observations seen = observations;
+  take_ground_from(GroundSource::kImages, {seen, &recording, 1}, &observations);
+  EXPECT_NE(observations.ground_planes.size(), seen.ground_planes.size());
+  const Result result = run_method(find_method("memroc"), {observations, &recording, 1});
+  ASSERT_EQ(result.camera_to_robot.size(), 1U);
+  EXPECT_EQ(result.camera_to_robot[0].observable[2], rows["memroc_image_ground"].error[2].has_value());
+  const Comparison comparison = compare(result, load_truth(run.truth_file()));
+  ASSERT_EQ(comparison.camera_to_robot.size(), 1U);
+  for (const Eigen::Index axis : {0, 1})
+    EXPECT_NEAR(*rows["memroc_image_ground"].error[static_cast<std::size_t>(axis)],
+                100.0 * comparison.camera_to_robot[0].error[axis], 1e-9);
+
+  // Other options are another answer, the same ones are known.
+  EXPECT_EQ(count(sweep("b", "methods: [{method: memroc, name: other, ground: images}]\n"), "answers from cache"), 1U);
+  EXPECT_EQ(count(sweep("b", "methods: [{method: memroc, name: other}]\n"), "answers from cache"), 1U);
+  for (const SweepRow& row : load_sweep_rows(folder_ / "b").rows) {
+    if (row.subject == SweepSubject::kCamera) {
+      EXPECT_EQ(row.error, rows["memroc"].error);
+    }
+  }
 }
 
 TEST(ReplaceOdometry, GivesWhatGenerateWouldHaveWritten) {

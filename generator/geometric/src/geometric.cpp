@@ -24,6 +24,8 @@ constexpr double kMaxGroundDepth_m = 6.0;
 constexpr int kGridColumns = 16;
 constexpr int kGridRows = 9;
 constexpr int kMinRaysOnGround = 8;
+// Depth so near the board's edge is not taken for the board's [squares].
+constexpr double kBoardEdge = 0.25;
 
 void check(const GeometricConfig& config) {
   Problems problems;
@@ -40,38 +42,9 @@ void check(const GeometricConfig& config) {
   problems.throw_if_any();
 }
 
-// What a camera sees of the plane normal . p = distance (camera coordinates): the moments of its rays.
-std::optional<Eigen::Matrix3d> mean_ray_moments(const Camera& camera, const Eigen::Vector3d& normal, double distance) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  int count = 0;
-  for (int row = 0; row < kGridRows; ++row) {
-    for (int column = 0; column < kGridColumns; ++column) {
-      const Eigen::Vector2d pixel((column + 0.5) * camera.width_px / kGridColumns - 0.5,
-                                  (row + 0.5) * camera.height_px / kGridRows - 0.5);
-      Eigen::Vector3d ray;
-      if (!camera.unproject(pixel, &ray)) continue;
-      const double inverse_depth = normal.dot(ray) / distance;
-      if (inverse_depth < 1.0 / kMaxGroundDepth_m || inverse_depth > 1.0 / kMinGroundDepth_m) continue;
-      sum += ray * ray.transpose();
-      ++count;
-    }
-  }
-  if (count < kMinRaysOnGround) return std::nullopt;
-  return Eigen::Matrix3d(sum / count);
-}
-
-Eigen::Matrix3d board_ray_moments(const Board& board, const Rigid3& T_camera_board) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  const int columns = 2 * board.squares_x, rows = 2 * board.squares_y;
-  for (int i = 0; i < columns * rows; ++i) {
-    const int column = i % columns, row = i / columns;
-    const double x = board.square_m * (0.5 * (column + 0.5) - 1.0);
-    const double y = board.square_m * (0.5 * (row + 0.5) - 1.0);
-    const Eigen::Vector3d point = T_camera_board * Eigen::Vector3d(x, y, 0.0);
-    const Eigen::Vector3d ray = point / point.z();
-    sum += ray * ray.transpose();
-  }
-  return sum / (columns * rows);
+// The middle of piece i of so many, in squares from the first inner corner.
+double inside_board(int i, int pieces, int squares) {
+  return kBoardEdge + (squares - 2.0 * kBoardEdge) * (i + 0.5) / pieces - 1.0;
 }
 
 class Drawer {
@@ -104,18 +77,36 @@ class Drawer {
     truth.odometry_yaw_factor = config_.odometry_yaw_factor;
     for (std::size_t c = 0; c < config_.rig.cameras.size(); ++c) {
       RigCamera& camera = observations.cameras[c];
-      RandomStream random(config_.seed, "geometric depth scale", -1, static_cast<std::int32_t>(c));
-      const double depth_scale = 1.0 + random.normal(0.0, config_.depth_scale_sigma);
-      truth.cameras.push_back({camera.name, config_.rig.T_robot_camera[c], camera.camera, depth_scale, {}});
+      truth.cameras.push_back({camera.name, config_.rig.T_robot_camera[c], camera.camera, depth_scale_of(c), {}});
       if (!camera.depth) continue;
-      camera.depth->noise.inverse_depth_sigma_per_m = config_.inverse_depth_sigma_per_m;
-      camera.depth->noise.scale_sigma = config_.depth_scale_sigma;  // what is true is declared
+      if (config_.measured.empty()) camera.depth->noise.inverse_depth_sigma_per_m = config_.inverse_depth_sigma_per_m;
+      if (config_.depth_scales.empty())
+        camera.depth->noise.scale_sigma = config_.depth_scale_sigma;  // what is true is declared
     }
     if (config_.declare_odometry_model) observations.odometry_noise.model = config_.odometry_model;
     if (config_.declare_odometry_sigmas) {
       observations.odometry_noise.sigma_xy_m = truth.odometry_noise.sigma_xy_m;
       observations.odometry_noise.sigma_yaw_rad = truth.odometry_noise.sigma_yaw_rad;
     }
+  }
+
+  double depth_scale_of(std::size_t camera) const {
+    if (!config_.depth_scales.empty()) return config_.depth_scales[camera];
+    RandomStream random(config_.seed, "geometric depth scale", -1, static_cast<std::int32_t>(camera));
+    return 1.0 + random.normal(0.0, config_.depth_scale_sigma);
+  }
+
+  // The configuration's figures for all cameras, or what was measured of this one.
+  GeometricNoise noise_of(int camera) const {
+    if (!config_.measured.empty()) return config_.measured[static_cast<std::size_t>(camera)];
+    GeometricNoise noise;
+    noise.corner_sigma_px = config_.corner_sigma_px;
+    const double sigma = config_.inverse_depth_sigma_per_m;
+    if (config_.ground) noise.ground_sigma_per_m = sigma;
+    if (config_.board_planes) noise.board_sigma_per_m = sigma;
+    noise.ground_points = config_.ground_points;
+    noise.board_points = config_.board_points;
+    return noise;
   }
 
   Rigid3 T_world_camera(int stop, int camera) const {
@@ -128,8 +119,9 @@ class Drawer {
     const Rigid3 T_camera_board = T_camera_world * scene_.T_world_board;
     const bool seen = draw_corners(stop, camera, T_camera_board);
     if (!config_.rig.cameras[static_cast<std::size_t>(camera)].depth) return;
-    if (config_.ground) draw_ground(stop, camera, T_camera_world);
-    if (seen && config_.board_planes) draw_board_plane(stop, camera, T_camera_board);
+    const GeometricNoise noise = noise_of(camera);
+    if (noise.ground_sigma_per_m) draw_ground(stop, camera, T_camera_world, noise);
+    if (seen && noise.board_sigma_per_m) draw_board_plane(stop, camera, T_camera_board, noise);
   }
 
   bool draw_corners(int stop, int camera, const Rigid3& T_camera_board) {
@@ -142,13 +134,13 @@ class Drawer {
     view.camera = camera;
     view.stamp_s = kStopInterval_s * stop;
     const double floor_px = 1e-3;  // a covariance must be positive, even where no noise is drawn
-    const double stated_px = std::max(config_.corner_sigma_px, floor_px);
+    const double sigma_px = noise_of(camera).corner_sigma_px, stated_px = std::max(sigma_px, floor_px);
     for (int id = 0; id < config_.rig.board.corner_count(); ++id) {
       CornerObservation corner;
       corner.id = id;
       if (!lens.project(T_camera_board * config_.rig.board.corner(id), &corner.pixel)) return false;
       if (!lens.contains(corner.pixel)) return false;
-      corner.pixel += config_.corner_sigma_px * Eigen::Vector2d(random.normal(), random.normal());
+      corner.pixel += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
       corner.covariance_px2 = stated_px * stated_px * Eigen::Matrix2d::Identity();
       if (random.uniform() < config_.corner_outlier_fraction)
         corner.pixel += Eigen::Vector2d(random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0));
@@ -158,33 +150,33 @@ class Drawer {
     return true;
   }
 
-  void draw_ground(int stop, int camera, const Rigid3& T_camera_world) {
+  void draw_ground(int stop, int camera, const Rigid3& T_camera_world, const GeometricNoise& noise) {
     const Eigen::Vector3d up = T_camera_world.rotation * Eigen::Vector3d::UnitZ();
     const double height = -up.dot(T_camera_world.translation);
     const Camera& lens = config_.rig.cameras[static_cast<std::size_t>(camera)].camera;
-    const std::optional<Eigen::Matrix3d> moments = mean_ray_moments(lens, -up, height);
+    const std::optional<RayMoments> moments = ground_ray_moments(lens, -up / height);
     if (!moments) return;
-    run_.observations.ground_planes.push_back(
-        plane("geometric ground", stop, camera, -up / height, *moments * config_.ground_points));
+    run_.observations.ground_planes.push_back(plane("geometric ground", stop, camera, -up / height, *moments,
+                                                    *noise.ground_sigma_per_m, noise.ground_points));
   }
 
-  void draw_board_plane(int stop, int camera, const Rigid3& T_camera_board) {
+  void draw_board_plane(int stop, int camera, const Rigid3& T_camera_board, const GeometricNoise& noise) {
     const Eigen::Vector3d normal = T_camera_board.rotation * Eigen::Vector3d::UnitZ();
     const double distance = normal.dot(T_camera_board.translation);
-    const Eigen::Matrix3d moments = board_ray_moments(config_.rig.board, T_camera_board);
-    run_.observations.board_planes.push_back(
-        plane("geometric board plane", stop, camera, normal / distance, moments * config_.board_points));
+    const Camera& lens = config_.rig.cameras[static_cast<std::size_t>(camera)].camera;
+    const RayMoments moments = board_ray_moments(lens, config_.rig.board, T_camera_board);
+    run_.observations.board_planes.push_back(plane("geometric board plane", stop, camera, normal / distance, moments,
+                                                   *noise.board_sigma_per_m, noise.board_points));
   }
 
-  PlaneObservation plane(const char* purpose, int stop, int camera, const Eigen::Vector3d& a,
-                         const Eigen::Matrix3d& moments) {
+  PlaneObservation plane(const char* purpose, int stop, int camera, const Eigen::Vector3d& a, const RayMoments& moments,
+                         double sigma, double points) {
     RandomStream random(config_.seed, purpose, stop, camera);
     PlaneObservation observation;
     observation.stop = stop;
     observation.camera = camera;
-    const double sigma = config_.inverse_depth_sigma_per_m;
-    const double stated = std::max(sigma, 1e-6);
-    observation.covariance_per_m2 = stated * stated * moments.inverse();
+    const double stated = std::max(sigma, 1e-6), effective = points > 0.0 ? points : moments.pixels;
+    observation.covariance_per_m2 = stated * stated * (moments.mean * effective).inverse();
     const Eigen::Matrix3d L = observation.covariance_per_m2.llt().matrixL();
     const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
     const double depth_scale = *run_.truth.cameras[static_cast<std::size_t>(camera)].depth_scale;
@@ -193,8 +185,8 @@ class Drawer {
       const Eigen::Vector3d tilt(random.normal(0.0, 0.1), random.normal(0.0, 0.1), random.normal(0.0, 0.1));
       observation.inverse_depth_plane = random.uniform(0.7, 1.4) * (so3_exp(tilt) * observation.inverse_depth_plane);
     }
-    observation.effective_points = config_.ground_points;
-    observation.inlier_points = static_cast<int>(config_.ground_points);
+    observation.effective_points = effective;
+    observation.inlier_points = static_cast<int>(effective);
     observation.residual_rms = 1.0;
     return observation;
   }
@@ -295,6 +287,50 @@ class Drawer {
 };
 
 }  // namespace
+
+std::optional<RayMoments> ground_ray_moments(const Camera& camera, const Eigen::Vector3d& a) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  int count = 0;
+  for (int row = 0; row < kGridRows; ++row) {
+    for (int column = 0; column < kGridColumns; ++column) {
+      const Eigen::Vector2d pixel((column + 0.5) * camera.width_px / kGridColumns - 0.5,
+                                  (row + 0.5) * camera.height_px / kGridRows - 0.5);
+      Eigen::Vector3d ray;
+      if (!camera.unproject(pixel, &ray)) continue;
+      const double inverse_depth = a.dot(ray);
+      if (inverse_depth < 1.0 / kMaxGroundDepth_m || inverse_depth > 1.0 / kMinGroundDepth_m) continue;
+      sum += ray * ray.transpose();
+      ++count;
+    }
+  }
+  if (count < kMinRaysOnGround) return std::nullopt;
+  const double pixels = static_cast<double>(camera.width_px) * camera.height_px * count / (kGridColumns * kGridRows);
+  return RayMoments{sum / count, pixels};
+}
+
+RayMoments board_ray_moments(const Camera& camera, const Board& board, const Rigid3& T_camera_board) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  const int columns = 2 * board.squares_x, rows = 2 * board.squares_y;
+  for (int i = 0; i < columns * rows; ++i) {
+    const int column = i % columns, row = i / columns;
+    const double x = board.square_m * inside_board(column, columns, board.squares_x);
+    const double y = board.square_m * inside_board(row, rows, board.squares_y);
+    const Eigen::Vector3d point = T_camera_board * Eigen::Vector3d(x, y, 0.0);
+    const Eigen::Vector3d ray = point / point.z();
+    sum += ray * ray.transpose();
+  }
+  // The quadrangle of the outline.
+  double twice_area = 0.0;
+  const auto outline = board.outline();
+  Eigen::Vector2d from, to;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    if (!camera.project(T_camera_board * outline[i], &from) ||
+        !camera.project(T_camera_board * outline[(i + 1) % outline.size()], &to))
+      continue;
+    twice_area += from.x() * to.y() - from.y() * to.x();
+  }
+  return {sum / (columns * rows), std::max(1.0, 0.5 * std::abs(twice_area))};
+}
 
 OdometryNoise paper_odometry_noise(OdometryModel model, double lambda) {
   return {model, lambda * kPaperTranslationSigma_m, lambda * kPaperYawSigma_rad};

@@ -1,9 +1,11 @@
 // What sweeps have made, on disk, by the hash of what it depends on: pictures, what was found in them, solutions.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -76,15 +78,17 @@ class CachedFindings : public PictureMemory {
 
   std::uint64_t recalled(Finding finding) const { return recalled_[index(finding)]; }
   std::uint64_t kept(Finding finding) const { return kept_[index(finding)]; }
+  /// Tells what was kept and recalled since the last time, as SweepCounters names it.
+  void tell(const std::function<void(const std::string& name, std::uint64_t more)>& count);
 
  private:
-  static std::size_t index(Finding finding) { return finding == Finding::kCorners ? 0 : 1; }
+  static std::size_t index(Finding finding) { return static_cast<std::size_t>(finding); }
   static std::string full_key(const std::string& key);
 
   const SweepCache& cache_;
   std::map<std::string, std::string> contents_;  ///< SHA-256 by file of the recording
-  std::atomic<std::uint64_t> recalled_[2] = {};
-  std::atomic<std::uint64_t> kept_[2] = {};
+  std::array<std::atomic<std::uint64_t>, kFindings> recalled_ = {};
+  std::array<std::atomic<std::uint64_t>, kFindings> kept_ = {};
   std::mutex mutex_;
   std::string failure_;
 };

@@ -3,10 +3,12 @@
 #include <cmath>
 #include <set>
 
+#include "rigproof/calib/ground_source.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/includes.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/parameters.h"
+#include "rigproof/study/overrides.h"
 #include "rigproof/study/sweep_config.h"
 
 namespace rigproof {
@@ -17,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr const char* kExternal = "external:";
 constexpr const char* kImages = "images";
 constexpr const char* kGeometric = "geometric.";
+constexpr const char* kMeasured = "geometric.measured";  // a file, which is no level
 constexpr std::size_t kMaxLevels = 10000;
 constexpr std::int64_t kMaxSeed = 9007199254740992;
 
@@ -59,7 +62,8 @@ const std::vector<std::string>& known_fields() {
     GeometricSweepConfig geometric;
     FieldNames fields;
     geometric.visit(fields);
-    names.insert(names.end(), fields.names.begin(), fields.names.end());
+    for (const std::string& name : fields.names)
+      if (name != kMeasured) names.push_back(name);
     names.push_back(kImages);
     return names;
   }();
@@ -91,6 +95,22 @@ std::string label_of(const YamlTree& value) {
   std::vector<std::string> items;
   for (const auto& [key, item] : value.entries) items.push_back(key + ": " + label_of(item));
   return "{" + joined(items) + "}";
+}
+
+// Blocks are merged; anything else takes the place of what was there.
+void put_over(const YamlTree& over, YamlTree* tree) {
+  if (!over.is_map() || !tree->is_map()) {
+    *tree = over;
+    return;
+  }
+  for (const auto& [key, value] : over.entries) {
+    const auto same = [&name = key](const auto& entry) { return entry.first == name; };
+    const auto entry = std::find_if(tree->entries.begin(), tree->entries.end(), same);
+    if (entry == tree->entries.end())
+      tree->set(key, value);
+    else
+      put_over(value, &entry->second);
+  }
 }
 
 class ConfigReader {
@@ -127,6 +147,8 @@ class ConfigReader {
     }
     const YamlTree* geometric = map_.find("geometric");
     config_.geometric_block = geometric == nullptr ? YamlTree::map() : *geometric;
+    for (auto& [key, value] : config_.geometric_block.entries)
+      if (key == "measured" && value.is_scalar()) value.scalar = path_beside(value.scalar);
     if (geometric != nullptr && !config_.geometric) map_.problem("geometric", "belongs to mode: geometric");
   }
 
@@ -334,24 +356,74 @@ class ConfigReader {
     for (std::int64_t i = 0; i < count; ++i) config_.seeds.push_back(first + i);
   }
 
+  // A file that is named here, relative to this file, else to the working folder.
+  std::string path_beside(const fs::path& named) const {
+    const fs::path beside = fs::absolute(file_).parent_path() / named;
+    std::error_code ignored;
+    return (fs::exists(beside, ignored) ? beside : fs::absolute(named)).lexically_normal().string();
+  }
+
   void read_methods() {
-    if (const auto methods = map_.texts("methods")) config_.methods = *methods;
-    if (config_.methods.empty()) map_.problem("methods", "must name a method");
-    const std::string prefix = kExternal;
-    for (std::string& method : config_.methods) {
-      if (method.rfind(prefix, 0) != 0) continue;
-      const fs::path described = method.substr(prefix.size());
-      const fs::path beside = fs::absolute(file_).parent_path() / described;
-      std::error_code ignored;
-      method = prefix + (fs::exists(beside, ignored) ? beside : fs::absolute(described)).lexically_normal().string();
+    config_.vision = read_vision(&map_, SweepVision());
+    if (const YamlTree* methods = map_.find("methods")) {
+      config_.methods.clear();
+      if (!methods->is_sequence()) map_.problem("methods", "must be a list");
+      for (const YamlTree& item : methods->items) read_method(item);
+      if (methods->is_sequence() && methods->items.empty()) map_.problem("methods", "must name a method");
     }
-    if (std::set<std::string>(config_.methods.begin(), config_.methods.end()).size() != config_.methods.size())
-      map_.problem("methods", "one is in the list twice");
+    for (SweepMethodChoice& choice : config_.methods)
+      if (!map_.has("methods")) choice.vision = config_.vision;
+    std::set<std::string> labels;
+    for (const SweepMethodChoice& choice : config_.methods)
+      if (!labels.insert(choice.label()).second)
+        map_.problem("methods", choice.label() + " is in the list twice; `name` tells one method's variants apart");
     const auto named = map_.text("reference");
-    const bool has_ml = std::find(config_.methods.begin(), config_.methods.end(), "ml") != config_.methods.end();
-    config_.reference = named.value_or(has_ml || config_.methods.empty() ? "ml" : config_.methods.front());
-    if (named && std::find(config_.methods.begin(), config_.methods.end(), *named) == config_.methods.end())
-      map_.problem("reference", "must be one of the methods");
+    config_.reference = labels.count("ml") > 0 || config_.methods.empty() ? "ml" : config_.methods.front().label();
+    if (named) config_.reference = labels.count(*named) > 0 ? *named : method_path(*named);
+    if (named && labels.count(config_.reference) == 0) map_.problem("reference", "must be one of the methods");
+  }
+
+  // A text, or a block of a method with what is special about it.
+  void read_method(const YamlTree& item) {
+    SweepMethodChoice choice;
+    choice.vision = config_.vision;
+    if (!item.is_map()) {
+      const auto name = read_text(item, "methods", {}, &problems_);
+      if (!name) return;
+      choice.method = method_path(*name);
+    } else {
+      MapReader map(item, "methods", &problems_);
+      map.require("method", "as `rigproof methods` lists them, or external:FILE.yaml");
+      if (const auto method = map.text("method")) choice.method = method_path(*method);
+      choice.name = map.text("name").value_or("");
+      if (!choice.name.empty() && !is_word(choice.name, "_-.+"))
+        map.problem("name", "must be letters, digits, _, -, + and .");
+      choice.vision = read_vision(&map, config_.vision);
+      map.finish();
+    }
+    config_.methods.push_back(std::move(choice));
+  }
+
+  SweepVision read_vision(MapReader* map, SweepVision vision) {
+    vision.ground = map->text("ground", ground_source_names()).value_or(vision.ground);
+    const std::string onnx = "onnx:";
+    const auto network = [&](const char* key, bool or_sift, std::string* value) {
+      const auto text = map->text(key);
+      if (!text) return;
+      const bool is_network = text->rfind(onnx, 0) == 0 && text->size() > onnx.size();
+      *value = is_network ? onnx + path_beside(text->substr(onnx.size())) : *text;
+      if (!is_network && !(or_sift && *text == "sift"))
+        map->problem(key, or_sift ? "must be sift or onnx:FILE" : "must be onnx:FILE");
+    };
+    network("features", true, &vision.features);
+    network("horizon", false, &vision.horizon);
+    return vision;
+  }
+
+  // One from outside by an absolute path.
+  std::string method_path(const std::string& method) const {
+    const std::string prefix = kExternal;
+    return method.rfind(prefix, 0) == 0 ? prefix + path_beside(method.substr(prefix.size())) : method;
   }
 
   void refuse_fields_set_twice() {
@@ -378,9 +450,26 @@ class ConfigReader {
     if (config_.geometric) tree.set("geometric", config_.geometric_block);
     if (const YamlTree* axes = map_.find("axes"); axes != nullptr && !axes->is_null()) tree.set("axes", *axes);
     resolve_seeds(&tree);
+    set_vision(config_.vision, SweepVision(), &tree);
     YamlTree& methods = tree.set("methods", YamlTree::sequence());
-    for (const std::string& method : config_.methods) methods.add(YamlTree::text(method));
+    for (const SweepMethodChoice& choice : config_.methods) methods.add(resolved_method(choice));
     tree.set("reference", YamlTree::text(config_.reference));
+  }
+
+  YamlTree resolved_method(const SweepMethodChoice& choice) const {
+    if (choice.name.empty() && choice.vision.text() == config_.vision.text()) return YamlTree::text(choice.method);
+    YamlTree tree = YamlTree::inline_map();
+    tree.set("method", YamlTree::text(choice.method));
+    if (!choice.name.empty()) tree.set("name", YamlTree::text(choice.name));
+    set_vision(choice.vision, config_.vision, &tree);
+    return tree;
+  }
+
+  // What differs from what holds anyway.
+  static void set_vision(const SweepVision& vision, const SweepVision& usual, YamlTree* tree) {
+    if (vision.ground != usual.ground) tree->set("ground", YamlTree::text(vision.ground));
+    if (vision.features != usual.features) tree->set("features", YamlTree::text(vision.features));
+    if (vision.horizon != usual.horizon) tree->set("horizon", YamlTree::text(vision.horizon));
   }
 
   void resolve_seeds(YamlTree* tree) const {
@@ -401,6 +490,10 @@ class ConfigReader {
 
 }  // namespace
 
+std::string SweepVision::text() const {
+  return "ground " + ground + ", features " + features + (horizon.empty() ? "" : ", horizon " + horizon);
+}
+
 void GeometricSweepConfig::visit(FieldVisitor& visitor) {
   constexpr double kMany = 1e6;
   visitor.field("rig", rig, TextChoices{{"reference", "random", "run"}},
@@ -409,6 +502,10 @@ void GeometricSweepConfig::visit(FieldVisitor& visitor) {
   visitor.field("cameras", cameras, {1.0, 8.0}, "of a random rig");
   visitor.field("drive", drive, TextChoices{{"random", "steps", "straight", "turn_in_place", "arc", "standstill"}},
                 "how the robot moves between stops; the last four are degenerate");
+  visitor.field(
+      "measured", measured, TextChoices{},
+      "observations.json of pictures like those of the run: what it states of each camera's corners, ground and "
+      "board planes is drawn, in place of the six fields below; with rig: run only");
   visitor.field("corner_sigma_px", corner_sigma_px, {0.0, 100.0}, "noise of a corner, one sigma");
   visitor.field("ground", ground, "ground planes in every depth camera that sees enough of it");
   visitor.field("board_planes", board_planes, "depth on the board itself");
@@ -421,15 +518,25 @@ void GeometricSweepConfig::visit(FieldVisitor& visitor) {
   visitor.field("corner_outlier_fraction", corner_outlier_fraction, {0.0, 1.0}, "corners off by tens of pixels");
   visitor.field("odometry_outlier_fraction", odometry_outlier_fraction, {0.0, 1.0}, "odometry off by decimetres");
   visitor.field("plane_outlier_fraction", plane_outlier_fraction, {0.0, 1.0}, "planes of something else");
-  visitor.check(rig != "run" || (drive == "random" && suspension_height_sigma_mm == 0.0 &&
+  visitor.check(rig != "run" || (drive == "random" && depth_scale_sigma == 0.0 && suspension_height_sigma_mm == 0.0 &&
                                  suspension_tilt_sigma_deg == 0.0 && odometry_outlier_fraction == 0.0),
                 "rig",
-                "run plans the drive and the odometry itself: drive, suspension_* and odometry_outlier_fraction "
-                "must be left alone");
+                "run plans drive, odometry and depth scale itself: drive, depth_scale_sigma, suspension_* and "
+                "odometry_outlier_fraction must be left alone");
+  visitor.check(measured.empty() || rig == "run", "measured", "needs rig: run");
+  const GeometricSweepConfig usual;
+  visitor.check(measured.empty() || (corner_sigma_px == usual.corner_sigma_px && ground == usual.ground &&
+                                     board_planes == usual.board_planes &&
+                                     inverse_depth_sigma_per_m == usual.inverse_depth_sigma_per_m &&
+                                     ground_points == usual.ground_points && board_points == usual.board_points),
+                "measured",
+                "tells the noise of corners and planes itself: corner_sigma_px, ground, board_planes, "
+                "inverse_depth_sigma_per_m, ground_points and board_points must be left alone");
 }
 
-SweepConfig load_sweep_config(const fs::path& file) {
-  const YamlTree tree = read_yaml_file(file);
+SweepConfig load_sweep_config(const fs::path& file, const std::vector<std::string>& overrides) {
+  YamlTree tree = read_yaml_file(file);
+  if (!overrides.empty()) put_over(parse_yaml(overrides_as_yaml(overrides), "--set"), &tree);
   return ConfigReader(tree, file).read();
 }
 

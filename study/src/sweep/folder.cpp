@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <set>
 
 #include "cache.h"
@@ -9,6 +10,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/study/external.h"
+#include "work.h"
 
 namespace rigproof {
 namespace {
@@ -61,17 +63,43 @@ bool is_sound(const SweepRows& table) {
   });
 }
 
+// Threads that a network started would not be in the processes that are forked later.
+class OneThread {
+ public:
+  OneThread() : before_(cv::getNumThreads()) { cv::setNumThreads(1); }
+  ~OneThread() { cv::setNumThreads(before_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  int before_;
+};
+
+// With the content of its networks, which are opened so that a wrong one is told at once.
+std::string hash_of(const SweepVision& vision) {
+  const OneThread alone;
+  const SweepSight sight(vision);
+  std::string text = vision.text();
+  for (const std::string& source : {vision.features, vision.horizon}) {
+    const std::size_t colon = source.find(':');
+    if (colon != std::string::npos) text += " " + sha256_hex_of_file(source.substr(colon + 1));
+  }
+  return sha256_hex(text);
+}
+
 }  // namespace
 
-std::vector<SweepMethod> sweep_methods(const std::vector<std::string>& specs) {
+std::vector<SweepMethod> sweep_methods(const std::vector<SweepMethodChoice>& choices) {
   std::vector<SweepMethod> methods;
   std::set<std::string> names;
-  for (const std::string& spec : specs) {
-    const std::shared_ptr<const Method> method = methods_by_name({spec}).front();
+  for (const SweepMethodChoice& choice : choices) {
+    const std::shared_ptr<const Method> method = methods_by_name({choice.method}).front();
     SweepMethod& entry = methods.emplace_back();
-    entry.spec = spec;
-    entry.name = method->traits().name;
-    if (!names.insert(entry.name).second) throw Error(spec + ": there are two methods of the name " + entry.name);
+    entry.spec = choice.method;
+    entry.name = choice.name.empty() ? method->traits().name : choice.name;
+    entry.vision = choice.vision;
+    if (!names.insert(entry.name).second)
+      throw Error(choice.method + ": there are two methods of the name " + entry.name);
     if (const auto* outside = dynamic_cast<const OutsideMethod*>(method.get())) {
       entry.outside = true;
       entry.hash = outside->content_hash();
@@ -80,6 +108,13 @@ std::vector<SweepMethod> sweep_methods(const std::vector<std::string>& specs) {
       entry.hash = program_hash();
       entry.reads_images = reads_files(*method);
     }
+    entry.stored = method->traits().name;
+    if (!choice.name.empty()) entry.hash = sha256_hex(entry.hash + " " + choice.method);
+    if (choice.vision.text() == SweepVision().text()) continue;
+    entry.reads_images = entry.reads_images || choice.vision.ground != SweepVision().ground;
+    const std::string vision = hash_of(choice.vision);
+    entry.hash = sha256_hex(entry.hash + " " + vision);
+    entry.stored += " " + vision;
   }
   return methods;
 }
@@ -98,10 +133,9 @@ SweepRows table_of(const SweepConfig& config, const SweepPlan& plan, const std::
       values.push_back(level.value);
     }
   }
-  for (const SweepMethod& method : methods) {
-    table.methods.push_back(method.name);
-    if (method.spec == config.reference) table.reference = method.name;
-  }
+  for (const SweepMethod& method : methods) table.methods.push_back(method.name);
+  for (std::size_t i = 0; i < config.methods.size(); ++i)
+    if (config.methods[i].label() == config.reference) table.reference = methods[i].name;
   for (const SweepTask& task : plan.tasks) table.tasks.push_back({task.key, task.levels, task.seed});
   return table;
 }

@@ -34,13 +34,15 @@ struct FolderPlan {
 struct SweepMethod {
   std::string spec;  ///< "ml", "external:/path/theirs.yaml"
   std::string name;
-  std::string hash;  ///< of the program, or of the description of one from outside
+  SweepVision vision;
+  std::string hash;    ///< of the program, or of the description of one from outside; of the vision and its networks
+  std::string stored;  ///< under which the cache knows its answers
   bool outside = false;
   bool reads_images = false;
 };
 
 /// Throws Error with everything that is wrong with their names and descriptions.
-std::vector<SweepMethod> sweep_methods(const std::vector<std::string>& specs);
+std::vector<SweepMethod> sweep_methods(const std::vector<SweepMethodChoice>& choices);
 
 SweepRows table_of(const SweepConfig& config, const SweepPlan& plan, const std::vector<SweepMethod>& methods);
 void save_folder_plan(const SweepFolder& folder, const FolderPlan& plan);

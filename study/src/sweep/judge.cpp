@@ -121,8 +121,18 @@ SweepAnswer failed_answer(SweepStatus status, const std::string& reason) {
   return answer;
 }
 
-SweepAnswer answer_of(const Method& method, const TaskData& data) {
-  const MethodInput input{data.observations, data.recording ? &*data.recording : nullptr, 1};
+SweepAnswer could_not_run(const std::string& reason, const TaskData& data) {
+  Result nothing;
+  nothing.reasons = {reason};
+  SweepAnswer answer;
+  answer.rows = rows_of(nothing, SweepStatus::kCouldNotRun, data);
+  return answer;
+}
+
+SweepAnswer answer_of(const Method& method, const TaskData& data, const SweepSight& sight) {
+  MethodInput input{data.observations, data.recording ? &*data.recording : nullptr, 1, sight.features.get(),
+                    sight.horizon.get()};
+  input.memory = data.findings.get();
   SweepAnswer answer;
   Result nothing;
   std::string why_not = method.why_not(input);
@@ -131,8 +141,7 @@ SweepAnswer answer_of(const Method& method, const TaskData& data) {
   const double cpu_start = cpu_seconds();
   try {
     if (!why_not.empty()) {
-      nothing.reasons = {why_not};
-      answer.rows = rows_of(nothing, SweepStatus::kCouldNotRun, data);
+      answer.rows = could_not_run(why_not, data).rows;
     } else if (outside != nullptr) {
       const OutsideMethod::Outcome outcome = outside->run(input);
       answer.rows =

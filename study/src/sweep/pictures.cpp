@@ -67,11 +67,8 @@ void look_at_pictures(const PictureSet& set, const PictureWork& work) {
   } catch (const Error& error) {
     if (error.exit_code() == ExitCode::kTryAgain) throw;
   }
+  findings.tell(work.count);
   findings.rethrow();
-  work.count("corners detected", findings.kept(PictureMemory::Finding::kCorners));
-  work.count("corners from cache", findings.recalled(PictureMemory::Finding::kCorners));
-  work.count("planes fitted", findings.kept(PictureMemory::Finding::kPlanes));
-  work.count("planes from cache", findings.recalled(PictureMemory::Finding::kPlanes));
 }
 
 }  // namespace

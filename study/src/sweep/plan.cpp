@@ -4,6 +4,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/observations.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
 #include "rigproof/generator/parameters.h"
@@ -171,11 +172,21 @@ class Planner {
     return text;
   }
 
+  // A file that the geometric mode takes noise from: another content, another task.
+  const std::string& content_of(const std::string& file) {
+    std::string& hash = contents_[file];
+    if (!file.empty() && hash.empty()) {
+      load_observations(file);
+      hash = sha256_hex_of_file(file);
+    }
+    return hash;
+  }
+
   void finish_task(SweepTask task) {
     const bool needs_world = !config_.geometric || task.geometric.rig == "run";
     std::string text = kFormat + std::string(version()) + "\n" + resolved_text(task.config);
     if (needs_world) text += std::string(World::mujoco_version()) + "\n" + inputs_of(task.config);
-    if (config_.geometric) text += text_of(task.geometric);
+    if (config_.geometric) text += text_of(task.geometric) + content_of(task.geometric.measured);
     text += "images: " + std::to_string(task.images) + "\n";
     task.key = sha256_hex(text).substr(0, kKeyDigits);
     if (!config_.geometric) task.pictures = add_pictures(task.config);
@@ -201,6 +212,7 @@ class Planner {
   std::set<std::string> told_;
   std::set<std::string> sets_;
   std::map<std::string, std::string> inputs_;
+  std::map<std::string, std::string> contents_;
 };
 
 }  // namespace

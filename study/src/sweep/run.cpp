@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "cache.h"
+#include "cost.h"
 #include "folder.h"
 #include "jobs.h"
 #include "rigproof/core/error.h"
@@ -33,8 +34,6 @@ using nlohmann::json;
 constexpr int kWaitMs = 100;
 constexpr int kMaxStarts = 2;  // of a task whose process was killed from outside
 constexpr double kBytesOfGb = 1e9;
-// For forecasts: of one answer to a task of 100 poses, and of finding board and ground in one image.
-constexpr double kSecondsOfAnswer = 0.3, kSecondsOfSearch = 0.04;
 
 std::string replaced_all(std::string text, const std::string& from, const std::string& to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
@@ -118,11 +117,13 @@ class Sweep {
     return report;
   }
 
-  static std::vector<std::string> all_methods(const SweepConfig& config, const std::vector<std::string>& added) {
-    std::vector<std::string> specs = config.methods;
-    for (const std::string& spec : added)
-      if (std::find(specs.begin(), specs.end(), spec) == specs.end()) specs.push_back(spec);
-    return specs;
+  static std::vector<SweepMethodChoice> all_methods(const SweepConfig& config, const std::vector<std::string>& added) {
+    std::vector<SweepMethodChoice> choices = config.methods;
+    for (const std::string& spec : added) {
+      const auto same = [&spec](const SweepMethodChoice& choice) { return choice.label() == spec; };
+      if (std::none_of(choices.begin(), choices.end(), same)) choices.push_back({spec, {}, config.vision});
+    }
+    return choices;
   }
 
   // Those of earlier starts, then new ones. A file is a method from outside.
@@ -173,19 +174,33 @@ class Sweep {
   }
 
  private:
-  // Pictures by the first set that is to be made; solving by what such answers take on one core.
+  // Pictures by the first set that is to be made; everything else by what it takes on one core.
   void estimate_cost(SweepForecast* forecast) const {
-    const double answers_left = static_cast<double>(forecast->answers - forecast->answers_there);
-    forecast->minutes = answers_left * kSecondsOfAnswer / 60.0 / slots_;
-    const auto to_make = std::find_if(pictures_.begin(), pictures_.end(), [this](const PendingPictures& set) {
+    double seconds = 0.0;
+    for (const PendingTask& pending : pending_) {
+      const double views = views_of(*pending.task);
+      seconds += seconds_of_observations(views);
+      for (const SweepMethod* method : pending.methods)
+        seconds += seconds_of_answer(method->spec, method->outside, views);
+    }
+    const auto is_to_make = [this](const PendingPictures& set) {
       return set.state != PendingPictures::State::kReady && !cache_.has_pictures(set.set->key, true);
-    });
-    if (to_make == pictures_.end()) return;
-    const GeneratePlan plan = plan_generation(to_make->set->config);
-    const double sets = static_cast<double>(forecast->images_to_render) / static_cast<double>(plan.images);
-    forecast->megabytes = sets * plan.expected_mb;
-    forecast->minutes +=
-        sets * (plan.expected_minutes + static_cast<double>(plan.images) * kSecondsOfSearch / 60.0 / slots_);
+    };
+    const auto to_make = std::find_if(pictures_.begin(), pictures_.end(), is_to_make);
+    if (to_make != pictures_.end()) {
+      const GeneratePlan plan = plan_generation(to_make->set->config);
+      const double sets = static_cast<double>(forecast->images_to_render) / static_cast<double>(plan.images);
+      forecast->megabytes = sets * plan.expected_mb;
+      const double cores = std::max(1U, std::thread::hardware_concurrency());
+      seconds += sets * plan.expected_minutes * 60.0 * cores;
+      const double megapixels = megapixels_of(to_make->set->config);
+      const bool follows_features = std::any_of(methods_.begin(), methods_.end(), [](const SweepMethod& method) {
+        return method.spec == "robot_autocalib" || method.spec == "sensorx2car" || method.vision.ground == "images";
+      });
+      seconds += static_cast<double>(forecast->images_to_render) *
+                 (seconds_of_search(megapixels) + (follows_features ? seconds_of_matching(megapixels) : 0.0));
+    }
+    forecast->minutes = seconds / 60.0 / slots_;
   }
 
   void tell_tasks(SweepForecast* forecast) const {
@@ -203,7 +218,8 @@ class Sweep {
     if (!config_.geometric) return;
     for (const SweepMethod& method : methods_) {
       if (!method.reads_images) continue;
-      const std::string why_not = methods_by_name({method.spec}).front()->why_not({Observations(), nullptr, 1});
+      std::string why_not = methods_by_name({method.spec}).front()->why_not({Observations(), nullptr, 1});
+      if (why_not.empty()) why_not = why_no_ground(method, false);
       if (!why_not.empty()) forecast->cannot_run.push_back(method.name + ": " + why_not);
     }
   }
@@ -256,9 +272,11 @@ class Sweep {
       return true;
     }
     if (method.outside) return false;  // what it reads beside its input is not known
-    const std::optional<std::string> kept = cache_.solution(task.key, method.name);
-    if (!kept || !read_answer(*kept)) return false;
-    if (!only_look_) write_file_atomically_unsynced(folder_.answer_file(task.key, method.name), *kept);
+    const std::optional<std::string> kept = cache_.solution(task.key, method.stored);
+    std::optional<SweepAnswer> known = kept ? read_answer(*kept) : std::nullopt;
+    if (!known) return false;
+    known->method_hash = method.hash;  // another sweep may have another name for it
+    if (!only_look_) write_file_atomically_unsynced(folder_.answer_file(task.key, method.name), text_of(*known));
     counters_["answers from cache"] += 1;
     return true;
   }
@@ -413,20 +431,37 @@ class Sweep {
       SweepAnswer answer;
       if (data) {
         const ExternalOptions options{folder_.logs(pending.task->key), options_.keep_going};
-        answer = answer_of(*methods_by_name({method->spec}, options).front(), *data);
+        answer = answer_by(*method, *methods_by_name({method->spec}, options).front(), *data);
       } else {
         answer = failed_answer(SweepStatus::kFailed, no_data);
+      }
+      if (data && data->findings) {
+        data->findings->tell(counting(tell));
+        data->findings->rethrow();
       }
       keep(*pending.task, *method, std::move(answer));
       tell(line_of({{"done", method->name}}));
     }
   }
 
+  static SweepAnswer answer_by(const SweepMethod& choice, const Method& method, const TaskData& data) {
+    const SweepSight sight(choice.vision);
+    if (choice.vision.ground == SweepVision().ground) return answer_of(method, data, sight);
+    if (const std::string why_not = why_no_ground(choice, data.recording.has_value()); !why_not.empty())
+      return could_not_run(why_not, data);
+    return answer_of(method, with_ground(data, choice.vision.ground, sight), sight);
+  }
+
+  static std::string why_no_ground(const SweepMethod& choice, bool has_images) {
+    if (choice.vision.ground != "images" || has_images) return {};
+    return "It takes the ground from images, and the input is observations alone.";
+  }
+
   void keep(const SweepTask& task, const SweepMethod& method, SweepAnswer answer) const {
     answer.method_hash = method.hash;
     const std::string text = text_of(answer);
     write_file_atomically_unsynced(folder_.answer_file(task.key, method.name), text);
-    if (!method.outside) cache_.keep_solution(task.key, method.name, text);
+    if (!method.outside) cache_.keep_solution(task.key, method.stored, text);
   }
 
   void take(const ForkedJobs::News& news) {

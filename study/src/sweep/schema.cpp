@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "rigproof/calib/ground_source.h"
 #include "rigproof/core/fields.h"
 #include "rigproof/generator/config.h"
 #include "rigproof/study/sweep_config.h"
@@ -56,6 +57,28 @@ ordered_json seeds_schema() {
           {"oneOf", {ordered_json{{"type", "integer"}, {"minimum", 1}}, list, block}}};
 }
 
+constexpr const char* kFeatures = "where methods that follow features get them: sift, or onnx:FILE";
+constexpr const char* kHorizon = "network that sees horizon and way ahead: onnx:FILE";
+
+ordered_json ground_schema() {
+  ordered_json ground = typed("string", "where the ground planes come from");
+  ground["enum"] = ground_source_names();
+  ground["default"] = "depth";
+  return ground;
+}
+
+ordered_json method_schema() {
+  ordered_json method = {{"type", "object"}};
+  method["properties"] = {{"method", typed("string", "as `rigproof methods` lists them, or external:FILE.yaml")},
+                          {"name", typed("string", "in the tables; default the method's own")},
+                          {"ground", ground_schema()},
+                          {"features", typed("string", kFeatures)},
+                          {"horizon", typed("string", kHorizon)}};
+  method["required"] = {"method"};
+  method["additionalProperties"] = false;
+  return method;
+}
+
 }  // namespace
 
 std::string sweep_config_schema() {
@@ -77,8 +100,11 @@ std::string sweep_config_schema() {
       {"seeds", seeds_schema()},
       {"methods",
        {{"type", "array"},
-        {"items", {{"type", "string"}}},
-        {"description", "as `rigproof methods` lists them, or external:FILE.yaml"}}},
+        {"items", {{"oneOf", {ordered_json{{"type", "string"}}, method_schema()}}}},
+        {"description", "as `rigproof methods` lists them, or external:FILE.yaml; or a block with what is special"}}},
+      {"ground", ground_schema()},
+      {"features", typed("string", kFeatures)},
+      {"horizon", typed("string", kHorizon)},
       {"reference", typed("string", "method that the others are tested against")}};
   schema["additionalProperties"] = false;
   return schema.dump(2) + "\n";

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "measured_noise.h"
+#include "rigproof/calib/ground_source.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/generator/plan_run.h"
@@ -60,23 +62,18 @@ TaskData rendered_data(const SweepTask& task, const SweepCache& cache, const Cou
   data.recording = load_recording(run.recording());
   if (odometry_is_apart(task.config)) replace_odometry(task.config, &*data.recording, &data.truth);
   if (task.images > 0) keep_first_stops(task.images, data.truth, &*data.recording);
-  CachedFindings findings(cache, run);
+  data.findings = std::make_shared<CachedFindings>(cache, run);
+  CachedFindings& findings = *data.findings;
   ObserveOptions options;
   options.threads = 1;
-  const auto told = [&] {
-    count("corners detected", findings.kept(PictureMemory::Finding::kCorners));
-    count("corners from cache", findings.recalled(PictureMemory::Finding::kCorners));
-    count("planes fitted", findings.kept(PictureMemory::Finding::kPlanes));
-    count("planes from cache", findings.recalled(PictureMemory::Finding::kPlanes));
-  };
   try {
     data.observations = observe(*data.recording, options, &findings);
   } catch (const Error&) {
-    told();
+    findings.tell(count);
     findings.rethrow();
     throw;
   }
-  told();
+  findings.tell(count);
   data.observations.source.clear();  // names the cache's folder
   findings.rethrow();
   return data;
@@ -141,8 +138,11 @@ std::size_t sample_at(const std::vector<OdometrySample>& odometry, double stamp_
 // Rig, stops and odometry as the run plans them; corners and planes drawn.
 TaskData planned_data(const SweepTask& task) {
   PlannedRun plan = plan_run(task.config);
-  GeometricConfig config = noise_of(task.geometric, static_cast<std::uint64_t>(task.config.seed));
+  const std::int64_t seed = task.config.sensing.seed >= 0 ? task.config.sensing.seed : task.config.seed;
+  GeometricConfig config = noise_of(task.geometric, static_cast<std::uint64_t>(seed));
   config.rig.cameras = plan.recording.rig.cameras;
+  if (!task.geometric.measured.empty()) config.measured = measured_noise(task.geometric.measured, config.rig.cameras);
+  for (const TrueCamera& camera : plan.truth.cameras) config.depth_scales.push_back(camera.depth_scale.value_or(1.0));
   config.rig.T_robot_camera.clear();
   for (const TrueCamera& camera : plan.truth.cameras) config.rig.T_robot_camera.push_back(camera.T_robot_camera);
   config.rig.board = plan.recording.rig.board;
@@ -170,12 +170,30 @@ TaskData planned_data(const SweepTask& task) {
     view.stamp_s = stops[static_cast<std::size_t>(view.stop)].stamp_s;
   data.truth = std::move(plan.truth);
   data.truth.stops = std::move(stops);
-  for (std::size_t i = 0; i < data.truth.cameras.size(); ++i)
-    data.truth.cameras[i].depth_scale = run.truth.cameras[i].depth_scale;
   return data;
 }
 
 }  // namespace
+
+SweepSight::SweepSight(const SweepVision& vision) {
+  if (vision.features != SweepVision().features) features = feature_source_by_name(vision.features);
+  if (!vision.horizon.empty()) horizon = horizon_source_by_name(vision.horizon);
+}
+
+TaskData with_ground(const TaskData& data, const std::string& ground, const SweepSight& sight) {
+  const GroundSource source = ground_source_by_name(ground);
+  TaskData other = data;
+  if (!other.recording) return other;
+  MethodInput input{data.observations, &*other.recording, 1, sight.features.get()};
+  input.memory = other.findings.get();
+  for (const int camera : take_ground_from(source, input, &other.observations).cameras) {
+    const std::string& name = other.observations.cameras[static_cast<std::size_t>(camera)].name;
+    for (TrueCamera& truth : other.truth.cameras)
+      if (truth.name == name) truth.depth_scale.reset();  // what is triangulated has the board's scale
+  }
+  other.bounds = transform_bounds(other.observations, other.truth);
+  return other;
+}
 
 TaskData data_of(const SweepTask& task, const SweepCache& cache, const Count& count) {
   const auto start = Clock::now();

@@ -8,6 +8,8 @@
 
 #include "answer.h"
 #include "cache.h"
+#include "rigproof/calib/feature_source.h"
+#include "rigproof/calib/horizon_source.h"
 #include "rigproof/calib/method.h"
 #include "rigproof/core/error.h"
 #include "rigproof/study/sweep.h"
@@ -38,13 +40,26 @@ struct TaskData {
   Truth truth;
   std::vector<TransformBound> bounds;
   double seconds = 0.0;
+  std::shared_ptr<CachedFindings> findings;  ///< in the recording's images; none in geometric mode
 };
 
 /// Throws Error that says why the task has nothing to calibrate from, MachineError where that is nobody's fault.
 TaskData data_of(const SweepTask& task, const SweepCache& cache, const Count& count);
 
+/// What looks at images as a SweepVision says. Throws Error where a network is none.
+struct SweepSight {
+  explicit SweepSight(const SweepVision& vision);
+  std::unique_ptr<FeatureSource> features;  ///< none: SIFT
+  std::unique_ptr<HorizonSource> horizon;
+};
+
+/// The same task with the ground from where it is wanted, and the bound of that; unchanged where there are no images.
+TaskData with_ground(const TaskData& data, const std::string& ground, const SweepSight& sight);
+
 /// A method's answer to a task, judged.
-SweepAnswer answer_of(const Method& method, const TaskData& data);
+SweepAnswer answer_of(const Method& method, const TaskData& data, const SweepSight& sight);
+/// That of a method that cannot be run.
+SweepAnswer could_not_run(const std::string& reason, const TaskData& data);
 /// Where there was nothing to judge.
 SweepAnswer failed_answer(SweepStatus status, const std::string& reason);
 

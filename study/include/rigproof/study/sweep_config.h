@@ -20,13 +20,14 @@ struct GeometricSweepConfig {
   std::string rig = "reference";  ///< reference | random | run
   std::int64_t cameras = 3;       ///< of a random rig
   std::string drive = "random";   ///< not with rig: run
+  std::string measured;           ///< observations whose noise of corners and planes is drawn; with rig: run only
   double corner_sigma_px = 0.1;
   bool ground = true;
   bool board_planes = false;
   double inverse_depth_sigma_per_m = 0.0025;
   double ground_points = 300.0;
   double board_points = 60.0;
-  double depth_scale_sigma = 0.0;
+  double depth_scale_sigma = 0.0;  ///< not with rig: run, nor the next two
   double suspension_height_sigma_mm = 0.0;
   double suspension_tilt_sigma_deg = 0.0;
   double corner_outlier_fraction = 0.0;
@@ -50,6 +51,25 @@ struct SweepAxis {
   std::vector<SweepLevel> levels;
 };
 
+/// How images are looked at: --ground, --features and --horizon of `rigproof calibrate`.
+struct SweepVision {
+  std::string ground = "depth";   ///< depth | images | auto
+  std::string features = "sift";  ///< sift | onnx:FILE, with an absolute path
+  std::string horizon;            ///< onnx:FILE, or none
+
+  /// Equal for the same choices, for people and hashes: "ground images, features sift".
+  std::string text() const;
+};
+
+/// A method as the configuration names it.
+struct SweepMethodChoice {
+  std::string method = "ml";  ///< as `rigproof methods` lists them, or external:FILE.yaml with an absolute path
+  std::string name;           ///< in the tables; empty = the method's own
+  SweepVision vision;
+
+  const std::string& label() const { return name.empty() ? method : name; }
+};
+
 struct SweepConfig {
   std::string name;
   bool geometric = false;
@@ -58,13 +78,15 @@ struct SweepConfig {
   std::vector<SweepAxis> axes;
   std::vector<std::int64_t> seeds = {0};
   std::vector<std::string> seed_fields = {"seed"};  ///< that the seeds are given to; none: the run's own seeds stand
-  std::vector<std::string> methods = {"ml"};        ///< external ones with absolute paths
-  std::string reference = "ml";
-  YamlTree resolved;  ///< the same as a file that reads back to it
+  SweepVision vision;                               ///< of methods that say nothing else
+  std::vector<SweepMethodChoice> methods = {SweepMethodChoice()};
+  std::string reference = "ml";  ///< SweepMethodChoice::label() of one of them
+  YamlTree resolved;             ///< the same as a file that reads back to it
 };
 
 /// Reads a sweep's file. Throws Error with every problem found, those of the levels' values among them.
-SweepConfig load_sweep_config(const std::filesystem::path& file);
+/// @param overrides "run.poses=20", "seeds=2": FIELD=VALUE by dotted paths in the file, as overrides.h has them
+SweepConfig load_sweep_config(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 /// JSON Schema of a sweep's file.
 std::string sweep_config_schema();
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "rigproof/core/observations.h"
@@ -43,6 +44,15 @@ enum class GeometricDrive {
   kStandstill,   ///< degenerate: not at all
 };
 
+/// Noise of one camera.
+struct GeometricNoise {
+  double corner_sigma_px = 0.0;
+  /// Of 1/z at one effective point of a plane; absent: such planes are not seen.
+  std::optional<double> ground_sigma_per_m, board_sigma_per_m;
+  /// Effective points in a frame; 0: one a pixel that shows the plane.
+  double ground_points = 0.0, board_points = 0.0;
+};
+
 struct GeometricConfig {
   std::uint64_t seed = 0;
   GeometricRig rig = reference_rig();
@@ -55,6 +65,11 @@ struct GeometricConfig {
   double ground_points = 300.0;  ///< effective ones in a frame
   double board_points = 60.0;
   double depth_scale_sigma = 0.0;  ///< of each camera's true depth scale about 1
+  /// One a camera, in place of corner_sigma_px, ground, board_planes and what they come with. Empty: those.
+  std::vector<GeometricNoise> measured;
+  /// True scales, one a camera, and each rig camera declares its own scale_sigma; empty: drawn, and what is true is
+  /// declared.
+  std::vector<double> depth_scales;
   OdometryModel odometry_model = OdometryModel::kPerIncrement;
   /// Multiple of the noise of the paper: 0.2 cm on x and y, 0.01 rad on yaw.
   double lambda = 1.0;
@@ -77,6 +92,17 @@ struct GeometricRun {
   Observations observations;
   Truth truth;
 };
+
+/// What a depth image of a plane {p : a . p = 1} (camera coordinates) holds. The covariance of a is the variance of 1/z
+/// times the inverse of the moments and of the number of effective points.
+struct RayMoments {
+  Eigen::Matrix3d mean;  ///< of r r^T over the rays r (z = 1) that meet the plane
+  double pixels = 0.0;   ///< that show it
+};
+/// Absent where too little of the ground is in sight.
+std::optional<RayMoments> ground_ray_moments(const Camera& camera, const Eigen::Vector3d& a);
+/// Of a board that is wholly in sight.
+RayMoments board_ray_moments(const Camera& camera, const Board& board, const Rigid3& T_camera_board);
 
 /// Noise of the odometry at the given multiple of the paper's level.
 OdometryNoise paper_odometry_noise(OdometryModel model, double lambda);
