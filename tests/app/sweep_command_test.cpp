@@ -1,4 +1,5 @@
 // `rigproof sweep` as a user types it.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "cli_fixture.h"
@@ -40,6 +41,37 @@ class SweepCommand : public testing::Test {
 
   TempFolder folder_;
 };
+
+TEST_F(SweepCommand, SetsFieldsFromTheCommandLine) {
+  folder_.write("small.yaml", kSweep);
+  const ProcessOutput start = sweep({"start", "small.yaml", "--set", "run.poses=6", "--set", "seeds=1", "--set",
+                                     "methods=[li]", "-o", "trial", "--json"});
+  ASSERT_EQ(start.exit_code, 0) << start.err;
+  EXPECT_EQ(nlohmann::json::parse(start.out)["counters"]["answers solved"], 2);
+  // The folder keeps what was set.
+  const ProcessOutput again = sweep({"start", "trial", "--json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["counters"]["answers already there"], 2);
+  const ProcessOutput wrong = sweep({"start", "small.yaml", "--set", "run.pose=6"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, AllOf(HasSubstr("--set"), HasSubstr("run.pose"), HasSubstr("did you mean \"poses\"")));
+}
+
+// Files may not grow beyond 4 KiB, as on a full disk: one error, no half-written file, and the same tables afterwards.
+TEST_F(SweepCommand, AFullDiskIsOneErrorAndTheSweepGoesOn) {
+  folder_.write("small.yaml", kSweep);
+  const std::string program = RIGPROOF_BINARY_DIR "/app/rigproof";
+  const ProcessOutput full = run_process(
+      {"sh", "-c", "ulimit -f 8; exec " + program + " sweep start small.yaml -q -o full"}, folder_.path().string());
+  EXPECT_EQ(full.exit_code, 2);
+  EXPECT_THAT(full.err, AllOf(HasSubstr("cannot write"), HasSubstr("largest size allowed here")));
+  EXPECT_EQ(std::count(full.err.begin(), full.err.end(), '\n'), 1) << full.err;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "full"))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  ASSERT_EQ(sweep({"start", "small.yaml", "-q", "-o", "full"}).exit_code, 0);
+  ASSERT_EQ(sweep({"start", "small.yaml", "-q", "-o", "free"}).exit_code, 0);
+  EXPECT_EQ(folder_.read("full/rows.csv"), folder_.read("free/rows.csv"));
+}
 
 TEST_F(SweepCommand, StartsTellsAndGoesOn) {
   folder_.write("small.yaml", kSweep);

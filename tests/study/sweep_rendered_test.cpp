@@ -1,6 +1,8 @@
 // Sweeps on pictures: each is rendered once and searched once, whatever else varies.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -110,6 +112,50 @@ TEST_F(RenderedSweep, PicturesThatWereDeletedAreMadeAgainOnlyForThoseWhoReadThem
   const SweepReport report = sweep("c", "methods: [\"external:see.yaml\"]\n");
   EXPECT_EQ(count(report, "images rendered"), kImages);
   EXPECT_EQ(count(report, "corners detected"), 0U);
+}
+
+// Whoever comes second waits for the pictures of the first, and neither deletes what the other reads.
+TEST_F(RenderedSweep, TwoSweepsShareACacheAtTheSameTime) {
+  const std::string one = "methods: [memroc_reference, opencv_park]\n";
+  const std::string two = "axes: {lambda: {field: odometry.lambda, values: [1, 4]}}\n" + one;
+  const pid_t other = fork();
+  ASSERT_GE(other, 0);
+  if (other == 0) {
+    int code = 1;
+    try {
+      code = sweep("b", two, 1).complete ? 0 : 1;
+    } catch (...) {
+      code = 2;
+    }
+    _exit(code);
+  }
+  const SweepReport report = sweep("a", one, 1);
+  int status = 0;
+  ASSERT_EQ(waitpid(other, &status, 0), other);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  EXPECT_TRUE(report.complete);
+  const std::uint64_t by_other = sweep_state(folder_ / "b").counters["images rendered"];
+  EXPECT_EQ(count(report, "images rendered") + by_other, kImages);
+  // The lambda of 1 is both's.
+  const SweepRows a = load_sweep_rows(folder_ / "a"), b = load_sweep_rows(folder_ / "b");
+  ASSERT_FALSE(a.rows.empty());
+  for (std::size_t i = 0; i < a.rows.size(); ++i) EXPECT_EQ(a.rows[i].error, b.rows[i].error);
+}
+
+TEST_F(RenderedSweep, ALimitOfTheCacheHoldsAndCostsNoAnswer) {
+  const std::string text = "axes: {lambda: {field: odometry.lambda, values: [1, 4]}}\nmethods: [memroc_reference]\n";
+  SweepOptions options;
+  options.folder = folder_ / "a";
+  options.cache = folder_ / "cache";
+  options.cache_limit_gb = 1e-6;
+  options.jobs = 2;
+  const SweepReport report = run_sweep(load_sweep_config(folder_.write("a.yaml", kRun + text)), options);
+  EXPECT_EQ(count(report, "images rendered"), kImages);
+  std::size_t images = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "cache"))
+    images += entry.path().extension() == ".png" || entry.path().extension() == ".clean";
+  EXPECT_EQ(images, 0U);
+  EXPECT_EQ(count(sweep("b", text), "answers from cache"), 2U);
 }
 
 TEST_F(RenderedSweep, PicturesThatCannotBeDrivenToAreAFailedRow) {

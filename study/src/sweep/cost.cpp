@@ -25,7 +25,7 @@ const std::map<std::string, double>& rates() {
 // Nobody knows what a program of somebody else's takes.
 constexpr double kOutside_s = 1.0;
 constexpr double kProcess_s = 0.005, kObserve_s = 8e-5;
-constexpr double kSearch_s = 0.045, kMatching_s = 0.4;  // a megapixel
+constexpr double kSearch_s = 0.045, kSearchStart_s = 0.012, kMatching_s = 0.35;  // a megapixel, an image, a megapixel
 
 struct RigSize {
   double cameras = 0.0, megapixels = 0.0;
@@ -66,7 +66,7 @@ double seconds_of_answer(const std::string& method, bool outside, double views) 
 
 double seconds_of_observations(double views) { return kProcess_s + kObserve_s * views; }
 
-double seconds_of_search(double megapixels) { return kSearch_s * megapixels; }
+double seconds_of_search(double megapixels) { return kSearchStart_s + kSearch_s * megapixels; }
 
 double seconds_of_matching(double megapixels) { return kMatching_s * megapixels; }
 
