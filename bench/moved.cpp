@@ -1,5 +1,5 @@
 // How often `moved` raises a false alarm, and how often it finds shifts of a given size: the tables of docs/moved.md.
-//   bench_moved [trials, default 2000]
+//   bench_moved [trials, default 2000] [alarms | detections] [--verbose]
 // The reference rig in geometric mode (0.1 px, odometry lambda 1), previous calibrations of 20 stops.
 #include "rigproof/calib/moved.h"
 
@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <vector>
 
 #include "rigproof/calib/method.h"
@@ -45,7 +46,12 @@ double half_width(int count, int trials) {
   return 1.96 * std::sqrt(std::max(share * (1.0 - share), 1.0 / trials) / trials);
 }
 
-void false_alarms(const std::vector<Result>& previous, int trials) {
+void tell(int stops, std::uint64_t seed, const MovedReport& report) {
+  std::printf("  %d stops, seed %llu: p %.2g, chi-square %.1f of %d\n", stops, static_cast<unsigned long long>(seed),
+              report.p_value, report.statistic, report.degrees_of_freedom);
+}
+
+void false_alarms(const std::vector<Result>& previous, int trials, bool verbose) {
   const std::vector<double> levels = {0.05, 0.01, 0.001};
   std::printf("false alarms of %d trials, 95 %% confidence\nstops", trials);
   for (const double level : levels) std::printf("  %16.1f %%", 100.0 * level);
@@ -59,6 +65,7 @@ void false_alarms(const std::vector<Result>& previous, int trials) {
           trial(previous[static_cast<std::size_t>(i % kPrevious)], seed, stops, Vector6d::Zero());
       for (std::size_t k = 0; k < levels.size(); ++k) alarms[k] += report.p_value < levels[k] ? 1 : 0;
       ratio += report.statistic / report.degrees_of_freedom / trials;
+      if (verbose && report.p_value < levels[1]) tell(stops, seed, report);
     }
     std::printf("%5d", stops);
     for (const int count : alarms)
@@ -102,9 +109,13 @@ void detections(const std::vector<Result>& previous, int trials) {
 }  // namespace rigproof
 
 int main(int argc, char** argv) {
-  const int trials = argc > 1 ? std::max(1, std::atoi(argv[1])) : 2000;
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  const auto given = [&arguments](const char* word) {
+    return std::find(arguments.begin(), arguments.end(), word) != arguments.end();
+  };
+  const int trials = arguments.empty() ? 2000 : std::max(1, std::atoi(arguments.front().c_str()));
   const std::vector<rigproof::Result> previous = rigproof::previous_results();
-  rigproof::false_alarms(previous, trials);
-  rigproof::detections(previous, std::max(1, trials / 20));
+  if (!given("detections")) rigproof::false_alarms(previous, trials, given("--verbose"));
+  if (!given("alarms")) rigproof::detections(previous, std::max(1, trials / 20));
   return 0;
 }

@@ -39,6 +39,8 @@ class EliminatedSystem {
 
   /// C - U' P^-1 U.
   const Eigen::MatrixXd& schur() const { return schur_; }
+  /// The gradient of the globals, the poses following.
+  const Eigen::VectorXd& schur_gradient() const { return schur_gradient_; }
   /// Step -H^-1 g; false if the Schur complement is not positive definite.
   bool step(Eigen::VectorXd* pose_step, Eigen::VectorXd* global_step) const;
   double log_determinant_of_poses() const { return log_determinant_; }

@@ -1,8 +1,8 @@
 #include "ml/contradictions.h"
 
 #include <cmath>
-#include <cstdio>
 
+#include "ml/sentence.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof::ml {
@@ -18,13 +18,6 @@ constexpr double kMaxOdometryYaw_rad = 0.15;
 constexpr double kMaxCorner_px = 1.5;
 // Systematic errors beyond these many sigmas of their prior.
 constexpr double kMaxPriorSigmas = 3.0;
-
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  char text[512];
-  std::snprintf(text, sizeof(text), pattern, args...);
-  return text;
-}
 
 // Weighted squares over their expectation, or 0 where chance explains them.
 double chi_square(const GroupSum& all, int loss_dimensions) {

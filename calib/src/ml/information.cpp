@@ -1,10 +1,9 @@
 #include "rigproof/calib/information.h"
 
-#include <algorithm>
 #include <string>
 
 #include "ml/covariance.h"
-#include "ml/solver.h"
+#include "ml/told_noise.h"
 #include "rigproof/core/error.h"
 
 namespace rigproof {
@@ -24,31 +23,12 @@ ml::State to_state(const Observations& observations, const CalibrationState& val
   return ml::state_from(values);
 }
 
-ml::NoiseLevels to_levels(const CalibrationNoise& noise, std::size_t cameras) {
-  ml::NoiseLevels levels;
-  levels.odometry_model = noise.odometry_model;
-  levels.along_way = noise.along_way;
-  levels.odometry_xy_m = std::max(noise.odometry_xy_m, ml::kMinOdometryXy_m);
-  levels.odometry_yaw_rad = std::max(noise.odometry_yaw_rad, ml::kMinOdometryYaw_rad);
-  levels.suspension_height_m = std::max(noise.suspension_height_m, ml::kMinSuspensionHeight_m);
-  levels.suspension_tilt_rad = std::max(noise.suspension_tilt_rad, ml::kMinSuspensionTilt_rad);
-  levels.corner_scale.assign(cameras, 1.0);
-  levels.ground_scale.assign(cameras, 1.0);
-  levels.board_plane_scale.assign(cameras, 1.0);
-  return levels;
-}
-
 }  // namespace
 
 InformationBound cramer_rao_bound(const Observations& observations, const CalibrationState& values,
                                   const CalibrationNoise& noise) {
   const ml::State state = to_state(observations, values);
-  ml::Priors priors;
-  priors.odometry_scale = noise.odometry_scale_prior;
-  priors.odometry_yaw_factor = noise.odometry_yaw_factor_prior;
-  for (const RigCamera& camera : observations.cameras)
-    priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
-  const ml::Problem problem(observations, priors, to_levels(noise, observations.cameras.size()));
+  const ml::Problem problem = ml::told_problem(observations, noise);
   const ml::ArrowSystem system = problem.linearise(state, ml::Weighting::kUnit, nullptr, nullptr);
   const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) throw Error("bound: the information of the robot poses is not positive definite");

@@ -63,7 +63,13 @@ void for_each_pair(const Visit& visit) {
 double block_factor(Weighting weighting, double weight, const LossMoments& moments) {
   if (weighting == Weighting::kUnit) return 1.0;
   if (weighting == Weighting::kRobust) return weight;
+  if (weighting == Weighting::kSlope) return weight * moments.weighted_square / moments.weight;
   return weight * moments.efficiency / moments.weight;
+}
+
+// A block without redundancy meets its residual whatever its weight.
+Weighting without_redundancy(Weighting weighting) {
+  return weighting == Weighting::kSlope ? Weighting::kRobust : weighting;
 }
 
 // Where local segments meet in an arrow system. Of the globals' block only the part below the diagonal is filled.
@@ -437,7 +443,7 @@ void Problem::visit_increment(const State& state, Weighting weighting, int to, S
   RowJacobian<3, 8> J;
   J << residual.by_from, residual.by_to, residual.by_scale, residual.by_yaw_factor;
   J = (inverse.asDiagonal() * J).eval();
-  const double factor = block_factor(weighting, w, cauchy_moments(3));
+  const double factor = block_factor(without_redundancy(weighting), w, cauchy_moments(3));
   auto block = make_block<3, 3, 2>(Group::kOdometryXy, 0, Segment{to - 1, 0}, Segment{to, 0},
                                    Segment{-1, layout_.odometry_scale()});
   block.cost = loss.cost(s);
@@ -464,7 +470,7 @@ void Problem::visit_way(const State& state, Weighting weighting, int to, Sink& s
   RowJacobian<3, 8> J;
   J << residual.by_from, residual.by_to, residual.by_scale, residual.by_yaw_factor;
   J = (shape.whitening * J).eval();
-  const double factor = block_factor(weighting, w, cauchy_moments(3));
+  const double factor = block_factor(without_redundancy(weighting), w, cauchy_moments(3));
   auto block = make_block<3, 3, 2>(Group::kOdometryXy, 0, Segment{to - 1, 0}, Segment{to, 0},
                                    Segment{-1, layout_.odometry_scale()});
   for (const Group group : {Group::kOdometryXy, Group::kOdometryYaw}) {
@@ -486,7 +492,7 @@ void Problem::visit_diagonal(const Eigen::Vector3d& value, const Eigen::Vector3d
                              const PosePart& part, Sink& sink) const {
   const Eigen::Vector3d r = inverse_sigmas.cwiseProduct(value);
   const double s = r.squaredNorm(), w = loss.weight(s);
-  const double factor = block_factor(weighting, w, cauchy_moments(3));
+  const double factor = block_factor(without_redundancy(weighting), w, cauchy_moments(3));
   auto block = make_block<3>(part.first, 0, Segment{part.pose, part.offset});
   for (const bool first : {true, false}) {
     Eigen::Vector3d mine;  // 1 for the residuals of this group

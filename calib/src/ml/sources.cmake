@@ -23,4 +23,5 @@ list(APPEND calib_sources
   src/ml/solver.cpp
   src/ml/stated_levels.cpp
   src/ml/state.cpp
-  src/ml/swapped_frames.cpp)
+  src/ml/swapped_frames.cpp
+  src/ml/told_noise.cpp)

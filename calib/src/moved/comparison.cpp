@@ -8,7 +8,22 @@
 namespace rigproof::moved {
 namespace {
 
-// Orthonormal columns that span what is at right angles to the given ones.
+constexpr double kLever_m = 0.3;  // a radian weighs as much as it moves a camera at this distance
+
+// The same knowledge with the rig moved by D^-1 as one body.
+Knowledge moved_back(const Knowledge& knowledge, const Rigid3& D) {
+  Knowledge result = knowledge;
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(knowledge.covariance.rows(), knowledge.covariance.cols());
+  for (Eigen::Index i = 0; i < turn.rows(); i += 3) turn.block<3, 3>(i, i) = D.rotation_matrix().transpose();
+  for (Rigid3& T : result.T_robot_camera) T = D.inverse() * T;
+  result.covariance = turn * knowledge.covariance * turn.transpose();
+  result.free_directions = turn * knowledge.free_directions;
+  if (knowledge.step.size() > 0) result.step = turn * knowledge.step;
+  return result;
+}
+
+}  // namespace
+
 Eigen::MatrixXd complement(const Eigen::MatrixXd& directions) {
   const Eigen::Index n = directions.rows();
   if (directions.cols() == 0) return Eigen::MatrixXd::Identity(n, n);
@@ -23,10 +38,19 @@ Eigen::MatrixXd complement(const Eigen::MatrixXd& directions) {
   return Q.rightCols(n - qr.rank());
 }
 
+Eigen::MatrixXd rig_motion(const std::vector<Rigid3>& T_robot_camera) {
+  Eigen::MatrixXd E = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(T_robot_camera.size()), 6);
+  for (std::size_t c = 0; c < T_robot_camera.size(); ++c) {
+    const Eigen::Index row = 6 * static_cast<Eigen::Index>(c);
+    E.block<6, 6>(row, 0).setIdentity();
+    E.block<3, 3>(row, 3) = -skew(T_robot_camera[c].translation);
+  }
+  return E;
+}
+
 // The motion of the rig as one body that brings the cameras from `before` to `now`: where the data tell little of it,
 // it may be large, too large for the small differences between cameras to be compared to first order.
 Rigid3 common_motion(const std::vector<Rigid3>& before, const std::vector<Rigid3>& now) {
-  constexpr double kLever_m = 0.3;  // a radian weighs as much as it moves a camera at this distance
   const Eigen::MatrixXd E = rig_motion(before);
   constexpr double kScatter_m = 1e-4;
   Rigid3 D;
@@ -49,29 +73,6 @@ Rigid3 common_motion(const std::vector<Rigid3>& before, const std::vector<Rigid3
   return D;
 }
 
-// The same knowledge with the rig moved by D^-1 as one body.
-Knowledge moved_back(const Knowledge& knowledge, const Rigid3& D) {
-  Knowledge result = knowledge;
-  Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(knowledge.covariance.rows(), knowledge.covariance.cols());
-  for (Eigen::Index i = 0; i < turn.rows(); i += 3) turn.block<3, 3>(i, i) = D.rotation_matrix().transpose();
-  for (Rigid3& T : result.T_robot_camera) T = D.inverse() * T;
-  result.covariance = turn * knowledge.covariance * turn.transpose();
-  result.free_directions = turn * knowledge.free_directions;
-  return result;
-}
-
-}  // namespace
-
-Eigen::MatrixXd rig_motion(const std::vector<Rigid3>& T_robot_camera) {
-  Eigen::MatrixXd E = Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(T_robot_camera.size()), 6);
-  for (std::size_t c = 0; c < T_robot_camera.size(); ++c) {
-    const Eigen::Index row = 6 * static_cast<Eigen::Index>(c);
-    E.block<6, 6>(row, 0).setIdentity();
-    E.block<3, 3>(row, 3) = -skew(T_robot_camera[c].translation);
-  }
-  return E;
-}
-
 Difference difference(const Knowledge& before, const Knowledge& after) {
   const Rigid3 D = common_motion(before.T_robot_camera, after.T_robot_camera);
   const Knowledge now = moved_back(after, D);
@@ -82,6 +83,7 @@ Difference difference(const Knowledge& before, const Knowledge& after) {
   Eigen::VectorXd d = rig_motion(before.T_robot_camera) * se3_log(D);
   for (std::size_t c = 0; c < before.T_robot_camera.size(); ++c)
     d.segment<6>(6 * static_cast<Eigen::Index>(c)) += transform_error(now.T_robot_camera[c], before.T_robot_camera[c]);
+  if (now.step.size() > 0) d += now.step;
   Difference result;
   result.rank = static_cast<int>(Q.cols());
   result.information = Eigen::MatrixXd::Zero(n, n);

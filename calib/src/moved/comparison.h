@@ -14,10 +14,16 @@ struct Knowledge {
   std::vector<Rigid3> T_robot_camera;
   Eigen::MatrixXd covariance;
   Eigen::MatrixXd free_directions;
+  /// What the data would add to the poses, in first order and the same chart; empty = nothing.
+  Eigen::VectorXd step;
 };
 
 /// Six columns: errors of all cameras when the rig moves as one body along and about the robot's axes.
 Eigen::MatrixXd rig_motion(const std::vector<Rigid3>& T_robot_camera);
+/// Orthonormal columns that span what is at right angles to the given ones.
+Eigen::MatrixXd complement(const Eigen::MatrixXd& directions);
+/// The motion of the rig as one body between two sets of poses; a few cameras that moved by themselves take no part.
+Rigid3 common_motion(const std::vector<Rigid3>& before, const std::vector<Rigid3>& now);
 
 /// New less old poses as far as both determine them. With M the information about the difference, `gradient` = M d, a
 /// shift E delta of some cameras explains g' A^+ g of the statistic d' M d, with A = E' M E and g = E' M d.

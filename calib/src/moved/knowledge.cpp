@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ml/noise.h"
+#include "moved/held.h"
 #include "rigproof/calib/information.h"
 #include "rigproof/calib/initial_guess.h"
 #include "rigproof/calib/ml.h"
@@ -18,6 +19,8 @@ namespace {
 
 constexpr double kNominalOdometryXy_m = 0.002;
 constexpr double kNominalOdometryYaw_rad = 0.01;
+// Odometry's systematic errors are what they are: a prior that happens to be right would count as a measurement.
+constexpr double kUnknownFactor = 1e4;
 constexpr double kNominalSuspensionHeight_m = 5e-4;
 constexpr double kNominalSuspensionTilt_rad = 5e-4;
 
@@ -136,12 +139,13 @@ CalibrationNoise believed_noise(CalibrationNoise noise, const Observations& obse
       options.suspension_height_sigma_m.value_or(std::max(noise.suspension_height_m, kNominalSuspensionHeight_m));
   noise.suspension_tilt_rad =
       options.suspension_tilt_sigma_rad.value_or(std::max(noise.suspension_tilt_rad, kNominalSuspensionTilt_rad));
+  noise.odometry_scale_prior = noise.odometry_yaw_factor_prior = kUnknownFactor;
   return noise;
 }
 
 Knowledge nothing_known(const Knowledge& before) {
   const Eigen::Index n = before.covariance.rows();
-  return {before.T_robot_camera, Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Identity(n, n)};
+  return {before.T_robot_camera, Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Identity(n, n), {}};
 }
 
 }  // namespace
@@ -230,8 +234,8 @@ Knowledge previous_knowledge(const Result& previous, const Observations& observa
               match.names.front());
 }
 
-Knowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
-                        std::vector<std::string>* reasons, std::vector<std::string>* notes) {
+NewKnowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
+                           std::vector<std::string>* reasons, std::vector<std::string>* notes) {
   const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
   const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));
   MlOptions ml_options;
@@ -249,14 +253,15 @@ Knowledge new_knowledge(const Knowledge& before, const Observations& observation
   const MlEstimate estimate = estimate_maximum_likelihood(scaled, ml_options);
   if (estimate.state.T_robot_camera.empty()) {
     *reasons = estimate.result.reasons;
-    return nothing_known(before);
+    return {nothing_known(before), nothing_known(before)};
   }
   const Observations used = used_observations(estimate.result, scaled, ground);
-  const InformationBound bound =
-      cramer_rao_bound(used, estimate.state, believed_noise(estimate.noise, observations, options));
+  const CalibrationNoise noise = believed_noise(estimate.noise, observations, options);
+  const InformationBound bound = cramer_rao_bound(used, estimate.state, noise);
   // The estimate rests on a robust loss, which keeps a little less than all of the information.
   const Eigen::MatrixXd covariance = bound.joint / ml::cauchy_moments(2).efficiency;
-  return {estimate.state.T_robot_camera, covariance, bound.free_directions};
+  const Knowledge free = {estimate.state.T_robot_camera, covariance, bound.free_directions, {}};
+  return {held_knowledge(before, used, estimate.state, noise).value_or(free), free};
 }
 
 }  // namespace rigproof::moved

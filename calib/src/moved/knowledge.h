@@ -27,9 +27,15 @@ Observations of_matched(const Observations& observations, const Match& match);
 Knowledge previous_knowledge(const Result& previous, const Observations& observations, const Match& match,
                              std::vector<std::string>* notes);
 
-/// What the new observations (of the matched cameras) tell, linearised near the previous poses. `reasons` says why
-/// nothing could be told: then every direction is free.
-Knowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
-                        std::vector<std::string>* reasons, std::vector<std::string>* notes);
+/// What the new observations tell: linearised near the previous poses, where one decides whether anything moved, and at
+/// their own optimum, where something that did move by far has gone.
+struct NewKnowledge {
+  Knowledge held;
+  Knowledge free;
+};
+
+/// Of the matched cameras. `reasons` says why nothing could be told: then every direction is free.
+NewKnowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
+                           std::vector<std::string>* reasons, std::vector<std::string>* notes);
 
 }  // namespace rigproof::moved

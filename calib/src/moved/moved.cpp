@@ -36,9 +36,9 @@ struct Hypothesis {
 
 class Detective {
  public:
-  Detective(const moved::Match& match, const moved::Knowledge& before, const moved::Difference& difference,
+  Detective(const moved::Match& match, const moved::Knowledge& before, const moved::NewKnowledge& now,
             const MovedOptions& options)
-      : match_(match), before_(before), difference_(difference), options_(options) {}
+      : match_(match), before_(before), now_(now), difference_(difference(before, now.held)), options_(options) {}
 
   MovedReport report() {
     report_.statistic = difference_.statistic;
@@ -50,6 +50,7 @@ class Detective {
     for (std::size_t c = 0; c < match_.names.size(); ++c) describe(c);
     if (report_.p_value < options_.significance) {
       report_.outcome = MovedOutcome::kMoved;
+      difference_ = difference(before_, now_.free);
       name_who_moved();
     } else {
       const bool all = std::all_of(report_.cameras.begin(), report_.cameras.end(),
@@ -215,7 +216,8 @@ class Detective {
 
   const moved::Match& match_;
   const moved::Knowledge& before_;
-  const moved::Difference& difference_;
+  const moved::NewKnowledge& now_;
+  moved::Difference difference_;
   const MovedOptions& options_;
   double needed_ = 0.0;
   MovedReport report_;
@@ -255,9 +257,8 @@ MovedReport detect_movement(const Result& previous, const Observations& observat
   if (!match.names.empty()) {
     const Observations seen = moved::of_matched(observations, match);
     const moved::Knowledge before = moved::previous_knowledge(previous, seen, match, &notes);
-    const moved::Knowledge now = moved::new_knowledge(before, seen, options, &reasons, &notes);
-    const moved::Difference difference = moved::difference(before, now);
-    report = Detective(match, before, difference, options).report();
+    const moved::NewKnowledge now = moved::new_knowledge(before, seen, options, &reasons, &notes);
+    report = Detective(match, before, now, options).report();
   }
   for (const std::string& name : match.unseen) add_unseen(name, &report);
   report.notes.insert(report.notes.begin(), notes.begin(), notes.end());
