@@ -1,8 +1,10 @@
 #include "rigproof/sim/physics.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "mjcf_text.h"
@@ -47,6 +49,45 @@ bool rolls(int geom_type) {
          geom_type == mjGEOM_ELLIPSOID;
 }
 
+// Where the things of a scene are, to tell quickly that a robot is far from all of them.
+class Surroundings {
+ public:
+  /// @param data the scene at rest
+  Surroundings(const mjModel& model, const mjData& data, const std::vector<ObjectKind>& kinds, int robot_body) {
+    const Eigen::Vector3d origin = Eigen::Map<const Eigen::Vector3d>(data.xpos + 3 * robot_body);
+    for (int geom = 0; geom < model.ngeom; ++geom) {
+      const Eigen::Vector3d centre = Eigen::Map<const Eigen::Vector3d>(data.geom_xpos + 3 * geom);
+      const ObjectKind kind = kinds[static_cast<std::size_t>(geom)];
+      if (kind == ObjectKind::kRobot) reach_m_ = std::max(reach_m_, (centre - origin).norm() + model.geom_rbound[geom]);
+      if (kind != ObjectKind::kRobot && kind != ObjectKind::kFloor) boxes_.push_back(box_around(model, data, geom));
+    }
+  }
+
+  /// True unless every thing is farther than this from a robot whose body's origin is there.
+  bool may_be_near(const Eigen::Vector3d& origin, double clearance_m) const {
+    const double reach = reach_m_ + clearance_m, squared = reach * reach;
+    return std::any_of(boxes_.begin(), boxes_.end(),
+                       [&](const Eigen::AlignedBox3d& box) { return box.squaredExteriorDistance(origin) <= squared; });
+  }
+
+ private:
+  static Eigen::AlignedBox3d box_around(const mjModel& model, const mjData& data, int geom) {
+    const Eigen::Vector3d centre = Eigen::Map<const Eigen::Vector3d>(data.geom_xpos + 3 * geom);
+    Eigen::Vector3d half = Eigen::Vector3d::Constant(model.geom_rbound[geom]);
+    // What has no bound is a plane.
+    if (!(half.x() > 0.0)) half.setConstant(std::numeric_limits<double>::infinity());
+    if (model.geom_type[geom] == mjGEOM_BOX) {
+      using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+      half = Eigen::Map<const Matrix>(data.geom_xmat + 9 * geom).cwiseAbs() *
+             Eigen::Map<const Eigen::Vector3d>(model.geom_size + 3 * geom);
+    }
+    return {centre - half, centre + half};
+  }
+
+  double reach_m_ = 0.0;
+  std::vector<Eigen::AlignedBox3d> boxes_;
+};
+
 struct Side {
   std::vector<int> actuators, joint_positions;
 
@@ -78,6 +119,7 @@ struct DrivePhysics::Impl {
   mujoco::DataPtr data, probe;
   int robot_body = -1, robot_position = -1, robot_velocity = -1, probe_position = -1;
   std::vector<ObjectKind> kinds, scene_kinds;  ///< by geom
+  std::unique_ptr<Surroundings> surroundings;
   Side left, right;
   struct GroundPlane {
     int plane, part;  ///< geoms
@@ -109,6 +151,9 @@ DrivePhysics::Impl::Impl(const WorldDescription& description, const PhysicsOptio
   data.reset(mj_makeData(model.get()));
   probe.reset(mj_makeData(scene_model.get()));
   if (!data || !probe) throw Error("MuJoCo could not allocate the state of the world");
+  mj_kinematics(scene_model.get(), probe.get());
+  surroundings = std::make_unique<Surroundings>(*scene_model, *probe, scene_kinds,
+                                                mj_name2id(scene_model.get(), mjOBJ_BODY, "robot"));
   settle_on_flat_ground();
   change_robot(options);
   use_ground(options.ground);
@@ -306,6 +351,7 @@ void DrivePhysics::Impl::follow_ground() {
 }
 
 std::string DrivePhysics::Impl::obstacle(const Rigid3& T_world_body, double clearance_m) const {
+  if (!surroundings->may_be_near(T_world_body.translation, clearance_m)) return {};
   set_pose(probe.get(), probe_position, T_world_body);
   mj_kinematics(scene_model.get(), probe.get());
   mj_comPos(scene_model.get(), probe.get());
