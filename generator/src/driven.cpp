@@ -45,15 +45,6 @@ ViewpointConfig with_tolerance(const GenerateConfig& config, const ViewpointSubj
   return viewpoints;
 }
 
-GroundRelief ground_of(const DriveConfig& config, std::uint64_t seed) {
-  GroundRelief ground;
-  ground.waves = uneven_floor(0.001 * config.unevenness_mm, config.unevenness_length_m, seed);
-  for (const RampConfig& ramp : config.ramps)
-    ground.ramps.push_back({ramp.x_m, ramp.y_m, deg_to_rad(ramp.heading_deg), 0.01 * ramp.height_cm, ramp.level_m,
-                            ramp.rise_m, ramp.width_m});
-  return ground;
-}
-
 WheelGeometry wheels_of(const RobotModel& robot) {
   return {robot.wheel_radius_m, robot.track_m * robot.slip_factor, robot.encoder_ticks_per_turn};
 }
@@ -77,6 +68,20 @@ const Viewpoint& planned_at(const std::vector<Viewpoint>& stops, const FloorPose
 
 }  // namespace
 
+GroundRelief ground_of(const DriveConfig& config, const FloorArea& area, std::uint64_t seed) {
+  // Beyond the reach of wheels the ground turns level, where walls, trees and houses stand.
+  constexpr double kFall_m = 1.0;
+  GroundRelief ground;
+  ground.waves = uneven_floor(0.001 * config.unevenness_mm, config.unevenness_length_m, seed);
+  for (const RampConfig& ramp : config.ramps)
+    ground.ramps.push_back({ramp.x_m, ramp.y_m, deg_to_rad(ramp.heading_deg), 0.01 * ramp.height_cm, ramp.level_m,
+                            ramp.rise_m, ramp.width_m});
+  ground.extent = GroundRelief::Extent{0.5 * (area.x_min + area.x_max), 0.5 * (area.y_min + area.y_max),
+                                       0.5 * (area.x_max - area.x_min) + kWheelReach_m,
+                                       0.5 * (area.y_max - area.y_min) + kWheelReach_m, kFall_m};
+  return ground;
+}
+
 DrivePhysicsDraw draw_physics(const DriveConfig& config, std::uint64_t seed) {
   DrivePhysicsDraw result;
   RandomStream random(seed, "drive");
@@ -88,7 +93,6 @@ DrivePhysicsDraw draw_physics(const DriveConfig& config, std::uint64_t seed) {
   result.physics.payload_kg = draw("payload_kg", config.payload_kg);
   const double x = draw("payload_x_m", config.payload_x_m), y = draw("payload_y_m", config.payload_y_m);
   result.physics.payload_at_m = Eigen::Vector3d(x, y, draw("payload_z_m", config.payload_z_m));
-  result.physics.ground = ground_of(config, seed);
   return result;
 }
 

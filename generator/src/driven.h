@@ -20,6 +20,9 @@ struct DrivePhysicsDraw {
 };
 DrivePhysicsDraw draw_physics(const DriveConfig& config, std::uint64_t seed);
 
+/// The floor's unevenness and ramps: whole wherever wheels come in the scene's drivable area, and level farther off.
+GroundRelief ground_of(const DriveConfig& config, const FloorArea& area, std::uint64_t seed);
+
 /// Plans viewpoints with room around them and drives through them. `plan` is what was reached.
 struct DrivenViewpoints {
   ViewpointPlan plan;

@@ -279,6 +279,8 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
   description.board_defects = defects.defects;
   description.board_margin_m = defects.border_m;
+  if (config.motion == "drive")
+    description.ground = ground_of(config.drive, description.scene.drivable_area, seed_of(config));
   scenario.world = World::compose(description);
   const ViewpointSubject subject{description.cameras, board, T_scene_board, description.board_margin_m};
   if (config.motion == "drive")

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "board_model.h"
 #include "mjcf_text.h"
 #include "rigproof/core/error.h"
@@ -24,8 +26,9 @@ std::string stand(const WorldDescription& description) {
   behind.z() = description.board_thickness_m + kRadius;
   const Eigen::Vector3d top = description.T_world_board * behind;
   if (top.z() < 4.0 * kRadius) return {};
+  const double foot = std::min(0.0, description.ground.height(top.head<2>()));
   return "  <geom name=\"rigproof_stand\" type=\"cylinder\" size=" + quoted(numbers({kRadius})) +
-         " fromto=" + quoted(numbers({top.x(), top.y(), top.z(), top.x(), top.y(), 0.0})) +
+         " fromto=" + quoted(numbers({top.x(), top.y(), top.z(), top.x(), top.y(), foot})) +
          " rgba=\"0.25 0.25 0.26 1\"/>\n";
 }
 
@@ -46,7 +49,8 @@ std::filesystem::path base_folder(const WorldDescription& description) {
   return std::filesystem::canonical(file).parent_path();
 }
 
-std::string compose_mjcf(const WorldDescription& description, const std::string& more_geoms) {
+std::string compose_mjcf(const WorldDescription& description, const std::string& more_geoms,
+                         const std::string& more_assets) {
   const SceneDescription& scene = description.scene;
   const BoardTexture texture = draw_board(description.board, description.board_margin_m);
   const BoardMjcf board = board_mjcf(description.board, description.board_margin_m, description.board_thickness_m,
@@ -59,7 +63,7 @@ std::string compose_mjcf(const WorldDescription& description, const std::string&
   };
   const ObjectsMjcf objects = objects_mjcf(scene, description.scene_seed);
   return "<mujoco model=\"rigproof_world\">\n<compiler autolimits=\"true\"/>\n" + visual(scene) + "<asset>\n" +
-         texture_assets(scene) + objects.assets + board.asset + "</asset>\n" + include(scene.mjcf) +
+         texture_assets(scene) + objects.assets + board.asset + more_assets + "</asset>\n" + include(scene.mjcf) +
          include(description.robot_mjcf) + "<worldbody>\n" + objects.bodies + board.body + stand(description) +
          more_geoms + "</worldbody>\n</mujoco>\n";
 }

@@ -35,6 +35,7 @@ GlScene::GlScene(World& world, int device)
   mjr_defaultContext(&buffers_);
   mjv_defaultOption(&visible_);
   std::fill(std::begin(visible_.geomgroup), std::end(visible_.geomgroup), mjtByte{1});
+  if (world_.impl().has_relief()) visible_.geomgroup[kFlatFloorGroup] = 0;
   mjv_makeScene(model, &scene_, std::min(kMaxGeoms, model->ngeom + 100));
   mjr_makeContext(model, &buffers_, mjFONTSCALE_100);
   mjr_setBuffer(mjFB_OFFSCREEN, &buffers_);

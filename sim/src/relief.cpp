@@ -27,12 +27,9 @@ Step profile(double s, double half, double rise) {
   return {step.value, (s < 0.0 ? -1.0 : 1.0) * step.derivative / rise};
 }
 
-struct HeightAndSlope {
-  double height = 0.0;
-  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
-};
+using Surface = GroundRelief::Surface;
 
-HeightAndSlope of_ramp(const GroundRelief::Ramp& ramp, const Eigen::Vector2d& p) {
+Surface of_ramp(const GroundRelief::Ramp& ramp, const Eigen::Vector2d& p) {
   const Eigen::Vector2d along(std::cos(ramp.heading_rad), std::sin(ramp.heading_rad));
   const Eigen::Vector2d across(-along.y(), along.x());
   const Eigen::Vector2d d = p - Eigen::Vector2d(ramp.x_m, ramp.y_m);
@@ -42,21 +39,30 @@ HeightAndSlope of_ramp(const GroundRelief::Ramp& ramp, const Eigen::Vector2d& p)
           ramp.height_m * (a.derivative * b.value * along + a.value * b.derivative * across)};
 }
 
-}  // namespace
-
-double GroundRelief::height(const Eigen::Vector2d& p) const {
-  double sum = 0.0;
-  for (const Wave& wave : waves) sum += wave.amplitude_m * std::cos(wave.wavenumber.dot(p) + wave.phase_rad);
-  for (const Ramp& ramp : ramps) sum += of_ramp(ramp, p).height;
+Surface endless(const GroundRelief& relief, const Eigen::Vector2d& p) {
+  Surface sum;
+  for (const GroundRelief::Wave& wave : relief.waves) {
+    const double phase = wave.wavenumber.dot(p) + wave.phase_rad;
+    sum.height_m += wave.amplitude_m * std::cos(phase);
+    sum.slope -= wave.amplitude_m * std::sin(phase) * wave.wavenumber;
+  }
+  for (const GroundRelief::Ramp& ramp : relief.ramps) {
+    const Surface bump = of_ramp(ramp, p);
+    sum.height_m += bump.height_m;
+    sum.slope += bump.slope;
+  }
   return sum;
 }
 
-Eigen::Vector2d GroundRelief::slope(const Eigen::Vector2d& p) const {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const Wave& wave : waves)
-    sum -= wave.amplitude_m * std::sin(wave.wavenumber.dot(p) + wave.phase_rad) * wave.wavenumber;
-  for (const Ramp& ramp : ramps) sum += of_ramp(ramp, p).slope;
-  return sum;
+}  // namespace
+
+Surface GroundRelief::at(const Eigen::Vector2d& p) const {
+  const Surface whole = endless(*this, p);
+  if (!extent) return whole;
+  const Step x = profile(p.x() - extent->x_m, extent->half_x_m, extent->fall_m);
+  const Step y = profile(p.y() - extent->y_m, extent->half_y_m, extent->fall_m);
+  const Eigen::Vector2d fading(x.derivative * y.value, x.value * y.derivative);
+  return {x.value * y.value * whole.height_m, x.value * y.value * whole.slope + whole.height_m * fading};
 }
 
 std::vector<GroundRelief::Wave> uneven_floor(double sigma_m, double wavelength_m, std::uint64_t seed) {

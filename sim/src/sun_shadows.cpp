@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kPixelM = 0.0125, kCellM = 0.5;
 constexpr double kStandingSideM = 32.0, kRobotSideM = 5.0;
+// Heights of a floor that is not flat; of one without end so much about the middle.
+constexpr double kReliefCellM = 0.05, kReliefM = 20.0;
 // What rises less than this share of the camera's height above the floor counts as floor: lines, rugs, kerb stones.
 constexpr float kFloorTolerance = 0.03F;
 // The sun's disc blurs edges by a hundredth of the distance that the shadow falls.
@@ -60,6 +62,27 @@ std::vector<Eigen::Vector3d> points_of(const mjModel& model, int geom) {
 
 }  // namespace
 
+void SunShadows::Relief::measure(const GroundRelief& ground) {
+  if (ground.flat()) return;
+  const GroundRelief::Extent e = ground.extent.value_or(GroundRelief::Extent{0.0, 0.0, kReliefM, kReliefM, 0.0});
+  corner_ = Eigen::Vector2d(e.x_m - e.half_x_m - e.fall_m, e.y_m - e.half_y_m - e.fall_m).cast<float>();
+  heights_.create(static_cast<int>(std::ceil(2.0 * (e.half_y_m + e.fall_m) / kReliefCellM)) + 1,
+                  static_cast<int>(std::ceil(2.0 * (e.half_x_m + e.fall_m) / kReliefCellM)) + 1, CV_32F);
+  for (int row = 0; row < heights_.rows; ++row)
+    for (int column = 0; column < heights_.cols; ++column)
+      heights_.at<float>(row, column) = static_cast<float>(
+          ground.height(corner_.cast<double>() + kReliefCellM * Eigen::Vector2d(column + 0.5, row + 0.5)));
+}
+
+float SunShadows::Relief::at(const Eigen::Vector2f& floor_m) const {
+  const Eigen::Vector2f cell = (floor_m - corner_) * static_cast<float>(1.0 / kReliefCellM);
+  // Compared as numbers: far away there are more cells than an int counts.
+  if (!(cell.x() >= 0.0F && cell.y() >= 0.0F && cell.x() < static_cast<float>(heights_.cols) &&
+        cell.y() < static_cast<float>(heights_.rows)))
+    return 0.0F;
+  return heights_.at<float>(static_cast<int>(cell.y()), static_cast<int>(cell.x()));
+}
+
 void SunShadows::Map::clear(const Eigen::Vector2d& centre, double side_m) {
   const int side = static_cast<int>(std::lround(side_m / kPixelM));
   mask.create(side, side, CV_8UC1);
@@ -102,6 +125,7 @@ SunShadows::SunShadows(const World& world) {
   sun_ray_ = Eigen::Vector3d(Eigen::Map<const Eigen::Vector3d>(model.light_dir + 3 * sun)).normalized();
   if (sun_ray_.z() > -0.05) return;  // at the horizon everything would lie in shadow
   measure_light(model, sun);
+  relief_.measure(description.ground);
   const FloorArea& area = description.scene.drivable_area;
   standing_.clear({0.5 * (area.x_min + area.x_max), 0.5 * (area.y_min + area.y_max)}, kStandingSideM);
   for (int geom = 0; geom < model.ngeom; ++geom)
@@ -184,12 +208,24 @@ struct SunShadows::Row {
   // One over the depth at which a ray meets the floor.
   float floor_per_m(int column) const { return -(first.z() + static_cast<float>(column) * step.z()) / eye.z(); }
   Eigen::Vector2f floor_at(int column) const { return eye.head<2>() + ray(column).head<2>() / floor_per_m(column); }
-  bool shows_floor(int column, float expected_per_m) const {
+  // One over the depth of what is seen.
+  float seen_per_m(int column) const {
     constexpr std::uint32_t kMaxCount = (1U << 24U) - 1U;
-    const float seen_per_m = offset + slope * static_cast<float>(kMaxCount - (depth[column] >> 8U));
-    return std::abs(seen_per_m - expected_per_m) <= kFloorTolerance * expected_per_m;
+    return offset + slope * static_cast<float>(kMaxCount - (depth[column] >> 8U));
+  }
+  bool shows_floor(int column, float expected_per_m) const {
+    return std::abs(seen_per_m(column) - expected_per_m) <= kFloorTolerance * expected_per_m;
   }
 };
+
+// Where the ray of the sun through what is seen meets the plane that shadows are drawn on.
+bool SunShadows::find_on_relief(const Row& row, int column, Eigen::Vector2f* on_plane) const {
+  const Eigen::Vector3f seen = row.eye + row.ray(column) / row.seen_per_m(column);
+  if (std::abs(seen.z() - relief_.at(seen.head<2>())) > kFloorTolerance * row.eye.z()) return false;
+  const Eigen::Vector3f sun = sun_ray_.cast<float>();
+  *on_plane = seen.head<2>() - seen.z() / sun.z() * sun.head<2>();
+  return true;
+}
 
 // Looks at the ends only: a block of pixels this near is narrower than two cells.
 bool SunShadows::may_have_shadow(const Row& row, int begin, int end) const {
@@ -207,8 +243,13 @@ bool SunShadows::may_have_shadow(const Row& row, int begin, int end) const {
 void SunShadows::paint_pixels(const Row& row, int begin, int end) const {
   for (int column = begin; column < end; ++column) {
     const float floor_per_m = row.floor_per_m(column);
-    if (floor_per_m <= 0.0F || !row.shows_floor(column, floor_per_m)) continue;
-    const Eigen::Vector2f at = row.floor_at(column);
+    Eigen::Vector2f at;
+    if (!relief_.empty()) {
+      if (!find_on_relief(row, column, &at)) continue;
+    } else {
+      if (floor_per_m <= 0.0F || !row.shows_floor(column, floor_per_m)) continue;
+      at = row.floor_at(column);
+    }
     const int shadow = std::max(standing_.at(at), robot_.at(at));
     if (shadow == 0) continue;
     std::uint8_t* pixel = row.pixels + 4 * static_cast<std::ptrdiff_t>(column);

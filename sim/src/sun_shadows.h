@@ -1,5 +1,6 @@
 // Shadows on the floor, in sunlight. MuJoCo's own draw everything twice more; these cost a few milliseconds: the floor
-// is flat, so that a thing's shadow is its outline along the sun's rays, the same for every picture but the robot's.
+// is flat, or nearly, so that a thing's shadow is its outline along the sun's rays on the plane z = 0, the same for
+// every picture but the robot's.
 #pragma once
 
 #include <array>
@@ -38,8 +39,20 @@ class SunShadows {
     int at(const Eigen::Vector2f& floor_m) const;
     bool may_be_near(const Eigen::Vector2f& floor_m) const;
   };
+  /// Heights of a floor that is not flat.
+  class Relief {
+   public:
+    void measure(const GroundRelief& ground);
+    bool empty() const { return heights_.empty(); }
+    float at(const Eigen::Vector2f& floor_m) const;
+
+   private:
+    cv::Mat heights_;
+    Eigen::Vector2f corner_ = Eigen::Vector2f::Zero();
+  };
   struct Row;
   void paint_pixels(const Row& row, int begin, int end) const;
+  bool find_on_relief(const Row& row, int column, Eigen::Vector2f* on_plane) const;
   bool may_have_shadow(const Row& row, int begin, int end) const;
   void add_geom(const World::Impl& impl, int geom, Map* map) const;
   void add_points(const std::vector<Eigen::Vector3d>& points, Map* map) const;
@@ -47,6 +60,7 @@ class SunShadows {
 
   Eigen::Vector3d sun_ray_ = -Eigen::Vector3d::UnitZ();  // the way that light goes
   std::array<float, 3> light_left_{};                    // in full shadow, of each color
+  Relief relief_;
   Map standing_, robot_;
 };
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "board_model.h"
+#include "floor_relief.h"
 #include "mujoco_compat.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
@@ -45,7 +46,36 @@ mujoco::ModelPtr compile_world(const WorldDescription& description) {
   const bool scene_is_good =
       mujoco::compile(compose_mjcf(scene_only), base_folder(scene_only), &scene_complaint) != nullptr;
   const std::filesystem::path& culprit = scene_is_good ? description.robot_mjcf : description.scene.mjcf;
-  throw Error(culprit.string() + ": MuJoCo does not accept it: " + (scene_is_good ? complaint : scene_complaint));
+  const std::string& reason = scene_is_good ? complaint : scene_complaint;
+  const bool lacks_texture = !scene_is_good && reason.find("texture '") != std::string::npos;
+  throw Error(culprit.string() + ": MuJoCo does not accept it: " + reason +
+              (lacks_texture ? "; textures are declared under `textures` in the scene's YAML" : ""));
+}
+
+// Things stand on the ground where the middle of their foot is.
+WorldDescription set_down(WorldDescription description) {
+  for (SceneObject& object : description.scene.objects)
+    object.z_m += description.ground.height({object.x_m, object.y_m});
+  return description;
+}
+
+// The same world with another floor to look at. Rays and contacts keep the flat one: the relief is low.
+mujoco::ModelPtr compile_with_relief(const WorldDescription& description, const mjModel& flat) {
+  const int robot = mj_name2id(&flat, mjOBJ_BODY, "robot");
+  std::vector<ObjectKind> kinds;
+  for (int geom = 0; geom < flat.ngeom; ++geom) kinds.push_back(kind_of_geom(&flat, geom, robot));
+  const FloorRelief floor = drape_floor(flat, kinds, description.ground);
+  std::string complaint;
+  mujoco::ModelPtr model = mujoco::compile(compose_mjcf(set_down(description), floor.geoms, floor.assets),
+                                           base_folder(description), &complaint);
+  if (!model) throw Error(description.scene.mjcf.string() + ": its floor cannot be made uneven: " + complaint);
+  for (int geom = 0; geom < model->ngeom; ++geom) {
+    int& group = model->geom_group[geom];
+    const std::string name = name_of_geom(model.get(), geom);
+    if (name.rfind(kReliefPrefix, 0) != 0 && (group == kReliefGroup || group == kFlatFloorGroup)) group = 0;
+  }
+  for (const int geom : floor.replaced) model->geom_group[geom] = kFlatFloorGroup;
+  return model;
 }
 
 void fill_texture(mjModel* model, const std::string& name, const std::vector<std::uint8_t>& rgb) {
@@ -116,6 +146,7 @@ std::unique_ptr<World> World::compose(const WorldDescription& description) {
   auto impl = std::make_unique<Impl>();
   impl->description = description;
   impl->model = compile_world(description);
+  if (impl->has_relief()) impl->model = compile_with_relief(description, *impl->model);
   for (const SceneTexture& texture : description.scene.textures)
     fill_texture(impl->model.get(), texture.name, draw_texture(texture, description.scene_seed));
   fill_texture(impl->model.get(), kBoardName,
@@ -170,6 +201,7 @@ double World::cast_ray(const Eigen::Vector3d& origin_world, const Eigen::Vector3
                        ObjectKind* hit) const {
   mjtByte groups[mjNGROUP];
   for (int i = 0; i < mjNGROUP; ++i) groups[i] = i != kRobotGroup;
+  if (impl_->has_relief()) groups[kReliefGroup] = 0;
   const Eigen::Vector3d unit = direction_world.normalized();
   int geom = -1;
   const double distance =

@@ -32,8 +32,11 @@ class Floor {
     scene_ = load_scene_model((folder_ / "floor.yaml").string());
   }
 
-  WorldDescription description() const {
-    return describe_world(rig_, scene_, rig_.rig.board, place_board(rig_.rig.board, scene_.board.middle()), 0);
+  WorldDescription description(const std::vector<GroundRelief::Ramp>& ramps = {}) const {
+    WorldDescription world =
+        describe_world(rig_, scene_, rig_.rig.board, place_board(rig_.rig.board, scene_.board.middle()), 0);
+    world.ground.ramps = ramps;
+    return world;
   }
   const RobotModel& robot() const { return rig_.robot; }
   WheelGeometry wheels() const {
@@ -122,9 +125,7 @@ TEST(DrivePhysics, APayloadTiltsTheRobotTowardsIt) {
 
 TEST(DrivePhysics, OnUnevenGroundTheRobotStandsOnIt) {
   const Floor floor;
-  PhysicsOptions options;
-  options.ground.ramps = {{0.0, 0.0, 0.0, 0.1, 3.0, 1.0, 3.0}};
-  DrivePhysics physics(floor.description(), options);
+  DrivePhysics physics(floor.description({{0.0, 0.0, 0.0, 0.1, 3.0, 1.0, 3.0}}), {});
   physics.place(0.0, 0.0, 0.0);  // on the level part
   drive_for(&physics, floor, 0.0, 0.0, 2.0);
   EXPECT_NEAR(physics.T_world_robot().translation.z(), 0.1, 1e-3);
@@ -164,6 +165,7 @@ TEST(Relief, SlopeIsTheDerivativeOfHeight) {
   GroundRelief ground;
   ground.waves = uneven_floor(0.01, 1.5, 4);
   ground.ramps = {{0.3, -0.2, 0.6, 0.08, 0.4, 0.9, 1.0}};
+  ground.extent = GroundRelief::Extent{0.1, 0.0, 1.0, 1.2, 0.8};
   constexpr double kStep = 1e-5;
   for (double x = -2.0; x < 2.0; x += 0.37)
     for (double y = -2.0; y < 2.0; y += 0.41) {
@@ -171,7 +173,28 @@ TEST(Relief, SlopeIsTheDerivativeOfHeight) {
       const Eigen::Vector2d numeric((ground.height(p + dx) - ground.height(p - dx)) / (2.0 * kStep),
                                     (ground.height(p + dy) - ground.height(p - dy)) / (2.0 * kStep));
       // Second derivatives of a ramp jump at its ends: half a step of a curvature of 6 x 0.08 / 0.81.
-      EXPECT_LT((ground.slope(p) - numeric).norm(), 1e-5);
+      EXPECT_LT((ground.slope(p) - numeric).norm(), 1e-5) << p.transpose();
+    }
+}
+
+TEST(Relief, FadesOutBeyondItsExtent) {
+  GroundRelief whole, faded;
+  whole.waves = faded.waves = uneven_floor(0.01, 1.5, 4);
+  faded.extent = GroundRelief::Extent{1.0, -2.0, 2.0, 3.0, 0.5};
+  for (double x = -2.0; x < 4.0; x += 0.24)
+    for (double y = -6.0; y < 2.0; y += 0.24) {
+      const Eigen::Vector2d p(x, y);
+      const double beyond = std::max(std::abs(x - 1.0) - 2.0, std::abs(y + 2.0) - 3.0);
+      const GroundRelief::Surface expected = whole.at(p), found = faded.at(p);
+      if (beyond <= 0.0) {
+        EXPECT_EQ(found.height_m, expected.height_m) << "wheels roll on the same ground";
+        EXPECT_EQ(found.slope, expected.slope);
+      } else if (beyond >= 0.5) {
+        EXPECT_EQ(found.height_m, 0.0);
+        EXPECT_EQ(found.slope, Eigen::Vector2d::Zero().eval());
+      } else {
+        EXPECT_LE(std::abs(found.height_m), std::abs(expected.height_m));
+      }
     }
 }
 
@@ -275,10 +298,8 @@ TEST(Drive, TakesImagesAlongTheWayIfAsked) {
 
 TEST(Drive, AWayThatEndsBadlyIsTakenBackAndAnotherOneTried) {
   const Floor floor;
-  PhysicsOptions options;
   // A ridge that tips the robot over on the straight way; some other way leads past its end.
-  options.ground.ramps = {{1.6, 0.0, 0.0, 0.9, 0.0, 0.4, 0.3}};
-  DrivePhysics physics(floor.description(), options);
+  DrivePhysics physics(floor.description({{1.6, 0.0, 0.0, 0.9, 0.0, 0.4, 0.3}}), {});
   const Drive drive = simulate_drive(physics, floor.request({{{-0.5, 0.0}, 0.0}, {{3.7, 0.6}, 0.0}}));
   ASSERT_FALSE(drive.troubles.empty());
   EXPECT_LT(drive.troubles.size(), 4U) << "fewer than the plans that are allowed";
@@ -323,9 +344,8 @@ TEST(Drive, ReplacementsEndAfterABoundedNumber) {
 TEST(Drive, ARobotThatGetsStuckSaysSo) {
   const Floor floor;
   PhysicsOptions options;
-  options.friction = 0.02;                                         // ice
-  options.ground.ramps = {{0.0, 0.0, 0.0, -0.25, 0.6, 1.0, 3.0}};  // in a hollow
-  DrivePhysics physics(floor.description(), options);
+  options.friction = 0.02;  // ice, in a hollow
+  DrivePhysics physics(floor.description({{0.0, 0.0, 0.0, -0.25, 0.6, 1.0, 3.0}}), options);
   DriveRequest request = floor.request({{{0.0, 0.0}, 0.0}, {{3.0, 0.0}, 0.0}});
   request.config.max_plans = 1;
   EXPECT_THAT(error_text([&] { simulate_drive(physics, request); }), HasSubstr("stuck"));

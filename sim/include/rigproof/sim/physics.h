@@ -10,16 +10,14 @@
 #include <string>
 
 #include "rigproof/core/rigid3.h"
-#include "rigproof/sim/relief.h"
 #include "rigproof/sim/world.h"
 
 namespace rigproof {
 
 struct PhysicsOptions {
-  GroundRelief ground;                ///< replaces the scene's flat floor where it is not flat
-  double wheel_diameter_ratio = 1.0;  ///< right over left (UMBmark's E_d), the mean stays
-  double friction = 0.0;              ///< of the wheels; 0 = the robot's own
-  double payload_kg = 0.0;            ///< a point of mass fixed to the chassis
+  double wheel_diameter_ratio = 1.0;                              ///< right over left (UMBmark's E_d), the mean stays
+  double friction = 0.0;                                          ///< of the wheels; 0 = the robot's own
+  double payload_kg = 0.0;                                        ///< a point of mass fixed to the chassis
   Eigen::Vector3d payload_at_m = Eigen::Vector3d(0.0, 0.0, 0.4);  ///< robot frame
 };
 

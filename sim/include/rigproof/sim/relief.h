@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace rigproof {
@@ -27,14 +28,31 @@ class GroundRelief {
     double width_m = 2.0;  ///< across; the sides fall over `rise_m`, too
   };
 
+  /// A rectangle beyond which the ground is flat.
+  struct Extent {
+    double x_m = 0.0;  ///< its middle
+    double y_m = 0.0;
+    double half_x_m = 0.0;  ///< within this the relief is whole
+    double half_y_m = 0.0;
+    double fall_m = 1.0;  ///< over this it fades out, without a kink
+  };
+
   std::vector<Wave> waves;
   std::vector<Ramp> ramps;
+  std::optional<Extent> extent = std::nullopt;  ///< none = everywhere
 
   bool flat() const { return waves.empty() && ramps.empty(); }
-  double height(const Eigen::Vector2d& p) const;
-  /// (dh/dx, dh/dy).
-  Eigen::Vector2d slope(const Eigen::Vector2d& p) const;
+  struct Surface {
+    double height_m = 0.0;
+    Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< (dh/dx, dh/dy)
+  };
+  Surface at(const Eigen::Vector2d& p) const;
+  double height(const Eigen::Vector2d& p) const { return at(p).height_m; }
+  Eigen::Vector2d slope(const Eigen::Vector2d& p) const { return at(p).slope; }
 };
+
+/// The middle of a robot stays in a scene's drivable area, and its wheels within this around it.
+inline constexpr double kWheelReach_m = 1.0;
 
 /// Random unevenness: waves of all directions and of lengths from half to twice the given one, whose heights have the
 /// given standard deviation over the plane.

@@ -14,6 +14,7 @@
 #include "rigproof/core/rig.h"
 #include "rigproof/core/rigid3.h"
 #include "rigproof/sim/board_defects.h"
+#include "rigproof/sim/relief.h"
 
 namespace rigproof {
 
@@ -97,6 +98,7 @@ struct WorldDescription {
   double board_margin_m = 0.05;     ///< white border around the squares
   double board_thickness_m = 0.01;  ///< behind the printed face
   BoardDefects board_defects;
+  GroundRelief ground;  ///< of the floor, where it is not flat: of its pictures and of what wheels stand on
 };
 
 /// What a pixel of the object-id image shows.
