@@ -125,6 +125,7 @@ int print_plan(const GenerateArguments& arguments, const GenerateConfig& config)
   if (arguments.common.json) {
     const nlohmann::json json = {{"stops", plan.stops},
                                  {"images", plan.images},
+                                 {"pictures", plan.pictures},
                                  {"expected_mb", plan.expected_mb},
                                  {"expected_minutes", plan.expected_minutes},
                                  {"output", output_of(arguments, config).string()},
@@ -133,7 +134,9 @@ int print_plan(const GenerateArguments& arguments, const GenerateConfig& config)
     return 0;
   }
   const Terminal terminal(arguments.common.quiet);
-  terminal.line(std::to_string(plan.stops) + " stops, " + std::to_string(plan.images) + " images, about " +
+  const std::string parts =
+      plan.pictures == plan.images ? "" : " put together from " + std::to_string(plan.pictures) + " pictures";
+  terminal.line(std::to_string(plan.stops) + " stops, " + std::to_string(plan.images) + " images" + parts + ", about " +
                 megabytes(plan.expected_mb * 1e6) + " and " + duration(plan.expected_minutes * 60.0));
   terminal.line(plan.coverage);
   terminal.line("would write " + output_of(arguments, config).string());

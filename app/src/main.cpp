@@ -71,7 +71,8 @@ void add_generate_options(CLI::App* command, GenerateArguments& arguments) {
       ->type_name("FIELD=VALUE");
   command->add_flag("--fresh", arguments.fresh, "Delete what is in the output and start over; default is to resume");
   add_cache(command, arguments.cache);
-  command->add_flag("--dry-run", arguments.dry_run, "Only say how many frames, MB and minutes it would take");
+  command->add_flag("--dry-run", arguments.dry_run,
+                    "Only say how many images, of how many pictures, MB and minutes it would take");
   add_jobs(command, arguments.common);
   add_device(command, arguments.device);
   add_common(command, arguments.common);

@@ -142,6 +142,13 @@ void plan_exposures(Scenario* scenario) {
   }
 }
 
+std::size_t pictures_of(const Scenario& scenario, const FrameJob& job) {
+  const auto color = static_cast<std::size_t>(job.color_parts), depth = static_cast<std::size_t>(job.depth_parts);
+  const std::optional<DepthStream>& stream = scenario.rig.rig.cameras[job.camera].depth;
+  if (!stream) return color;
+  return color + depth == 2 && !stream->own_camera ? 1 : color + depth;
+}
+
 Exposure color_exposure(const Scenario& scenario, const FrameJob& job) {
   const CameraShutter& shutter = scenario.shutters[job.camera];
   Exposure exposure = exposure_of(scenario, job, job.color_parts, blur_s(scenario, shutter), shutter.readout_s);

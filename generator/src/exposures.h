@@ -16,6 +16,10 @@ std::vector<CameraShutter> resolve_shutters(const GenerateConfig& config, const 
 /// shutters that are open while the robot stands; nothing is planned.
 void plan_exposures(Scenario* scenario);
 
+/// How many pictures are drawn for a frame: one, or the parts of its exposures; depth with a camera of its own has its
+/// own ones.
+std::size_t pictures_of(const Scenario& scenario, const FrameJob& job);
+
 /// Exposure of a frame's colour image and of its depth, for Renderer::render_moving().
 Exposure color_exposure(const Scenario& scenario, const FrameJob& job);
 Exposure depth_exposure(const Scenario& scenario, const FrameJob& job);

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "drive_store.h"
+#include "exposures.h"
 #include "frame_maker.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -33,6 +34,8 @@ constexpr double kPatienceS = 300.0;
 constexpr double kColorBytesClean = 1.15, kColorBytesNoisy = 1.5;
 constexpr double kDepthBytesClean = 0.3, kDepthBytesNoisy = 0.72;
 constexpr double kMillisecondsClean = 55.0, kMillisecondsNoisy = 65.0;
+// Of each further picture of an image that is put together from several.
+constexpr double kMillisecondsPicture = 45.0;
 constexpr double kCloudBytes = 12.0;
 
 int available_cores() {
@@ -42,12 +45,25 @@ int available_cores() {
   return std::max(1, CPU_COUNT(&set));
 }
 
+double megapixels(const Scenario& scenario, const FrameJob& job) {
+  const Camera& camera = scenario.rig.rig.cameras[job.camera].camera;
+  return 1e-6 * camera.width_px * camera.height_px;
+}
+
 double megapixels(const Scenario& scenario) {
   double sum = 0.0;
-  for (const RigCamera& camera : scenario.rig.rig.cameras) {
-    sum += 1e-6 * camera.camera.width_px * camera.camera.height_px;
+  for (const FrameJob& job : scenario.frames) sum += megapixels(scenario, job);
+  return sum;
+}
+
+double expected_seconds(const Scenario& scenario) {
+  const double each = scenario.config.sensor_noise == "none" ? kMillisecondsClean : kMillisecondsNoisy;
+  double milliseconds = 0.0;
+  for (const FrameJob& job : scenario.frames) {
+    const auto more = static_cast<double>(pictures_of(scenario, job) - 1);
+    milliseconds += megapixels(scenario, job) * (each + more * kMillisecondsPicture);
   }
-  return sum * static_cast<double>(scenario.stop_count());
+  return milliseconds / available_cores() / 1000.0;
 }
 
 double expected_mb(const Scenario& scenario) {
@@ -313,13 +329,15 @@ GenerateReport render_missing(const Scenario& scenario, const RunFolder& run, co
 }  // namespace
 
 GeneratePlan plan_generation(const GenerateConfig& config, const GenerateOptions& options) {
+  const auto start = Clock::now();
   const Scenario scenario = resolve_scenario(config, source_of(options));
+  const double preparing_s = std::chrono::duration<double>(Clock::now() - start).count();
   GeneratePlan plan;
   plan.stops = scenario.stop_count();
   plan.images = scenario.frame_count();
   plan.expected_mb = expected_mb(scenario);
-  const double ms = config.sensor_noise == "none" ? kMillisecondsClean : kMillisecondsNoisy;
-  plan.expected_minutes = ms * megapixels(scenario) / available_cores() / 60e3;
+  for (const FrameJob& job : scenario.frames) plan.pictures += pictures_of(scenario, job);
+  plan.expected_minutes = (preparing_s + expected_seconds(scenario)) / 60.0;
   plan.coverage = scenario.plan.coverage;
   return plan;
 }

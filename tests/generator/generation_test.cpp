@@ -310,6 +310,7 @@ TEST(Generation, PlanTellsWhatWillCome) {
   const GeneratePlan plan = plan_generation(parse_generate_config("poses: 7"));
   EXPECT_EQ(plan.stops, 7U);
   EXPECT_EQ(plan.images, 21U);
+  EXPECT_EQ(plan.pictures, 21U);
   EXPECT_GT(plan.expected_mb, 7.0);
   EXPECT_GT(plan.expected_minutes, 0.0);
   EXPECT_THAT(plan.coverage, HasSubstr("7 stops"));

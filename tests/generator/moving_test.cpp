@@ -68,6 +68,22 @@ struct SeenRun {
   Proof proof() const { return prove(recording, observations, truth); }
 };
 
+TEST(Moving, ThePlanCountsThePicturesThatImagesArePutTogetherFrom) {
+  const Scenario scenario = resolve_scenario(moving_config());
+  std::size_t pictures = 0;
+  for (const FrameJob& job : scenario.frames) {
+    const std::size_t color = color_exposure(scenario, job).parts();
+    pictures += color == 1 ? 1 : color + 1;  // depth of one time beside them
+  }
+  const GeneratePlan plan = plan_generation(moving_config());
+  EXPECT_EQ(plan.images, scenario.frame_count());
+  EXPECT_EQ(plan.pictures, pictures);
+  EXPECT_GT(plan.pictures, 3U * plan.images);
+  EXPECT_EQ(plan_generation(raw_config()).pictures, 2U * plan_generation(raw_config()).images);
+  EXPECT_LT(plan_generation(raw_config("sensing: {time: {dropped_percent: 50}}")).images,
+            plan_generation(raw_config()).images);
+}
+
 TEST(Moving, ExposuresFollowTheDriveAndTheTruthTellsThem) {
   const Scenario scenario = resolve_scenario(moving_config());
   const std::map<std::string, double>& labels = scenario.truth.cameras[0].sensing;

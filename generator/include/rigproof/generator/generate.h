@@ -37,9 +37,10 @@ struct GenerateOptions {
 struct GeneratePlan {
   std::size_t stops = 0;
   std::size_t images = 0;
+  std::size_t pictures = 0;  ///< that are drawn for them: an image of a moving camera is put together from several
   double expected_mb = 0.0;
-  double expected_minutes = 0.0;
-  std::string coverage;  ///< distances, bearings, cameras per view, in words
+  double expected_minutes = 0.0;  ///< with the drive, where it has to be simulated
+  std::string coverage;           ///< distances, bearings, cameras per view, in words
 };
 
 struct GenerateReport {
