@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/includes.h"
@@ -99,7 +100,9 @@ class Reader : public FieldVisitor {
     if (const auto boolean = map_.boolean(key)) value = *boolean;
   }
   void field(const char* key, std::string& value, const TextChoices& choices, const char*) override {
-    if (const auto text = map_.text(key, choices.choices)) value = *text;
+    const auto text = map_.text(key, choices.choices);
+    if (text) value = *text;
+    if (!text && map_.has(key)) refused_.insert(key);
   }
   void field(const char* key, Distribution& value, const NumberRange& range, const char*) override;
   void field(const char* key, std::vector<double>& value, const NumberRange& range, std::size_t size_min,
@@ -113,13 +116,15 @@ class Reader : public FieldVisitor {
   void list(const char* key, const std::function<std::size_t()>& size, const std::function<void(std::size_t)>& resize,
             const std::function<void(std::size_t, FieldVisitor&)>& visit, const char*) override;
   void check(bool holds, const char* key, const std::string& message) override {
-    if (!holds) map_.problem(key, message);
+    // What has no value because its text was refused is not missing as well.
+    if (!holds && refused_.count(key) == 0) map_.problem(key, message);
   }
   void finish() { map_.finish(); }
   void know(const char* key) { map_.find(key); }
 
  private:
   MapReader map_;
+  std::set<std::string> refused_;
 };
 
 // Built in place: g++ with sanitizers takes the move of a variant for a read of what it does not hold.

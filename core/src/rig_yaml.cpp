@@ -117,7 +117,11 @@ std::optional<SensorPreset> read_sensor(MapReader& map, const std::string& name,
   try {
     return load_sensor_preset(name);
   } catch (const Error& error) {
-    map.problem("sensor", error.what());
+    const std::string reason = error.what();
+    const bool is_unknown = reason.rfind("there is no ", 0) == 0;
+    map.problem("sensor", reason + (is_unknown ? "; a preset of your own goes beside these, into models/sensors of the "
+                                                 "data folder (RIGPROOF_DATA names another one)"
+                                               : ""));
     return std::nullopt;
   }
 }
@@ -156,6 +160,8 @@ void read_camera_intrinsics(MapReader& map, const RigReadOptions& options, const
     camera->camera = sensor->camera;
     return;
   }
+  // A sensor that cannot be read was told already.
+  if (options.nominal_intrinsics && !camera->sensor.empty()) return;
   map.problem("",
               "has no intrinsics; give `intrinsics: {width_px, height_px, fx_px, fy_px, cx_px, cy_px, lens, "
               "distortion}` or put a ROS camera_info.yaml at " +

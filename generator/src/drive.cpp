@@ -158,9 +158,16 @@ class Driver {
   [[noreturn]] void refuse(std::size_t goal) const {
     std::string text =
         "viewpoint " + std::to_string(goal + 1) + " at " + place_text(goals_[goal]) + " cannot be reached:";
-    for (const DriveTrouble& trouble : drive_.troubles)
-      if (trouble.goal == goal) text += " " + trouble.reason + " at " + place_text(trouble.at) + ";";
-    text += " change viewpoints, drive.clearance_cm, or the place of the board";
+    bool lacks_way = false, fails_on_way = false;
+    for (const DriveTrouble& trouble : drive_.troubles) {
+      if (trouble.goal != goal) continue;
+      text += " " + trouble.reason + " at " + place_text(trouble.at) + ";";
+      (trouble.reason.rfind("no ", 0) == 0 ? lacks_way : fails_on_way) = true;
+    }
+    if (lacks_way || !fails_on_way) text += " change viewpoints, drive.clearance_cm, or the place of the board";
+    if (fails_on_way)
+      text += std::string(lacks_way ? "," : " change viewpoints,") +
+              " or what it drives on and carries: drive.friction, unevenness_mm, ramps, payload_kg";
     if (drive_.given_up > 1) text += " (" + std::to_string(drive_.given_up) + " viewpoints were given up)";
     throw Error(text);
   }

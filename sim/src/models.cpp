@@ -279,7 +279,17 @@ SceneModel load_scene_model(const std::string& name_or_file) {
   SceneModel scene;
   scene.name = file.stem().string();
   std::string mjcf;
-  read_fields(file, [&](FieldVisitor& visitor) { visit_scene(visitor, scene, mjcf); });
+  read_fields(file, [&](FieldVisitor& visitor) {
+    visit_scene(visitor, scene, mjcf);
+    for (const SceneTexture& texture : scene.world.textures) {
+      std::error_code ignored;
+      const bool exists =
+          texture.file.empty() || std::filesystem::is_regular_file(beside(file, texture.file.string()), ignored);
+      visitor.check(exists, "textures",
+                    for_message(texture.name) + ": there is no image " + for_message(texture.file.string()) +
+                        " beside the scene");
+    }
+  });
   scene.world.mjcf = beside(file, mjcf);
   for (SceneTexture& texture : scene.world.textures)
     if (!texture.file.empty()) texture.file = beside(file, texture.file.string());
