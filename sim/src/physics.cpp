@@ -23,6 +23,8 @@ constexpr double kPaint_m = 0.005;
 // MuJoCo's friction is soft: a robot that stands on a slope of 5 % creeps by 0.24 mm/s. Tyres do not; with friction
 // stiffer than contact by this factor it is 0.01 mm/s. On level ground nothing pulls.
 constexpr double kStiction = 30.0;
+// One motor drives the wheels of a side. Where one of them hangs in the air it must not turn for the others.
+constexpr double kGear_per_s = 10.0;
 // Ground planes of the wheels have collision bits of their own.
 constexpr int kFirstGroundBit = 8;
 constexpr std::size_t kMaxGroundPlanes = 16;
@@ -92,6 +94,15 @@ class Surroundings {
 struct Side {
   std::vector<int> actuators, joint_positions;
 
+  void command(double speed_rad_s, mjData* data) const {
+    for (const int actuator : actuators) data->ctrl[actuator] = speed_rad_s;
+  }
+  /// Keeps the wheels at one angle, as a belt does.
+  void command_together(double speed_rad_s, mjData* data) const {
+    const double mean = angle(data);
+    for (std::size_t i = 0; i < actuators.size(); ++i)
+      data->ctrl[actuators[i]] = speed_rad_s + kGear_per_s * (mean - data->qpos[joint_positions[i]]);
+  }
   double angle(const mjData* data) const {
     double sum = 0.0;
     for (const int position : joint_positions) sum += data->qpos[position];
@@ -394,8 +405,9 @@ void DrivePhysics::place(double x_m, double y_m, double yaw_rad) {
 }
 
 void DrivePhysics::step(double left_rad_s, double right_rad_s) {
-  for (const int actuator : impl_->left.actuators) impl_->data->ctrl[actuator] = left_rad_s;
-  for (const int actuator : impl_->right.actuators) impl_->data->ctrl[actuator] = right_rad_s;
+  const auto command = impl_->ground.flat() ? &Side::command : &Side::command_together;
+  (impl_->left.*command)(left_rad_s, impl_->data.get());
+  (impl_->right.*command)(right_rad_s, impl_->data.get());
   impl_->follow_ground();
   mj_step(impl_->model.get(), impl_->data.get());
 }

@@ -90,7 +90,9 @@ void expect_ground_is_found(const std::string& scene, int millimetres) {
     EXPECT_LT(std::abs(seen.mean_m), 0.002) << "the D455's own bias is a share of the depth";
     const Eigen::Vector3d &a = found.inverse_depth_plane, &b = seen.plane;
     EXPECT_LT(rad_to_deg(std::acos(std::min(1.0, a.normalized().dot(b.normalized())))), 1.0);
-    EXPECT_NEAR(1.0 / a.norm(), 1.0 / b.norm(), 0.005) << "height of the camera over the plane";
+    // Height of the camera over the plane. Points that are farther from it than the sensor's noise are no inliers:
+    // where waves are higher than that, one plane is as good as another within the waves.
+    EXPECT_NEAR(1.0 / a.norm(), 1.0 / b.norm(), std::max(0.005, 0.001 * millimetres));
   }
 }
 
