@@ -9,7 +9,7 @@ namespace rigproof::detection {
 namespace {
 
 // Raised whenever what is found in a picture, or these bytes, change.
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kFormat = 2;
 
 void write(const std::optional<PlaneObservation>& plane, Writer* to) {
   to->number(static_cast<std::uint8_t>(plane.has_value()));

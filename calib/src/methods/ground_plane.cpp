@@ -181,6 +181,8 @@ struct Refined {
   std::vector<const Measurement*> inliers;  // in the order of the image
   double rms = 0.0;                         // in sigmas
   double scale = 1.0;                       // of the noise over the stated sigmas, robust
+  // Where depth has no error but its rounding: what that does to this plane.
+  std::optional<Matrix3d> rounding_covariance;
   // That the inliers point into: what is left of the measurements without clutter; none if that is too little.
   std::shared_ptr<const std::vector<Measurement>> uncluttered;
 };
@@ -311,6 +313,69 @@ std::optional<Refined> refine_without_clutter(const std::vector<Measurement>& me
   return enough ? free : all;
 }
 
+// Measurements as if the sensor's noise were `share` of what it states; rounding stays.
+std::vector<Measurement> with_noise_share(const std::vector<Measurement>& measurements, double share, double unit_m) {
+  std::vector<Measurement> result = measurements;
+  for (Measurement& m : result) {
+    const double rounding2 = std::pow(unit_m * m.inverse_depth * m.inverse_depth, 2) / 12.0;
+    const double sensor2 = std::max(0.0, m.sigma * m.sigma - rounding2);
+    m.sigma = std::sqrt(share * share * sensor2 + rounding2);
+  }
+  return result;
+}
+
+// Covariance of the plane where rounding is the only error. Neighbouring pixels of a floor are rounded alike, in a
+// level camera whole rows, and the rounding of all of them repeats at every stop: it does not average out. So it is
+// played through, at heights about the fitted one at which every pixel meets all phases of a count.
+Matrix3d covariance_by_rounding(const Refined& refined, double unit_m) {
+  constexpr int kHeights = 64;
+  constexpr double kRange = 0.003;  // of the height: two counts of a millimetre at 0.7 m, more beyond
+  const Eigen::LDLT<Matrix3d> solver(refined.information);
+  Matrix3d covariance = Matrix3d::Zero();
+  for (int k = 0; k < kHeights; ++k) {
+    const Vector3d a = (1.0 + kRange * ((2.0 * k + 1.0) / kHeights - 1.0)) * refined.a;
+    Vector3d g = Vector3d::Zero();
+    for (const Measurement* m : refined.inliers) {
+      const double inverse_depth = a.dot(m->ray);
+      const double rounded_m = unit_m * std::round(1.0 / (inverse_depth * unit_m));
+      g += (1.0 / rounded_m - inverse_depth) / (m->sigma * m->sigma) * m->ray;
+    }
+    const Vector3d error = solver.solve(g);
+    covariance += error * error.transpose() / kHeights;
+  }
+  return covariance;
+}
+
+// Depth without noise is known to a fraction of a count everywhere: to a hundredth of the stated noise far away. There
+// what stands on the floor shows that lies within the stated noise of it. The noise is taken for less and less, as long
+// as the measurements agree; absent where the sensor does have noise.
+std::optional<Refined> refine_as_rounded(const Refined& coarse, const RangeLimits& limits, double unit_m,
+                                         double inlier_sigmas) {
+  constexpr double kStep = 3.0, kNoNoise = 0.004, kAgrees = 1.4;
+  if (!(unit_m > 0.0) || coarse.uncluttered == nullptr || coarse.rms * kStep > 1.0) return std::nullopt;
+  Refined refined = coarse;
+  for (double share = 1.0 / kStep; share > kNoNoise; share /= kStep) {
+    const auto measurements =
+        std::make_shared<const std::vector<Measurement>>(with_noise_share(*coarse.uncluttered, share, unit_m));
+    refined.inliers = select_inliers(*measurements, refined.a, inlier_sigmas, limits);
+    refined.uncluttered = measurements;
+    if (4 * refined.inliers.size() < coarse.inliers.size() || !fit(&refined)) return std::nullopt;
+    refined.scale = robust_scale(refined.inliers, refined.a);
+    if (refined.scale > kAgrees) return std::nullopt;
+  }
+  // A runner of half a millimetre lies within a count nearby. Rounding alone leaves no more than half a count, 1.73 of
+  // its standard deviations: cells with more show something else.
+  for (const double width : {3.0, 2.1}) {
+    const UnclutteredCells cells(*refined.uncluttered, refined.a, width);
+    const auto clear = std::make_shared<const std::vector<Measurement>>(cells.clear_of_clutter(*refined.uncluttered));
+    refined.inliers = select_inliers(*clear, refined.a, inlier_sigmas, limits);
+    refined.uncluttered = clear;
+    if (4 * refined.inliers.size() < coarse.inliers.size() || !fit(&refined)) return std::nullopt;
+  }
+  refined.rounding_covariance = covariance_by_rounding(refined, unit_m);
+  return refined;
+}
+
 // Points that share one measurement, from the residuals' autocorrelation along rows: the sum over lags gives the
 // length in points, and noise is taken to be as long down the columns.
 double correlated_points(const Refined& refined) {
@@ -349,6 +414,7 @@ PlaneObservation to_observation(const Refined& refined, double points_per_measur
   const double noise = std::max(kMinNoiseShare * kMinNoiseShare, refined.rms * refined.rms / 0.973);
   plane.inverse_depth_plane = refined.a;
   plane.covariance_per_m2 = noise * shared * refined.information.ldlt().solve(Matrix3d::Identity());
+  if (refined.rounding_covariance) plane.covariance_per_m2 = std::max(1.0, noise) * *refined.rounding_covariance;
   plane.inlier_points = static_cast<int>(refined.inliers.size());
   plane.effective_points = static_cast<double>(refined.inliers.size()) / shared;
   plane.residual_rms = refined.rms;
@@ -444,7 +510,9 @@ GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noi
     if (planes.empty()) planes = find_planes(measurements, {image_up, kPi}, limits, options, 1);
     if (planes.empty()) return {std::nullopt, "no plane in the depth image"};
   }
-  return {to_observation(floor_of(planes), points.points_per_measurement), {}};
+  const Refined& floor = floor_of(planes);
+  const std::optional<Refined> rounded = refine_as_rounded(floor, limits, points.unit_m, options.inlier_sigmas);
+  return {to_observation(rounded ? *rounded : floor, points.points_per_measurement), {}};
 }
 
 }  // namespace rigproof
