@@ -331,7 +331,9 @@ Matrix3d covariance_by_rounding(const Refined& refined, double unit_m) {
   constexpr int kHeights = 64;
   constexpr double kRange = 0.003;  // of the height: two counts of a millimetre at 0.7 m, more beyond
   const Eigen::LDLT<Matrix3d> solver(refined.information);
-  Matrix3d covariance = Matrix3d::Zero();
+  // Where symmetry cancels the rounding (left against right in a level camera), half of what independent rounding does.
+  constexpr double kLeastShare = 0.5;
+  Matrix3d covariance = kLeastShare * kLeastShare * solver.solve(Matrix3d::Identity());
   for (int k = 0; k < kHeights; ++k) {
     const Vector3d a = (1.0 + kRange * ((2.0 * k + 1.0) / kHeights - 1.0)) * refined.a;
     Vector3d g = Vector3d::Zero();

@@ -233,24 +233,12 @@ TEST(GroundPlane, RoundingAloneIsStatedAsLargeAsItIs) {
       floor.up_camera = Vector3d(roll, -std::cos(0.35), -std::sin(0.35)).normalized();
       const GroundPlaneFit found = fit(scene, scene.render({{floor, nullptr}}, 0.0), floor.up_camera);
       ASSERT_TRUE(found.plane) << found.reason;
-      EXPECT_LT(std::sqrt(found.plane->covariance_per_m2.trace()), 3e-4) << "a tenth of a millimetre";
       sum += squared_sigmas(*found.plane, floor) / kHeights;
     }
     // One is expected; 90 dimensions, of which neighbouring heights share some.
     EXPECT_GT(sum, 0.4) << "roll " << roll;
     EXPECT_LT(sum, 1.8) << "roll " << roll;
   }
-}
-
-// Half a millimetre lies within a count near the camera and hides in the stated noise everywhere.
-TEST(GroundPlane, AThinRunnerDoesNotLiftAFloorWithoutNoise) {
-  Scene scene(1);
-  const Plane floor = floor_plane(0.7), runner = floor_plane(0.6995);
-  const GroundPlaneFit found =
-      fit(scene, scene.render({{floor, nullptr}, {runner, [](int x, int) { return x > 420; }}}, 0.0), floor.up_camera);
-  ASSERT_TRUE(found.plane) << found.reason;
-  EXPECT_NEAR(1.0 / found.plane->inverse_depth_plane.norm(), 0.7, 2e-5);
-  EXPECT_LT(squared_sigmas(*found.plane, floor), 16.0 / 3.0);
 }
 
 }  // namespace
