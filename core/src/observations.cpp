@@ -82,11 +82,16 @@ std::string json_of(const PlaneObservation& plane) {
 
 std::string json_of(const Stop& stop) {
   std::string way;
+  const Eigen::Vector3d& v = stop.velocity;
   for (const Eigen::Vector3d& pose : stop.way) way += (way.empty() ? "" : ", ") + numbers(pose.x(), pose.y(), pose.z());
   return "{\"stamp_s\": " + number(stop.stamp_s) + ", \"x_m\": " + number(stop.x_m) + ", \"y_m\": " + number(stop.y_m) +
          ", \"yaw_rad\": " + number(stop.yaw_rad) +
          ", \"interpolation_sigma_m\": " + number(stop.interpolation_sigma_m) +
-         (way.empty() ? "" : ", \"way\": [" + way + "]") + "}";
+         (way.empty() ? "" : ", \"way\": [" + way + "]") +
+         (v.isZero(0.0)
+              ? ""
+              : ", \"velocity_m_per_s\": " + numbers(v.x(), v.y()) + ", \"yaw_rate_rad_per_s\": " + number(v.z())) +
+         "}";
 }
 
 std::string json_of(const Exclusion& exclusion) {
@@ -352,6 +357,11 @@ class ObservationsReader {
     stop.y_m = e.number("y_m");
     stop.yaw_rad = e.number("yaw_rad");
     stop.interpolation_sigma_m = e.number("interpolation_sigma_m", {0.0});
+    if (e.has("velocity_m_per_s")) {
+      const std::vector<double> values = e.numbers("velocity_m_per_s", 2);
+      stop.velocity.head<2>() << values[0], values[1];
+    }
+    if (e.has("yaw_rate_rad_per_s")) stop.velocity.z() = e.number("yaw_rate_rad_per_s");
     if (!e.has("way")) return stop;
     const Json* way = e.list("way");
     if (way == nullptr) return stop;

@@ -218,6 +218,16 @@ YamlTree tree_of(const ResidualSummary& residual) {
   return tree;
 }
 
+YamlTree tree_of(const EstimatedQuantity& quantity) {
+  YamlTree tree = YamlTree::inline_map();
+  tree.set("camera", YamlTree::text(quantity.camera));
+  tree.set("name", YamlTree::text(quantity.name));
+  tree.set("value", YamlTree::number(quantity.value));
+  tree.set("sigma", YamlTree::number(quantity.sigma));
+  tree.set("prior_sigma", YamlTree::number(quantity.prior_sigma));
+  return tree;
+}
+
 template <typename Element, typename... Arguments>
 YamlTree list_of(const std::vector<Element>& elements, Arguments... arguments) {
   YamlTree tree = YamlTree::sequence();
@@ -243,6 +253,7 @@ YamlTree tree_of(const Result& result) {
              upper_triangle(*result.joint_covariance, observable_rows(result.camera_to_robot)));
   tree.set("use", list_of(result.use));
   tree.set("residuals", list_of(result.residuals));
+  if (!result.also_estimated.empty()) tree.set("also_estimated", list_of(result.also_estimated));
   return tree;
 }
 
@@ -396,6 +407,20 @@ ResidualSummary read_residual(const YamlTree& tree, const std::string& path, Pro
   return residual;
 }
 
+EstimatedQuantity read_quantity(const YamlTree& tree, const std::string& path, Problems* problems) {
+  EstimatedQuantity quantity;
+  MapReader map(tree, path, problems);
+  map.require("camera", "a camera's name");
+  map.require("name", "what was estimated, with its unit");
+  quantity.camera = map.text("camera").value_or("");
+  quantity.name = map.text("name").value_or("");
+  quantity.value = map.number("value", {}).value_or(0.0);
+  quantity.sigma = map.number("sigma", {0.0}).value_or(0.0);
+  quantity.prior_sigma = map.number("prior_sigma", {0.0}).value_or(0.0);
+  map.finish("x-");
+  return quantity;
+}
+
 void read_lists(MapReader& map, Result* result) {
   Problems* problems = &map.problems();
   if (const YamlTree* use = map.find("use"))
@@ -404,6 +429,10 @@ void read_lists(MapReader& map, Result* result) {
   if (const YamlTree* residuals = map.find("residuals"))
     for (std::size_t i = 0; i < residuals->items.size(); ++i)
       result->residuals.push_back(read_residual(residuals->items[i], "residuals[" + std::to_string(i) + "]", problems));
+  if (const YamlTree* also = map.find("also_estimated"))
+    for (std::size_t i = 0; i < also->items.size(); ++i)
+      result->also_estimated.push_back(
+          read_quantity(also->items[i], "also_estimated[" + std::to_string(i) + "]", problems));
 }
 
 Result read_own(const YamlTree& tree, Problems* problems) {

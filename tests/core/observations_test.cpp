@@ -48,6 +48,8 @@ TEST(Observations, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(a.stops[1].yaw_rad, b.stops[1].yaw_rad);
   EXPECT_TRUE(b.stops[0].way.empty());
   EXPECT_EQ(a.stops[1].way, b.stops[1].way);
+  EXPECT_TRUE(b.stops[0].velocity.isZero(0.0));
+  EXPECT_EQ(a.stops[1].velocity, b.stops[1].velocity);
   EXPECT_EQ(a.exclusions[1].reason, b.exclusions[1].reason);
   EXPECT_EQ(b.exclusions[1].stop, -1);
   save_observations(b, folder / "again.json");

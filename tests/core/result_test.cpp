@@ -44,6 +44,12 @@ TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
             b.joint_covariance->triangularView<Eigen::Upper>().toDenseMatrix());
   EXPECT_EQ(b.use[0].left_out[0].reason, "board cut off");
   EXPECT_EQ(b.residuals[1].rms, 1.01);
+  ASSERT_EQ(b.also_estimated.size(), 2U);
+  EXPECT_EQ(b.also_estimated[1].camera, "center");
+  EXPECT_EQ(b.also_estimated[1].name, "clock_offset_ms");
+  EXPECT_EQ(b.also_estimated[0].value, -0.31);
+  EXPECT_EQ(b.also_estimated[0].sigma, 0.02);
+  EXPECT_EQ(b.also_estimated[1].prior_sigma, 10.0);
   EXPECT_EQ(b.find("left", "center"), &b.camera_to_camera[0]);
   EXPECT_EQ(b.find("left", "right"), nullptr);
   save_result(b, folder / "b.yaml");

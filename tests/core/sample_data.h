@@ -96,6 +96,7 @@ inline Observations sample_observations() {
   for (int stop = 0; stop < 2; ++stop) {
     o.stops.push_back({stop + random.uniform(), random.normal(), random.normal(), random.normal(), 0.0});
     if (stop > 0) o.stops.back().way = {random_vector(random, 3.0), random_vector(random, 3.0)};
+    if (stop > 0) o.stops.back().velocity << 0.31, -0.02, 0.17;
     for (int camera = 0; camera < 2; ++camera) {
       BoardView view;
       view.stop = stop;
@@ -139,6 +140,8 @@ inline Result sample_result() {
   result.joint_covariance = random_covariance(random, 12, 1e-3);
   result.use = {{"left", 22, {{0, 3, "left/color/000003.png", "board cut off"}}, 0.0321}, {"center", 23, {}, 0.0456}};
   result.residuals = {{"corners", "px", 1234, 0.05}, {"odometry", "sigma", 69, 1.01}};
+  result.also_estimated = {{"left", "focal_length_percent", -0.31, 0.02, 0.5},
+                           {"center", "clock_offset_ms", 4.5, 0.7, 10.0}};
   return result;
 }
 

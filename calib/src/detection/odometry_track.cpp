@@ -120,6 +120,23 @@ std::vector<Eigen::Vector3d> OdometryTrack::way(const Stop& from, const Stop& to
   return kept;
 }
 
+Eigen::Vector3d OdometryTrack::velocity_at(double stamp_s) const {
+  constexpr double kStands_m_s = 2e-3, kStands_rad_s = 2e-3;
+  const auto earlier = [](const OdometrySample& sample, double t) { return sample.stamp_s < t; };
+  const auto later = [](double t, const OdometrySample& sample) { return t < sample.stamp_s; };
+  const auto before = std::lower_bound(samples_.begin(), samples_.end(), stamp_s - kSameStamp, earlier);
+  const auto after = std::upper_bound(samples_.begin(), samples_.end(), stamp_s + kSameStamp, later);
+  if (before == samples_.begin() || after == samples_.end()) return Eigen::Vector3d::Zero();
+  const OdometrySample &a = *(before - 1), &b = *after;
+  const double gap = b.stamp_s - a.stamp_s;
+  if (gap > max_gap_s_) return Eigen::Vector3d::Zero();
+  const Rigid3 T = planar_pose(a.x_m, a.y_m, a.yaw_rad).inverse() * planar_pose(b.x_m, b.y_m, b.yaw_rad);
+  const Vector6d twist = se3_log(T) / gap;
+  const Eigen::Vector3d velocity(twist[0], twist[1], twist[5]);
+  const bool stands = velocity.head<2>().norm() < kStands_m_s && std::abs(velocity.z()) < kStands_rad_s;
+  return stands ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : velocity;
+}
+
 OdometryReading OdometryTrack::sample(std::size_t index) const {
   const OdometrySample& s = samples_[index];
   return {s.x_m, s.y_m, s.yaw_rad, 0.0, odometer_m_[index]};

@@ -31,6 +31,9 @@ class OdometryTrack {
 
   /// The pose at a stamp, or nothing and the reason in words.
   std::optional<OdometryReading> at(double stamp_s, std::string* reason) const;
+  /// Velocity in the robot's frame [m/s, m/s, rad/s], between the samples beside the stamp; zero where the robot stands
+  /// or they are too far apart.
+  Eigen::Vector3d velocity_at(double stamp_s) const;
   /// Samples (x, y, yaw) between two readings of the odometry, thinned: arcs of constant twist between those that are
   /// kept pass the others within 1 mm and 1 mrad. Ends are exact, and a yaw factor moves what lies between by a few per
   /// cent of that.

@@ -79,16 +79,21 @@ std::vector<int> evenly_spread(const std::vector<int>& all, std::size_t count) {
 }
 
 // The odometry at the middle of the frames that stand for the stop.
-Stop stop_of(const std::vector<Frame>& group) {
+Stop stop_of(const std::vector<Frame>& group, const OdometryTrack& track) {
   const Frame& middle = group[group.size() / 2];
-  return {middle.stamp_s,          middle.odometry.x_m,     middle.odometry.y_m,
-          middle.odometry.yaw_rad, middle.odometry.sigma_m, {}};
+  return {middle.stamp_s,
+          middle.odometry.x_m,
+          middle.odometry.y_m,
+          middle.odometry.yaw_rad,
+          middle.odometry.sigma_m,
+          {},
+          track.velocity_at(middle.stamp_s)};
 }
 
-PlannedStop plan_stop(const Recording& recording, const std::vector<Frame>& group, int stop,
+PlannedStop plan_stop(const Recording& recording, const std::vector<Frame>& group, const OdometryTrack& track, int stop,
                       std::vector<Exclusion>* exclusions) {
   PlannedStop planned;
-  planned.stop = stop_of(group);
+  planned.stop = stop_of(group, track);
   planned.frames.resize(recording.frames.size());
   for (const Frame& frame : group) planned.frames[static_cast<std::size_t>(frame.camera)].push_back(frame.index);
   for (std::size_t camera = 0; camera < planned.frames.size(); ++camera) {
@@ -120,7 +125,7 @@ StopPlan plan_stops(const Recording& recording, const ObserveOptions& options) {
     while (end < frames.size() && same_stop(frames[begin], frames[end], options.stop_tolerance_s)) ++end;
     const std::vector<Frame> group(frames.begin() + static_cast<std::ptrdiff_t>(begin),
                                    frames.begin() + static_cast<std::ptrdiff_t>(end));
-    plan.stops.push_back(plan_stop(recording, group, static_cast<int>(plan.stops.size()), &plan.exclusions));
+    plan.stops.push_back(plan_stop(recording, group, track, static_cast<int>(plan.stops.size()), &plan.exclusions));
     begin = end;
   }
   for (std::size_t i = 1; i < plan.stops.size(); ++i)

@@ -26,4 +26,10 @@ Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent
   return J;
 }
 
+void add_rotation_centre(double sigma_m, Eigen::MatrixXd* joint) {
+  Eigen::VectorXd along_x = Eigen::VectorXd::Zero(joint->rows());
+  for (Eigen::Index i = 0; i < joint->rows(); i += 6) along_x[i] = sigma_m;
+  *joint += along_x * along_x.transpose();
+}
+
 }  // namespace rigproof::ml

@@ -12,4 +12,10 @@ Eigen::MatrixXd camera_chart(const State& state, const Layout& layout);
 /// Derivative of the error of X_j^-1 X_k by the errors of all cameras (six a camera, same chart).
 Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent, int child);
 
+/// Adds what the cameras' covariance (six a camera, same chart) owes to the point about which the robot turns: where it
+/// lies along x is known to sigma_m, and wheels that are integrated along the way take it for the origin. Odometry,
+/// views and planes are the same wherever it lies, so that nothing but this prior tells, and all cameras move by as
+/// much.
+void add_rotation_centre(double sigma_m, Eigen::MatrixXd* joint);
+
 }  // namespace rigproof::ml

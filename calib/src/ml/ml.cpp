@@ -27,17 +27,6 @@ void solve(const ml::Preparation& prepared, MlEstimate* estimate) {
   ml::report_use(prepared, &choice.fit, &result);
 }
 
-class MlMethod : public Method {
- public:
-  MethodTraits traits() const override {
-    return {"ml", "Maximum likelihood of cameras, board, robot poses and nuisances together, with its uncertainty",
-            "board, odometry; ground planes for the height", "camera to robot (6), camera to camera (6), covariance"};
-  }
-  Result solve(const Observations& observations) const override {
-    return estimate_maximum_likelihood(observations).result;
-  }
-};
-
 }  // namespace
 
 MlEstimate estimate_maximum_likelihood(const Observations& observations, const MlOptions& options) {
@@ -49,11 +38,6 @@ MlEstimate estimate_maximum_likelihood(const Observations& observations, const M
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   estimate.result.solve_s = elapsed.count();
   return estimate;
-}
-
-const Method& ml_method() {
-  static const MlMethod method;
-  return method;
 }
 
 }  // namespace rigproof

@@ -16,6 +16,7 @@ Priors priors_of(const Observations& observations, const MlOptions& options) {
     priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
   priors.focal_relative = options.focal_relative_sigma;
   priors.principal_point_px = options.principal_point_sigma_px;
+  priors.clock_offset_s = options.clock_offset_sigma_s;
   return priors;
 }
 
@@ -30,6 +31,7 @@ State starting_state(const Observations& observations, const CalibrationState& s
   for (std::size_t c = 0; c < start.depth_scale.size(); ++c) state.depth_bias[c] = start.depth_scale[c] - 1.0;
   state.intrinsics.assign(observations.cameras.size(), Eigen::Vector3d::Zero());
   state.ground_offset.assign(observations.cameras.size(), Eigen::Vector3d::Zero());
+  state.clock_offset_s.assign(observations.cameras.size(), 0.0);
   return state;
 }
 

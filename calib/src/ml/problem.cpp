@@ -1,6 +1,7 @@
 #include "ml/problem.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -58,6 +59,17 @@ void for_each_pair(const Visit& visit) {
         for_each_index([&visit, a](auto b) { visit(a, b); }, std::make_index_sequence<decltype(a)::value + 1>());
       },
       std::make_index_sequence<Block::kCount>());
+}
+
+// By how much the image of a camera is later than the stop, by the stamps.
+double seconds_after_stop(const Observations& observations, int stop, int camera) {
+  const Stop& at = observations.stops[static_cast<std::size_t>(stop)];
+  if (at.velocity.isZero(0.0)) return 0.0;
+  const std::vector<BoardView>& views = observations.board_views;
+  const auto view = std::find_if(views.begin(), views.end(), [stop, camera](const BoardView& candidate) {
+    return candidate.stop == stop && candidate.camera == camera;
+  });
+  return view == views.end() ? 0.0 : view->stamp_s - at.stamp_s;
 }
 
 double block_factor(Weighting weighting, double weight, const LossMoments& moments) {
@@ -277,7 +289,7 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
       ground_planes_(prepare(observations.ground_planes)),
       board_planes_(prepare(observations.board_planes)) {
   for (const BoardView& view : observations.board_views) {
-    View prepared{view.stop, view.camera, {}};
+    View prepared{view.stop, view.camera, seconds_after_stop(observations, view.stop, view.camera), {}};
     for (const CornerObservation& corner : view.corners) {
       const Eigen::Matrix2d L = corner.covariance_px2.llt().matrixL();
       const Eigen::Matrix2d whitening = L.inverse();
@@ -292,13 +304,14 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
     ways_.emplace_back(observations.stops[i], observations.stops[i + 1]);
 }
 
-std::vector<Problem::Plane> Problem::prepare(const std::vector<PlaneObservation>& planes) {
+std::vector<Problem::Plane> Problem::prepare(const std::vector<PlaneObservation>& planes) const {
   std::vector<Plane> prepared;
   for (const PlaneObservation& plane : planes) {
     const Eigen::Matrix3d L = plane.covariance_per_m2.llt().matrixL();
     const Eigen::Matrix3d whitening = L.inverse();
     if (!whitening.allFinite() || !plane.inverse_depth_plane.allFinite()) continue;
-    prepared.push_back({plane.stop, plane.camera, plane.inverse_depth_plane, whitening});
+    prepared.push_back({plane.stop, plane.camera, seconds_after_stop(observations_, plane.stop, plane.camera),
+                        plane.inverse_depth_plane, whitening});
   }
   return prepared;
 }
@@ -336,22 +349,40 @@ double Problem::log_odometry_variance(std::size_t stop) const {
                    .sum();
 }
 
-template <int kExtra, typename Sink>
+PoseAtImage Problem::pose_at_image(const State& state, int stop, int camera, double after_stop_s) const {
+  const std::size_t i = static_cast<std::size_t>(stop);
+  if (!layout_.with_clock_offsets) return {state.poses[i]};
+  const double late_s = state.clock_offset_s[static_cast<std::size_t>(camera)] - after_stop_s;
+  return ml::pose_at_image(state.poses[i], observations_.stops[i].velocity, late_s, state.odometry_scale,
+                           state.odometry_yaw_factor);
+}
+
+template <bool kLens, bool kClock, typename Sink>
 void Problem::visit_view(const State& state, Weighting weighting, const View& view, Sink& sink) const {
   const std::size_t c = static_cast<std::size_t>(view.camera);
   const Camera camera = lens(state, view.camera);
   const double whiten = 1.0 / noise.corner_scale[c];
   const LossMoments& moments = cauchy_moments(2);
-  const ViewGeometry geometry =
-      view_geometry(state.T_robot_camera[c], state.T_world_board, state.poses[static_cast<std::size_t>(view.stop)]);
+  const PoseAtImage at_image = pose_at_image(state, view.stop, view.camera, view.after_stop_s);
+  ViewGeometry geometry = view_geometry(state.T_robot_camera[c], state.T_world_board, at_image.pose);
+  ClockTwist clock;
+  if constexpr (kClock) clock = chain_to_stop(at_image, &geometry);
   const Eigen::Matrix3d R_camera_board = geometry.T_camera_board.rotation_matrix();
+  // Of globals the blocks below the diagonal are filled: in the order of their places.
+  constexpr int kFactors = kClock ? 2 : 0, kExtra = kFactors + (kLens ? 3 : 0) + (kClock ? 1 : 0);
   auto block = [&] {
-    const Segment camera_part{-1, layout_.camera(view.camera)}, board{-1, layout_.board()}, pose{view.stop, 0};
-    if constexpr (kExtra == 0)
-      return make_block<6, 6, 6>(Group::kCorners, view.camera, camera_part, board, pose);
+    const Segment camera_part{-1, layout_.camera(view.camera)}, board{-1, layout_.board()}, pose{view.stop, 0},
+        factors{-1, layout_.odometry_scale()}, lens{-1, layout_.intrinsics(view.camera)},
+        offset{-1, layout_.clock_offset(view.camera)};
+    constexpr Group kGroup = Group::kCorners;
+    if constexpr (kLens && kClock)
+      return make_block<6, 6, 6, 2, 3, 1>(kGroup, view.camera, camera_part, board, pose, factors, lens, offset);
+    else if constexpr (kClock)
+      return make_block<6, 6, 6, 2, 1>(kGroup, view.camera, camera_part, board, pose, factors, offset);
+    else if constexpr (kLens)
+      return make_block<6, 6, 6, 3>(kGroup, view.camera, camera_part, board, pose, lens);
     else
-      return make_block<6, 6, 6, kExtra>(Group::kCorners, view.camera, camera_part, board, pose,
-                                         Segment{-1, layout_.intrinsics(view.camera)});
+      return make_block<6, 6, 6>(kGroup, view.camera, camera_part, board, pose);
   }();
   TwistSystem<kExtra> system;
   CostSum cost(loss.c2);
@@ -370,7 +401,14 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
     add_residual(s, w, 2, &block.sum);
     RowJacobian<2, 6 + kExtra> J;
     J.template leftCols<6>() = W * residual.by_twist;
-    if constexpr (kExtra > 0) J.template rightCols<kExtra>() = W * residual.by_intrinsics;
+    if constexpr (kLens) {
+      residual.by_intrinsics.col(0) /= 1.0 + state.intrinsics[c][0];  // of the stated focal length
+      J.template middleCols<3>(6 + kFactors) = W * residual.by_intrinsics;
+    }
+    if constexpr (kClock) {
+      J.template middleCols<2>(6) = J.template leftCols<6>() * clock.by_factors;
+      J.template rightCols<1>() = J.template leftCols<6>() * clock.by_clock;
+    }
     system.add(J, r, block_factor(weighting, w, moments));
   }
   block.cost = cost.cost();
@@ -378,28 +416,40 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
   sink(block);
 }
 
-template <typename Sink>
+template <bool kClock, typename Sink>
 void Problem::visit_board_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const {
   const std::size_t c = static_cast<std::size_t>(plane.camera);
-  const ViewGeometry geometry =
-      view_geometry(state.T_robot_camera[c], state.T_world_board, state.poses[static_cast<std::size_t>(plane.stop)]);
+  const PoseAtImage at_image = pose_at_image(state, plane.stop, plane.camera, plane.after_stop_s);
+  ViewGeometry geometry = view_geometry(state.T_robot_camera[c], state.T_world_board, at_image.pose);
   const BoardPlaneResidual residual =
       board_plane_residual(geometry.T_camera_board, state.depth_bias[c], plane.measured);
   const Eigen::Matrix3d W = plane.whitening / noise.board_plane_scale[c];
   const Eigen::Vector3d r = W * residual.value;
   const double s = r.squaredNorm(), w = loss.weight(s);
-  RowJacobian<3, 7> J;
-  J << residual.by_twist, residual.by_depth_bias;
-  J = (W * J).eval();
-  TwistSystem<1> system;
-  system.add(J, r, block_factor(weighting, w, cauchy_moments(3)));
-  auto block = make_block<6, 6, 6, 1>(Group::kBoardPlane, plane.camera, Segment{-1, layout_.camera(plane.camera)},
-                                      Segment{-1, layout_.board()}, Segment{plane.stop, 0},
-                                      Segment{-1, layout_.depth_bias(plane.camera)});
-  block.cost = loss.cost(s);
-  block.sum = sum_of_residual(s, w, 3);
-  system.chain(geometry, &block);
-  sink(block);
+  const double factor = block_factor(weighting, w, cauchy_moments(3));
+  const auto finish = [&](auto block, auto system, const auto& J) {
+    system.add((W * J).eval(), r, factor);
+    block.cost = loss.cost(s);
+    block.sum = sum_of_residual(s, w, 3);
+    system.chain(geometry, &block);
+    sink(block);
+  };
+  const Segment camera{-1, layout_.camera(plane.camera)}, board{-1, layout_.board()}, pose{plane.stop, 0},
+      bias{-1, layout_.depth_bias(plane.camera)};
+  if constexpr (kClock) {
+    const ClockTwist clock = chain_to_stop(at_image, &geometry);
+    RowJacobian<3, 10> J;
+    J << residual.by_twist, residual.by_twist * clock.by_factors, residual.by_depth_bias,
+        residual.by_twist * clock.by_clock;
+    finish(make_block<6, 6, 6, 2, 1, 1>(Group::kBoardPlane, plane.camera, camera, board, pose,
+                                        Segment{-1, layout_.odometry_scale()}, bias,
+                                        Segment{-1, layout_.clock_offset(plane.camera)}),
+           TwistSystem<4>(), J);
+  } else {
+    RowJacobian<3, 7> J;
+    J << residual.by_twist, residual.by_depth_bias;
+    finish(make_block<6, 6, 6, 1>(Group::kBoardPlane, plane.camera, camera, board, pose, bias), TwistSystem<1>(), J);
+  }
 }
 
 template <typename Sink>
@@ -534,12 +584,21 @@ template <typename Sink>
 void Problem::visit_blocks(const State& state, Weighting weighting, Sink&& sink) const {
   for (std::size_t v = 0; v < views_.size(); ++v) {
     if (view_left_out[v]) continue;
-    if (layout_.with_intrinsics)
-      visit_view<3>(state, weighting, views_[v], sink);
+    if (layout_.with_intrinsics && layout_.with_clock_offsets)
+      visit_view<true, true>(state, weighting, views_[v], sink);
+    else if (layout_.with_clock_offsets)
+      visit_view<false, true>(state, weighting, views_[v], sink);
+    else if (layout_.with_intrinsics)
+      visit_view<true, false>(state, weighting, views_[v], sink);
     else
-      visit_view<0>(state, weighting, views_[v], sink);
+      visit_view<false, false>(state, weighting, views_[v], sink);
   }
-  for (const Plane& plane : board_planes_) visit_board_plane(state, weighting, plane, sink);
+  for (const Plane& plane : board_planes_) {
+    if (layout_.with_clock_offsets)
+      visit_board_plane<true>(state, weighting, plane, sink);
+    else
+      visit_board_plane<false>(state, weighting, plane, sink);
+  }
   for (const Plane& plane : ground_planes_) visit_ground_plane(state, weighting, plane, sink);
   visit_poses(state, weighting, sink);
 }
@@ -559,6 +618,7 @@ void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) 
   for (int c = 0; c < layout_.cameras; ++c) {
     const std::size_t i = static_cast<std::size_t>(c);
     add(layout_.depth_bias(c), state.depth_bias[i], priors_.depth_bias[i]);
+    if (layout_.with_clock_offsets) add(layout_.clock_offset(c), state.clock_offset_s[i], priors_.clock_offset_s);
     if (has_ground_offset(c)) {
       const Eigen::Matrix3d information = priors_.ground_offset[i].inverse();
       const Eigen::Vector3d g = information * state.ground_offset[i];
@@ -641,8 +701,8 @@ Problem::ViewFit Problem::view_fit(const State& state, std::size_t index) const 
   const View& view = views_[index];
   const Camera camera = lens(state, view.camera);
   const std::size_t c = static_cast<std::size_t>(view.camera);
-  const ViewGeometry geometry =
-      view_geometry(state.T_robot_camera[c], state.T_world_board, state.poses[static_cast<std::size_t>(view.stop)]);
+  const RobotPose pose = pose_at_image(state, view.stop, view.camera, view.after_stop_s).pose;
+  const ViewGeometry geometry = view_geometry(state.T_robot_camera[c], state.T_world_board, pose);
   ViewFit fit;
   if (view.corners.empty()) return fit;
   double square = 0.0, weight = 0.0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ml/arrow_system.h"
+#include "ml/clock.h"
 #include "ml/noise.h"
 #include "ml/residuals.h"
 #include "ml/state.h"
@@ -92,10 +93,12 @@ class Problem {
   };
   struct View {
     int stop, camera;
+    double after_stop_s;  // by the stamps
     std::vector<Corner> corners;
   };
   struct Plane {
     int stop, camera;
+    double after_stop_s;
     Eigen::Vector3d measured;
     Eigen::Matrix3d whitening;
   };
@@ -105,13 +108,15 @@ class Problem {
     Group first, second;
   };
 
-  static std::vector<Plane> prepare(const std::vector<PlaneObservation>& planes);
+  std::vector<Plane> prepare(const std::vector<PlaneObservation>& planes) const;
+  /// Where the robot was when a camera took what its stamp says was taken so long after the stop.
+  PoseAtImage pose_at_image(const State& state, int stop, int camera, double after_stop_s) const;
   Camera lens(const State& state, int camera) const;
   Eigen::Vector3d odometry_sigmas(std::size_t stop) const;
   double log_odometry_variance(std::size_t stop) const;
-  template <int kExtra, typename Sink>
+  template <bool kLens, bool kClock, typename Sink>
   void visit_view(const State& state, Weighting weighting, const View& view, Sink& sink) const;
-  template <typename Sink>
+  template <bool kClock, typename Sink>
   void visit_board_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;
   template <typename Sink>
   void visit_ground_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "ml/also_estimated.h"
 #include "ml/board_scale.h"
 #include "ml/covariance.h"
 #include "ml/sentence.h"
@@ -42,7 +43,7 @@ class Reporter {
     }
     globals_ = invert_information(eliminated->schur());
     const Eigen::MatrixXd J = camera_chart(fit_.state, problem.layout());
-    joint_ = J * globals_.covariance * J.transpose();
+    joint_ = cameras_covariance(J, globals_.covariance, fit_);
     free_ = J * globals_.free_directions;
     gate_joint_ = exceeds_limits() ? gate_covariance(J) : joint_;
     allow_for_other_model();
@@ -52,6 +53,7 @@ class Reporter {
     report_contradictions();
     report_status();
     report_residuals(sums);
+    report_also_estimated(prepared_, fit_, globals_.covariance, &estimate_.result);
   }
 
  private:
@@ -70,13 +72,19 @@ class Reporter {
     const GlobalCovariance globals = invert_information(eliminated->schur());
     if (free_.cols() > 0 || globals.free_directions.cols() > 0) return;
     const Eigen::MatrixXd J = camera_chart(other_->state, problem.layout());
-    const Eigen::MatrixXd joint = J * globals.covariance * J.transpose();
+    const Eigen::MatrixXd joint = cameras_covariance(J, globals.covariance, *other_);
     Eigen::VectorXd apart(joint_.rows());
     for (std::size_t c = 0; c < fit_.state.T_robot_camera.size(); ++c)
       apart.segment<6>(6 * static_cast<Eigen::Index>(c)) =
           transform_error(other_->state.T_robot_camera[c], fit_.state.T_robot_camera[c]);
     const double share = 1.0 - estimate_.odometry.probability;
     joint_ = (1.0 - share) * joint_ + share * (joint + apart * apart.transpose());
+  }
+
+  Eigen::MatrixXd cameras_covariance(const Eigen::MatrixXd& J, const Eigen::MatrixXd& globals, const Fit& fit) const {
+    Eigen::MatrixXd joint = J * globals * J.transpose();
+    if (fit.noise.along_way) add_rotation_centre(prepared_.options.rotation_centre_sigma_m, &joint);
+    return joint;
   }
 
   bool exceeds_limits() const {
@@ -94,7 +102,7 @@ class Reporter {
     const auto eliminated =
         EliminatedSystem::eliminate(problem.linearise(fit_.state, Weighting::kInformation, nullptr, nullptr), 0.0);
     if (!eliminated) return joint_;
-    return J * invert_information(eliminated->schur()).covariance * J.transpose();
+    return cameras_covariance(J, invert_information(eliminated->schur()).covariance, fit_);
   }
 
   void copy_state(const Layout& layout) {
@@ -115,6 +123,10 @@ class Reporter {
     noise.suspension_tilt_rad = fit_.noise.suspension_tilt_rad;
     noise.odometry_scale_prior = prepared_.options.odometry_scale_sigma;
     noise.odometry_yaw_factor_prior = prepared_.options.odometry_yaw_factor_sigma;
+    noise.rotation_centre_prior_m = prepared_.options.rotation_centre_sigma_m;
+    noise.focal_relative_prior = prepared_.options.focal_relative_sigma;
+    noise.principal_point_prior_px = prepared_.options.principal_point_sigma_px;
+    noise.clock_offset_prior_s = prepared_.options.clock_offset_sigma_s;
     estimate_.corner_scale = fit_.noise.corner_scale;
     estimate_.ground_scale = fit_.noise.ground_scale;
     estimate_.board_plane_scale = fit_.noise.board_plane_scale;

@@ -1,6 +1,8 @@
 list(APPEND calib_sources
+  src/ml/also_estimated.cpp
   src/ml/arrow_system.cpp
   src/ml/board_scale.cpp
+  src/ml/clock.cpp
   src/ml/contradictions.cpp
   src/ml/covariance.cpp
   src/ml/diagnosis.cpp
@@ -19,6 +21,7 @@ list(APPEND calib_sources
   src/ml/report.cpp
   src/ml/residuals.cpp
   src/ml/robust_views.cpp
+  src/ml/settings.cpp
   src/ml/shared_ground_error.cpp
   src/ml/solver.cpp
   src/ml/stated_levels.cpp

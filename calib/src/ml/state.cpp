@@ -22,6 +22,7 @@ State state_from(const CalibrationState& values) {
   for (const double scale : values.depth_scale) state.depth_bias.push_back(scale - 1.0);
   state.intrinsics.assign(cameras, Eigen::Vector3d::Zero());
   state.ground_offset.assign(cameras, Eigen::Vector3d::Zero());
+  state.clock_offset_s.assign(cameras, 0.0);
   return state;
 }
 
@@ -40,7 +41,8 @@ RobotPose RobotPose::from_transform(const Rigid3& T_world_robot) {
 
 Layout Layout::of(const Observations& observations, const Priors& priors) {
   return {static_cast<int>(observations.stops.size()), static_cast<int>(observations.cameras.size()),
-          priors.focal_relative > 0.0 || priors.principal_point_px > 0.0, !priors.ground_offset.empty()};
+          priors.focal_relative > 0.0 || priors.principal_point_px > 0.0, !priors.ground_offset.empty(),
+          priors.clock_offset_s > 0.0};
 }
 
 State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pose_step,
@@ -61,6 +63,7 @@ State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pos
     result.T_robot_camera[i] = moved_transform(state.T_robot_camera[i], global_step.segment<6>(layout.camera(c)));
     result.depth_bias[i] += global_step[layout.depth_bias(c)];
     if (layout.with_intrinsics) result.intrinsics[i] += global_step.segment<3>(layout.intrinsics(c));
+    if (layout.with_clock_offsets) result.clock_offset_s[i] += global_step[layout.clock_offset(c)];
     if (layout.with_ground_offsets) result.ground_offset[i] += global_step.segment<3>(layout.ground_offset(c));
   }
   result.T_world_board = moved_transform(state.T_world_board, global_step.segment<6>(layout.board()));

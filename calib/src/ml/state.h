@@ -34,6 +34,7 @@ struct State {
   std::vector<double> depth_bias;              ///< measured depth = (1 + bias) * true, one a camera
   std::vector<Eigen::Vector3d> intrinsics;     ///< relative focal length, shift of cx and of cy [px], one a camera
   std::vector<Eigen::Vector3d> ground_offset;  ///< common to all ground planes of a camera [1/m]
+  std::vector<double> clock_offset_s;          ///< stamps of a camera's images less the odometry's time, one a camera
 };
 
 /// The state of values as they are reported; intrinsics as told, ground planes without a common error.
@@ -46,6 +47,7 @@ struct Layout {
   int cameras = 0;
   bool with_intrinsics = false;
   bool with_ground_offsets = false;
+  bool with_clock_offsets = false;
 
   static Layout of(const Observations& observations, const Priors& priors);
   int camera(int c) const { return 6 * c; }
@@ -55,7 +57,8 @@ struct Layout {
   int depth_bias(int c) const { return 6 * cameras + 8 + c; }
   int intrinsics(int c) const { return 7 * cameras + 8 + 3 * c; }
   int ground_offset(int c) const { return 7 * cameras + 8 + (with_intrinsics ? 3 * cameras : 0) + 3 * c; }
-  int globals() const { return ground_offset(with_ground_offsets ? cameras : 0); }
+  int clock_offset(int c) const { return ground_offset(with_ground_offsets ? cameras : 0) + c; }
+  int globals() const { return clock_offset(with_clock_offsets ? cameras : 0); }
 };
 
 /// Moves the state by the steps of the poses (6 * poses) and of the globals.

@@ -184,7 +184,8 @@ std::vector<AxisSigmas> Forecast::sigmas(const std::vector<const StopInformation
     if (!information) continue;
     const ml::GlobalCovariance globals = ml::invert_information(*information);
     const Eigen::MatrixXd rows = J.middleRows(6 * c, 6);
-    const Matrix6d covariance = rows * globals.covariance * rows.transpose();
+    Eigen::MatrixXd covariance = rows * globals.covariance * rows.transpose();
+    ml::add_rotation_centre(knowledge_.estimate.noise.rotation_centre_prior_m, &covariance);
     const Eigen::MatrixXd free = J * globals.free_directions;
     for (int axis = 0; axis < 6; ++axis) {
       bool open = false;

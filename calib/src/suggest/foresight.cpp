@@ -122,9 +122,13 @@ const Seen* nearest(const std::vector<Seen>& seen, const Eigen::Vector3d& board_
   return best == seen.end() ? nullptr : &*best;
 }
 
-// Of ways yet to be driven nothing is known: they are taken for increments as uncertain as those seen on average.
+// Of ways yet to be driven nothing is known: they are taken for increments as uncertain as those seen on average. Where
+// the robot turns they tell as little.
 void expect_increments(const Observations& observations, CalibrationNoise* noise) {
-  if (!noise->along_way) return;
+  if (!noise->along_way) {
+    noise->rotation_centre_prior_m = 0.0;
+    return;
+  }
   ml::NoiseLevels along_way;
   along_way.odometry_xy_m = noise->odometry_xy_m;
   along_way.odometry_yaw_rad = noise->odometry_yaw_rad;

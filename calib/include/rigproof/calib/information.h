@@ -32,6 +32,12 @@ struct CalibrationNoise {
   /// Priors of the odometry's systematic errors (increments only); 0 = known to have none.
   double odometry_scale_prior = 0.1;
   double odometry_yaw_factor_prior = 0.1;
+  /// Odometry along the way only: of the point about which the robot turns, along its x axis.
+  double rotation_centre_prior_m = 0.0;
+  /// Priors of each camera's lens and clock; 0 = they are believed.
+  double focal_relative_prior = 0.0;
+  double principal_point_prior_px = 0.0;
+  double clock_offset_prior_s = 0.0;
 };
 
 /// Covariances in the chart of transform_error(): tx ty tz rx ry rz, metres and radians.

@@ -28,6 +28,12 @@ struct MlOptions {
   /// Priors of focal length (relative) and principal point; 0 = the stated intrinsics are believed.
   double focal_relative_sigma = 0.0;
   double principal_point_sigma_px = 0.0;
+  /// Prior of what the stamps of each camera's images are later than the odometry's clock; 0 = they are believed. Only
+  /// stops with a velocity tell it.
+  double clock_offset_sigma_s = 0.0;
+  /// Odometry along the way only: how well it is known along x where the point lies that turns leave in place, which
+  /// integrated wheels take for the robot's origin. Nothing but a prior tells; all cameras move by as much.
+  double rotation_centre_sigma_m = 0.005;
   PosteriorLimits limits;
   /// Where to start instead of the closed-form guess.
   std::optional<CalibrationState> start;

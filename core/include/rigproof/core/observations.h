@@ -52,6 +52,9 @@ struct Stop {
   /// Odometry poses (x [m], y [m], yaw [rad]) between the stop before and this one, in the order of driving, thinned so
   /// that arcs of constant twist between them meet what was left out; empty where odometry has no rows in between.
   std::vector<Eigen::Vector3d> way = {};
+  /// By the odometry, in the robot's frame [m/s, m/s, rad/s]; zero where it stands, or odometry's rows are too far
+  /// apart.
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
 /// Begins the reason of an exclusion that concerns the depth of a frame only, not its image.

@@ -42,6 +42,15 @@ struct ResidualSummary {
   double rms = 0.0;
 };
 
+/// Something else that a method estimated of a camera, with what it believed beforehand.
+struct EstimatedQuantity {
+  std::string camera;
+  std::string name;  ///< with its unit: "focal_length_percent", "principal_point_x_px", "clock_offset_ms"
+  double value = 0.0;
+  double sigma = 0.0;
+  double prior_sigma = 0.0;
+};
+
 enum class ResultStatus {
   kSolved,
   kPartial,  ///< some degrees of freedom are refused
@@ -61,7 +70,8 @@ struct Result {
   std::optional<Eigen::MatrixXd> joint_covariance;
   std::vector<CameraUse> use;
   std::vector<ResidualSummary> residuals;
-  double solve_s = 0.0;  ///< not written to disk: results are byte-identical across runs
+  std::vector<EstimatedQuantity> also_estimated;  ///< camera by camera
+  double solve_s = 0.0;                           ///< not written to disk: results are byte-identical across runs
 
   const EstimatedTransform* find(const std::string& parent, const std::string& child) const;
 };

@@ -1,0 +1,295 @@
+// Errors of lenses, clocks and of the point about which the robot turns, drawn from their priors: with the prior told
+// the uncertainty is true, and without it the error shows.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "calibration_truth.h"
+#include "ml/problem.h"
+#include "rigproof/calib/ml.h"
+#include "rigproof/core/random.h"
+#include "rigproof/geometric/geometric.h"
+
+namespace rigproof {
+namespace {
+
+constexpr int kTrials = 40;
+// Chi-square with 18 degrees of freedom: the mean of 40 scatters by 0.95.
+constexpr double kNees = 18.0, kNeesTolerance = 3.0;
+
+MlOptions told() {
+  MlOptions options;
+  options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
+  options.estimate_corner_level = options.estimate_plane_level = false;
+  return options;
+}
+
+double nees(const MlEstimate& estimate, const std::vector<Rigid3>& truth) {
+  const std::vector<Rigid3>& T = estimate.state.T_robot_camera;
+  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(T.size()));
+  for (std::size_t c = 0; c < T.size(); ++c)
+    error.segment<6>(6 * static_cast<Eigen::Index>(c)) = se3_log(T[c] * truth[c].inverse());
+  return error.dot(to_left_perturbation(estimate.result.joint_covariance.value(), T).ldlt().solve(error));
+}
+
+std::vector<Rigid3> poses_of(const Truth& truth) {
+  std::vector<Rigid3> T;
+  for (const TrueCamera& camera : truth.cameras) T.push_back(camera.T_robot_camera);
+  return T;
+}
+
+double value_of(const Result& result, const std::string& camera, const std::string& name,
+                double EstimatedQuantity::*m) {
+  for (const EstimatedQuantity& quantity : result.also_estimated)
+    if (quantity.camera == camera && quantity.name == name) return quantity.*m;
+  ADD_FAILURE() << camera << ": no " << name;
+  return 0.0;
+}
+
+// Mean square of (estimate - truth) / sigma.
+struct MeanSquare {
+  double sum = 0.0;
+  int count = 0;
+  void add(const Result& result, const std::string& camera, const std::string& name, double truth) {
+    const double z = (value_of(result, camera, name, &EstimatedQuantity::value) - truth) /
+                     value_of(result, camera, name, &EstimatedQuantity::sigma);
+    sum += z * z;
+    ++count;
+  }
+  double mean() const { return sum / count; }
+};
+
+constexpr int kBelieving = 3;  // trials without priors: each looks for what is wrong
+constexpr double kFocal = 0.003, kPrincipal_px = 1.0, kClock_s = 0.01;
+
+// The cameras are other ones than the rig says.
+GeometricRun run_with_wrong_lenses(int seed) {
+  GeometricConfig config;
+  config.seed = static_cast<std::uint64_t>(seed);
+  config.stops = 20;
+  const std::vector<RigCamera> stated = config.rig.cameras;
+  RandomStream random(config.seed, "lens errors");
+  for (RigCamera& camera : config.rig.cameras) {
+    const double factor = 1.0 + random.normal(0.0, kFocal);
+    camera.camera.fx_px *= factor;
+    camera.camera.fy_px *= factor;
+    camera.camera.cx_px += random.normal(0.0, kPrincipal_px);
+    camera.camera.cy_px += random.normal(0.0, kPrincipal_px);
+  }
+  GeometricRun run = draw_geometric_run(config);
+  for (std::size_t c = 0; c < stated.size(); ++c) run.observations.cameras[c].camera = stated[c].camera;
+  return run;
+}
+
+TEST(MlLenses, AreEstimatedAndTheUncertaintyIsTrue) {
+  MlOptions options = told();
+  options.focal_relative_sigma = kFocal;
+  options.principal_point_sigma_px = kPrincipal_px;
+  double mean = 0.0;
+  MeanSquare focal, principal;
+  for (int seed = 0; seed < kTrials; ++seed) {
+    const GeometricRun run = run_with_wrong_lenses(seed);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    mean += nees(estimate, poses_of(run.truth)) / kTrials;
+    for (std::size_t c = 0; c < run.truth.cameras.size(); ++c) {
+      const Camera &is = run.truth.cameras[c].camera, &stated = run.observations.cameras[c].camera;
+      const std::string& name = run.truth.cameras[c].name;
+      focal.add(estimate.result, name, "focal_length_percent", 100.0 * (is.fx_px / stated.fx_px - 1.0));
+      principal.add(estimate.result, name, "principal_point_x_px", is.cx_px - stated.cx_px);
+      principal.add(estimate.result, name, "principal_point_y_px", is.cy_px - stated.cy_px);
+      EXPECT_LT(value_of(estimate.result, name, "focal_length_percent", &EstimatedQuantity::sigma), 100.0 * kFocal);
+    }
+  }
+  EXPECT_NEAR(mean, kNees, kNeesTolerance);
+  EXPECT_NEAR(focal.mean(), 1.0, 0.5);
+  EXPECT_NEAR(principal.mean(), 1.0, 0.4);
+}
+
+TEST(MlLenses, WithoutPriorsTheErrorShows) {
+  double mean = 0.0;
+  int contradicted = 0;
+  for (int seed = 0; seed < kBelieving; ++seed) {
+    const GeometricRun run = run_with_wrong_lenses(seed);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+    EXPECT_TRUE(estimate.result.also_estimated.empty());
+    if (estimate.result.joint_covariance)
+      mean += nees(estimate, poses_of(run.truth)) / kBelieving;
+    else
+      ++contradicted;
+  }
+  EXPECT_TRUE(mean > 100.0 || 2 * contradicted > kBelieving) << mean << ", " << contradicted << " contradicted";
+}
+
+struct ClockRun {
+  GeometricRun run;
+  std::vector<double> offset_s;  // of each camera's stamps
+};
+
+// All cameras take their images at one time while the robot moves, and stamp them by clocks of their own. The
+// odometry is read at the stamp of the middle camera.
+ClockRun run_with_wrong_clocks(int seed, bool moving = true) {
+  GeometricConfig config;
+  config.seed = static_cast<std::uint64_t>(seed);
+  config.stops = 20;
+  RandomStream random(config.seed, "clock errors");
+  std::vector<double> offset_s;
+  for (std::size_t c = 0; c < config.rig.cameras.size(); ++c) offset_s.push_back(random.normal(0.0, kClock_s));
+  const GeometricScene at_images = draw_scene(config);
+  GeometricScene at_stamps = at_images;
+  std::vector<Eigen::Vector3d> velocities;
+  for (Rigid3& T : at_stamps.T_world_robot) {
+    velocities.emplace_back(random.uniform(-0.8, 0.8), random.uniform(-0.1, 0.1), random.uniform(-0.8, 0.8));
+    if (!moving) velocities.back().setZero();
+    const Eigen::Vector3d step = offset_s[1] * velocities.back();
+    T = T * planar_pose(step.x(), step.y(), step.z());
+  }
+  ClockRun made{draw_geometric_run(config, at_images), offset_s};
+  Observations& observations = made.run.observations;
+  observations.stops = draw_geometric_run(config, at_stamps).observations.stops;
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    observations.stops[i].stamp_s += offset_s[1];
+    observations.stops[i].velocity = velocities[i];
+  }
+  for (BoardView& view : observations.board_views) view.stamp_s += offset_s[static_cast<std::size_t>(view.camera)];
+  return made;
+}
+
+TEST(MlClocks, AreEstimatedWhileMovingAndTheUncertaintyIsTrue) {
+  MlOptions options = told();
+  options.clock_offset_sigma_s = kClock_s;
+  double with = 0.0, without = 0.0;
+  bool contradicted = false;
+  MeanSquare offset;
+  for (int seed = 0; seed < kTrials; ++seed) {
+    const ClockRun made = run_with_wrong_clocks(seed);
+    const std::vector<Rigid3> truth = poses_of(made.run.truth);
+    const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    with += nees(estimate, truth) / kTrials;
+    for (std::size_t c = 0; c < truth.size(); ++c) {
+      const std::string& name = made.run.truth.cameras[c].name;
+      offset.add(estimate.result, name, "clock_offset_ms", 1e3 * made.offset_s[c]);
+      EXPECT_LT(value_of(estimate.result, name, "clock_offset_ms", &EstimatedQuantity::sigma), 0.5e3 * kClock_s);
+    }
+    if (seed >= kBelieving) continue;
+    const MlEstimate believing = estimate_maximum_likelihood(made.run.observations, told());
+    contradicted = contradicted || !believing.result.joint_covariance;
+    if (believing.result.joint_covariance) without += nees(believing, truth) / kBelieving;
+  }
+  EXPECT_NEAR(with, kNees, kNeesTolerance);
+  EXPECT_NEAR(offset.mean(), 1.0, 0.5);
+  EXPECT_TRUE(contradicted || without > 1.5 * kNees) << without;
+}
+
+TEST(MlClocks, OfARobotThatStandsKeepTheirPrior) {
+  const ClockRun made = run_with_wrong_clocks(3, false);
+  MlOptions options = told();
+  const MlEstimate believing = estimate_maximum_likelihood(made.run.observations, options);
+  options.clock_offset_sigma_s = kClock_s;
+  const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
+  ASSERT_EQ(estimate.result.status, ResultStatus::kSolved);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Rigid3 &a = estimate.state.T_robot_camera[c], &b = believing.state.T_robot_camera[c];
+    EXPECT_LT(transform_error(a, b).norm(), 1e-9);
+    const std::string& name = made.run.truth.cameras[c].name;
+    EXPECT_NEAR(value_of(estimate.result, name, "clock_offset_ms", &EstimatedQuantity::value), 0.0, 1e-9);
+    EXPECT_NEAR(value_of(estimate.result, name, "clock_offset_ms", &EstimatedQuantity::sigma), 1e3 * kClock_s, 1e-9);
+  }
+  EXPECT_TRUE(std::any_of(estimate.result.notes.begin(), estimate.result.notes.end(), [](const std::string& note) {
+    return note.find("not observable: by the odometry the robot stood") != std::string::npos;
+  }));
+}
+
+// The gradient of the cost by every global unknown, by central differences, with everything estimated at once.
+TEST(MlClocks, AndLensesHaveRightDerivatives) {
+  ClockRun made = run_with_wrong_clocks(5);
+  GeometricConfig config;
+  Observations& observations = made.run.observations;
+  PlaneObservation plane = observations.ground_planes.front();
+  plane.inverse_depth_plane << 0.05, 0.1, 0.5;
+  observations.board_planes = {plane};
+  ml::Priors priors;
+  priors.depth_bias.assign(3, 0.01);
+  priors.focal_relative = kFocal;
+  priors.principal_point_px = kPrincipal_px;
+  priors.clock_offset_s = kClock_s;
+  ml::NoiseLevels levels;
+  levels.corner_scale = levels.ground_scale = levels.board_plane_scale = {1.0, 1.0, 1.0};
+  const ml::Problem problem(observations, priors, levels);
+  CalibrationState values = state_of(made.run.truth);
+  ml::State state = ml::state_from(values);
+  state.odometry_scale = 1.02;
+  state.odometry_yaw_factor = 0.97;
+  state.clock_offset_s = {0.012, -0.02, 0.004};
+  state.intrinsics[0] << 0.002, 0.7, -0.4;
+  const ml::Layout& layout = problem.layout();
+  const ml::ArrowSystem system = problem.linearise(state, ml::Weighting::kRobust, nullptr, nullptr);
+  const auto cost_at = [&](const Eigen::VectorXd& poses, const Eigen::VectorXd& globals) {
+    double cost = 0.0;
+    problem.linearise(ml::moved(state, layout, poses, globals), ml::Weighting::kRobust, &cost, nullptr);
+    return cost;
+  };
+  const auto expect_slope = [&](Eigen::VectorXd poses, Eigen::VectorXd globals, double gradient, int unknown) {
+    const double slope = (cost_at(poses, globals) - cost_at(-poses, -globals)) / 2.0;
+    const double step = poses.norm() + globals.norm();
+    EXPECT_NEAR(2.0 * gradient, slope / step, 1e-4 * (std::abs(2.0 * gradient) + 1.0)) << unknown;
+  };
+  const Eigen::VectorXd no_poses = Eigen::VectorXd::Zero(6 * layout.poses);
+  const Eigen::VectorXd no_globals = Eigen::VectorXd::Zero(layout.globals());
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < layout.globals(); ++i) {
+    Eigen::VectorXd step = no_globals;
+    step[i] = kStep;
+    expect_slope(no_poses, step, system.global_gradient[i], i);
+  }
+  for (int i = 6; i < 18; ++i) {
+    Eigen::VectorXd step = no_poses;
+    step[i] = kStep;
+    expect_slope(step, no_globals, system.pose_gradient[i], -i);
+  }
+}
+
+// Wheels that are integrated along the way tell how a point moves that turns leave in place; it lies off the origin.
+TEST(MlRotationCentre, OffTheOriginIsInTheUncertainty) {
+  MlOptions options = told();
+  options.along_way = true;
+  options.rotation_centre_sigma_m = 0.02;
+  MlOptions believing = options;
+  believing.rotation_centre_sigma_m = 0.0;
+  double with = 0.0, without = 0.0;
+  for (int seed = 0; seed < kTrials; ++seed) {
+    GeometricConfig config;
+    config.seed = static_cast<std::uint64_t>(seed);
+    config.stops = 15;
+    config.along_way = true;
+    const GeometricRun run = draw_geometric_run(config);
+    RandomStream random(config.seed, "rotation centre");
+    std::vector<Rigid3> truth = poses_of(run.truth);
+    const double centre_x_m = random.normal(0.0, options.rotation_centre_sigma_m);
+    for (Rigid3& T : truth) T.translation.x() += centre_x_m;
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    with += nees(estimate, truth) / kTrials;
+    without += nees(estimate_maximum_likelihood(run.observations, believing), truth) / kTrials;
+  }
+  EXPECT_NEAR(with, kNees, kNeesTolerance);
+  EXPECT_GT(without, 1.5 * kNees);
+}
+
+// Without ways between the stops nothing changes: the noise of a whole motion covers it.
+TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
+  GeometricConfig config;
+  config.stops = 12;
+  const GeometricRun run = draw_geometric_run(config);
+  MlOptions options = told();
+  const MlEstimate with = estimate_maximum_likelihood(run.observations, options);
+  options.rotation_centre_sigma_m = 0.0;
+  const MlEstimate without = estimate_maximum_likelihood(run.observations, options);
+  EXPECT_EQ(with.result.joint_covariance.value(), without.result.joint_covariance.value());
+}
+
+}  // namespace
+}  // namespace rigproof

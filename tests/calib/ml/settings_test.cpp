@@ -1,0 +1,51 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "error_text.h"
+#include "rigproof/calib/ml_settings.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(MlSettings, AreReadFromTheMethodsName) {
+  const MlSettings settings = read_ml_settings("clock_offset_sigma_ms=5,focal_sigma_percent=0.4,name=ml_lens");
+  EXPECT_EQ(settings.name, "ml_lens");
+  const MlOptions options = settings.options();
+  EXPECT_DOUBLE_EQ(options.clock_offset_sigma_s, 0.005);
+  EXPECT_DOUBLE_EQ(options.focal_relative_sigma, 0.004);
+  EXPECT_DOUBLE_EQ(options.principal_point_sigma_px, 0.0);
+  EXPECT_DOUBLE_EQ(options.rotation_centre_sigma_m, MlOptions().rotation_centre_sigma_m);
+  EXPECT_EQ(MlMethod(settings).traits().name, "ml_lens");
+}
+
+TEST(MlSettings, AreReadFromAFileWhoseNameTheyTake) {
+  const TempFolder folder;
+  const std::filesystem::path file =
+      folder.write("my_lens.yaml", "principal_point_sigma_px: 2\nrotation_centre_sigma_mm: 0\n");
+  const MlSettings settings = read_ml_settings(file.string());
+  EXPECT_EQ(settings.name, "my_lens");
+  EXPECT_DOUBLE_EQ(settings.options().principal_point_sigma_px, 2.0);
+  EXPECT_DOUBLE_EQ(settings.options().rotation_centre_sigma_m, 0.0);
+}
+
+TEST(MlSettings, AreRefusedWithEveryProblemAtOnce) {
+  EXPECT_THAT(error_text([] { read_ml_settings("focal_sigma_percent=-1,clock_offset_ms=5"); }),
+              AllOf(HasSubstr("focal_sigma_percent"), HasSubstr("-1"), HasSubstr("clock_offset_sigma_ms")));
+  EXPECT_THAT(error_text([] { read_ml_settings("focal_sigma_percent=much"); }), HasSubstr("much"));
+  EXPECT_THAT(error_text([] { read_ml_settings("focal_sigma_percent=1,2"); }), HasSubstr("KEY=VALUE"));
+  EXPECT_THAT(error_text([] { read_ml_settings("name=../x"); }), HasSubstr("letters, digits"));
+  EXPECT_THAT(error_text([] { read_ml_settings("nothing.yaml"); }), HasSubstr("nothing.yaml"));
+  EXPECT_THAT(error_text([] { read_ml_settings(""); }), HasSubstr("KEY=VALUE"));
+}
+
+TEST(MlSettings, OtherValuesAreAnotherMethod) {
+  EXPECT_NE(MlMethod(read_ml_settings("focal_sigma_percent=1")).settings_text(),
+            MlMethod(read_ml_settings("focal_sigma_percent=2")).settings_text());
+}
+
+}  // namespace
+}  // namespace rigproof
