@@ -28,6 +28,10 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 good, 1 a gate failed, 2 bad input or environment, 3 refused (the data cannot answer),\n"
     "75 try again (interrupted; the same command resumes).";
 
+constexpr const char* kMethodHelp =
+    "As `rigproof methods` lists them; ml:KEY=VALUE,.. or ml:FILE.yaml (`rigproof schema ml`: priors of focal length, "
+    "principal point, clock offset); external:FILE.yaml; may be repeated";
+
 using Action = std::function<int()>;
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
@@ -150,8 +154,7 @@ void add_calibrate(CLI::App& app, Action& action) {
       ->add_option("INPUT", arguments->input,
                    "A run, a recording, an observations.json, or a folder in the MEMROC layout")
       ->required();
-  command->add_option("-m,--method", arguments->methods,
-                      "As `rigproof methods` lists them, or external:FILE.yaml; may be repeated");
+  command->add_option("-m,--method", arguments->methods, kMethodHelp);
   command->add_option("-o,--output", arguments->output, "Folder for the results; default results/ beside the input");
   add_vision(command, arguments->vision);
   add_accept(command, arguments->accept);
@@ -180,8 +183,7 @@ void add_run(CLI::App& app, Action& action) {
       add_command(app, "run", "Generate, calibrate and validate, then draw the pictures", "rigproof run demo.yaml");
   auto arguments = std::make_shared<RunArguments>();
   add_generate_options(command, arguments->generate);
-  command->add_option("-m,--method", arguments->methods,
-                      "As `rigproof methods` lists them, or external:FILE.yaml; may be repeated");
+  command->add_option("-m,--method", arguments->methods, kMethodHelp);
   command->add_option("--budget", arguments->budget,
                       "Limits on the error: a file, or ci, paper, honest; default 4 of the stated sigmas");
   add_vision(command, arguments->vision);

@@ -171,6 +171,28 @@ std::string pairs_text(const Result& result) {
   return text;
 }
 
+// "focal_length_percent" as the head of a column: "focal length [percent]".
+std::string head_of(const std::string& name) {
+  const std::size_t unit = name.rfind('_');
+  std::string head = name.substr(0, unit);
+  std::replace(head.begin(), head.end(), '_', ' ');
+  return unit == std::string::npos ? name : head + " [" + name.substr(unit + 1) + "]";
+}
+
+// Lenses and clocks: a line a camera, a column a quantity.
+std::vector<std::string> also_estimated_lines(const Result& result) {
+  if (result.also_estimated.empty()) return {};
+  std::vector<std::string> head = {"also estimated"};
+  std::vector<std::vector<std::string>> rows;
+  for (const EstimatedQuantity& quantity : result.also_estimated) {
+    if (rows.empty() || rows.back().front() != " " + quantity.camera) rows.push_back({" " + quantity.camera});
+    if (rows.size() == 1) head.push_back(head_of(quantity.name));
+    rows.back().push_back(value_with_sigma(quantity.value, quantity.sigma));
+  }
+  rows.insert(rows.begin(), head);
+  return aligned(rows);
+}
+
 bool has_any_figure(const EstimatedTransform& transform) {
   return std::any_of(transform.observable.begin(), transform.observable.end(), [](bool known) { return known; });
 }
@@ -268,8 +290,13 @@ void print_result(const Terminal& terminal, const Result& result) {
     for (const std::string& line : pose_lines(result)) terminal.line(line);
   else
     print_usable(terminal, result);
+  print_also_estimated(terminal, result);
   for (const std::string& note : result.notes)
     terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + note);
+}
+
+void print_also_estimated(const Terminal& terminal, const Result& result) {
+  for (const std::string& line : also_estimated_lines(result)) terminal.line(line);
 }
 
 std::string result_as_json(const Result& result) {
@@ -282,6 +309,12 @@ std::string result_as_json(const Result& result) {
     json["camera_to_robot"].push_back(transform_as_json(transform));
   for (const EstimatedTransform& transform : result.camera_to_camera)
     json["camera_to_camera"].push_back(transform_as_json(transform));
+  for (const EstimatedQuantity& quantity : result.also_estimated)
+    json["also_estimated"].push_back({{"camera", quantity.camera},
+                                      {"name", quantity.name},
+                                      {"value", quantity.value},
+                                      {"sigma", quantity.sigma},
+                                      {"prior_sigma", quantity.prior_sigma}});
   json["use"] = nlohmann::json::array();
   for (const CameraUse& use : result.use) {
     nlohmann::json camera = {{"camera", use.camera}, {"used", use.used}, {"left_out", nlohmann::json::array()}};

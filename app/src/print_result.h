@@ -25,6 +25,9 @@ void print_use(const Terminal& terminal, const Result& result);
 /// Poses with stated sigma, refusals and notes.
 void print_result(const Terminal& terminal, const Result& result);
 
+/// What was estimated beside the poses, if anything.
+void print_also_estimated(const Terminal& terminal, const Result& result);
+
 /// The same as one JSON document, transforms as in the result file.
 std::string result_as_json(const Result& result);
 

@@ -37,7 +37,10 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     save_result(result, run.result_file(result.method));
     *all_solved = *all_solved && result.status == ResultStatus::kSolved;
     terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s));
-    if (result.status != ResultStatus::kSolved) print_result(terminal, result);
+    if (result.status == ResultStatus::kSolved)
+      print_also_estimated(terminal, result);
+    else
+      print_result(terminal, result);
     const Verdict verdict = judge(result, truth, budget);
     records.push_back({result.method, verdict.comparison, budget, verdict.gate});
     comparisons.push_back(verdict.comparison);

@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "rigproof/calib/accept.h"
+#include "rigproof/calib/ml_settings.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/fields.h"
@@ -32,6 +33,7 @@ const std::map<std::string, std::function<std::string()>>& generated_schemas() {
       {"budget", budget_schema},
       {"accept", accept_criteria_schema},
       {"external", external_config_schema},
+      {"ml", ml_settings_schema},
       {"sweep", sweep_config_schema}};
   return schemas;
 }

@@ -7,6 +7,7 @@
 
 #include "external_matrices.h"
 #include "external_process.h"
+#include "rigproof/calib/ml_settings.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/result.h"
@@ -310,6 +311,27 @@ std::shared_ptr<const OutsideMethod> make_external_method(const fs::path& file, 
   return std::make_shared<ExternalMethod>(std::move(config), file, options);
 }
 
+namespace {
+
+std::shared_ptr<const Method> make_ml_method(const std::string& settings) {
+  auto method = std::make_shared<MlMethod>(read_ml_settings(settings));
+  const std::string name = method->traits().name;
+  for (const Method* other : all_methods())
+    if (other->traits().name == name && other != &ml_method())
+      throw Error(kMlPrefix + settings + ": name: " + name + ": is the name of another method");
+  return method;
+}
+
+// Results lie under their method's name.
+void refuse_same_names(const std::vector<std::shared_ptr<const Method>>& methods) {
+  std::set<std::string> names;
+  for (const auto& method : methods)
+    if (!names.insert(method->traits().name).second)
+      throw Error("two methods of the name " + method->traits().name + "; `name=` gives one with settings another");
+}
+
+}  // namespace
+
 std::vector<std::shared_ptr<const Method>> methods_by_name(const std::vector<std::string>& names,
                                                            const ExternalOptions& options) {
   const auto keep_nothing = [](const Method*) {};
@@ -318,10 +340,13 @@ std::vector<std::shared_ptr<const Method>> methods_by_name(const std::vector<std
   for (const std::string& name : names) {
     if (name.rfind(prefix, 0) == 0)
       methods.push_back(make_external_method(name.substr(prefix.size()), options));
+    else if (name.rfind(kMlPrefix, 0) == 0)
+      methods.push_back(make_ml_method(name.substr(std::string(kMlPrefix).size())));
     else
       methods.emplace_back(&find_method(name), keep_nothing);
   }
   if (methods.empty()) methods.emplace_back(&default_method(), keep_nothing);
+  refuse_same_names(methods);
   return methods;
 }
 

@@ -52,6 +52,21 @@ TEST(BadInput, MistakesOnTheCommandLineSayWhereHelpIs) {
   expect_error(rigproof_command({"--foo"}), HasSubstr("rigproof --help"));
 }
 
+TEST(BadInput, SettingsOfMl) {
+  const auto message = [](const std::vector<std::string>& methods) {
+    std::vector<std::string> arguments = {"calibrate", small_run().string()};
+    for (const std::string& method : methods) arguments.insert(arguments.end(), {"-m", method});
+    const ProcessOutput output = rigproof_command(arguments);
+    EXPECT_EQ(output.exit_code, 2);
+    return output.err;
+  };
+  EXPECT_THAT(message({"ml:focal_sigma_percent=-1,clock_ms=3"}),
+              testing::AllOf(HasSubstr("focal_sigma_percent"), HasSubstr("-1"), HasSubstr("clock_offset_sigma_ms")));
+  EXPECT_THAT(message({"ml", "ml:focal_sigma_percent=1"}), HasSubstr("two methods of the name ml"));
+  EXPECT_THAT(message({"ml:none.yaml"}), HasSubstr("none.yaml"));
+  EXPECT_THAT(message({"ml:focal_sigma_percent=1,name=memroc"}), HasSubstr("name of another method"));
+}
+
 TEST(BadInput, EveryProblemOfAConfigurationAtOnce) {
   const TempFolder scratch;
   const fs::path config = scratch.write("c.yaml", "poses: -3\nodometry: {lamda: 2}\nseed: x\n");

@@ -127,6 +127,27 @@ TEST(Command, ObservationsReplaceTheImages) {
   EXPECT_EQ(tree_content(scratch / "a"), tree_content(scratch / "b"));
 }
 
+TEST(Command, SettingsOfMlStandInTheMethodsName) {
+  const TempFolder scratch;
+  const fs::path settings =
+      scratch.write("with_lens.yaml", "principal_point_sigma_px: 0.5\nclock_offset_sigma_ms: 5\n");
+  const ProcessOutput output =
+      rigproof_command({"calibrate", small_run().string(), "-o", (scratch / "results").string(), "-m", "ml", "-m",
+                        "ml:" + settings.string(), "-m", "ml:focal_sigma_percent=0.2,name=ml_focal"});
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_THAT(output.out, HasSubstr("also estimated  principal point x [px]"));
+  EXPECT_THAT(output.out, HasSubstr("focal length [percent]"));
+  EXPECT_THAT(output.out, HasSubstr("not observable: by the odometry the robot stood at every stop"));
+  EXPECT_TRUE(load_result(scratch / "results/ml.yaml").also_estimated.empty());
+  const Result lens = load_result(scratch / "results/with_lens.yaml");
+  ASSERT_EQ(lens.also_estimated.size(), 9U);
+  EXPECT_EQ(lens.also_estimated[2].name, "clock_offset_ms");
+  EXPECT_EQ(lens.also_estimated[2].prior_sigma, 5.0);
+  const Result focal = load_result(scratch / "results/ml_focal.yaml");
+  ASSERT_EQ(focal.also_estimated.size(), 3U);
+  EXPECT_LT(focal.also_estimated.front().sigma, 0.2);
+}
+
 TEST(Command, ResultsDoNotDependOnTheNumberOfJobs) {
   const TempFolder scratch;
   for (const char* jobs : {"1", "2", "5"})

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "rigproof/calib/ground_source.h"
+#include "rigproof/calib/ml_settings.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/includes.h"
 #include "rigproof/core/text.h"
@@ -420,9 +421,11 @@ class ConfigReader {
     return vision;
   }
 
-  // One from outside by an absolute path.
+  // One from outside, or settings in a file, by an absolute path.
   std::string method_path(const std::string& method) const {
-    const std::string prefix = kExternal;
+    const bool ml = method.rfind(kMlPrefix, 0) == 0;
+    const std::string prefix = ml ? kMlPrefix : kExternal;
+    if (ml && !names_ml_file(method.substr(prefix.size()))) return method;
     return method.rfind(prefix, 0) == 0 ? prefix + path_beside(method.substr(prefix.size())) : method;
   }
 

@@ -14,6 +14,7 @@
 #include "cost.h"
 #include "folder.h"
 #include "jobs.h"
+#include "rigproof/calib/ml_settings.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/folder_lock.h"
@@ -137,8 +138,14 @@ class Sweep {
         // a damaged plan is written anew
       }
     }
-    const std::string prefix = "external:";
+    const std::string prefix = "external:", ml = kMlPrefix;
     for (std::string spec : more) {
+      if (spec.rfind(ml, 0) == 0) {
+        if (names_ml_file(spec.substr(ml.size())))
+          spec = ml + fs::absolute(spec.substr(ml.size())).lexically_normal().string();
+        if (std::find(added.begin(), added.end(), spec) == added.end()) added.push_back(spec);
+        continue;
+      }
       const bool external = spec.rfind(prefix, 0) == 0;
       const fs::path file = external ? spec.substr(prefix.size()) : spec;
       if (external || file.extension() == ".yaml" || file.extension() == ".yml")

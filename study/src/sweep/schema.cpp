@@ -101,7 +101,9 @@ std::string sweep_config_schema() {
       {"methods",
        {{"type", "array"},
         {"items", {{"oneOf", {ordered_json{{"type", "string"}}, method_schema()}}}},
-        {"description", "as `rigproof methods` lists them, or external:FILE.yaml; or a block with what is special"}}},
+        {"description",
+         "as `rigproof methods` lists them, ml:KEY=VALUE,.. or ml:FILE.yaml (schema ml), or external:FILE.yaml; or a block "
+         "with what is special"}}},
       {"ground", ground_schema()},
       {"features", typed("string", kFeatures)},
       {"horizon", typed("string", kHorizon)},

@@ -60,8 +60,8 @@ class OutsideMethod : public Method {
 std::shared_ptr<const OutsideMethod> make_external_method(const std::filesystem::path& file,
                                                           const ExternalOptions& options);
 
-/// Methods by name, "external:FILE.yaml" among them; the default method for an empty list. Throws Error that names the
-/// nearest for an unknown one, and every problem of a description.
+/// Methods by name, "external:FILE.yaml", "ml:KEY=VALUE,.." and "ml:FILE.yaml" among them; the default method for an
+/// empty list. Throws Error that names the nearest for an unknown one, and every problem of a description.
 std::vector<std::shared_ptr<const Method>> methods_by_name(const std::vector<std::string>& names,
                                                            const ExternalOptions& options = {});
 
