@@ -23,6 +23,9 @@ constexpr double kMaxBlurShare = 0.3;
 constexpr double kMaxHomographyShare = 0.3;
 constexpr double kMinContrastRatio = 0.35;
 constexpr double kMaxBlurRatio = 2.5;
+// Michelson's contrast of a print, glare and dim light included, is several times this; that of tartans and tiles is
+// less.
+constexpr double kMinPrintContrast = 0.15;
 
 Vector2d board_position(const Board& board, int id) {
   return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
@@ -152,6 +155,27 @@ bool outline_in_image(const Board& board, const Homography& H, const Image8& gre
   return true;
 }
 
+std::optional<double> grey_at(const Image8& grey, const Vector2d& pixel) {
+  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+  if (x < 0 || y < 0 || x >= grey.width || y >= grey.height) return std::nullopt;
+  return grey.at(x, y);
+}
+
+// Light less dark over light and dark (Michelson's contrast), by the middles of all squares.
+double print_contrast(const Image8& grey, const Homography& H, const Board& board) {
+  double difference = 0.0, sum = 0.0;
+  for (int x = -1; x < board.inner_corners_x(); ++x) {
+    for (int y = -1; y < board.inner_corners_y(); ++y) {
+      Vector2d middle;
+      if (!H.map(Vector2d(x + 0.5, y + 0.5), &middle)) continue;
+      const double value = grey_at(grey, middle).value_or(0.0);
+      difference += Board::is_dark(x, y) ? -value : value;
+      sum += value;
+    }
+  }
+  return sum > 0.0 ? difference / sum : 0.0;
+}
+
 // Why a measured board cannot be used; empty if it can.
 std::string fault_of(const Board& board, const std::vector<MeasuredCorner>& corners,
                      const CheckerboardOptions& options) {
@@ -192,6 +216,7 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   const bool incomplete = count(corners, SaddleStatus::kFitted) < board.corner_count();
   if (result.reason.empty() && incomplete && (!H || !outline_in_image(board, *H, grey)))
     result.reason = "board cut off";
+  if (result.reason.empty() && H && print_contrast(grey, *H, board) < kMinPrintContrast) result.reason = "no board";
   if (!result.reason.empty()) return result;
   for (const MeasuredCorner& corner : corners) {
     if (corner.fit.status != SaddleStatus::kFitted) continue;

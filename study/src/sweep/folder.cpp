@@ -107,7 +107,8 @@ std::vector<SweepMethod> sweep_methods(const std::vector<SweepMethodChoice>& cho
       entry.reads_images = outside->reads_recording();
     } else {
       entry.hash = program_hash();
-      if (const auto* ml = dynamic_cast<const MlMethod*>(method.get()); ml != nullptr && choice.method.rfind(kMlPrefix, 0) == 0)
+      if (const auto* ml = dynamic_cast<const MlMethod*>(method.get());
+          ml != nullptr && choice.method.rfind(kMlPrefix, 0) == 0)
         entry.hash = sha256_hex(entry.hash + ml->settings_text());
       entry.reads_images = reads_files(*method);
     }

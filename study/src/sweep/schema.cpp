@@ -102,7 +102,8 @@ std::string sweep_config_schema() {
        {{"type", "array"},
         {"items", {{"oneOf", {ordered_json{{"type", "string"}}, method_schema()}}}},
         {"description",
-         "as `rigproof methods` lists them, ml:KEY=VALUE,.. or ml:FILE.yaml (schema ml), or external:FILE.yaml; or a block "
+         "as `rigproof methods` lists them, ml:KEY=VALUE,.. or ml:FILE.yaml (schema ml), or external:FILE.yaml; or a "
+         "block "
          "with what is special"}}},
       {"ground", ground_schema()},
       {"features", typed("string", kFeatures)},

@@ -218,6 +218,21 @@ TEST(Checkerboard, TellsWhyThereIsNoBoard) {
   EXPECT_EQ(reason_of(detect_checkerboard(Image8(16, 16), board)), "image too small");
 }
 
+// From far the crossings and fields of a tartan alternate as squares do, but no print is so pale.
+TEST(Checkerboard, PalePatternsAreNoBoard) {
+  const Board board = board_5x4();
+  const Rigid3 T_camera_board = board_in_view(d455(), board, 2.5, 0.3, 0.2, 0.1, Vector2d(640.0, 360.0));
+  BoardPictureOptions tartan;
+  tartan.dark = 110.0;
+  tartan.light = 140.0;
+  tartan.border_m = 0.0;
+  EXPECT_EQ(reason_of(detect_checkerboard(draw_board(d455(), board, T_camera_board, tartan), board)), "no board");
+  BoardPictureOptions glare;
+  glare.dark = 120.0;
+  glare.light = 210.0;
+  EXPECT_EQ(reason_of(detect_checkerboard(draw_board(d455(), board, T_camera_board, glare), board)), "found");
+}
+
 TEST(Checkerboard, AnotherBoardIsNotTakenAndIsNamed) {
   const Camera camera = d455();
   const Rigid3 T = board_in_view(camera, board_5x4(), 1.5, 0.4, 0.5, 0.3, {600.0, 330.0});
