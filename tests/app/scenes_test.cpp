@@ -70,7 +70,7 @@ TEST_F(MyHall, IsTriedOutAndShown) {
 
 TEST_F(MyHall, WithoutItsPictureIsRefused) {
   fs::remove(folder_ / "floor.png");
-  expect_error("floor.png: there is no such texture file");
+  expect_error("textures: a list of 3: hall_floor: there is no image floor.png beside the scene");
 }
 
 TEST_F(MyHall, WithoutAFloorIsRefused) {
