@@ -14,11 +14,11 @@ bool is_file_name(const std::string& name) {
 }
 
 // "a=1,b=2" as YAML, a line each.
-std::string as_yaml(std::string text) {
+std::string as_yaml(const std::string& text) {
   std::string yaml;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    std::string item = text.substr(begin, end - begin);
+    const std::string item = text.substr(begin, end - begin);
     const std::size_t equals = item.find('=');
     if (equals == std::string::npos)
       throw Error(std::string(kMlPrefix) + text + ": \"" + item +
