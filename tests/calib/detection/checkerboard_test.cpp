@@ -188,7 +188,7 @@ TEST(Checkerboard, DirtyEdgesAndHiddenCornersCostOnlyThoseCorners) {
   Image8 image = draw_board(camera, board, T);
   const std::vector<Vector2d> truth = true_corners(camera, board, T);
   const int hidden = 7;
-  const Vector2d centre = truth[hidden];
+  const Vector2d& centre = truth[hidden];
   for (int y = -14; y <= 14; ++y)
     for (int x = -14; x <= 14; ++x) image.at(static_cast<int>(centre.x()) + x, static_cast<int>(centre.y()) + y) = 128;
   const std::vector<CornerObservation> corners = corners_of(detect_checkerboard(image, board));
@@ -296,8 +296,8 @@ TEST(Checkerboard, StrangeImagesGiveNoBoardAndNoException) {
         const auto x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;
         image.pixels[i] = static_cast<std::uint8_t>(kind == 0   ? 0
                                                     : kind == 1 ? 255
-                                                    : kind == 2 ? 255 * ((x / 8 + y / 8) % 2)
-                                                    : kind == 3 ? 255 * ((x / 3) % 2)
+                                                    : kind == 2 ? 255U * static_cast<unsigned>((x / 8 + y / 8) % 2)
+                                                    : kind == 3 ? 255U * static_cast<unsigned>((x / 3) % 2)
                                                                 : random.below(256));
       }
       EXPECT_NO_THROW({ EXPECT_NE(reason_of(detect_checkerboard(image, board)), "found"); }) << width << " " << kind;

@@ -232,7 +232,8 @@ TEST(MlClocks, AndLensesHaveRightDerivatives) {
     problem.linearise(ml::moved(state, layout, poses, globals), ml::Weighting::kRobust, &cost, nullptr);
     return cost;
   };
-  const auto expect_slope = [&](Eigen::VectorXd poses, Eigen::VectorXd globals, double gradient, int unknown) {
+  const auto expect_slope = [&](const Eigen::VectorXd& poses, const Eigen::VectorXd& globals, double gradient,
+                                int unknown) {
     const double slope = (cost_at(poses, globals) - cost_at(-poses, -globals)) / 2.0;
     const double step = poses.norm() + globals.norm();
     EXPECT_NEAR(2.0 * gradient, slope / step, 1e-4 * (std::abs(2.0 * gradient) + 1.0)) << unknown;
