@@ -10,13 +10,14 @@ namespace {
 
 // {width_px, height_px, hfov_deg}: square pixels, centred; or full intrinsics.
 Camera read_nominal_camera(MapReader& map) {
-  const auto field_of_view = map.number("hfov_deg", {1.0, 170.0});
-  if (!field_of_view) return read_intrinsics(map);
+  if (!map.has("hfov_deg")) return read_intrinsics(map);
+  // One that is refused was given all the same: no other intrinsics are missing.
+  const double field_of_view = map.number("hfov_deg", {1.0, 170.0}).value_or(90.0);
   map.require("width_px", "the width of the image in pixels");
   map.require("height_px", "the height of the image in pixels");
   const int width = static_cast<int>(map.integer("width_px", {1.0, 32768.0}).value_or(1));
   const int height = static_cast<int>(map.integer("height_px", {1.0, 32768.0}).value_or(1));
-  const double focal_px = 0.5 * width / std::tan(0.5 * deg_to_rad(*field_of_view));
+  const double focal_px = 0.5 * width / std::tan(0.5 * deg_to_rad(field_of_view));
   // Whole where it is meant to be: 640, not 640.0000000000001.
   return Camera::symmetric(width, height, std::round(focal_px * 1e6) * 1e-6);
 }

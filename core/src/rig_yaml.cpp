@@ -110,6 +110,11 @@ bool describes_depth(const YamlTree* depth) {
                  {"law", "inverse_depth_sigma_per_m", "constant_m", "proportional", "correlation_px", "scale_sigma"});
 }
 
+bool is_told(const Problems& problems, const std::string& message) {
+  return std::any_of(problems.all().begin(), problems.all().end(),
+                     [&message](const Problem& problem) { return problem.message == message; });
+}
+
 std::optional<SensorPreset> read_sensor(MapReader& map, const std::string& name, const RigReadOptions& options) {
   const bool told = describes_depth(map.tree().find("depth")) &&
                     !(options.nominal_intrinsics && map.tree().find("intrinsics") == nullptr);
@@ -119,6 +124,8 @@ std::optional<SensorPreset> read_sensor(MapReader& map, const std::string& name,
   } catch (const Error& error) {
     const std::string reason = error.what();
     const bool is_unknown = reason.rfind("there is no ", 0) == 0;
+    // What is wrong in a preset is told for the first camera that names it; an unknown name is each line's own mistake.
+    if (!is_unknown && is_told(map.problems(), reason)) return std::nullopt;
     map.problem("sensor", reason + (is_unknown ? "; a preset of your own goes beside these, into models/sensors of the "
                                                  "data folder (RIGPROOF_DATA names another one)"
                                                : ""));

@@ -15,7 +15,9 @@
 namespace rigproof {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 /// Data of the test's own, found through RIGPROOF_DATA.
 class OwnData : public TempFolder {
@@ -66,6 +68,26 @@ simulation:
         "depth.stereo.baseline_m: -0.1", "simulation.color.full_well_electrons: -5", "simulation.color.gama", "gamma",
         "simulation.depth.patchy_share: 0.7: ", "simulation.depth.flying_share: 1.5: allowed is 0 to 1"})
     EXPECT_THAT(error, HasSubstr(part));
+  EXPECT_THAT(error, Not(HasSubstr("is missing"))) << "a field of view that is refused was given";
+}
+
+TEST(SensorPresets, WhatIsWrongInOneIsToldOnceForAllCamerasOfARig) {
+  const OwnData folder;
+  folder.write("models/sensors/broken.yaml", "color: {width_px: 640, height_px: 480, hfov_deg: 190}\ndepth: none\n");
+  const auto error_of = [](const std::string& sensor) {
+    Problems problems;
+    const YamlTree tree = parse_yaml("a: {sensor: " + sensor + "}\nb: {sensor: " + sensor + "}\n", "rig.yaml");
+    RigReadOptions options;
+    options.nominal_intrinsics = true;
+    read_rig_cameras(tree, "cameras", options, &problems);
+    return problems.text();
+  };
+  const std::string error = error_of("broken"), reason = "color.hfov_deg: 190";
+  EXPECT_THAT(error, HasSubstr("rig.yaml:1: cameras.a.sensor"));
+  ASSERT_NE(error.find(reason), std::string::npos);
+  EXPECT_EQ(error.find(reason), error.rfind(reason));
+  // A name that is unknown is a mistake of each line.
+  EXPECT_THAT(error_of("brocken"), AllOf(HasSubstr("rig.yaml:1: "), HasSubstr("rig.yaml:2: "), HasSubstr("broken")));
 }
 
 // A preset's own depth frame: simulated devices have it from the preset, real recordings have to tell it.
