@@ -1,4 +1,5 @@
 // `rigproof methods`, `scenes`, `rigs`, `sensors`, `boards`: what there is.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -68,8 +69,9 @@ std::string depth_in_words(const DepthStream& depth) {
   const auto sigma_at = [&depth](double z_m) {
     return number_text(std::round(depth.noise.sigma_m(z_m) * 1e4) / 10.0) + " mm at " + number_text(z_m) + " m";
   };
+  // 4 m, or the end of the range where that is nearer.
   return number_text(depth.min_m) + " to " + number_text(depth.max_m) + " m, sigma " + sigma_at(1.0) + ", " +
-         sigma_at(4.0);
+         sigma_at(std::min(4.0, depth.max_m));
 }
 
 std::vector<Entry> list_sensors() {
@@ -92,7 +94,8 @@ std::vector<Entry> list_boards() {
   for (const std::string& name : list_presets("boards")) {
     const Board board = load_board(name);
     entries.push_back({name,
-                       {{"squares", std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) + " of " +
+                       {{"type", board.type},
+                        {"squares", std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) + " of " +
                                         number_text(board.square_m * 1000.0) + " mm"}}});
   }
   return entries;

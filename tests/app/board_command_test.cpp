@@ -18,6 +18,10 @@ TEST(BoardCommand, WritesAPdfByPresetAndByMeasures) {
                 .exit_code,
             0);
   EXPECT_THAT(read_whole_file(file), HasSubstr("DICT_5X5_50"));
+  for (const char* preset : {"charuco_7x5_100mm", "aprilgrid_6x4_130mm"}) {
+    EXPECT_EQ(rigproof_command({"board", preset, "-o", file.string()}).exit_code, 0) << preset;
+    EXPECT_THAT(read_whole_file(file), AllOf(HasSubstr("%PDF-"), HasSubstr("mm if exact"))) << preset;
+  }
 }
 
 TEST(BoardCommand, MistakesAreNamed) {

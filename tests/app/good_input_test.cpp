@@ -11,6 +11,7 @@ namespace rigproof {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -24,7 +25,8 @@ TEST(Command, HelpNamesEveryCommandAndTheExitCodes) {
 }
 
 TEST(Command, EveryCommandHasAnExample) {
-  for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "doctor", "methods"}) {
+  for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "doctor", "methods",
+                              "sense", "scenes", "sensors", "board"}) {
     const ProcessOutput output = rigproof_command({command, "--help"});
     EXPECT_EQ(output.exit_code, 0);
     EXPECT_THAT(output.out, HasSubstr(std::string("rigproof ") + command)) << command;
@@ -35,7 +37,8 @@ TEST(Command, ListsWhatThereIs) {
   EXPECT_THAT(rigproof_command({"scenes"}).out, testing::AllOf(HasSubstr("indoor_lab"), HasSubstr("outdoor_yard")));
   EXPECT_THAT(rigproof_command({"rigs"}).out, HasSubstr("husky_3x_d455"));
   EXPECT_THAT(rigproof_command({"sensors"}).out, HasSubstr("d455"));
-  EXPECT_THAT(rigproof_command({"boards"}).out, HasSubstr("5 x 4"));
+  EXPECT_THAT(rigproof_command({"sensors"}).out, HasSubstr("0.28 to 3 m, sigma 3.8 mm at 1 m, 34 mm at 3 m"));
+  EXPECT_THAT(rigproof_command({"boards"}).out, AllOf(HasSubstr("5 x 4"), HasSubstr("type     aprilgrid")));
   EXPECT_THAT(rigproof_command({"methods"}).out, testing::AllOf(HasSubstr("memroc"), HasSubstr("joint_memroc")));
   EXPECT_THAT(rigproof_command({"methods", "--json"}).out, HasSubstr("\"name\": \"joint_memroc\""));
   EXPECT_THAT(rigproof_command({"schema"}).out, HasSubstr("run"));
