@@ -74,7 +74,7 @@ TEST(DrivePhysics, AtRestOnFlatGroundTheRobotFrameLiesInTheGround) {
 TEST(DrivePhysics, SkidSteeringTurnsAsIfTheTrackWereNearlyTwiceAsWide) {
   const Floor floor;
   DrivePhysics physics(floor.description(), {});
-  for (const double speed : {0.0, 0.5, 1.0}) {
+  for (const double speed : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     for (const double rate : {0.3, 1.0}) {
       physics.place(0.0, 0.0, 0.0);
       drive_for(&physics, floor, speed, rate, 2.0);

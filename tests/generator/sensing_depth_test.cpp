@@ -67,8 +67,12 @@ TEST(SensingDepth, EveryPresetFollowsItsLawWithRounding) {
   for (const char* name : {"d455", "d435", "l515", "ideal"}) {
     const DepthSensing model = depth_sensing_of(load_sensor_preset(name));
     for (const double z_m : {0.8, 1.0, 2.0, 4.0}) {
-      if (z_m > 0.9 * model.stream.max_m) continue;
       const Walls walls = measure(model, z_m);
+      if (z_m > model.stream.max_m) {
+        EXPECT_EQ(walls.valid_share, 0.0) << name << " at " << z_m << " is beyond its range";
+        continue;
+      }
+      EXPECT_EQ(walls.valid_share, 1.0) << name << " at " << z_m;
       const double expected = model.recorded_sigma_m(z_m);
       EXPECT_NEAR(walls.sigma_m / expected, 1.0, 0.03) << name << " at " << z_m;
       EXPECT_GE(expected, model.stream.noise.sigma_m(z_m)) << name;

@@ -115,6 +115,17 @@ class BoardPdfTest : public testing::Test {
     return cv::imread((folder_ / "page.pgm").string(), cv::IMREAD_GRAYSCALE);
   }
 
+  // The ruler's base line is the longest dark run below the board, which ends there.
+  static double ruler_mm(const cv::Mat& page, double board_end_mm) {
+    int longest = 0;
+    for (int y = static_cast<int>(board_end_mm * kPixelsPerMm); y < page.rows; ++y) {
+      int run = 0;
+      for (int x = 0; x < page.cols; ++x)
+        longest = std::max(longest, run = page.at<std::uint8_t>(y, x) < 200 ? run + 1 : 0);
+    }
+    return longest / kPixelsPerMm;
+  }
+
   const TempFolder folder_;
 };
 
@@ -136,14 +147,7 @@ TEST_F(BoardPdfTest, SquaresAndRulerHaveTheirTrueSize) {
   ASSERT_GE(down.size(), 6U);
   for (std::size_t i = 1; i < 6; ++i) EXPECT_NEAR((down[i] - down[i - 1]) / kPixelsPerMm, 25.0, 0.1);
   EXPECT_NEAR(down.front() / kPixelsPerMm, 16.0, 0.1);
-  // The ruler's base line is the longest dark run below the board.
-  int longest = 0;
-  for (int y = static_cast<int>(155.0 * kPixelsPerMm); y < page.rows; ++y) {
-    int run = 0;
-    for (int x = 0; x < page.cols; ++x)
-      longest = std::max(longest, run = page.at<std::uint8_t>(y, x) < 200 ? run + 1 : 0);
-  }
-  EXPECT_NEAR(longest / kPixelsPerMm, 150.0, 0.4) << "an A4 page has room for 150 mm";
+  EXPECT_NEAR(ruler_mm(page, 155.0), 150.0, 0.4) << "an A4 page has room for 150 mm";
 }
 
 TEST_F(BoardPdfTest, MarkersOfAPrintedCharucoBoardAreFound) {
@@ -152,6 +156,23 @@ TEST_F(BoardPdfTest, MarkersOfAPrintedCharucoBoardAreFound) {
   std::vector<std::vector<cv::Point2f>> corners;
   cv::aruco::detectMarkers(page, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_50), corners, ids);
   EXPECT_EQ(ids.size(), 17U);
+  EXPECT_NEAR(cv::norm(corners.at(0)[1] - corners.at(0)[0]) / kPixelsPerMm, 30.0, 0.2);
+  EXPECT_GE(ruler_mm(page, 220.0), 100.0);
+}
+
+TEST_F(BoardPdfTest, TagsOfAPrintedAprilGridHaveTheirTrueSizeAndTheirRuler) {
+  const cv::Mat page = render(board_pdf(board_of("aprilgrid", 5, 3, 0.04), {"fit", 0.01}));
+  const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->markerBorderBits = 2;
+  std::vector<int> ids;
+  std::vector<std::vector<cv::Point2f>> corners;
+  cv::aruco::detectMarkers(page, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11), corners, ids,
+                           parameters);
+  ASSERT_EQ(ids.size(), 15U);
+  // Corners of contours are whole pixels of 0.085 mm inside of the tag, two to three in all.
+  for (const std::vector<cv::Point2f>& tag : corners)
+    EXPECT_NEAR(cv::norm(tag[1] - tag[0]) / kPixelsPerMm, 40.0 / 1.3, 0.3);
+  EXPECT_GE(ruler_mm(page, 145.0), 100.0);
 }
 
 TEST(BoardPdf, SaysWhatWouldFit) {
