@@ -15,6 +15,8 @@ using namespace inspect_detail;
 constexpr int kWidth = 960, kHeight = 600;
 constexpr double kLeft = 84.0, kRight = 28.0, kTop = 118.0, kBottom = 64.0;
 constexpr int kCurvePoints = 200;
+// Looked at beside those that are spread over the range: a run's proof tells its noise there, too.
+constexpr double kRoundDistancesM[] = {0.8, 1.0, 2.0, 4.0};
 constexpr Color kLaw{0, 114, 178}, kRounded{213, 94, 0};
 
 NoisePoint measure_wall(const DepthSensing& model, double z_m) {
@@ -84,9 +86,13 @@ std::vector<NoisePoint> measure_noise(const SensorPreset& preset, int count) {
   const DepthSensing model = depth_sensing_of(preset);
   // A wall at the very ends of the range loses pixels beyond it.
   const double near = 1.15 * model.stream.min_m, far = 0.92 * model.stream.max_m;
+  std::vector<double> distances_m;
+  for (int i = 0; i < count; ++i) distances_m.push_back(near + (far - near) * i / std::max(1, count - 1));
+  for (const double z_m : kRoundDistancesM)
+    if (z_m > near && z_m < far) distances_m.push_back(z_m);
+  std::sort(distances_m.begin(), distances_m.end());
   std::vector<NoisePoint> points;
-  for (int i = 0; i < count; ++i)
-    points.push_back(measure_wall(model, near + (far - near) * i / std::max(1, count - 1)));
+  for (const double z_m : distances_m) points.push_back(measure_wall(model, z_m));
   return points;
 }
 

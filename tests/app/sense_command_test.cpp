@@ -51,8 +51,12 @@ TEST(SensorsCommand, DrawsTheNoiseOfAPreset) {
   const nlohmann::json points = nlohmann::json::parse(output.out)["points"];
   ASSERT_EQ(points.size(), 12U);
   // The goal for realised noise against the law, rounding included.
-  for (const nlohmann::json& point : points)
+  std::vector<double> distances_m;
+  for (const nlohmann::json& point : points) {
     EXPECT_NEAR(point["realised_mm"].get<double>() / point["recorded_mm"].get<double>(), 1.0, 0.05) << point;
+    distances_m.push_back(point["z_m"]);
+  }
+  EXPECT_THAT(distances_m, testing::IsSupersetOf({0.8, 1.0, 2.0, 4.0}));
   const ProcessOutput unknown = rigproof_command({"sensors", "--plot", "d456"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("d455"));

@@ -17,8 +17,9 @@ struct NoisePoint {
   double mean_error_m = 0.0;
 };
 
-/// Walls at `count` distances over the sensor's range, 640x480 pixels each. Throws Error if the sensor has no depth.
-std::vector<NoisePoint> measure_noise(const SensorPreset& preset, int count = 12);
+/// Walls at `count` distances spread over the sensor's range, and at 0.8, 1, 2 and 4 m where these are inside of it;
+/// 640x480 pixels each, in the order of distance. Throws Error if the sensor has no depth.
+std::vector<NoisePoint> measure_noise(const SensorPreset& preset, int count = 8);
 
 /// Draws law, rounding and realised noise over distance as a PNG. Throws Error.
 void write_noise_curve(const SensorPreset& preset, const std::filesystem::path& file);
