@@ -29,12 +29,29 @@ void note_clocks(const Preparation& prepared, Result* result) {
       "; the prior is all that is known.");
 }
 
+// Told only if the drive tells it: where a prior is all that is known, the clocks' sigmas are that wide.
+void note_turn_lag(double lag_s, double sigma_s, double prior_s, Result* result) {
+  if (!(prior_s > 0.0) || sigma_s > kNothingNew * prior_s) return;
+  result->notes.push_back(
+      format("The body turns %.1f +- %.1f ms later than its wheels; the clock offsets are free of that.", 1e3 * lag_s,
+             1e3 * sigma_s));
+}
+
 void note_rotation_centre(const Preparation& prepared, const Fit& fit, Result* result) {
   const double sigma_m = prepared.options.rotation_centre_sigma_m;
   if (!fit.noise.along_way || !(sigma_m > 0.0)) return;
   result->notes.push_back(format(
       "x of all cameras counts from the point about which the robot turns; where that lies no odometry tells, and "
       "+-%.1f mm for it are in the uncertainty of x (rotation_centre_sigma_mm).",
+      1e3 * sigma_m));
+}
+
+void note_riding_height(const Preparation& prepared, Result* result) {
+  const double sigma_m = prepared.riding_height_sigma_m();
+  if (!(sigma_m > 0.0)) return;
+  result->notes.push_back(format(
+      "Heights are those of a robot that moves; how much higher it rides than at rest no data tell, and +-%.2f mm "
+      "for it are in their uncertainty (riding_height_sigma_mm).",
       1e3 * sigma_m));
 }
 
@@ -60,7 +77,11 @@ void report_also_estimated(const Preparation& prepared, const Fit& fit, const Ei
     add("clock_offset_ms", layout.clock_offset(c), fit.state.clock_offset_s[i], priors.clock_offset_s, 1e3);
   }
   note_clocks(prepared, result);
+  if (layout.with_clock_offsets)
+    note_turn_lag(fit.state.turn_lag_s, std::sqrt(std::max(0.0, globals(layout.turn_lag(), layout.turn_lag()))),
+                  priors.turn_lag_s, result);
   note_rotation_centre(prepared, fit, result);
+  note_riding_height(prepared, result);
 }
 
 }  // namespace rigproof::ml

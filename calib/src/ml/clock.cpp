@@ -4,8 +4,8 @@
 
 namespace rigproof::ml {
 
-PoseAtImage pose_at_image(const RobotPose& stop, const Eigen::Vector3d& velocity, double late_s, double odometry_scale,
-                          double odometry_yaw_factor) {
+PoseAtImage pose_at_image(const RobotPose& stop, const Eigen::Vector3d& velocity, double late_s, double turn_lag_s,
+                          double odometry_scale, double odometry_yaw_factor) {
   const double c = std::cos(stop.yaw_rad), s = std::sin(stop.yaw_rad);
   const Eigen::Vector2d forward = velocity.head<2>() / odometry_scale;
   const Eigen::Vector2d in_world(c * forward.x() - s * forward.y(), s * forward.x() + c * forward.y());
@@ -14,11 +14,12 @@ PoseAtImage pose_at_image(const RobotPose& stop, const Eigen::Vector3d& velocity
   at_image.pose = stop;
   at_image.pose.x_m -= late_s * in_world.x();
   at_image.pose.y_m -= late_s * in_world.y();
-  at_image.pose.yaw_rad -= late_s * turning;
+  at_image.pose.yaw_rad -= (late_s + turn_lag_s) * turning;
   at_image.xy_by_yaw = late_s * Eigen::Vector2d(in_world.y(), -in_world.x());
-  at_image.by_clock << -in_world, -turning;
+  at_image.by_times.col(0) << -in_world, -turning;
+  at_image.by_times.col(1) << 0.0, 0.0, -turning;
   at_image.by_factors.col(0) << late_s / odometry_scale * in_world, 0.0;
-  at_image.by_factors.col(1) << 0.0, 0.0, late_s / odometry_yaw_factor * turning;
+  at_image.by_factors.col(1) << 0.0, 0.0, (late_s + turn_lag_s) / odometry_yaw_factor * turning;
   return at_image;
 }
 
@@ -26,7 +27,7 @@ ClockTwist chain_to_stop(const PoseAtImage& at_image, ViewGeometry* geometry) {
   const auto by_planar = geometry->twist_by_pose.leftCols<3>();
   ClockTwist twist;
   twist.by_factors = by_planar * at_image.by_factors;
-  twist.by_clock = by_planar * at_image.by_clock;
+  twist.by_times = by_planar * at_image.by_times;
   geometry->twist_by_pose.col(2) += geometry->twist_by_pose.leftCols<2>() * at_image.xy_by_yaw;
   return twist;
 }

@@ -26,10 +26,18 @@ Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent
   return J;
 }
 
-void add_rotation_centre(double sigma_m, Eigen::MatrixXd* joint) {
-  Eigen::VectorXd along_x = Eigen::VectorXd::Zero(joint->rows());
-  for (Eigen::Index i = 0; i < joint->rows(); i += 6) along_x[i] = sigma_m;
-  *joint += along_x * along_x.transpose();
+namespace {
+
+void add_common_error(Eigen::Index axis, double sigma, Eigen::MatrixXd* joint) {
+  Eigen::VectorXd common = Eigen::VectorXd::Zero(joint->rows());
+  for (Eigen::Index i = axis; i < joint->rows(); i += 6) common[i] = sigma;
+  *joint += common * common.transpose();
 }
+
+}  // namespace
+
+void add_rotation_centre(double sigma_m, Eigen::MatrixXd* joint) { add_common_error(0, sigma_m, joint); }
+
+void add_riding_height(double sigma_m, Eigen::MatrixXd* joint) { add_common_error(2, sigma_m, joint); }
 
 }  // namespace rigproof::ml

@@ -17,5 +17,8 @@ Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent
 /// views and planes are the same wherever it lies, so that nothing but this prior tells, and all cameras move by as
 /// much.
 void add_rotation_centre(double sigma_m, Eigen::MatrixXd* joint);
+/// Adds a common error of all cameras' heights, which nothing tells either: a robot that rides higher on its tyres
+/// carries its cameras along, and depth measures them over the ground as they are then.
+void add_riding_height(double sigma_m, Eigen::MatrixXd* joint);
 
 }  // namespace rigproof::ml

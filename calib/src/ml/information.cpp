@@ -38,6 +38,7 @@ InformationBound cramer_rao_bound(const Observations& observations, const Calibr
   InformationBound bound;
   bound.joint = J * globals.covariance * J.transpose();
   if (noise.along_way) ml::add_rotation_centre(noise.rotation_centre_prior_m, &bound.joint);
+  ml::add_riding_height(noise.riding_height_prior_m, &bound.joint);
   bound.free_directions = J * globals.free_directions;
   const int cameras = problem.layout().cameras;
   for (int c = 0; c < cameras; ++c) bound.camera_to_robot.push_back(bound.joint.block<6, 6>(6 * c, 6 * c));

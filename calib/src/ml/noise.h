@@ -31,6 +31,7 @@ struct Priors {
   double focal_relative = 0.0;     ///< 0: the intrinsics are believed
   double principal_point_px = 0.0;
   double clock_offset_s = 0.0;  ///< of each camera's stamps; 0: they are believed
+  double turn_lag_s = 0.0;      ///< beside clock offsets: of the body's turns behind the odometry's; 0: none
   /// Of an error that all ground planes of a camera share [1/m^2], one a camera, zero = none; empty = none at all.
   std::vector<Eigen::Matrix3d> ground_offset;
 };

@@ -17,6 +17,7 @@ Priors priors_of(const Observations& observations, const MlOptions& options) {
   priors.focal_relative = options.focal_relative_sigma;
   priors.principal_point_px = options.principal_point_sigma_px;
   priors.clock_offset_s = options.clock_offset_sigma_s;
+  priors.turn_lag_s = options.turn_lag_sigma_s;
   return priors;
 }
 
@@ -83,6 +84,14 @@ void Preparation::keep_usable(const GroundCheck& ground) {
   for (const PlaneObservation& plane : original.board_planes)
     if (solved(plane.camera)) used.board_planes.push_back(plane);
   if (options.estimate_plane_level) ground_offset = shared_ground_errors(used);
+}
+
+double Preparation::riding_height_sigma_m() const {
+  constexpr double kStanding = 0.01;  // [m/s, rad/s]: rounding of odometry is slower
+  const auto moving = std::count_if(used.stops.begin(), used.stops.end(),
+                                    [](const Stop& stop) { return stop.velocity.cwiseAbs().maxCoeff() > kStanding; });
+  if (moving == 0) return 0.0;
+  return options.riding_height_sigma_m * static_cast<double>(moving) / static_cast<double>(used.stops.size());
 }
 
 Priors Preparation::priors() const {

@@ -38,6 +38,8 @@ struct Preparation {
   bool solved(int camera) const { return guess.T_robot_camera[static_cast<std::size_t>(camera)].has_value(); }
   std::vector<int> solved_cameras() const;
   Priors priors() const;
+  /// One sigma of the error that all heights share, by the share of the stops at which the robot moves.
+  double riding_height_sigma_m() const;
   /// Where the motion leaves the mounting open, a solution is one of many: its residuals blame no lens and no frame.
   bool motion_suffices() const { return motion.kind == MotionKind::kSufficient; }
 

@@ -353,8 +353,8 @@ PoseAtImage Problem::pose_at_image(const State& state, int stop, int camera, dou
   const std::size_t i = static_cast<std::size_t>(stop);
   if (!layout_.with_clock_offsets) return {state.poses[i]};
   const double late_s = state.clock_offset_s[static_cast<std::size_t>(camera)] - after_stop_s;
-  return ml::pose_at_image(state.poses[i], observations_.stops[i].velocity, late_s, state.odometry_scale,
-                           state.odometry_yaw_factor);
+  return ml::pose_at_image(state.poses[i], observations_.stops[i].velocity, late_s, state.turn_lag_s,
+                           state.odometry_scale, state.odometry_yaw_factor);
 }
 
 template <bool kLens, bool kClock, typename Sink>
@@ -369,16 +369,16 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
   if constexpr (kClock) clock = chain_to_stop(at_image, &geometry);
   const Eigen::Matrix3d R_camera_board = geometry.T_camera_board.rotation_matrix();
   // Of globals the blocks below the diagonal are filled: in the order of their places.
-  constexpr int kFactors = kClock ? 2 : 0, kExtra = kFactors + (kLens ? 3 : 0) + (kClock ? 1 : 0);
+  constexpr int kFactors = kClock ? 2 : 0, kExtra = kFactors + (kLens ? 3 : 0) + (kClock ? 2 : 0);
   auto block = [&] {
     const Segment camera_part{-1, layout_.camera(view.camera)}, board{-1, layout_.board()}, pose{view.stop, 0},
         factors{-1, layout_.odometry_scale()}, lens{-1, layout_.intrinsics(view.camera)},
-        offset{-1, layout_.clock_offset(view.camera)};
+        offset{-1, layout_.clock_offset(view.camera)}, lag{-1, layout_.turn_lag()};
     constexpr Group kGroup = Group::kCorners;
     if constexpr (kLens && kClock)
-      return make_block<6, 6, 6, 2, 3, 1>(kGroup, view.camera, camera_part, board, pose, factors, lens, offset);
+      return make_block<6, 6, 6, 2, 3, 1, 1>(kGroup, view.camera, camera_part, board, pose, factors, lens, offset, lag);
     else if constexpr (kClock)
-      return make_block<6, 6, 6, 2, 1>(kGroup, view.camera, camera_part, board, pose, factors, offset);
+      return make_block<6, 6, 6, 2, 1, 1>(kGroup, view.camera, camera_part, board, pose, factors, offset, lag);
     else if constexpr (kLens)
       return make_block<6, 6, 6, 3>(kGroup, view.camera, camera_part, board, pose, lens);
     else
@@ -407,7 +407,7 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
     }
     if constexpr (kClock) {
       J.template middleCols<2>(6) = J.template leftCols<6>() * clock.by_factors;
-      J.template rightCols<1>() = J.template leftCols<6>() * clock.by_clock;
+      J.template rightCols<2>() = J.template leftCols<6>() * clock.by_times;
     }
     system.add(J, r, block_factor(weighting, w, moments));
   }
@@ -438,13 +438,13 @@ void Problem::visit_board_plane(const State& state, Weighting weighting, const P
       bias{-1, layout_.depth_bias(plane.camera)};
   if constexpr (kClock) {
     const ClockTwist clock = chain_to_stop(at_image, &geometry);
-    RowJacobian<3, 10> J;
+    RowJacobian<3, 11> J;
     J << residual.by_twist, residual.by_twist * clock.by_factors, residual.by_depth_bias,
-        residual.by_twist * clock.by_clock;
-    finish(make_block<6, 6, 6, 2, 1, 1>(Group::kBoardPlane, plane.camera, camera, board, pose,
-                                        Segment{-1, layout_.odometry_scale()}, bias,
-                                        Segment{-1, layout_.clock_offset(plane.camera)}),
-           TwistSystem<4>(), J);
+        residual.by_twist * clock.by_times;
+    finish(make_block<6, 6, 6, 2, 1, 1, 1>(
+               Group::kBoardPlane, plane.camera, camera, board, pose, Segment{-1, layout_.odometry_scale()}, bias,
+               Segment{-1, layout_.clock_offset(plane.camera)}, Segment{-1, layout_.turn_lag()}),
+           TwistSystem<5>(), J);
   } else {
     RowJacobian<3, 7> J;
     J << residual.by_twist, residual.by_depth_bias;
@@ -615,6 +615,7 @@ void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) 
     add(layout_.odometry_scale(), state.odometry_scale - 1.0, priors_.odometry_scale);
     add(layout_.odometry_yaw_factor(), state.odometry_yaw_factor - 1.0, priors_.odometry_yaw_factor);
   }
+  if (layout_.with_clock_offsets) add(layout_.turn_lag(), state.turn_lag_s, priors_.turn_lag_s);
   for (int c = 0; c < layout_.cameras; ++c) {
     const std::size_t i = static_cast<std::size_t>(c);
     add(layout_.depth_bias(c), state.depth_bias[i], priors_.depth_bias[i]);
@@ -640,6 +641,7 @@ void Problem::fix_unknowns(ArrowSystem* system) const {
     for (int unknown = 0; unknown < 3; ++unknown) system->fix_pose_unknown(0, unknown);
   if (!increments || priors_.odometry_scale <= 0.0) system->fix_global_unknown(layout_.odometry_scale());
   if (!increments || priors_.odometry_yaw_factor <= 0.0) system->fix_global_unknown(layout_.odometry_yaw_factor());
+  if (layout_.with_clock_offsets && priors_.turn_lag_s <= 0.0) system->fix_global_unknown(layout_.turn_lag());
   for (int c = 0; c < layout_.cameras; ++c) {
     if (camera_fixed[static_cast<std::size_t>(c)])
       for (int unknown = 0; unknown < 6; ++unknown) system->fix_global_unknown(layout_.camera(c) + unknown);

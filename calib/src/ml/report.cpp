@@ -84,6 +84,7 @@ class Reporter {
   Eigen::MatrixXd cameras_covariance(const Eigen::MatrixXd& J, const Eigen::MatrixXd& globals, const Fit& fit) const {
     Eigen::MatrixXd joint = J * globals * J.transpose();
     if (fit.noise.along_way) add_rotation_centre(prepared_.options.rotation_centre_sigma_m, &joint);
+    add_riding_height(prepared_.riding_height_sigma_m(), &joint);
     return joint;
   }
 
@@ -124,9 +125,11 @@ class Reporter {
     noise.odometry_scale_prior = prepared_.options.odometry_scale_sigma;
     noise.odometry_yaw_factor_prior = prepared_.options.odometry_yaw_factor_sigma;
     noise.rotation_centre_prior_m = prepared_.options.rotation_centre_sigma_m;
+    noise.riding_height_prior_m = prepared_.riding_height_sigma_m();
     noise.focal_relative_prior = prepared_.options.focal_relative_sigma;
     noise.principal_point_prior_px = prepared_.options.principal_point_sigma_px;
     noise.clock_offset_prior_s = prepared_.options.clock_offset_sigma_s;
+    noise.turn_lag_prior_s = prepared_.options.turn_lag_sigma_s;
     estimate_.corner_scale = fit_.noise.corner_scale;
     estimate_.ground_scale = fit_.noise.ground_scale;
     estimate_.board_plane_scale = fit_.noise.board_plane_scale;

@@ -46,12 +46,20 @@ void MlSettings::visit(FieldVisitor& visitor) {
       "rotation_centre_sigma_mm", rotation_centre_sigma_mm, NumberRange{0.0, 1000.0},
       "Odometry along the way: the point about which the robot turns lies off the robot's origin along x by about "
       "this much, which no data tell; 0 where the origin is that point by definition");
+  visitor.field("turn_lag_sigma_ms", turn_lag_sigma_ms, NumberRange{0.0, 1000.0},
+                "Beside clock offsets: the body turns later than its wheels by about this much (tyres give way): "
+                "estimated; 0 where it does not");
+  visitor.field("riding_height_sigma_mm", riding_height_sigma_mm, NumberRange{0.0, 100.0},
+                "Images taken at speed: the robot rides higher or lower than at rest by about this much, which no data "
+                "tell; 0 where it does not");
   visitor.check(is_file_name(name), "name", "must be letters, digits, _, -, + and .");
 }
 
 MlOptions MlSettings::options() const {
   MlOptions options;
   options.clock_offset_sigma_s = 1e-3 * clock_offset_sigma_ms;
+  options.turn_lag_sigma_s = 1e-3 * turn_lag_sigma_ms;
+  options.riding_height_sigma_m = 1e-3 * riding_height_sigma_mm;
   options.focal_relative_sigma = 0.01 * focal_sigma_percent;
   options.principal_point_sigma_px = principal_point_sigma_px;
   options.rotation_centre_sigma_m = 1e-3 * rotation_centre_sigma_mm;

@@ -69,6 +69,7 @@ State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pos
   result.T_world_board = moved_transform(state.T_world_board, global_step.segment<6>(layout.board()));
   result.odometry_scale += global_step[layout.odometry_scale()];
   result.odometry_yaw_factor += global_step[layout.odometry_yaw_factor()];
+  if (layout.with_clock_offsets) result.turn_lag_s += global_step[layout.turn_lag()];
   return result;
 }
 

@@ -35,6 +35,7 @@ struct State {
   std::vector<Eigen::Vector3d> intrinsics;     ///< relative focal length, shift of cx and of cy [px], one a camera
   std::vector<Eigen::Vector3d> ground_offset;  ///< common to all ground planes of a camera [1/m]
   std::vector<double> clock_offset_s;          ///< stamps of a camera's images less the odometry's time, one a camera
+  double turn_lag_s = 0.0;                     ///< by how much the body turns later than the odometry's wheels
 };
 
 /// The state of values as they are reported; intrinsics as told, ground planes without a common error.
@@ -58,7 +59,8 @@ struct Layout {
   int intrinsics(int c) const { return 7 * cameras + 8 + 3 * c; }
   int ground_offset(int c) const { return 7 * cameras + 8 + (with_intrinsics ? 3 * cameras : 0) + 3 * c; }
   int clock_offset(int c) const { return ground_offset(with_ground_offsets ? cameras : 0) + c; }
-  int globals() const { return clock_offset(with_clock_offsets ? cameras : 0); }
+  int turn_lag() const { return clock_offset(cameras); }  ///< only beside clock offsets
+  int globals() const { return clock_offset(with_clock_offsets ? cameras + 1 : 0); }
 };
 
 /// Moves the state by the steps of the poses (6 * poses) and of the globals.

@@ -28,6 +28,7 @@ Problem told_problem(const Observations& observations, const CalibrationNoise& n
   priors.focal_relative = noise.focal_relative_prior;
   priors.principal_point_px = noise.principal_point_prior_px;
   priors.clock_offset_s = noise.clock_offset_prior_s;
+  priors.turn_lag_s = noise.turn_lag_prior_s;
   for (const RigCamera& camera : observations.cameras)
     priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
   return Problem(observations, priors, to_levels(noise, observations.cameras.size()));

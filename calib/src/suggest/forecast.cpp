@@ -186,6 +186,7 @@ std::vector<AxisSigmas> Forecast::sigmas(const std::vector<const StopInformation
     const Eigen::MatrixXd rows = J.middleRows(6 * c, 6);
     Eigen::MatrixXd covariance = rows * globals.covariance * rows.transpose();
     ml::add_rotation_centre(knowledge_.estimate.noise.rotation_centre_prior_m, &covariance);
+    ml::add_riding_height(knowledge_.estimate.noise.riding_height_prior_m, &covariance);
     const Eigen::MatrixXd free = J * globals.free_directions;
     for (int axis = 0; axis < 6; ++axis) {
       bool open = false;

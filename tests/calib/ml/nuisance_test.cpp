@@ -62,7 +62,7 @@ struct MeanSquare {
 };
 
 constexpr int kBelieving = 3;  // trials without priors: each looks for what is wrong
-constexpr double kFocal = 0.003, kPrincipal_px = 1.0, kClock_s = 0.01;
+constexpr double kFocal = 0.003, kPrincipal_px = 1.0, kClock_s = 0.01, kTurnLag_s = 0.02;
 
 // The cameras are other ones than the rig says.
 GeometricRun run_with_wrong_lenses(int seed) {
@@ -126,10 +126,11 @@ TEST(MlLenses, WithoutPriorsTheErrorShows) {
 struct ClockRun {
   GeometricRun run;
   std::vector<double> offset_s;  // of each camera's stamps
+  double turn_lag_s = 0.0;
 };
 
 // All cameras take their images at one time while the robot moves, and stamp them by clocks of their own. The
-// odometry is read at the stamp of the middle camera.
+// odometry is read at the stamp of the middle camera; its wheels turn before the body does.
 ClockRun run_with_wrong_clocks(int seed, bool moving = true) {
   GeometricConfig config;
   config.seed = static_cast<std::uint64_t>(seed);
@@ -137,6 +138,7 @@ ClockRun run_with_wrong_clocks(int seed, bool moving = true) {
   RandomStream random(config.seed, "clock errors");
   std::vector<double> offset_s;
   for (std::size_t c = 0; c < config.rig.cameras.size(); ++c) offset_s.push_back(random.normal(0.0, kClock_s));
+  const double turn_lag_s = random.normal(0.0, kTurnLag_s);
   const GeometricScene at_images = draw_scene(config);
   GeometricScene at_stamps = at_images;
   std::vector<Eigen::Vector3d> velocities;
@@ -144,9 +146,9 @@ ClockRun run_with_wrong_clocks(int seed, bool moving = true) {
     velocities.emplace_back(random.uniform(-0.8, 0.8), random.uniform(-0.1, 0.1), random.uniform(-0.8, 0.8));
     if (!moving) velocities.back().setZero();
     const Eigen::Vector3d step = offset_s[1] * velocities.back();
-    T = T * planar_pose(step.x(), step.y(), step.z());
+    T = T * planar_pose(step.x(), step.y(), step.z() + turn_lag_s * velocities.back().z());
   }
-  ClockRun made{draw_geometric_run(config, at_images), offset_s};
+  ClockRun made{draw_geometric_run(config, at_images), offset_s, turn_lag_s};
   Observations& observations = made.run.observations;
   observations.stops = draw_geometric_run(config, at_stamps).observations.stops;
   for (std::size_t i = 0; i < velocities.size(); ++i) {
@@ -162,7 +164,7 @@ TEST(MlClocks, AreEstimatedWhileMovingAndTheUncertaintyIsTrue) {
   options.clock_offset_sigma_s = kClock_s;
   double with = 0.0, without = 0.0;
   bool contradicted = false;
-  MeanSquare offset;
+  MeanSquare offset, of_rigid;
   for (int seed = 0; seed < kTrials; ++seed) {
     const ClockRun made = run_with_wrong_clocks(seed);
     const std::vector<Rigid3> truth = poses_of(made.run.truth);
@@ -175,12 +177,19 @@ TEST(MlClocks, AreEstimatedWhileMovingAndTheUncertaintyIsTrue) {
       EXPECT_LT(value_of(estimate.result, name, "clock_offset_ms", &EstimatedQuantity::sigma), 0.5e3 * kClock_s);
     }
     if (seed >= kBelieving) continue;
+    MlOptions no_lag = options;
+    no_lag.turn_lag_sigma_s = 0.0;
+    const MlEstimate rigid = estimate_maximum_likelihood(made.run.observations, no_lag);
+    ASSERT_TRUE(rigid.result.joint_covariance) << seed;
+    for (std::size_t c = 0; c < truth.size(); ++c)
+      of_rigid.add(rigid.result, made.run.truth.cameras[c].name, "clock_offset_ms", 1e3 * made.offset_s[c]);
     const MlEstimate believing = estimate_maximum_likelihood(made.run.observations, told());
     contradicted = contradicted || !believing.result.joint_covariance;
     if (believing.result.joint_covariance) without += nees(believing, truth) / kBelieving;
   }
   EXPECT_NEAR(with, kNees, kNeesTolerance);
   EXPECT_NEAR(offset.mean(), 1.0, 0.5);
+  EXPECT_GT(of_rigid.mean(), 4.0);
   EXPECT_TRUE(contradicted || without > 1.5 * kNees) << without;
 }
 
@@ -216,6 +225,7 @@ TEST(MlClocks, AndLensesHaveRightDerivatives) {
   priors.focal_relative = kFocal;
   priors.principal_point_px = kPrincipal_px;
   priors.clock_offset_s = kClock_s;
+  priors.turn_lag_s = kTurnLag_s;
   ml::NoiseLevels levels;
   levels.corner_scale = levels.ground_scale = levels.board_plane_scale = {1.0, 1.0, 1.0};
   const ml::Problem problem(observations, priors, levels);
@@ -224,6 +234,7 @@ TEST(MlClocks, AndLensesHaveRightDerivatives) {
   state.odometry_scale = 1.02;
   state.odometry_yaw_factor = 0.97;
   state.clock_offset_s = {0.012, -0.02, 0.004};
+  state.turn_lag_s = 0.015;
   state.intrinsics[0] << 0.002, 0.7, -0.4;
   const ml::Layout& layout = problem.layout();
   const ml::ArrowSystem system = problem.linearise(state, ml::Weighting::kRobust, nullptr, nullptr);
@@ -289,6 +300,35 @@ TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
   const MlEstimate with = estimate_maximum_likelihood(run.observations, options);
   options.rotation_centre_sigma_m = 0.0;
   const MlEstimate without = estimate_maximum_likelihood(run.observations, options);
+  EXPECT_EQ(with.result.joint_covariance.value(), without.result.joint_covariance.value());
+}
+
+// A robot that rides higher while it moves carries its cameras along: no view and no plane shows it.
+TEST(MlRidingHeight, WhileMovingIsInTheUncertainty) {
+  MlOptions options = told();
+  options.clock_offset_sigma_s = kClock_s;
+  options.riding_height_sigma_m = 0.002;
+  double with = 0.0;
+  for (int seed = 0; seed < kTrials; ++seed) {
+    const ClockRun made = run_with_wrong_clocks(seed);
+    RandomStream random(static_cast<std::uint64_t>(seed), "riding height");
+    std::vector<Rigid3> truth = poses_of(made.run.truth);
+    const double height_m = random.normal(0.0, options.riding_height_sigma_m);
+    for (Rigid3& T : truth) T.translation.z() += height_m;
+    const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    with += nees(estimate, truth) / kTrials;
+  }
+  EXPECT_NEAR(with, kNees, kNeesTolerance);
+}
+
+TEST(MlRidingHeight, OfARobotThatStandsIsNone) {
+  MlOptions options = told();
+  options.riding_height_sigma_m = 0.002;
+  const Observations observations = run_with_wrong_clocks(3, false).run.observations;
+  const MlEstimate with = estimate_maximum_likelihood(observations, options);
+  options.riding_height_sigma_m = 0.0;
+  const MlEstimate without = estimate_maximum_likelihood(observations, options);
   EXPECT_EQ(with.result.joint_covariance.value(), without.result.joint_covariance.value());
 }
 

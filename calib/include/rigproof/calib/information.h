@@ -34,10 +34,14 @@ struct CalibrationNoise {
   double odometry_yaw_factor_prior = 0.1;
   /// Odometry along the way only: of the point about which the robot turns, along its x axis.
   double rotation_centre_prior_m = 0.0;
+  /// Of how much higher the robot rides at the stops, taken together, than where the cameras' heights count from.
+  double riding_height_prior_m = 0.0;
   /// Priors of each camera's lens and clock; 0 = they are believed.
   double focal_relative_prior = 0.0;
   double principal_point_prior_px = 0.0;
   double clock_offset_prior_s = 0.0;
+  /// Beside clock offsets: of what the robot's body turns later than its wheels; 0 = known to be nothing.
+  double turn_lag_prior_s = 0.0;
 };
 
 /// Covariances in the chart of transform_error(): tx ty tz rx ry rz, metres and radians.

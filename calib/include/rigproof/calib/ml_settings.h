@@ -17,6 +17,8 @@ struct MlSettings {
   double focal_sigma_percent = 0.0;
   double principal_point_sigma_px = 0.0;
   double rotation_centre_sigma_mm = 5.0;
+  double turn_lag_sigma_ms = 20.0;
+  double riding_height_sigma_mm = 0.3;
 
   void visit(FieldVisitor& visitor);
   MlOptions options() const;
