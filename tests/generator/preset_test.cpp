@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <sstream>
 
@@ -38,6 +40,29 @@ TEST(SensorPresets, EveryNumberThatIsSimulatedSaysWhereItIsFrom) {
           << name << ": " << line;
     }
     EXPECT_TRUE(simulation) << name;
+  }
+}
+
+// Of real devices every number has a source. The size of an image goes with its field of view, whose line has one, and
+// the two numbers of the L515's law with the line above them.
+TEST(SensorPresets, EveryNumberOfARealDeviceSaysWhereItIsFrom) {
+  const std::vector<std::string> told_elsewhere = {"width_px: 1280",
+                                                   "height_px: ", "T_color_depth: ", "constant_m: ", "proportional: "};
+  for (const char* name : {"d455", "d435", "l515"}) {
+    std::istringstream in(read_text_file(find_data_file("sensors", name)));
+    int numbers = 0;
+    for (std::string line; std::getline(in, line) && line.rfind("simulation:", 0) != 0;) {
+      const std::size_t value = line.find_first_not_of(' ', line.find(": ") + 1);
+      if (value == std::string::npos || std::isdigit(static_cast<unsigned char>(line[value])) == 0) continue;
+      ++numbers;
+      const bool elsewhere = std::any_of(told_elsewhere.begin(), told_elsewhere.end(), [&line](const std::string& key) {
+        return line.find(key) != std::string::npos;
+      });
+      EXPECT_TRUE(elsewhere || line.find("# source:") != std::string::npos ||
+                  line.find("# assumed") != std::string::npos)
+          << name << ": " << line;
+    }
+    EXPECT_GE(numbers, 12) << name;
   }
 }
 
