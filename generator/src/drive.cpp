@@ -107,12 +107,19 @@ class Driver {
     const FloorPose& first = goals_.front();
     const std::string obstacle =
         physics_.obstacle(planar_pose(first.position.x(), first.position.y(), first.yaw_rad), 0.0);
-    if (!obstacle.empty()) throw Error("viewpoint 1 at " + place_text(first) + ": the robot would touch " + obstacle);
+    if (!obstacle.empty()) throw Error(name_of(0) + " at " + place_text(first) + ": the robot would touch " + obstacle);
     physics_.place(first.position.x(), first.position.y(), first.yaw_rad);
     odometer_ = WheelOdometer(request_.wheels, physics_.left_wheels_rad(), physics_.right_wheels_rad());
     record();
     hold_wheels();
     if (!stand_and_capture(0)) refuse(0);
+  }
+
+  bool is_straight(std::size_t goal) const { return goal + request_.straight_goals >= goals_.size(); }
+
+  std::string name_of(std::size_t goal) const {
+    if (!is_straight(goal)) return "viewpoint " + std::to_string(goal + 1);
+    return "frame " + std::to_string(goal + 1 + request_.straight_goals - goals_.size()) + " of the straight drive";
   }
 
   void visit(std::size_t goal) {
@@ -124,9 +131,9 @@ class Driver {
     const std::size_t most = std::max(
         kReplaceableAtLeast, static_cast<std::size_t>(kReplaceable * static_cast<double>(request_.goals.size())));
     std::optional<FloorPose> other;
-    if (request_.replacement && drive_.given_up <= most) other = request_.replacement();
+    if (request_.replacement && !is_straight(goal) && drive_.given_up <= most) other = request_.replacement();
     if (!other) refuse(goal);
-    goals_.push_back(*other);
+    goals_.insert(goals_.end() - static_cast<std::ptrdiff_t>(request_.straight_goals), *other);
   }
 
   // Another plan avoids the place where the one before failed; where start or goal are too near to it, it takes the
@@ -156,17 +163,18 @@ class Driver {
   }
 
   [[noreturn]] void refuse(std::size_t goal) const {
-    std::string text =
-        "viewpoint " + std::to_string(goal + 1) + " at " + place_text(goals_[goal]) + " cannot be reached:";
+    std::string text = name_of(goal) + " at " + place_text(goals_[goal]) + " cannot be reached:";
     bool lacks_way = false, fails_on_way = false;
     for (const DriveTrouble& trouble : drive_.troubles) {
       if (trouble.goal != goal) continue;
       text += " " + trouble.reason + " at " + place_text(trouble.at) + ";";
       (trouble.reason.rfind("no ", 0) == 0 ? lacks_way : fails_on_way) = true;
     }
-    if (lacks_way || !fails_on_way) text += " change viewpoints, drive.clearance_cm, or the place of the board";
+    const std::string change =
+        is_straight(goal) ? " change straight_drive.frames, the scene's straight_path," : " change viewpoints,";
+    if (lacks_way || !fails_on_way) text += change + " drive.clearance_cm, or the place of the board";
     if (fails_on_way)
-      text += std::string(lacks_way ? "," : " change viewpoints,") +
+      text += std::string(lacks_way ? "," : change) +
               " or what it drives on and carries: drive.friction, unevenness_mm, ramps, payload_kg";
     if (drive_.given_up > 1) text += " (" + std::to_string(drive_.given_up) + " viewpoints were given up)";
     throw Error(text);

@@ -115,6 +115,7 @@ DrivenViewpoints drive_viewpoints(const GenerateConfig& config, const WorldDescr
   request.wheels = wheels_of(robot);
   request.odometry_rate_hz = config.odometry.rate_hz > 0.0 ? config.odometry.rate_hz : kDefaultRate_hz;
   request.area = drivable.drivable_area();
+  request.straight_goals = result.plan.straight;
   for (const Viewpoint& stop : known) request.goals.push_back(floor_pose(stop));
   if (progress)
     request.progress = [&progress, count = request.goals.size()](std::size_t reached) {

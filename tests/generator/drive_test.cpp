@@ -310,12 +310,15 @@ TEST(Drive, AWayThatEndsBadlyIsTakenBackAndAnotherOneTried) {
     ASSERT_NEAR(drive.odometry[i].stamp_s - drive.odometry[i - 1].stamp_s, 0.02, 1e-9) << "no trace of the failed way";
 }
 
+// Nobody gets to (3, 0).
+constexpr const char* kClosedRoom =
+    "<geom name=\"north\" type=\"box\" pos=\"3 1 0.5\" size=\"1 0.1 0.5\"/>"
+    "<geom name=\"south\" type=\"box\" pos=\"3 -1 0.5\" size=\"1 0.1 0.5\"/>"
+    "<geom name=\"east\" type=\"box\" pos=\"4 0 0.5\" size=\"0.1 1 0.5\"/>"
+    "<geom name=\"west\" type=\"box\" pos=\"2 0 0.5\" size=\"0.1 1 0.5\"/>";
+
 TEST(Drive, AViewpointThatCannotBeReachedIsNamedOrReplaced) {
-  const Floor floor(
-      "<geom name=\"north\" type=\"box\" pos=\"3 1 0.5\" size=\"1 0.1 0.5\"/>"
-      "<geom name=\"south\" type=\"box\" pos=\"3 -1 0.5\" size=\"1 0.1 0.5\"/>"
-      "<geom name=\"east\" type=\"box\" pos=\"4 0 0.5\" size=\"0.1 1 0.5\"/>"
-      "<geom name=\"west\" type=\"box\" pos=\"2 0 0.5\" size=\"0.1 1 0.5\"/>");
+  const Floor floor(kClosedRoom);
   const std::vector<FloorPose> goals = {{{0.0, 0.0}, 0.0}, {{3.0, 0.0}, 0.0}, {{-1.5, 0.5}, 0.0}};
   DrivePhysics physics(floor.description(), {});
   EXPECT_THAT(error_text([&] { simulate_drive(physics, floor.request(goals)); }),
@@ -326,6 +329,23 @@ TEST(Drive, AViewpointThatCannotBeReachedIsNamedOrReplaced) {
   EXPECT_EQ(drive.given_up, 1U);
   ASSERT_EQ(drive.reached.size(), 3U);
   EXPECT_EQ(drive.reached.back().position.y(), 1.5);
+}
+
+TEST(Drive, AReplacementComesBeforeTheStraightDriveAndNoneStandsInForAFrameOfIt) {
+  const Floor floor(kClosedRoom);
+  DrivePhysics physics(floor.description(), {});
+  const FloorPose blocked{{3.0, 0.0}, 0.0}, other{{-1.0, 0.3}, 0.0};
+  DriveRequest request = floor.request({{{0.0, 0.0}, 0.0}, blocked, {{-0.5, 0.0}, 0.0}, {{0.0, 0.0}, 0.0}});
+  request.straight_goals = 2;
+  request.replacement = [&other] { return std::optional<FloorPose>(other); };
+  const Drive drive = simulate_drive(physics, request);
+  std::vector<double> x_m;
+  for (const FloorPose& pose : drive.reached) x_m.push_back(pose.position.x());
+  EXPECT_THAT(x_m, testing::ElementsAre(0.0, other.position.x(), -0.5, 0.0));
+  request.goals = {{{0.0, 0.0}, 0.0}, {{-0.5, 0.0}, 0.0}, blocked};
+  EXPECT_THAT(error_text([&] { simulate_drive(physics, request); }),
+              AllOf(HasSubstr("frame 2 of the straight drive"), HasSubstr("straight_path"),
+                    testing::Not(HasSubstr("viewpoints"))));
 }
 
 TEST(Drive, ReplacementsEndAfterABoundedNumber) {

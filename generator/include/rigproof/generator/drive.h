@@ -48,6 +48,8 @@ struct DriveRequest {
   double odometry_rate_hz = 50.0;
   FloorArea area;
   std::vector<FloorPose> goals;
+  /// Of the goals the last: frames of a straight drive, which come after all viewpoints and cannot be replaced.
+  std::size_t straight_goals = 0;
   /// Another viewpoint for one that was given up; nothing where there is none to give. Called a bounded number of
   /// times.
   std::function<std::optional<FloorPose>()> replacement;
