@@ -116,28 +116,6 @@ std::optional<Eigen::MatrixXd> read_upper_triangle(MapReader& map, const std::st
 
 // ---------------------------------------------------------------------------------------------------------- writing
 
-// With an unknown heading, roll and pitch are stated in the axes that the yaw is measured from, and so is their
-// covariance: the parent's axes turned by the estimated yaw.
-struct HeadingFree {
-  Eigen::Vector3d rpy;
-  std::optional<Matrix6d> covariance;
-};
-
-HeadingFree without_heading(const EstimatedTransform& transform, bool parent_is_camera) {
-  HeadingFree out{roll_pitch_yaw(body_attitude(transform.T_parent_child, parent_is_camera)), transform.covariance};
-  const bool yaw_is_about_parent_z = !parent_is_camera;
-  if (out.covariance && !transform.observable[5] && yaw_is_about_parent_z) {
-    Matrix6d J = Matrix6d::Identity();
-    J.bottomRightCorner<3, 3>() = rotation_z(-out.rpy.z()).toRotationMatrix();
-    // A turn of the axes must not carry what is unknown into what is known.
-    Matrix6d known = *out.covariance;
-    for (Eigen::Index i = 0; i < 6; ++i)
-      if (!transform.observable[static_cast<std::size_t>(i)]) known.row(i).setZero(), known.col(i).setZero();
-    out.covariance = J * known * J.transpose();
-  }
-  return out;
-}
-
 // Angles pass through a rotation when they are read; at a resolution of 1e-12 rad they come back as they were.
 double rounded_angle(double angle_rad) { return parse_number(fixed_text(angle_rad, 12)).value_or(angle_rad); }
 
@@ -181,8 +159,8 @@ YamlTree tree_of(const EstimatedTransform& transform, bool parent_is_camera) {
     if (transform.covariance) add_covariance(*transform.covariance, transform.observable, &tree);
     return tree;
   }
-  const HeadingFree partial = without_heading(transform, parent_is_camera);
-  add_partial_pose(transform, partial.rpy, &tree);
+  const EstimatedTransform partial = parent_is_camera ? transform : heading_free(transform);
+  add_partial_pose(partial, roll_pitch_yaw(body_attitude(partial.T_parent_child, parent_is_camera)), &tree);
   const bool any = std::any_of(transform.observable.begin(), transform.observable.end(), [](bool o) { return o; });
   if (partial.covariance && any) add_covariance(*partial.covariance, transform.observable, &tree);
   return tree;
@@ -477,6 +455,21 @@ Result read_result(const YamlTree& tree, Problems* problems) {
 }  // namespace
 
 bool EstimatedTransform::fully_observable() const { return all_observable(observable); }
+
+EstimatedTransform heading_free(EstimatedTransform estimate) {
+  if (estimate.observable[5]) return estimate;
+  const double yaw_rad = roll_pitch_yaw(body_attitude(estimate.T_parent_child, false)).z();
+  const Eigen::Quaterniond turn = rotation_z(-yaw_rad);
+  estimate.T_parent_child.rotation = turn * estimate.T_parent_child.rotation;
+  if (!estimate.covariance) return estimate;
+  // A turn of the axes must not carry what is unknown into what is known.
+  Matrix6d known = *estimate.covariance, J = Matrix6d::Identity();
+  for (Eigen::Index i = 0; i < 6; ++i)
+    if (!estimate.observable[static_cast<std::size_t>(i)]) known.row(i).setZero(), known.col(i).setZero();
+  J.bottomRightCorner<3, 3>() = turn.toRotationMatrix();
+  estimate.covariance = J * known * J.transpose();
+  return estimate;
+}
 
 const char* result_status_name(ResultStatus status) {
   switch (status) {

@@ -150,6 +150,36 @@ TEST(Compare, UnobservableDegreesCountNeitherAsErrorNorAsZ) {
   EXPECT_TRUE(comparison.camera_nees.empty());
 }
 
+// Of a camera without a heading roll and pitch are known about its own axes, whichever way it was estimated to look.
+TEST(Compare, TiltOfACameraWithoutAHeadingIsJudgedInItsOwnAxes) {
+  const Truth truth = make_truth();
+  const Rigid3& T_true = truth.cameras[0].T_robot_camera;
+  const double true_yaw_rad = roll_pitch_yaw(T_true.rotation * optical_from_body()).z();
+  Vector6d in_heading = vector(0.0, 0.0, 0.001, 0.004, 0.0002, 0.0);
+  Vector6d sigma = vector(1.0, 1.0, 0.001, 0.004, 0.0002, 1.0);
+  for (const double wrong_yaw_rad : {0.0, 1.2, -2.5}) {
+    Vector6d error = in_heading;
+    error.tail<3>() = rotation_z(true_yaw_rad) * Eigen::Vector3d(in_heading.tail<3>());
+    Result result = exact_result(truth);
+    EstimatedTransform& left = result.camera_to_robot[0];
+    left.T_parent_child = apply_transform_error(T_true, error);
+    left.T_parent_child.rotation = rotation_z(wrong_yaw_rad) * left.T_parent_child.rotation;
+    left.observable = {false, false, true, true, true, false};
+    Matrix6d turn = Matrix6d::Identity();
+    turn.bottomRightCorner<3, 3>() = rotation_z(true_yaw_rad + wrong_yaw_rad).toRotationMatrix();
+    left.covariance = turn * sigma.cwiseAbs2().asDiagonal() * turn.transpose();
+    const auto expect_one_sigma = [&](const Result& judged) {
+      const TransformError of_left = compare(judged, truth).camera_to_robot[0];
+      for (const int axis : {2, 3, 4}) EXPECT_NEAR(of_left.z(axis).value(), 1.0, 1e-2) << axis;
+    };
+    expect_one_sigma(result);
+    const auto folder = fresh_folder("heading");
+    result.status = ResultStatus::kPartial;
+    save_result(result, folder / "left.yaml");
+    expect_one_sigma(load_result(folder / "left.yaml"));
+  }
+}
+
 // Draws all cameras from one joint covariance and compares.
 class JointDraws {
  public:

@@ -72,7 +72,8 @@ int Statements::index_of(const std::string& name) const {
   return found == cameras_.end() ? kRobot : static_cast<int>(found - cameras_.begin());
 }
 
-void Statements::add(const EstimatedTransform& estimate, int joint_index) {
+void Statements::add(const EstimatedTransform& stated, int joint_index) {
+  const EstimatedTransform estimate = index_of(stated.parent) == kRobot ? heading_free(stated) : stated;
   Statement statement{index_of(estimate.parent),
                       index_of(estimate.child),
                       estimate.T_parent_child,
@@ -129,6 +130,10 @@ TransformError error_of(const Statement& statement, const std::string& parent, c
   error.T_true = T_true;
   error.T_estimate = with_unobservable_from(T_true, statement.T_parent_child, statement.observable);
   error.error = transform_error(error.T_estimate, T_true);
+  if (!error.between_cameras && !error.observable[5]) {  // sigmas are in the axes of heading_free()
+    const double yaw_rad = roll_pitch_yaw(T_true.rotation * optical_from_body()).z();
+    error.error.tail<3>() = rotation_z(-yaw_rad) * Eigen::Vector3d(error.error.tail<3>());
+  }
   error.sigma = sigma_of(statement.covariance);
   return error;
 }

@@ -26,6 +26,11 @@ struct EstimatedTransform {
   bool fully_observable() const;
 };
 
+/// A camera in the robot whose heading is not observable, in the axes that its yaw counts from: the robot's, turned by
+/// the estimated yaw, which becomes zero. So results hold it on disk, roll and pitch with their covariance being of use
+/// in no other axes. Any other estimate, and one in these axes already, stays.
+EstimatedTransform heading_free(EstimatedTransform estimate);
+
 /// How much of a camera's data a method used.
 struct CameraUse {
   std::string camera;
