@@ -86,6 +86,18 @@ void Preparation::keep_usable(const GroundCheck& ground) {
   if (options.estimate_plane_level) ground_offset = shared_ground_errors(used);
 }
 
+std::vector<int> Preparation::seen_together() const {
+  std::vector<int> group(used.cameras.size());
+  for (std::size_t c = 0; c < group.size(); ++c) group[c] = static_cast<int>(c);
+  for (std::size_t i = 1; i < views.size(); ++i) {  // sorted by stop
+    if (views[i].stop != views[i - 1].stop) continue;
+    const int one = group[static_cast<std::size_t>(views[i].camera)];
+    const int other = group[static_cast<std::size_t>(views[i - 1].camera)];
+    std::replace(group.begin(), group.end(), one, other);
+  }
+  return group;
+}
+
 double Preparation::riding_height_sigma_m() const {
   constexpr double kStanding = 0.01;  // [m/s, rad/s]: rounding of odometry is slower
   const auto moving = std::count_if(used.stops.begin(), used.stops.end(),

@@ -270,9 +270,23 @@ class Reporter {
       for (const std::size_t axis : {0U, 1U, 5U}) transform.observable[axis] = false;
       if (all) transform.observable.fill(false);
     }
-    if (all)
-      for (EstimatedTransform& transform : result.camera_to_camera) transform.observable.fill(false);
+    withhold_pairs(all);
     result.joint_covariance.reset();
+  }
+
+  // Cameras that never see the board together hang on the odometry alone, which is contradicted.
+  void withhold_pairs(bool all) {
+    const std::vector<int> solved = prepared_.solved_cameras(), group = prepared_.seen_together();
+    auto transform = estimate_.result.camera_to_camera.begin();
+    for (std::size_t a = 0; a < solved.size(); ++a) {
+      for (std::size_t b = a + 1; b < solved.size(); ++b, ++transform) {
+        const bool together = group[static_cast<std::size_t>(solved[a])] == group[static_cast<std::size_t>(solved[b])];
+        if (all || !together) transform->observable.fill(false);
+        if (!all && !together)
+          add_reason(transform->child + " in " + transform->parent +
+                     ": no stops show the board to both, and the odometry between theirs is contradicted.");
+      }
+    }
   }
 
   void report_status() {

@@ -38,6 +38,18 @@ void allow_for_estimation(const Preparation& prepared, const Fit& fit, Group gro
   sigma = high;
 }
 
+// Planes of one or two stops agree by chance as if there were no noise. What is stated of them counts with as many
+// dimensions as these; where they scatter more than stated, that holds.
+void allow_for_few_planes(const GroupSums& sums, Group group, std::vector<double>* scales) {
+  constexpr double kStatedDimensions = 8.0;
+  for (std::size_t c = 0; c < scales->size(); ++c) {
+    double& scale = (*scales)[c];
+    const double redundancy = std::max(0.0, sum_of(sums, group, static_cast<int>(c)).redundancy());
+    if (scale < 1.0)
+      scale = std::sqrt((redundancy * scale * scale + kStatedDimensions) / (redundancy + kStatedDimensions));
+  }
+}
+
 }  // namespace
 
 NoiseLevels stated_levels(const Preparation& prepared, const Fit& fit, const GroupSums& sums) {
@@ -49,6 +61,10 @@ NoiseLevels stated_levels(const Preparation& prepared, const Fit& fit, const Gro
   if (!prepared.original.odometry_noise.sigma_yaw_rad)
     allow_for_estimation(prepared, fit, Group::kOdometryYaw, sums, &NoiseLevels::odometry_yaw_rad,
                          nominal.odometry_yaw_rad, &levels);
+  if (prepared.options.estimate_plane_level) {
+    allow_for_few_planes(sums, Group::kGround, &levels.ground_scale);
+    allow_for_few_planes(sums, Group::kBoardPlane, &levels.board_plane_scale);
+  }
   return levels;
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "broken_runs.h"
@@ -54,6 +55,24 @@ Observations run_with_depth(std::uint64_t seed, double depth_scale_sigma) {
   config.board_planes = true;
   config.depth_scale_sigma = depth_scale_sigma;
   return draw_geometric_run(config).observations;
+}
+
+// Two cameras that never see the board together: seed 2 stated a part of the one in the other, off by 7 deg.
+TEST(Diagnosis, CamerasThatOnlyContradictedOdometryConnectsAreWithheld) {
+  for (const Breakage& breakage : breakages()) {
+    if (std::string(breakage.name) != "yaw in degrees") continue;
+    Observations observations = draw_geometric_run(broken_run_config(breakage, 2)).observations;
+    breakage.apply(2, &observations);
+    const Result result = estimate_maximum_likelihood(observations).result;
+    ASSERT_EQ(result.camera_to_camera.size(), 1U);
+    for (const bool observable : result.camera_to_camera[0].observable) EXPECT_FALSE(observable);
+    EXPECT_EQ(std::count(result.reasons.begin(), result.reasons.end(),
+                         "camera2 in camera1: no stops show the board to both, and the odometry between theirs is "
+                         "contradicted."),
+              1);
+    return;
+  }
+  FAIL() << "no such breakage";
 }
 
 TEST(BoardScale, SaysHowLargeTheSquaresAre) {
