@@ -8,6 +8,7 @@
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
+#include "rigproof/core/text.h"
 #include "rigproof/generator/dataset.h"
 #include "rigproof/study/overrides.h"
 

@@ -7,6 +7,7 @@
 #include "paper_commands.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
 #include "rigproof/study/sweep.h"
 #include "terminal.h"
 

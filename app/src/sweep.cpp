@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kShownTasks = 20;
+constexpr std::size_t kShownTasks = 20, kShownReason = 300;
 
 fs::path file_of(const SweepStartArguments& arguments) {
   if (fs::is_directory(arguments.config)) return sweep_config_file(arguments.config);
@@ -139,7 +139,7 @@ int sweep_status_command(const SweepFolderArguments& arguments) {
                 " answers of " + std::to_string(state.tasks) + " tasks" + (state.running ? ", running" : ""));
   for (const FailureCount& failure : state.failures)
     terminal.line(" " + std::to_string(failure.tasks) + " x " + failure.method + " " +
-                  sweep_status_name(failure.status) + ": " + for_message(failure.reason));
+                  sweep_status_name(failure.status) + ": " + for_message(failure.reason, kShownReason));
   if (!state.counters.empty()) terminal.line("all starts: " + counters_text(state.counters));
   return 0;
 }

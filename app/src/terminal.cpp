@@ -110,12 +110,6 @@ void install_interrupt_handler() {
 
 bool interrupted() { return interrupt_count > 0; }
 
-std::string megabytes(double bytes) {
-  const double mb = bytes / 1e6;
-  if (mb >= 1000.0) return formatted("%.1f GB", mb / 1000.0);
-  return formatted(mb < 10.0 ? "%.1f MB" : "%.0f MB", mb);
-}
-
 std::string duration(double seconds) {
   if (seconds < 10.0) return formatted("%.1f s", seconds);
   if (seconds < 120.0) return formatted("%.0f s", seconds);

@@ -60,8 +60,6 @@ class ProgressLine {
 void install_interrupt_handler();
 bool interrupted();
 
-/// "412 MB", "1.2 GB".
-std::string megabytes(double bytes);
 /// "14 s", "2.1 s", "3 min 20 s".
 std::string duration(double seconds);
 

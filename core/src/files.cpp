@@ -223,6 +223,14 @@ std::vector<std::uint8_t> read_binary_file(const fs::path& file, std::uintmax_t 
   return read_bytes<std::vector<std::uint8_t>>(file, max_bytes);
 }
 
+void require_disk_space(const fs::path& folder, double needed_bytes, double share) {
+  std::error_code error;
+  const auto free_bytes = static_cast<double>(fs::space(folder, error).available);
+  if (error || free_bytes >= share * needed_bytes) return;
+  throw Error(folder.string() + ": the disk is nearly full: about " + megabytes(needed_bytes) + " are needed, " +
+              megabytes(free_bytes) + " are free");
+}
+
 std::string sha256_hex(std::string_view bytes) {
   Sha256 hash;
   hash.update(bytes.data(), bytes.size());

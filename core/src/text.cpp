@@ -89,6 +89,22 @@ std::string joined(const std::vector<std::string>& words, const std::string& sep
   return text;
 }
 
+std::string sentences_text(const std::vector<std::string>& sentences) {
+  constexpr std::string_view kMarks = ".!?;:";
+  std::string text;
+  for (const std::string& sentence : sentences) {
+    if (!text.empty()) text += kMarks.find(text.back()) == std::string_view::npos ? "; " : " ";
+    text += sentence;
+  }
+  return text;
+}
+
+std::string megabytes(double bytes) {
+  if (bytes >= 1e9) return fixed_text(bytes / 1e9, 1) + " GB";
+  if (bytes >= 1e7) return fixed_text(bytes / 1e6, 0) + " MB";
+  return bytes >= 1e5 ? fixed_text(bytes / 1e6, 1) + " MB" : fixed_text(bytes / 1e3, 0) + " kB";
+}
+
 std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known) {
   // Names of hostile length are not compared: the distance costs the product of both lengths.
   if (name.size() > 256) return std::nullopt;
@@ -111,12 +127,11 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& kn
   return nearest ? "did you mean \"" + *nearest + "\"? " + all : all;
 }
 
-std::string for_message(std::string_view text) {
-  constexpr std::size_t kLongest = 80;
-  std::string clean(text.substr(0, kLongest));
+std::string for_message(std::string_view text, std::size_t longest) {
+  std::string clean(text.substr(0, longest));
   for (char& c : clean)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  if (text.size() > kLongest) clean += "...";
+  if (text.size() > longest) clean += "...";
   return clean;
 }
 

@@ -40,6 +40,8 @@ constexpr double kMillisecondsClean = 70.0, kMillisecondsNoisy = 78.0;
 // Of each further picture of an image that is put together from several: 49 to 54.
 constexpr double kMillisecondsPicture = 50.0;
 constexpr double kCloudBytes = 12.0;
+// The estimate is good to a third; below that the disk decides.
+constexpr double kSureShareOfSize = 0.7;
 
 int available_cores() {
   cpu_set_t set;
@@ -138,16 +140,6 @@ std::vector<std::uint32_t> missing_frames(const Scenario& scenario, const Manife
     if (!done) missing.push_back(static_cast<std::uint32_t>(frame));
   }
   return missing;
-}
-
-void check_disk_space(const RunFolder& run, double needed_mb) {
-  std::error_code error;
-  const fs::space_info space = fs::space(run.root, error);
-  const double free_mb = 1e-6 * static_cast<double>(space.available);
-  // The estimate is good to a third; below that the disk decides.
-  if (error || free_mb > 0.7 * needed_mb) return;
-  throw Error(run.root.string() + ": the disk is nearly full: about " + std::to_string(static_cast<int>(needed_mb)) +
-              " MB are needed, " + std::to_string(static_cast<int>(free_mb)) + " MB are free");
 }
 
 std::string name_of_job(const Scenario& scenario, std::uint32_t job) {
@@ -372,8 +364,8 @@ GenerateReport generate(const Scenario& scenario, const GenerateOptions& options
     return make_report(scenario, manifest);
   }
   remove_temporary_files(run.root);
-  check_disk_space(
-      run, expected_mb(scenario) * static_cast<double>(missing.size()) / static_cast<double>(scenario.frame_count()));
+  const double share = static_cast<double>(missing.size()) / static_cast<double>(scenario.frame_count());
+  require_disk_space(run.root, 1e6 * expected_mb(scenario) * share, kSureShareOfSize);
   manifest.complete = false;
   save_manifest(manifest, run.manifest_file());
   ManifestKeeper keeper(run, std::move(manifest));

@@ -100,21 +100,39 @@ TEST(Files, AFileSizeLimitLeavesTheOldFileAndNothingElse) {
   EXPECT_THAT(names_in(folder.path()), testing::ElementsAre("result.yaml"));
 }
 
-// A real full disk: a file system of 64 KiB in a mount namespace of the test's own. Where the machine grants no such
-// namespace the size limit above stands for it.
+// A file system of 64 KiB in a mount namespace of the test's own.
+bool becomes_small_disk(const fs::path& folder) {
+  const bool own = unshare(CLONE_NEWNS) == 0 || unshare(CLONE_NEWUSER | CLONE_NEWNS) == 0;
+  return own && mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=64k") == 0;
+}
+
+// A real full disk. Where the machine grants no such namespace the size limit above stands for it.
 TEST(Files, AFullDiskIsNamedAndLeavesNothing) {
   const TempFolder folder;
   const std::string text = in_own_process([&]() -> std::string {
-    const bool own = unshare(CLONE_NEWNS) == 0 || unshare(CLONE_NEWUSER | CLONE_NEWNS) == 0;
-    if (!own || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
-        mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=64k") != 0)
-      return "no namespace";
+    if (!becomes_small_disk(folder.path())) return "no namespace";
     const std::string error =
         error_text([&] { write_file_atomically(folder / "result.yaml", std::string(1000000, 'x')); });
     return error + "|" + names_text(folder.path());
   });
   if (text == "no namespace") return;
   EXPECT_EQ(text, (folder / "result.yaml").string() + ": cannot write: the disk is full|");
+}
+
+TEST(Files, ADiskWithoutRoomIsToldInNumbersThatSaySomething) {
+  const TempFolder folder;
+  require_disk_space(folder.path(), 1.0);
+  EXPECT_THAT(error_text([&] { require_disk_space(folder.path(), 3e18); }),
+              testing::MatchesRegex(folder.path().string() +
+                                    ": the disk is nearly full: about 3000000000.0 GB are needed, .* are free"));
+  const std::string text = in_own_process([&]() -> std::string {
+    if (!becomes_small_disk(folder.path())) return "no namespace";
+    require_disk_space(folder.path(), 90e3, 0.7);
+    return error_text([&] { require_disk_space(folder.path(), 300e3, 0.7); });
+  });
+  if (text == "no namespace") return;
+  EXPECT_EQ(text, folder.path().string() + ": the disk is nearly full: about 0.3 MB are needed, 66 kB are free");
 }
 
 TEST(Files, AFolderThatCannotBeWrittenIsNamed) {

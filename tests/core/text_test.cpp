@@ -50,9 +50,25 @@ TEST(Text, TheNearestNameIsASlipAway) {
   EXPECT_FALSE(nearest_name("lambda", {}));
 }
 
+TEST(Text, SentencesStandApart) {
+  EXPECT_EQ(sentences_text({}), "");
+  EXPECT_EQ(sentences_text({"left: no board", "right: too far"}), "left: no board; right: too far");
+  EXPECT_EQ(sentences_text({"It has no depth.", "left: no board", "Turn more!"}),
+            "It has no depth. left: no board; Turn more!");
+}
+
+TEST(Text, SizesAreForPeople) {
+  EXPECT_EQ(megabytes(2.46e9), "2.5 GB");
+  EXPECT_EQ(megabytes(12.4e6), "12 MB");
+  EXPECT_EQ(megabytes(0.34e6), "0.3 MB");
+  EXPECT_EQ(megabytes(3900.0), "4 kB");
+  EXPECT_EQ(megabytes(0.0), "0 kB");
+}
+
 TEST(Text, MessagesShowNoControlCharacters) {
   EXPECT_EQ(for_message("a\x1b[31mred\n"), "a?[31mred?");
   EXPECT_EQ(for_message(std::string(200, 'x')), std::string(80, 'x') + "...");
+  EXPECT_EQ(for_message("abcdef", 3), "abc...");
 }
 
 }  // namespace

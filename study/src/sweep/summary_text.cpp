@@ -13,7 +13,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr double kSignificant = 0.05;
-constexpr std::size_t kShownFailures = 12;
+constexpr std::size_t kShownFailures = 12, kShownReason = 300;
 
 // Calls back with every column behind the axes, by name: texts, counts, then figures.
 template <typename Text, typename Number>
@@ -167,7 +167,7 @@ std::vector<std::string> failure_lines(const SweepSummary& summary) {
       break;
     }
     lines.push_back(std::to_string(failure.tasks) + " x " + failure.method + " " + sweep_status_name(failure.status) +
-                    (failure.reason.empty() ? "" : ": " + for_message(failure.reason)));
+                    (failure.reason.empty() ? "" : ": " + for_message(failure.reason, kShownReason)));
   }
   return lines;
 }

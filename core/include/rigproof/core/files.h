@@ -25,6 +25,10 @@ void sync_files(const std::vector<std::filesystem::path>& files);
 std::string read_text_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 64U << 20U);
 std::vector<std::uint8_t> read_binary_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 512U << 20U);
 
+/// Throws Error that tells what is needed and what is free, where the folder's disk has not even a share of the bytes
+/// needed. No error where the disk cannot be asked.
+void require_disk_space(const std::filesystem::path& folder, double needed_bytes, double share = 1.0);
+
 /// SHA-256 as 64 lower-case hexadecimal digits.
 std::string sha256_hex(std::string_view bytes);
 std::string sha256_hex_of_file(const std::filesystem::path& file);

@@ -1,6 +1,7 @@
 // Small things that readers and writers of text share: numbers without loss, and the nearest known name.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -28,12 +29,16 @@ std::optional<std::int64_t> parse_integer(std::string_view text);
 
 /// "a, b, c".
 std::string joined(const std::vector<std::string>& words, const std::string& separator = ", ");
+/// One after the other, with a semicolon after those that no mark ends: "left: too far; right: no board. Turn more."
+std::string sentences_text(const std::vector<std::string>& sentences);
+/// A size for people: "2.5 GB", "12 MB", "0.3 MB", "4 kB".
+std::string megabytes(double bytes);
 /// The known name that takes the fewest edits, if it is near enough to be a slip of the pen.
 std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);
 /// `did you mean "lambda"? known: model, lambda`, or only the second half where nothing is near.
 std::string suggestion(std::string_view name, const std::vector<std::string>& known);
 
 /// `text` cut to a length that fits a message, with control characters replaced: file content is not to be trusted.
-std::string for_message(std::string_view text);
+std::string for_message(std::string_view text, std::size_t longest = 80);
 
 }  // namespace rigproof
