@@ -46,7 +46,9 @@ MethodInput method_input(const Input& input, const Observations& observations, c
           jobs,
           vision.features.get(),
           vision.horizon.get(),
-          {}};
+          {},
+          nullptr,
+          [] { return !interrupted(); }};
 }
 
 Result run_with_progress(const Method& method, MethodInput input, const Terminal& terminal) {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "error_text.h"
+#include "onnx_bytes.h"
 #include "rigproof/calib/ground_source.h"
 #include "rigproof/calib/method.h"
 #include "rigproof/calib/observe.h"
@@ -270,6 +272,76 @@ TEST_F(RenderedSweep, AMethodMayTakeItsGroundFromImages) {
       EXPECT_EQ(row.error, rows["memroc"].error);
     }
   }
+}
+
+// The task's process sees that nobody wants the answer any more, and the sweep ends as interrupted, not with a failure.
+TEST_F(RenderedSweep, AnAnswerThatIsAbandonedIsMadeLater) {
+  const std::string text = std::string(kRun) + "methods: [opencv_park, robot_autocalib]\n";
+  const pid_t owner = getpid();
+  SweepOptions options;
+  options.folder = folder_ / "a";
+  options.cache = folder_ / "cache";
+  options.jobs = 1;
+  int asked = 0;  // in the task's process, after its first answer
+  options.keep_going = [&] {
+    if (getpid() == owner || !fs::exists(options.folder / "tasks")) return true;
+    const auto is_answer = [](const auto& entry) { return entry.path().filename() == "opencv_park.json"; };
+    const fs::recursive_directory_iterator answers(options.folder / "tasks");
+    return std::none_of(fs::begin(answers), fs::end(answers), is_answer) || ++asked < 4;
+  };
+  const SweepConfig config = load_sweep_config(folder_.write("a.yaml", text));
+  const SweepReport report = run_sweep(config, options);
+  EXPECT_FALSE(report.complete);
+  EXPECT_EQ(report.answers, 1U);
+  EXPECT_EQ(count(report, "images matched") + count(report, "motions found"), 0U) << "amid the images";
+  for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows) EXPECT_EQ(row.method, "opencv_park");
+  EXPECT_TRUE(sweep_state(folder_ / "a").failures.empty());
+  options.keep_going = {};
+  const SweepReport rest = run_sweep(config, options);
+  EXPECT_TRUE(rest.complete);
+  EXPECT_EQ(count(rest, "answers already there"), 1U);
+  EXPECT_EQ(count(rest, "answers solved"), 1U) << "nothing was kept of the abandoned one";
+  options.folder = folder_ / "whole";
+  options.cache = folder_ / "other_cache";
+  run_sweep(config, options);
+  EXPECT_EQ(folder_.read("a/rows.csv"), folder_.read("whole/rows.csv"));
+}
+
+// Networks in the processes of a sweep: their features and horizons are what the methods get, and are kept apart from
+// SIFT's and from another network's.
+TEST_F(RenderedSweep, MethodsLookThroughNetworks) {
+  folder_.write("keypoints.onnx", keypoint_network());
+  folder_.write("horizon.onnx", horizon_network(40000.0, 0.1));
+  const std::string run =
+      "run: {rig: husky_1x_d455, poses: 8, image_scale: 0.3, sensor_noise: none, straight_drive: {frames: 6}}\n";
+  const std::string methods =
+      "methods:\n"
+      "  - robot_autocalib\n"
+      "  - {method: robot_autocalib, name: by_network, features: \"onnx:keypoints.onnx\"}\n"
+      "  - {method: memroc, name: ground_by_network, ground: images, features: \"onnx:keypoints.onnx\"}\n"
+      "  - sensorx2car\n"
+      "  - {method: sensorx2car, name: by_horizon, horizon: \"onnx:horizon.onnx\"}\n";
+  const SweepReport report = sweep_of("a", run + methods);
+  EXPECT_TRUE(report.complete);
+  std::map<std::string, SweepRow> rows;
+  for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows)
+    if (row.subject != SweepSubject::kPair) rows[row.method + (row.subject == SweepSubject::kRig ? " rig" : "")] = row;
+  for (const auto& [name, row] : rows) EXPECT_NE(row.status, SweepStatus::kFailed) << name << ": " << row.reason;
+  EXPECT_TRUE(rows["robot_autocalib"].error != rows["by_network"].error ||
+              rows["robot_autocalib rig"].reason != rows["by_network rig"].reason);
+  ASSERT_TRUE(rows["sensorx2car"].error[5]) << rows["sensorx2car rig"].reason;
+  ASSERT_TRUE(rows["by_horizon"].error[5]) << rows["by_horizon rig"].reason;
+  EXPECT_NE(rows["by_horizon"].error, rows["sensorx2car"].error);
+  ASSERT_TRUE(rows["ground_by_network"].error[0]) << rows["ground_by_network rig"].reason;
+
+  // The same networks are known; another one is asked.
+  EXPECT_EQ(count(sweep_of("b", run + methods), "answers solved"), 0U);
+  folder_.write("horizon.onnx", horizon_network(40000.0, 0.2));
+  const SweepReport other = sweep_of("a", run + methods);
+  EXPECT_EQ(count(other, "answers solved"), 1U);
+  EXPECT_EQ(count(other, "answers already there"), 4U);
+  folder_.write("horizon.onnx", keypoint_network());
+  EXPECT_THAT(error_text([&] { sweep_of("a", run + methods); }), HasSubstr("horizon.onnx"));
 }
 
 TEST(ReplaceOdometry, GivesWhatGenerateWouldHaveWritten) {

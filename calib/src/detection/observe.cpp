@@ -361,14 +361,19 @@ class Observer {
     std::map<std::pair<int, int>, Rigid3> boards;
     for (const ViewPose& pose : poses) boards[{pose.stop, pose.camera}] = pose.T_camera_board;
     std::vector<PlaneSight> planes(with_depth.size());
-    detection::for_each_parallel(with_depth.size(), options_.threads, [&](std::size_t i) {
+    const auto look = [&](std::size_t i) {
       const Sight& sight = *with_depth[i];
       const auto board = boards.find({sight.stop, sight.camera});
       const auto up = alignment.source == VerticalSource::kMotion
                           ? alignment.up_camera[static_cast<std::size_t>(sight.camera)]
                           : std::nullopt;
       planes[i] = look_at_depth(sight, board == boards.end() ? std::nullopt : std::optional(board->second), up);
-    });
+    };
+    const auto proceed = [this](std::size_t) {
+      return !options_.progress || options_.progress(sights_.size(), sights_.size());
+    };
+    if (!detection::for_each_parallel(with_depth.size(), options_.threads, look, proceed))
+      throw Error("interrupted", ExitCode::kTryAgain);
     for (std::size_t i = 0; i < planes.size(); ++i) keep(*with_depth[i], std::move(planes[i]));
     drop_uncertain_planes();
     vote_on_ground(poses);

@@ -22,6 +22,10 @@ std::string Method::why_not(const MethodInput& /*input*/) const { return {}; }
 
 Result Method::solve_recording(const MethodInput& input) const { return solve(input.observations); }
 
+void throw_if_interrupted(const MethodInput& input) {
+  if (input.keep_going && !input.keep_going()) throw Error("interrupted", ExitCode::kTryAgain);
+}
+
 Result run_method(const Method& method, const MethodInput& input) {
   Result result;
   const std::string reason = method.why_not(input);

@@ -75,7 +75,8 @@ GroundReport take_ground_from(GroundSource source, const MethodInput& input, Obs
   Observations without = *observations;
   for (const int camera : cameras) drop_planes(&without.ground_planes, camera);
   const rivals::Features features(input);
-  const MethodInput images{without, input.recording, input.threads, nullptr, nullptr, input.progress, input.memory};
+  const MethodInput images{without, input.recording, input.threads, nullptr,
+                           nullptr, input.progress,  input.memory,  input.keep_going};
   const ImageGround ground = ground_from_images(images, features.source());
   for (const int camera : cameras) {
     const std::string& name = observations->cameras[static_cast<std::size_t>(camera)].name;

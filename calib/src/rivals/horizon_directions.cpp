@@ -2,9 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include "rigproof/calib/image_io.h"
-#include "rigproof/core/error.h"
-#include "rigproof/core/files.h"
 #include "rivals/image_files.h"
 #include "rivals/image_pairs.h"
 #include "rivals/straight_drive.h"
@@ -54,17 +51,12 @@ std::optional<Vector3d> vertical_of(const Camera& camera, const HorizonSight& si
 
 void look_at(const MethodInput& input, const HorizonSource& source, Look* look) {
   const Camera& camera = input.observations.cameras[static_cast<std::size_t>(look->camera)].camera;
-  try {
-    const auto read = read_grey_image(path_inside(input.recording->folder, look->frame->color_file));
-    const Image8* image = std::get_if<Image8>(&read);
-    if (image == nullptr || image->width != camera.width_px || image->height != camera.height_px) return;
-    const HorizonSight sight = source.look(*image);
-    look->up = vertical_of(camera, sight);
-    const auto ray = sight.ahead_px && look->drives_ahead ? ray_of(camera, *sight.ahead_px) : std::nullopt;
-    if (ray) look->ahead = look->sense * *ray;
-  } catch (const Error&) {
-    return;  // an image that cannot be read tells nothing
-  }
+  const std::optional<Image8> image = readable_image(*input.recording, *look->frame, camera);
+  if (!image) return;
+  const HorizonSight sight = source.look(*image);
+  look->up = vertical_of(camera, sight);
+  const auto ray = sight.ahead_px && look->drives_ahead ? ray_of(camera, *sight.ahead_px) : std::nullopt;
+  if (ray) look->ahead = look->sense * *ray;
 }
 
 }  // namespace

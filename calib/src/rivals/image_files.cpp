@@ -1,6 +1,11 @@
 #include "rivals/image_files.h"
 
 #include <string>
+#include <variant>
+
+#include "rigproof/calib/image_io.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
 
 namespace rigproof::rivals {
 
@@ -25,6 +30,17 @@ FramesByStop frames_by_stop(const Observations& observations, const Recording& r
 const CameraFrame* frame_of(const FramesByStop& frames, int stop, int camera) {
   const auto found = frames.find({stop, camera});
   return found == frames.end() ? nullptr : found->second;
+}
+
+std::optional<Image8> readable_image(const Recording& recording, const CameraFrame& frame, const Camera& camera) {
+  try {
+    auto read = read_grey_image(path_inside(recording.folder, frame.color_file));
+    auto* image = std::get_if<Image8>(&read);
+    if (image == nullptr || image->width != camera.width_px || image->height != camera.height_px) return std::nullopt;
+    return std::move(*image);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace rigproof::rivals

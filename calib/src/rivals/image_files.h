@@ -2,9 +2,11 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "rigproof/core/image.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/recording.h"
 
@@ -19,5 +21,8 @@ FramesByStop frames_by_stop(const Observations& observations, const Recording& r
 
 /// The frame, or none.
 const CameraFrame* frame_of(const FramesByStop& frames, int stop, int camera);
+
+/// A frame's image, or nothing where it cannot be read or is not of the camera's size.
+std::optional<Image8> readable_image(const Recording& recording, const CameraFrame& frame, const Camera& camera);
 
 }  // namespace rigproof::rivals

@@ -5,27 +5,12 @@
 
 #include "detection/parallel.h"
 #include "detection/recall.h"
-#include "rigproof/calib/image_io.h"
 #include "rigproof/core/error.h"
-#include "rigproof/core/files.h"
 #include "rivals/image_files.h"
 #include "rivals/image_findings.h"
 
 namespace rigproof::rivals {
 namespace {
-
-// Of an image, or nothing where it cannot be read.
-std::optional<ImageFeatures> read_features(const Recording& recording, const CameraFrame& frame, const Camera& camera,
-                                           const FeatureSource& source) {
-  try {
-    const auto read = read_grey_image(path_inside(recording.folder, frame.color_file));
-    const Image8* image = std::get_if<Image8>(&read);
-    if (image == nullptr || image->width != camera.width_px || image->height != camera.height_px) return std::nullopt;
-    return source.detect(*image);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
 
 std::vector<PixelMatch> match(const ImageFeatures& a, const ImageFeatures& b) {
   std::vector<PixelMatch> matches;
@@ -56,10 +41,10 @@ class Matcher {
     std::vector<std::pair<const CameraFrame* const, Seen>*> images;
     for (auto& image : images_) images.push_back(&image);
     for_each_image(input_, images.size(), [&](std::size_t i) {
-      images[i]->second.features =
-          read_features(*input_.recording, *images[i]->first, camera(images[i]->second.camera), source_);
+      const auto image = readable_image(*input_.recording, *images[i]->first, camera(images[i]->second.camera));
+      if (image) images[i]->second.features = source_.detect(*image);
     });
-    detection::for_each_parallel(pairs_.size(), input_.threads, [this](std::size_t i) { finish(i); });
+    for_each_piece(input_, pairs_.size(), [this](std::size_t i) { finish(i); });
   }
 
  private:
@@ -122,8 +107,15 @@ std::vector<const CameraFrame*> segment_frames(const Recording& recording, const
 }  // namespace
 
 void for_each_image(const MethodInput& input, std::size_t count, const std::function<void(std::size_t)>& work) {
-  std::function<bool(std::size_t)> proceed;
-  if (input.progress) proceed = [&](std::size_t done) { return input.progress(done, count); };
+  const auto proceed = [&](std::size_t done) {
+    return (!input.progress || input.progress(done, count)) && (!input.keep_going || input.keep_going());
+  };
+  if (!detection::for_each_parallel(count, input.threads, work, proceed))
+    throw Error("interrupted", ExitCode::kTryAgain);
+}
+
+void for_each_piece(const MethodInput& input, std::size_t count, const std::function<void(std::size_t)>& work) {
+  const auto proceed = [&](std::size_t) { return !input.keep_going || input.keep_going(); };
   if (!detection::for_each_parallel(count, input.threads, work, proceed))
     throw Error("interrupted", ExitCode::kTryAgain);
 }
@@ -181,6 +173,7 @@ std::size_t straight_segment_steps(const Recording& recording) {
 }
 
 std::optional<RelativePose> relative_pose_of(const MethodInput& input, const ImagePair& pair, double sigma_px) {
+  throw_if_interrupted(input);
   const Camera& camera = input.observations.cameras[static_cast<std::size_t>(pair.camera)].camera;
   const double sigma = ray_sigma(camera, sigma_px);
   FoundMotion motion;

@@ -38,6 +38,8 @@ class Features {
 /// work(i) for every image, in parallel as the input says and with its progress. Throws Error with
 /// ExitCode::kTryAgain if it is interrupted.
 void for_each_image(const MethodInput& input, std::size_t count, const std::function<void(std::size_t)>& work);
+/// The same for pieces that are no images: without telling progress.
+void for_each_piece(const MethodInput& input, std::size_t count, const std::function<void(std::size_t)>& work);
 
 /// Of every camera, each image with the next one, by (camera, stop). Images that cannot be read are skipped, as are
 /// steps that `wanted` turns down. Does not depend on the number of threads.
@@ -55,7 +57,8 @@ std::vector<std::pair<int, const CameraFrame*>> straight_segment_images(const Re
 /// How many steps straight segments have, at most, for one camera; no image is opened.
 std::size_t straight_segment_steps(const Recording& recording);
 
-/// estimate_relative_pose() of a pair's matches, or what the input's memory holds of it.
+/// estimate_relative_pose() of a pair's matches, or what the input's memory holds of it. Throws as
+/// throw_if_interrupted().
 /// @param sigma_px of a match
 std::optional<RelativePose> relative_pose_of(const MethodInput& input, const ImagePair& pair, double sigma_px);
 

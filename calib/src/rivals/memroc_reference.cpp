@@ -142,6 +142,7 @@ class ReferenceSolver {
   }
 
   std::optional<CloudPlane> plane_of_cloud(int stop, int k) const {
+    throw_if_interrupted(input_);
     const CameraFrame* frame = frames_.empty() ? nullptr : rivals::frame_of(frames_, stop, k);
     if (frame == nullptr) return std::nullopt;
     const std::string content =

@@ -79,7 +79,7 @@ SweepRow subject_row(SweepSubject subject, const std::string& camera, SweepStatu
 
 std::vector<SweepRow> rows_of(const Result& result, SweepStatus status, const TaskData& data) {
   const Comparison comparison = compare(result, data.truth);
-  const std::string reason = joined(result.reasons, " ");
+  const std::string reason = sentences_text(result.reasons);
   SweepRow rig;
   rig.camera = "all";
   rig.status = status;
@@ -133,6 +133,7 @@ SweepAnswer answer_of(const Method& method, const TaskData& data, const SweepSig
   MethodInput input{data.observations, data.recording ? &*data.recording : nullptr, 1, sight.features.get(),
                     sight.horizon.get()};
   input.memory = data.findings.get();
+  input.keep_going = data.keep_going;
   SweepAnswer answer;
   Result nothing;
   std::string why_not = method.why_not(input);

@@ -44,12 +44,15 @@ std::string replaced_all(std::string text, const std::string& from, const std::s
 
 std::string line_of(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
-// A job tells what went wrong with the machine in its last line.
-void telling_errors(const ForkedJobs::Tell& tell, const std::function<void()>& work) {
+// A job tells what went wrong with the machine in its last line, or that it was interrupted.
+void telling_errors(const ForkedJobs::Tell& tell, const std::function<bool()>& keep_going,
+                    const std::function<void()>& work) {
   cv::setNumThreads(1);  // threads of the process that forked this one are not here
   try {
     work();
   } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain && keep_going && !keep_going())
+      return tell(line_of({{"interrupted", true}}));
     tell(line_of({{"error", error.what()}, {"exit_code", static_cast<int>(error.exit_code())}}));
   } catch (const std::exception& error) {
     tell(line_of({{"error", error.what()}, {"exit_code", static_cast<int>(ExitCode::kBadInput)}}));
@@ -336,6 +339,7 @@ class Sweep {
       if (options_.keep_going && !options_.keep_going()) return stop();
       start_jobs();
       for (const ForkedJobs::News& news : jobs_.wait(kWaitMs)) take(news);
+      if (interrupted_) return stop();
       tell_progress();
     }
     return true;
@@ -380,7 +384,7 @@ class Sweep {
     set.state = PendingPictures::State::kRunning;
     used_slots_ += slots_of_[index] = processes;
     jobs_.start(index, [this, &set, processes](const ForkedJobs::Tell& tell) {
-      telling_errors(tell, [&] {
+      telling_errors(tell, options_.keep_going, [&] {
         PictureWork work;
         work.cache = &cache_;
         work.jobs = processes;
@@ -400,8 +404,9 @@ class Sweep {
     ++pending.starts;
     const std::size_t job = pictures_.size() + index;
     used_slots_ += slots_of_[job] = 1;
-    jobs_.start(
-        job, [this, &pending](const ForkedJobs::Tell& tell) { telling_errors(tell, [&] { solve(pending, tell); }); });
+    jobs_.start(job, [this, &pending](const ForkedJobs::Tell& tell) {
+      telling_errors(tell, options_.keep_going, [&] { solve(pending, tell); });
+    });
   }
 
   // Another sweep that shares the cache may not delete what a method of this task is going to read.
@@ -425,7 +430,7 @@ class Sweep {
     std::optional<TaskData> data;
     std::string no_data;
     try {
-      data = data_of(*pending.task, cache_, counting(tell));
+      data = data_of(*pending.task, cache_, counting(tell), options_.keep_going);
     } catch (const MachineError&) {
       throw;
     } catch (const Error& error) {
@@ -482,6 +487,7 @@ class Sweep {
 
   void take_line(std::size_t job, const json& message) {
     if (!message.is_object()) return;
+    interrupted_ = interrupted_ || message.contains("interrupted");
     if (message.contains("error"))
       throw Error(message["error"].get<std::string>(), static_cast<ExitCode>(message["exit_code"].get<int>()));
     if (message.contains("count"))
@@ -575,6 +581,7 @@ class Sweep {
   SweepCache cache_;
   int slots_;
   int used_slots_ = 0;
+  bool interrupted_ = false;  ///< as a job saw it
   bool only_look_ = false;
   FolderPlan plan_;
   SweepPlan tasks_;

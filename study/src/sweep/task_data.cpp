@@ -51,7 +51,8 @@ void keep_first_stops(std::int64_t count, Observations* observations) {
 }
 
 // Pictures come from the cache, and what was found in them; the odometry is this task's.
-TaskData rendered_data(const SweepTask& task, const SweepCache& cache, const Count& count) {
+TaskData rendered_data(const SweepTask& task, const SweepCache& cache, const Count& count,
+                       const std::function<bool()>& keep_going) {
   const RunFolder run = cache.pictures(task.pictures);
   if (!cache.has_pictures(task.pictures, false)) {
     plan_run(task.config);  // throws what make_pictures() passed over
@@ -66,6 +67,7 @@ TaskData rendered_data(const SweepTask& task, const SweepCache& cache, const Cou
   CachedFindings& findings = *data.findings;
   ObserveOptions options;
   options.threads = 1;
+  options.progress = [&keep_going](std::size_t, std::size_t) { return !keep_going || keep_going(); };
   try {
     data.observations = observe(*data.recording, options, &findings);
   } catch (const Error&) {
@@ -186,6 +188,7 @@ TaskData with_ground(const TaskData& data, const std::string& ground, const Swee
   if (!other.recording) return other;
   MethodInput input{data.observations, &*other.recording, 1, sight.features.get()};
   input.memory = other.findings.get();
+  input.keep_going = data.keep_going;
   for (const int camera : take_ground_from(source, input, &other.observations).cameras) {
     const std::string& name = other.observations.cameras[static_cast<std::size_t>(camera)].name;
     for (TrueCamera& truth : other.truth.cameras)
@@ -195,15 +198,17 @@ TaskData with_ground(const TaskData& data, const std::string& ground, const Swee
   return other;
 }
 
-TaskData data_of(const SweepTask& task, const SweepCache& cache, const Count& count) {
+TaskData data_of(const SweepTask& task, const SweepCache& cache, const Count& count,
+                 const std::function<bool()>& keep_going) {
   const auto start = Clock::now();
   TaskData data;
   if (!task.pictures.empty()) {
-    data = rendered_data(task, cache, count);
+    data = rendered_data(task, cache, count, keep_going);
   } else {
     data = task.geometric.rig == "run" ? planned_data(task) : drawn_data(task);
     if (task.images > 0) keep_first_stops(task.images, &data.observations);
   }
+  data.keep_going = keep_going;
   data.bounds = transform_bounds(data.observations, data.truth);
   data.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   count("observations made", 1);

@@ -41,10 +41,13 @@ struct TaskData {
   std::vector<TransformBound> bounds;
   double seconds = 0.0;
   std::shared_ptr<CachedFindings> findings;  ///< in the recording's images; none in geometric mode
+  std::function<bool()> keep_going;          ///< false interrupts whatever looks at them
 };
 
-/// Throws Error that says why the task has nothing to calibrate from, MachineError where that is nobody's fault.
-TaskData data_of(const SweepTask& task, const SweepCache& cache, const Count& count);
+/// Throws Error that says why the task has nothing to calibrate from, MachineError where that is nobody's fault, and
+/// Error with ExitCode::kTryAgain if `keep_going` says no.
+TaskData data_of(const SweepTask& task, const SweepCache& cache, const Count& count,
+                 const std::function<bool()>& keep_going);
 
 /// What looks at images as a SweepVision says. Throws Error where a network is none.
 struct SweepSight {
@@ -54,6 +57,7 @@ struct SweepSight {
 };
 
 /// The same task with the ground from where it is wanted, and the bound of that; unchanged where there are no images.
+/// Throws Error with ExitCode::kTryAgain where it is interrupted, as does answer_of().
 TaskData with_ground(const TaskData& data, const std::string& ground, const SweepSight& sight);
 
 /// A method's answer to a task, judged.

@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "rigproof/calib/feature_source.h"
+#include "rigproof/calib/ground_source.h"
 #include "rigproof/calib/rivals.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
 #include "room.h"
 #include "temp_folder.h"
 
@@ -102,6 +106,77 @@ TEST(RobotAutocalib, FindsPoseAndScaleFromFeatures) {
 TEST(RobotAutocalib, NeedsImages) {
   const Observations observations;
   EXPECT_THAT(robot_autocalib_method().why_not({observations}), HasSubstr("observations alone"));
+}
+
+/// Says no from some question on.
+class Patience {
+ public:
+  void hold_for(int questions) {
+    left_ = questions;
+    asked = 0;
+  }
+  std::function<bool()> keep_going() {
+    return [this] { return ++asked < left_; };
+  }
+  int asked = 0;
+
+ private:
+  int left_ = 0;
+};
+
+// A caller who wants no answer any more gets none, and is not asked again: after the first image, amid the work, and
+// at its last piece.
+void expect_abandoned(MethodInput input, const std::function<void(const MethodInput&)>& work) {
+  Patience patience;
+  input.keep_going = patience.keep_going();
+  patience.hold_for(1 << 20);
+  work(input);
+  const int questions = patience.asked;
+  ASSERT_GE(questions, 5);
+  for (const int answered : {1, questions / 2, questions}) {
+    patience.hold_for(answered);
+    try {
+      work(input);
+      ADD_FAILURE() << "worked on after question " << answered << " of " << questions;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code(), ExitCode::kTryAgain);
+      EXPECT_EQ(patience.asked, answered);
+    }
+  }
+}
+
+TEST(ImageMethods, AreAbandonedAtEveryPieceOfTheirWork) {
+  const TempFolder folder;
+  Steps steps(planar_pose(-1.6, -0.7, 0.2));
+  steps.forward(0.25, 3);
+  steps.arc(0.3, 9.0, 1);
+  const RoomDrive drive = drive_through_room(steps.poses, {two_cameras()[0]}, true, folder.path());
+  const MethodInput input{drive.observations, &drive.recording, 1};
+  for (const Method* method : {&robot_autocalib_method(), &sensorx2car_method(), &memroc_reference_method()}) {
+    SCOPED_TRACE(method->traits().name);
+    expect_abandoned(input, [method](const MethodInput& asked) { run_method(*method, asked); });
+  }
+  SCOPED_TRACE("ground from images");
+  expect_abandoned(input, [](const MethodInput& asked) {
+    Observations observations = asked.observations;
+    take_ground_from(GroundSource::kImages, asked, &observations);
+  });
+}
+
+// What a network cannot do is no fault of an image, which would be left out.
+TEST(ImageMethods, ANetworkThatFailsIsAnError) {
+  class Broken : public FeatureSource {
+   public:
+    ImageFeatures detect(const Image8& /*grey*/) const override { throw Error("the network does not take it"); }
+  };
+  const TempFolder folder;
+  Steps steps(planar_pose(-1.6, -0.7, 0.2));
+  steps.forward(0.2, 1);
+  const RoomDrive drive = drive_through_room(steps.poses, {two_cameras()[0]}, false, folder.path());
+  const Broken broken;
+  MethodInput input{drive.observations, &drive.recording, 2};
+  input.features = &broken;
+  EXPECT_THROW(run_method(robot_autocalib_method(), input), Error);
 }
 
 }  // namespace

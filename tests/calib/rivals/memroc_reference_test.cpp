@@ -41,6 +41,9 @@ void expect_good(const Method& method, const SyntheticDrive& drive) {
 
 void expect_others_good(const SyntheticDrive& drive) {
   for (const Method* method : others()) expect_good(*method, drive);
+  const WorstError between = worst_pair_error(li_method().solve(drive.observations), drive);
+  EXPECT_LT(between.distance_m, kGood_m) << "li";
+  EXPECT_LT(between.angle_rad, kGood_rad) << "li";
 }
 
 // An upright board of a forward rig is what the program was made for.

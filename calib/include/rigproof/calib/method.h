@@ -36,7 +36,12 @@ struct MethodInput {
   /// interrupt, which throws Error with ExitCode::kTryAgain.
   std::function<bool(std::size_t, std::size_t)> progress = {};
   PictureMemory* memory = nullptr;  ///< what was found in the recording's images before; results do not depend on it
+  /// Asked between pieces of work that take long, from one thread at a time; false interrupts as `progress` does.
+  std::function<bool()> keep_going = {};
 };
+
+/// Throws Error with ExitCode::kTryAgain where the input's keep_going says no.
+void throw_if_interrupted(const MethodInput& input);
 
 class Method {
  public:
