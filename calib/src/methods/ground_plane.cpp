@@ -47,10 +47,11 @@ std::vector<Measurement> measurements_of(const DepthPoints& points, const DepthN
   std::vector<Measurement> measurements;
   measurements.reserve(points.points.size());
   const double rounding_variance = points.unit_m * points.unit_m / 12.0;
-  for (const Eigen::Vector3f& point : points.points) {
-    const Vector3d p = point.cast<double>();
+  const std::vector<double>& own_sigmas = points.inverse_depth_sigmas_per_m;
+  for (std::size_t i = 0; i < points.points.size(); ++i) {
+    const Vector3d p = points.points[i].cast<double>();
     if (!p.allFinite() || !(p.z() > 0.0)) continue;
-    const double sensor = noise.inverse_depth_sigma(p.z());
+    const double sensor = own_sigmas.empty() ? noise.inverse_depth_sigma(p.z()) : own_sigmas[i];
     const double rounding = rounding_variance / std::pow(p.z(), 4);
     // An exact sensor still has a scale to tell inliers by.
     const double sigma = std::max(1e-6, std::sqrt(sensor * sensor + rounding));

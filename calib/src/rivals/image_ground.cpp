@@ -23,17 +23,11 @@ constexpr double kEpipolarSigmas = 3.0;
 // one would take a slice of a wall into the ground.
 constexpr double kMaxTilt_rad = 0.02, kTiltSigmas = 3.0;
 
-/// Points of one pair of images in the first one's frame, with what they know of their inverse depth.
-struct PairPoints {
-  DepthPoints points;
-  DepthNoise noise;
+/// What both images of a pair show, in the first one's frame.
+struct SeenPoint {
+  Eigen::Vector3d ray;  ///< in the first image, z = 1
+  Eigen::Vector3d point;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 class GroundFinder {
  public:
@@ -72,31 +66,51 @@ class GroundFinder {
     return observations_.board_views[static_cast<std::size_t>(view(pair.from, pair.camera)->view)].file;
   }
 
-  // Matches on the board's epipolar geometry, at a parallax that tells their depth. What lies on the board is left
-  // out: a board near the floor is no floor.
-  PairPoints triangulate(const ImagePair& pair) const {
+  Rigid3 step_of(const ImagePair& pair) const {
+    return view(pair.from, pair.camera)->T_camera_board * view(pair.to, pair.camera)->T_camera_board.inverse();
+  }
+  double ray_sigma_of(const ImagePair& pair) const {
     const RigCamera& camera = observations_.cameras[static_cast<std::size_t>(pair.camera)];
-    const double sigma = rivals::ray_sigma(camera.camera, options_.match_sigma_px);
-    const ViewPose &a = *view(pair.from, pair.camera), &b = *view(pair.to, pair.camera);
-    const Rigid3 T_a_b = a.T_camera_board * b.T_camera_board.inverse();
-    PairPoints result;
-    std::vector<double> sigmas;
+    return rivals::ray_sigma(camera.camera, options_.match_sigma_px);
+  }
+
+  // Matches on the board's epipolar geometry, from the top of the image downwards. What lies on the board is left out:
+  // a board near the floor is no floor. Nothing is chosen by the depth that was measured: it would be cut off on one
+  // side.
+  std::vector<SeenPoint> triangulate(const ImagePair& pair) const {
+    const Rigid3 T_a_b = step_of(pair);
+    const double sigma = ray_sigma_of(pair);
+    std::vector<SeenPoint> seen;
     for (const RayMatch& match : pair.matches) {
       if (std::abs(rivals::sampson_error(T_a_b, match)) > kEpipolarSigmas * sigma) continue;
       const auto point = rivals::triangulate(T_a_b, match);
-      if (!point || point->norm() > options_.max_distance_m || on_board(a, *point)) continue;
-      const double parallax = angle_between(match.a, T_a_b.rotation * match.b);
-      if (parallax < deg_to_rad(options_.min_parallax_deg)) continue;
-      result.points.points.push_back(point->cast<float>());
-      // 1/z along the ray moves by sigma over (range times the step's part across the ray): parallax = step / range.
-      sigmas.push_back(std::sqrt(2.0) * sigma / (parallax * point->z()));
+      if (point && !on_board(*view(pair.from, pair.camera), *point)) seen.push_back({match.a, *point});
     }
-    if (!sigmas.empty()) result.noise.inverse_depth_sigma_per_m = median(sigmas);
-    return result;
+    std::stable_sort(seen.begin(), seen.end(),
+                     [](const SeenPoint& p, const SeenPoint& q) { return p.ray.y() < q.ray.y(); });
+    return seen;
   }
 
-  static double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    return std::atan2(a.cross(b).norm(), a.dot(b));
+  // With what each point knows of 1/z: near the direction of the step, nearly nothing. How far away a point is matters
+  // there, too; a plane, once there is one, tells it better than the point itself, whose error would weigh itself.
+  DepthPoints with_sigmas(const ImagePair& pair, const std::vector<SeenPoint>& seen,
+                          const std::optional<PlaneObservation>& plane) const {
+    const Eigen::Vector3d step = step_of(pair).translation;
+    const double sigma = std::sqrt(2.0) * ray_sigma_of(pair);
+    DepthPoints points;
+    points.max_m = options_.max_depth_m;
+    for (const SeenPoint& place : seen) {
+      const double inverse_depth = plane ? plane->inverse_depth_plane.dot(place.ray) : 1.0 / place.point.z();
+      if (!(inverse_depth > 0.0)) continue;
+      const Eigen::Vector3d p = place.ray / inverse_depth;
+      const double across = step.cross(place.ray.normalized()).norm();
+      const double sigma_per_m =
+          sigma * place.ray.norm() / std::max(across, 1e-9) * (p - step).squaredNorm() / p.squaredNorm();
+      if (sigma_per_m > options_.max_depth_sigma * inverse_depth) continue;
+      points.points.push_back(place.point.cast<float>());
+      points.inverse_depth_sigmas_per_m.push_back(sigma_per_m);
+    }
+    return points;
   }
 
   bool on_board(const ViewPose& seen, const Eigen::Vector3d& point) const {
@@ -108,22 +122,23 @@ class GroundFinder {
   }
 
   void look_at(const ImagePair& pair) {
-    PairPoints seen = triangulate(pair);
-    // Rows of the image, as a depth image would give them.
-    std::stable_sort(seen.points.points.begin(), seen.points.points.end(),
-                     [](const Eigen::Vector3f& p, const Eigen::Vector3f& q) { return p.y() / p.z() < q.y() / q.z(); });
+    throw_if_interrupted(input_);
+    const std::vector<SeenPoint> seen = triangulate(pair);
     const auto reject = [&](const std::string& reason) {
       result_.rejected.push_back({pair.camera, pair.from, file_of(pair), "ground from images: " + reason});
     };
-    if (static_cast<int>(seen.points.points.size()) < options_.min_points)
-      return reject(std::to_string(seen.points.points.size()) + " matched points");
+    const DepthPoints points = with_sigmas(pair, seen, std::nullopt);
+    if (static_cast<int>(points.points.size()) < options_.min_points)
+      return reject(std::to_string(points.points.size()) + " of " + std::to_string(seen.size()) +
+                    " matched points whose depth is known well enough");
     GroundPlaneOptions options;
     options.min_inliers = options_.min_points;
     const auto up = alignment_.source == VerticalSource::kMotion
                         ? alignment_.up_camera[static_cast<std::size_t>(pair.camera)]
                         : std::nullopt;
     if (up) options.max_tilt_rad = kMaxTilt_rad + kTiltSigmas * alignment_.sigma_up_rad;
-    GroundPlaneFit fit = fit_ground_plane(seen.points, seen.noise, up, options);
+    GroundPlaneFit fit = fit_ground_plane(points, DepthNoise(), up, options);
+    if (fit.plane) fit = fit_ground_plane(with_sigmas(pair, seen, fit.plane), DepthNoise(), up, options);
     if (!fit.plane) return reject(fit.reason);
     PlaneObservation plane = *fit.plane;
     plane.stop = pair.from;

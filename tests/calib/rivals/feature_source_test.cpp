@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "error_text.h"
 #include "onnx_bytes.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/random.h"
 #include "room.h"
 #include "temp_folder.h"
 
@@ -78,6 +80,36 @@ TEST(SiftFeatures, MatchTheSamePlacesOfTwoViews) {
   }
   EXPECT_GT(static_cast<double>(right), 0.9 * static_cast<double>(matches.size()));
   EXPECT_TRUE(match_features(a, ImageFeatures()).empty());
+}
+
+// Blobs at known places between the pixels: a shift, however small, would tilt every ray.
+TEST(SiftFeatures, LieWhereTheyAreSeen) {
+  Image8 image(320, 240, 1, 40);
+  std::vector<Eigen::Vector2d> places;
+  RandomStream random(1, "blobs");
+  for (int row = 0; row < 5; ++row) {
+    for (int column = 0; column < 7; ++column) {
+      places.emplace_back(30.0 + 43.0 * column + random.uniform(-0.5, 0.5),
+                          25.0 + 46.0 * row + random.uniform(-0.5, 0.5));
+      const double size = random.uniform(2.0, 5.0);
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+          const double squares = (Eigen::Vector2d(x, y) - places.back()).squaredNorm() / (2.0 * size * size);
+          if (squares < 9.0) image.at(x, y) = static_cast<std::uint8_t>(std::lround(40.0 + 180.0 * std::exp(-squares)));
+        }
+    }
+  }
+  const ImageFeatures found = sift_features()->detect(image);
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  int count = 0;
+  for (const Eigen::Vector2d& place : places)
+    for (const Eigen::Vector2d& pixel : found.pixels)
+      if ((pixel - place).norm() < 1.0) {
+        sum += pixel - place;
+        ++count;
+      }
+  ASSERT_GE(count, 30);
+  EXPECT_LT((sum / count).norm(), 0.03) << (sum / count).transpose() << " of " << count;
 }
 
 TEST(FeatureSource, GoesByName) {

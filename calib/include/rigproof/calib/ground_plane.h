@@ -21,6 +21,8 @@ struct DepthPoints {
   /// Range of the sensor: near its ends noise is cut off on one side, so such points are not fitted.
   double min_m = 0.0;
   double max_m = std::numeric_limits<double>::infinity();
+  /// Of 1/z of each point [1/m], where a sensor's noise does not tell it; empty: it does.
+  std::vector<double> inverse_depth_sigmas_per_m = {};
 };
 
 /// Points of a 16-bit depth image on a grid of every `stride` pixels, inside the sensor's range. Throws Error if the

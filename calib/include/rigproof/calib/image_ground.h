@@ -11,8 +11,8 @@ namespace rigproof {
 
 struct ImageGroundOptions {
   double match_sigma_px = 0.4;    ///< standard deviation of a matched feature
-  double min_parallax_deg = 1.0;  ///< points seen under a smaller angle are too uncertain
-  double max_distance_m = 8.0;    ///< of a point from the camera
+  double max_depth_m = 8.0;       ///< points that may lie beyond it, by three of their standard deviations, are too far
+  double max_depth_sigma = 0.05;  ///< of a point, as a share of its depth: others take what stands on the floor into it
   int min_points = 40;            ///< on the ground in one pair of images
 };
 
@@ -23,10 +23,10 @@ struct ImageGround {
 };
 
 /// Matches features between consecutive images of a camera that both show the board, whose poses the board gives;
-/// triangulates them by DLT (refined by the covariance of depth), and fits the ground by RANSAC and least squares in
-/// inverse depth, as in a depth image. Planes off the vertical of the cameras' motion, or at another height than their
-/// camera's other planes, are rejected. Only cameras without a ground plane in the observations are looked at.
-/// Deterministic. Needs MethodInput::recording; without it there are no planes.
+/// triangulates them by DLT, and fits the ground by RANSAC and least squares in inverse depth, as in a depth image,
+/// each point with the weight that the step gives it. Planes off the vertical of the cameras' motion, or at another
+/// height than their camera's other planes, are rejected. Only cameras without a ground plane in the observations are
+/// looked at. Deterministic. Needs MethodInput::recording; without it there are no planes.
 ImageGround ground_from_images(const MethodInput& input, const FeatureSource& source,
                                const ImageGroundOptions& options = {});
 
