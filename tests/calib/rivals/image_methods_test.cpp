@@ -132,7 +132,7 @@ void expect_abandoned(MethodInput input, const std::function<void(const MethodIn
   patience.hold_for(1 << 20);
   work(input);
   const int questions = patience.asked;
-  ASSERT_GE(questions, 5);
+  ASSERT_GE(questions, 4);
   for (const int answered : {1, questions / 2, questions}) {
     patience.hold_for(answered);
     try {
