@@ -25,6 +25,23 @@ void for_each_stretch(const std::vector<std::optional<double>>& y, const Visit& 
   }
 }
 
+void draw_mark(const Eigen::Vector2d& place, double radius, const Series& series, Figure* figure) {
+  if (!series.hollow) return figure->disc(place, radius, series.color);
+  figure->disc(place, radius, kPaper);
+  figure->ring(place, radius, series.color);
+}
+
+// Every n-th label is written so that none touches the next.
+std::size_t label_stride(const ChartAxes& axes, const std::vector<double>& places) {
+  constexpr double kBetween = 6.0;
+  double widest = 0.0;
+  for (const double x : places) widest = std::max(widest, Canvas::text_width(number(x), kLabel));
+  if (places.size() < 2) return 1;
+  const double first = axes.at(places.front(), axes.y_low).x(), last = axes.at(places.back(), axes.y_low).x();
+  const double step = (last - first) / static_cast<double>(places.size() - 1);
+  return static_cast<std::size_t>(std::max(1.0, std::ceil((widest + kBetween) / std::max(step, 1e-3))));
+}
+
 }  // namespace
 
 Eigen::Vector2d ChartAxes::at(double x, double y) const {
@@ -69,10 +86,12 @@ void draw_axes(const ChartAxes& axes, const ChartLabels& labels, Figure* figure)
     figure->line(p, {right, p.y()}, kRule);
     if (labels.y_numbers) figure->text({axes.left - 6.0, p.y() + 3.0}, number(y), kLabel, kGrey, Align::kRight);
   }
-  for (const double x : ticks(axes.x_low, axes.x_high, axes.x_log)) {
-    const Eigen::Vector2d p = axes.at(x, axes.y_low);
+  const std::vector<double> places = ticks(axes.x_low, axes.x_high, axes.x_log);
+  const std::size_t stride = label_stride(axes, places);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::Vector2d p = axes.at(places[i], axes.y_low);
     figure->line(p, {p.x(), axes.top}, kRule);
-    figure->text({p.x(), bottom + 15.0}, number(x), kLabel, kGrey, Align::kCentre);
+    if (i % stride == 0) figure->text({p.x(), bottom + 15.0}, number(places[i]), kLabel, kGrey, Align::kCentre);
   }
   figure->frame({axes.left, axes.top}, {axes.width, axes.height}, kGrey);
   figure->text({axes.left, axes.top - 8.0}, labels.title, 9.0, kInk, Align::kLeft, true);
@@ -91,8 +110,8 @@ void draw_series(const ChartAxes& axes, const Series& series, Figure* figure) {
   for_each_stretch(series.y, [&](std::size_t begin, std::size_t end) {
     std::vector<Eigen::Vector2d> line;
     for (std::size_t i = begin; i < end; ++i) line.push_back(axes.at(series.x[i], series.y[i].value()));
-    figure->polyline(line, series.color, 1.8);
-    for (const Eigen::Vector2d& place : line) figure->disc(place, 2.2, series.color);
+    figure->polyline(line, series.color, series.hollow ? 1.0 : 1.8);
+    for (const Eigen::Vector2d& place : line) draw_mark(place, 2.2, series, figure);
   });
 }
 
@@ -102,7 +121,7 @@ void draw_legend(const std::vector<Series>& series, const Eigen::Vector2d& at, F
   for (const Series& entry : series) {
     const double width = Canvas::text_width(entry.name, kHeight) + 34.0;
     if (place.x() + width > figure->width() - kMargin && place.x() > at.x()) place = {at.x(), place.y() + kLine};
-    figure->disc(place + Eigen::Vector2d(4.0, -0.5 * kHeight), 4.5, entry.color);
+    draw_mark(place + Eigen::Vector2d(4.0, -0.5 * kHeight), 4.5, entry, figure);
     figure->text(place + Eigen::Vector2d(14.0, 0.0), entry.name, kHeight, kInk);
     place.x() += width;
   }

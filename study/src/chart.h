@@ -35,6 +35,7 @@ void draw_axes(const ChartAxes& axes, const ChartLabels& labels, Figure* figure)
 struct Series {
   std::string name;
   Color color;
+  bool hollow = false;  ///< thin line with rings: tells it from the series of the same color
   std::vector<double> x;
   std::vector<std::optional<double>> y, low, high;
 };

@@ -48,7 +48,7 @@ Color Color::pale(double strength) const {
 }
 
 Color camera_color(std::size_t camera) {
-  static constexpr std::array<Color, 8> kColors = {{{0, 114, 178},
+  static constexpr std::array<Color, kCameraColors> kColors = {{{0, 114, 178},
                                                     {213, 94, 0},
                                                     {0, 158, 115},
                                                     {204, 121, 167},

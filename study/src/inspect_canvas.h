@@ -24,6 +24,7 @@ inline constexpr Color kAccent{200, 30, 30};
 
 /// The same color for the same camera in every picture (Okabe and Ito's palette, told apart by the color-blind).
 Color camera_color(std::size_t camera);
+inline constexpr std::size_t kCameraColors = 8;  ///< then they come again
 
 enum class Align { kLeft, kCentre, kRight };
 

@@ -17,6 +17,11 @@ const std::array<const char*, 6> kAxisNames = {"tx [cm]",    "ty [cm]",     "tz 
                                                "roll [deg]", "pitch [deg]", "yaw [deg]"};
 constexpr double kGap = 70.0;
 
+bool repeats_a_color(const SweepRows& rows, const std::string& method) {
+  const auto found = std::find(rows.methods.begin(), rows.methods.end(), method);
+  return static_cast<std::size_t>(found - rows.methods.begin()) >= kCameraColors;
+}
+
 // The same color for the same method in every figure.
 Color method_color(const SweepRows& rows, const std::string& method) {
   const auto found = std::find(rows.methods.begin(), rows.methods.end(), method);
@@ -122,6 +127,7 @@ Series curve(const SweepRows& rows, std::size_t axis, const CurvePanel& panel, c
   Series series;
   series.name = method;
   series.color = method_color(rows, method);
+  series.hollow = repeats_a_color(rows, method);
   for (std::size_t i = 0; i < rows.levels[axis].size(); ++i) {
     Condition condition = panel.condition;
     condition[axis] = rows.levels[axis][i];
@@ -204,7 +210,7 @@ std::vector<std::filesystem::path> draw_repeatability(const SweepRows& rows, con
     std::vector<Series> curves;
     double largest = 0.0;
     for (const std::string& method : rows.methods) {
-      Series series{method, method_color(rows, method), {}, {}, {}, {}};
+      Series series{method, method_color(rows, method), repeats_a_color(rows, method), {}, {}, {}, {}};
       for (std::size_t i = 0; i < runs; ++i) {
         std::optional<double> value;
         for (const SweepRow& row : rows.rows)
