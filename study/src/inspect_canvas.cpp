@@ -49,13 +49,13 @@ Color Color::pale(double strength) const {
 
 Color camera_color(std::size_t camera) {
   static constexpr std::array<Color, kCameraColors> kColors = {{{0, 114, 178},
-                                                    {213, 94, 0},
-                                                    {0, 158, 115},
-                                                    {204, 121, 167},
-                                                    {86, 180, 233},
-                                                    {230, 159, 0},
-                                                    {110, 80, 40},
-                                                    {90, 90, 200}}};
+                                                                {213, 94, 0},
+                                                                {0, 158, 115},
+                                                                {204, 121, 167},
+                                                                {86, 180, 233},
+                                                                {230, 159, 0},
+                                                                {110, 80, 40},
+                                                                {90, 90, 200}}};
   return kColors[camera % kColors.size()];
 }
 
