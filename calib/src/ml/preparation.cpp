@@ -86,15 +86,24 @@ void Preparation::keep_usable(const GroundCheck& ground) {
   if (options.estimate_plane_level) ground_offset = shared_ground_errors(used);
 }
 
-std::vector<int> Preparation::seen_together() const {
-  std::vector<int> group(used.cameras.size());
-  for (std::size_t c = 0; c < group.size(); ++c) group[c] = static_cast<int>(c);
-  for (std::size_t i = 1; i < views.size(); ++i) {  // sorted by stop
-    if (views[i].stop != views[i - 1].stop) continue;
-    const int one = group[static_cast<std::size_t>(views[i].camera)];
-    const int other = group[static_cast<std::size_t>(views[i - 1].camera)];
-    std::replace(group.begin(), group.end(), one, other);
-  }
+std::vector<int> Preparation::seen_together(const std::vector<bool>& left_out) const {
+  constexpr int kEnough = 2;
+  const std::size_t cameras = used.cameras.size();
+  Eigen::MatrixXi stops = Eigen::MatrixXi::Zero(static_cast<Eigen::Index>(cameras), static_cast<Eigen::Index>(cameras));
+  const auto counts = [&](const ViewPose& view) {
+    return left_out.empty() || !left_out[static_cast<std::size_t>(view.view)];
+  };
+  for (std::size_t i = 0; i < views.size(); ++i)
+    for (std::size_t j = i + 1; j < views.size() && views[j].stop == views[i].stop; ++j)  // sorted by stop
+      if (counts(views[i]) && counts(views[j])) ++stops(views[i].camera, views[j].camera);
+  std::vector<int> group(cameras);
+  for (std::size_t c = 0; c < cameras; ++c) group[c] = static_cast<int>(c);
+  for (std::size_t a = 0; a < cameras; ++a)
+    for (std::size_t b = a + 1; b < cameras; ++b) {
+      if (stops(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) < kEnough) continue;
+      const int one = group[a], other = group[b];
+      std::replace(group.begin(), group.end(), one, other);
+    }
   return group;
 }
 

@@ -37,8 +37,10 @@ struct Preparation {
   bool has_pose(std::size_t view) const;
   bool solved(int camera) const { return guess.T_robot_camera[static_cast<std::size_t>(camera)].has_value(); }
   std::vector<int> solved_cameras() const;
-  /// A number for each camera: alike where stops at which both see the board, or a chain of them, connect two cameras.
-  std::vector<int> seen_together() const;
+  /// A number for each camera: alike where two stops at which both see the board, or a chain of such pairs, connect
+  /// cameras. One stop alone is no match for a whole drive that is wrong.
+  /// @param left_out views that do not count, by index into the board's views
+  std::vector<int> seen_together(const std::vector<bool>& left_out) const;
   Priors priors() const;
   /// One sigma of the error that all heights share, by the share of the stops at which the robot moves.
   double riding_height_sigma_m() const;

@@ -276,7 +276,7 @@ class Reporter {
 
   // Cameras that never see the board together hang on the odometry alone, which is contradicted.
   void withhold_pairs(bool all) {
-    const std::vector<int> solved = prepared_.solved_cameras(), group = prepared_.seen_together();
+    const std::vector<int> solved = prepared_.solved_cameras(), group = prepared_.seen_together(fit_.view_left_out);
     auto transform = estimate_.result.camera_to_camera.begin();
     for (std::size_t a = 0; a < solved.size(); ++a) {
       for (std::size_t b = a + 1; b < solved.size(); ++b, ++transform) {
@@ -284,7 +284,7 @@ class Reporter {
         if (all || !together) transform->observable.fill(false);
         if (!all && !together)
           add_reason(transform->child + " in " + transform->parent +
-                     ": no stops show the board to both, and the odometry between theirs is contradicted.");
+                     ": too few stops show the board to both, and the odometry that connects them is contradicted.");
       }
     }
   }

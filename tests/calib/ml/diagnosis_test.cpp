@@ -67,8 +67,8 @@ TEST(Diagnosis, CamerasThatOnlyContradictedOdometryConnectsAreWithheld) {
     ASSERT_EQ(result.camera_to_camera.size(), 1U);
     for (const bool observable : result.camera_to_camera[0].observable) EXPECT_FALSE(observable);
     EXPECT_EQ(std::count(result.reasons.begin(), result.reasons.end(),
-                         "camera2 in camera1: no stops show the board to both, and the odometry between theirs is "
-                         "contradicted."),
+                         "camera2 in camera1: too few stops show the board to both, and the odometry that connects "
+                         "them is contradicted."),
               1);
     return;
   }
