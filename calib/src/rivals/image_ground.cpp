@@ -22,6 +22,7 @@ constexpr double kEpipolarSigmas = 3.0;
 // The vertical of the motion, where it is known, is far better than that of a plane through points this rough: a looser
 // one would take a slice of a wall into the ground.
 constexpr double kMaxTilt_rad = 0.02, kTiltSigmas = 3.0;
+constexpr double kLessWell = 4.0;
 
 /// What both images of a pair show, in the first one's frame.
 struct SeenPoint {
@@ -94,7 +95,7 @@ class GroundFinder {
   // With what each point knows of 1/z: near the direction of the step, nearly nothing. How far away a point is matters
   // there, too; a plane, once there is one, tells it better than the point itself, whose error would weigh itself.
   DepthPoints with_sigmas(const ImagePair& pair, const std::vector<SeenPoint>& seen,
-                          const std::optional<PlaneObservation>& plane) const {
+                          const std::optional<PlaneObservation>& plane, double max_sigma) const {
     const Eigen::Vector3d step = step_of(pair).translation;
     const double sigma = std::sqrt(2.0) * ray_sigma_of(pair);
     DepthPoints points;
@@ -106,7 +107,7 @@ class GroundFinder {
       const double across = step.cross(place.ray.normalized()).norm();
       const double sigma_per_m =
           sigma * place.ray.norm() / std::max(across, 1e-9) * (p - step).squaredNorm() / p.squaredNorm();
-      if (sigma_per_m > options_.max_depth_sigma * inverse_depth) continue;
+      if (sigma_per_m > max_sigma * inverse_depth) continue;
       points.points.push_back(place.point.cast<float>());
       points.inverse_depth_sigmas_per_m.push_back(sigma_per_m);
     }
@@ -127,18 +128,24 @@ class GroundFinder {
     const auto reject = [&](const std::string& reason) {
       result_.rejected.push_back({pair.camera, pair.from, file_of(pair), "ground from images: " + reason});
     };
-    const DepthPoints points = with_sigmas(pair, seen, std::nullopt);
-    if (static_cast<int>(points.points.size()) < options_.min_points)
-      return reject(std::to_string(points.points.size()) + " of " + std::to_string(seen.size()) +
-                    " matched points whose depth is known well enough");
     GroundPlaneOptions options;
     options.min_inliers = options_.min_points;
     const auto up = alignment_.source == VerticalSource::kMotion
                         ? alignment_.up_camera[static_cast<std::size_t>(pair.camera)]
                         : std::nullopt;
     if (up) options.max_tilt_rad = kMaxTilt_rad + kTiltSigmas * alignment_.sigma_up_rad;
-    GroundPlaneFit fit = fit_ground_plane(points, DepthNoise(), up, options);
-    if (fit.plane) fit = fit_ground_plane(with_sigmas(pair, seen, fit.plane), DepthNoise(), up, options);
+    GroundPlaneFit fit;
+    // Where points that are known well show no floor, and only there, those that are known less well.
+    for (const double max_sigma : {options_.max_depth_sigma, kLessWell * options_.max_depth_sigma}) {
+      const DepthPoints points = with_sigmas(pair, seen, std::nullopt, max_sigma);
+      fit = GroundPlaneFit();
+      fit.reason = std::to_string(points.points.size()) + " of " + std::to_string(seen.size()) +
+                   " matched points whose depth is known well enough";
+      if (static_cast<int>(points.points.size()) < options_.min_points) continue;
+      fit = fit_ground_plane(points, DepthNoise(), up, options);
+      if (fit.plane) fit = fit_ground_plane(with_sigmas(pair, seen, fit.plane, max_sigma), DepthNoise(), up, options);
+      if (fit.plane) break;
+    }
     if (!fit.plane) return reject(fit.reason);
     PlaneObservation plane = *fit.plane;
     plane.stop = pair.from;

@@ -12,7 +12,8 @@ namespace rigproof {
 struct ImageGroundOptions {
   double match_sigma_px = 0.4;    ///< standard deviation of a matched feature
   double max_depth_m = 8.0;       ///< points that may lie beyond it, by three of their standard deviations, are too far
-  double max_depth_sigma = 0.05;  ///< of a point, as a share of its depth: others take what stands on the floor into it
+  double max_depth_sigma = 0.05;  ///< of a point, as a share of its depth: others take what stands on the floor into
+                                  ///< it; four times as much where these show no floor
   int min_points = 40;            ///< on the ground in one pair of images
 };
 
