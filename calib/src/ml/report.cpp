@@ -274,7 +274,7 @@ class Reporter {
     result.joint_covariance.reset();
   }
 
-  // Cameras that never see the board together hang on the odometry alone, which is contradicted.
+  // Cameras that hardly see the board together hang on the odometry, which is contradicted.
   void withhold_pairs(bool all) {
     const std::vector<int> solved = prepared_.solved_cameras(), group = prepared_.seen_together(fit_.view_left_out);
     auto transform = estimate_.result.camera_to_camera.begin();
