@@ -144,7 +144,7 @@ class Search {
     }
     if (count > 1 && as_is_.lenses->common.contradicts())
       try_lens(all, [](const LensTest& test) { return test.common; });
-    if (as_is_.lenses->common_shift.contradicts())
+    if (as_is_.lenses->common_shift.may_contradict())  // what remains without it decides
       try_lens(all, [](const LensTest& test) { return test.common_shift; });
   }
 

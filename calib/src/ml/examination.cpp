@@ -23,6 +23,7 @@ class Examiner {
     look_at_odometry();
     look_at_frames();
     found_.lenses = lens_test();
+    look_again_at_lenses();
     found_.symptoms.odometry = found_.symptoms.odometry || !found_.contradictions.odometry.empty();
     found_.symptoms.bad_corners = found_.contradictions.bad_corners;
     found_.symptoms.bad_corners.resize(prepared_.original.cameras.size(), false);
@@ -35,8 +36,9 @@ class Examiner {
         board_explains())
       return std::move(found_);
     found_.cause =
-        find_cause(prepared_.original, found_.symptoms,
-                   [this](const Observations& repaired, bool same_views) { return refit(repaired, same_views); });
+        find_cause(prepared_.original, found_.symptoms, [this](const Observations& repaired, bool same_views) {
+          return refit(repaired, same_views, found_.symptoms.lenses);
+        });
     return std::move(found_);
   }
 
@@ -49,7 +51,7 @@ class Examiner {
     found_.symptoms.lenses = true;
     Observations repaired = prepared_.original;
     repaired.board.square_m *= std::exp(*scale.log_depth_ratio);
-    const std::optional<Trial> trial = refit(repaired, false);
+    const std::optional<Trial> trial = refit(repaired, false, true);
     return trial && trial->clean;
   }
 
@@ -145,7 +147,25 @@ class Examiner {
     return test_lenses(problem_at(prepared_, fit_, fit_.noise, doubted), fit_.state);
   }
 
-  std::optional<Trial> refit(const Observations& repaired, bool same_views) const {
+  // A shift of all principal points widens the levels of suspension and odometry, which hide it then. Where there may
+  // be one, it is judged by the levels that the data have without it.
+  void look_again_at_lenses() {
+    if (!found_.lenses || found_.lenses->suspicious() || !prepared_.motion_suffices()) return;
+    LensEstimate& shift = found_.lenses->common_shift;
+    if (!shift.may_contradict()) return;
+    Observations repaired = prepared_.original;
+    for (RigCamera& camera : repaired.cameras) {
+      camera.camera.cx_px += shift.value[1];
+      camera.camera.cy_px += shift.value[2];
+    }
+    const std::optional<Trial> trial = refit(repaired, true, true);
+    if (!trial || !trial->lenses) return;
+    LensEstimate without = trial->lenses->common_shift;
+    without.move_by(shift.value);
+    shift = without;
+  }
+
+  std::optional<Trial> refit(const Observations& repaired, bool same_views, bool with_lenses) const {
     MlOptions options = prepared_.options;
     options.start.reset();
     std::vector<ViewPose> views;
@@ -161,7 +181,7 @@ class Examiner {
     trial.unexplained = other.unexplained();
     trial.odometry_xy_m = refitted.noise.odometry_xy_m;
     trial.odometry_yaw_rad = refitted.noise.odometry_yaw_rad;
-    if (found_.symptoms.lenses) trial.lenses = other.lens_test();
+    if (with_lenses) trial.lenses = other.lens_test();
     trial.clean = other.clean(trial.lenses);
     return trial;
   }

@@ -7,9 +7,17 @@
 namespace rigproof::ml {
 namespace {
 
-constexpr double kMinDeviations = 5.0;
+constexpr double kWorthALook = 2.5;
 constexpr double kMinOfAxis = 2.5;
 const Eigen::Vector3d kTolerance(0.01, 0.25, 0.25);
+
+bool beyond(const LensEstimate& estimate, double deviations) {
+  if (estimate.deviations < deviations) return false;
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(estimate.value[i]) > kTolerance[i] && std::abs(estimate.value[i]) > kMinOfAxis * estimate.sigma[i])
+      return true;
+  return false;
+}
 
 // Unknowns x = C y: which combinations of the globals are free.
 struct Score {
@@ -35,7 +43,9 @@ LensEstimate estimate_at(const std::optional<Score>& score, Eigen::Index offset,
   estimate.value.tail(size) = value;
   estimate.sigma.setZero();
   estimate.sigma.tail(size) = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  estimate.deviations = std::sqrt(std::max(0.0, value.dot(covariance.ldlt().solve(value))));
+  const Eigen::MatrixXd information = covariance.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
+  estimate.information.bottomRightCorner(size, size) = information;
+  estimate.deviations = std::sqrt(std::max(0.0, value.dot(information * value)));
   return estimate;
 }
 
@@ -53,11 +63,13 @@ Eigen::MatrixXd combinations(const Layout& layout, const std::vector<int>& shari
 
 }  // namespace
 
-bool LensEstimate::contradicts() const {
-  if (deviations < kMinDeviations) return false;
-  for (int i = 0; i < 3; ++i)
-    if (std::abs(value[i]) > kTolerance[i] && std::abs(value[i]) > kMinOfAxis * sigma[i]) return true;
-  return false;
+bool LensEstimate::contradicts() const { return beyond(*this, kLensMinDeviations); }
+
+bool LensEstimate::may_contradict() const { return beyond(*this, kWorthALook); }
+
+void LensEstimate::move_by(const Eigen::Vector3d& moved) {
+  value += moved;
+  deviations = std::sqrt(value.dot(information * value));
 }
 
 bool LensTest::suspicious() const {

@@ -48,6 +48,21 @@ INSTANTIATE_TEST_SUITE_P(Recordings, Broken, testing::Range<std::size_t>(0, brea
                            return name;
                          });
 
+// The levels of suspension and odometry grow with the slip and hide it, four and a half deviations deep.
+TEST(Lenses, AHalfPixelIsJudgedByTheLevelsWithoutIt) {
+  const auto slip = std::find_if(breakages().begin(), breakages().end(), [](const Breakage& breakage) {
+    return std::string(breakage.name) == "half-pixel slip";
+  });
+  ASSERT_NE(slip, breakages().end());
+  for (const std::uint64_t seed : {6, 7, 8, 9}) {
+    Observations observations = draw_geometric_run(broken_run_config(*slip, seed)).observations;
+    const std::string words = slip->apply(seed, &observations);
+    const Result result = estimate_maximum_likelihood(observations).result;
+    ASSERT_FALSE(result.reasons.empty()) << seed;
+    EXPECT_NE(result.reasons.front().find(words), std::string::npos) << seed << ": " << result.reasons.front();
+  }
+}
+
 Observations run_with_depth(std::uint64_t seed, double depth_scale_sigma) {
   GeometricConfig config;
   config.seed = seed;
