@@ -65,6 +65,15 @@ void read_preset_depth(const YamlTree& tree, Problems* problems, SensorPreset* p
   map.finish();
 }
 
+// A real device of this kind has the fixed error that a simulated one may have; a block `noise` that states it
+// prevails.
+void state_depth_bias(const DepthSimulation& device, const std::optional<StereoGeometry>& stereo, DepthNoise* noise) {
+  if (noise->has_bias()) return;
+  if (stereo) noise->bias_inverse_depth_per_m = device.bias_px / (stereo->focal_px * stereo->baseline_m);
+  if (noise->law == DepthNoise::Law::kTimeOfFlight) noise->bias_m = device.bias_m;
+  noise->bias_cell_deg = device.bias_cell_deg;
+}
+
 }  // namespace
 
 SensorPreset load_sensor_preset(const std::string& name) {
@@ -87,9 +96,11 @@ SensorPreset load_sensor_preset(const std::string& name) {
   if (preset.delivers_raw_depth && !preset.raw_depth)
     map.problem("depth_frame", "raw needs a block depth.raw: {width_px, height_px, hfov_deg, T_color_depth}");
   if (depth != nullptr && !depth->is_map() && depth->scalar != "none") map.problem("depth", "must be none or a block");
-  if (const YamlTree* simulation = map.find("simulation"))
+  if (const YamlTree* simulation = map.find("simulation")) {
     read_fields_of_block(*simulation, "simulation", &problems,
                          [&preset](FieldVisitor& visitor) { preset.simulation.visit(visitor); });
+    if (preset.depth) state_depth_bias(preset.simulation.depth, preset.stereo, &preset.depth->noise);
+  }
   map.finish("x-");
   problems.sort();
   problems.throw_if_any();

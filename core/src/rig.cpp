@@ -12,6 +12,11 @@ double DepthNoise::inverse_depth_sigma(double depth_m) const {
   return sigma_m(depth_m) / (depth_m * depth_m);
 }
 
+double DepthNoise::inverse_depth_bias(double inverse_depth_per_m) const {
+  if (law == Law::kStereo) return bias_inverse_depth_per_m;
+  return bias_m * inverse_depth_per_m * inverse_depth_per_m;
+}
+
 const char* odometry_model_name(OdometryModel model) {
   switch (model) {
     case OdometryModel::kPerPose:

@@ -65,6 +65,9 @@ DepthNoise read_depth_noise(MapReader& map, const DepthNoise& preset) {
   set("proportional", &noise.proportional, {0.0, 1.0});
   set("correlation_px", &noise.correlation_px, {1.0, 1000.0});
   set("scale_sigma", &noise.scale_sigma, {0.0, 1.0});
+  set("bias_inverse_depth_per_m", &noise.bias_inverse_depth_per_m, {0.0, 1.0});
+  set("bias_m", &noise.bias_m, {0.0, 1.0});
+  set("bias_cell_deg", &noise.bias_cell_deg, {1.0, 90.0});
   const bool silent = noise.law == DepthNoise::Law::kStereo ? noise.inverse_depth_sigma_per_m <= 0.0
                                                             : noise.constant_m <= 0.0 && noise.proportional <= 0.0;
   if (silent) map.problem("", "this law has no noise at all; give what rounding alone does, at least");
@@ -380,6 +383,12 @@ YamlTree tree_of(const DepthStream& depth) {
   noise.set("proportional", YamlTree::number(depth.noise.proportional));
   noise.set("correlation_px", YamlTree::number(depth.noise.correlation_px));
   noise.set("scale_sigma", YamlTree::number(depth.noise.scale_sigma));
+  if (depth.noise.has_bias()) {
+    const bool stereo = depth.noise.law == DepthNoise::Law::kStereo;
+    noise.set(stereo ? "bias_inverse_depth_per_m" : "bias_m",
+              YamlTree::number(stereo ? depth.noise.bias_inverse_depth_per_m : depth.noise.bias_m));
+    noise.set("bias_cell_deg", YamlTree::number(depth.noise.bias_cell_deg));
+  }
   if (depth.own_camera) {
     tree.set("camera", tree_of(depth.own_camera->camera));
     tree.set("T_color_depth", tree_of(depth.own_camera->T_color_depth));

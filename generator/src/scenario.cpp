@@ -146,6 +146,7 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
     Camera& camera = recording.rig.cameras[i].camera;
     camera =
         told_camera(camera, scenario.config.sensing.lens, sensing_seed(scenario.config), static_cast<std::int32_t>(i));
+    tell_depth_bias(scenario.sensors[i], &recording.rig.cameras[i]);
   }
   const char* image_extension = scenario.sensor_images_are_jpeg() ? ".jpg" : ".png";
   const bool clouds = scenario.config.clouds == "pcd";

@@ -366,6 +366,11 @@ TEST(Rig, DepthRefinesThePresetOrIsNone) {
   EXPECT_EQ(depth("")->noise.law, DepthNoise::Law::kTimeOfFlight);
   EXPECT_EQ(depth(", depth: {unit_m: 0.001}")->unit_m, 0.001);
   EXPECT_EQ(depth(", depth: {unit_m: 0.001}")->noise.constant_m, 0.000875);
+  EXPECT_EQ(depth("")->noise.bias_m, 0.003) << "a real device has it";
+  EXPECT_FALSE(depth(", depth: {noise: {bias_m: 0}}")->noise.has_bias());
+  EXPECT_THAT(
+      error_text([&] { depth(", depth: {noise: {bias_m: -1, bias_cell_deg: 0}}"); }),
+      AllOf(HasSubstr("depth.noise.bias_m: -1: allowed is 0 to"), HasSubstr("bias_cell_deg: 0: allowed is 1 to")));
   EXPECT_FALSE(depth(", depth: none"));
   EXPECT_THAT(error_text([&] { depth(", depth: {min_m: 5, max_m: 4}"); }), HasSubstr("must be less than max_m"));
   EXPECT_THAT(error_text([&] { depth(", depth: {camera: " + std::string(kIntrinsics) + "}"); }),
@@ -453,6 +458,11 @@ TEST(Presets, DepthNoiseFollowsThePublishedFigures) {
   EXPECT_NEAR(sigma_mm("l515", 9.0), 15.5, 1e-9);
   const DepthNoise l515 = load_sensor_preset("l515").depth->noise;
   EXPECT_NEAR(l515.inverse_depth_sigma(2.0), l515.sigma_m(2.0) / 4.0, 1e-15);
+  EXPECT_NEAR(l515.inverse_depth_bias(0.5), 0.003 / 4.0, 1e-15);
+  const DepthNoise d455 = load_sensor_preset("d455").depth->noise;
+  EXPECT_NEAR(d455.inverse_depth_bias(0.5), 0.0012, 0.00005) << "1.2 mm at 1 m, as the preset's file says";
+  EXPECT_EQ(d455.inverse_depth_bias(0.5), d455.inverse_depth_bias(2.0));
+  EXPECT_FALSE(load_sensor_preset("ideal").depth->noise.has_bias());
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ inline RigCamera sample_camera(RandomStream& random, const std::string& name, Le
   camera.camera = random_camera(random, lens);
   camera.depth = DepthStream();
   camera.depth->noise.scale_sigma = random.uniform(0.001, 0.01);
+  if (lens == Lens::kBrownConrady) camera.depth->noise.bias_inverse_depth_per_m = 0.001;
   return camera;
 }
 

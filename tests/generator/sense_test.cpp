@@ -11,6 +11,7 @@
 #include "frame_maker.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/recording.h"
+#include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/generator/generate.h"
 #include "rigproof/generator/parameters.h"
@@ -63,6 +64,20 @@ TEST(Sense, FromTheCacheComeTheBytesOfADirectGeneration) {
     fs::remove_all(folder.path() / "sensed");
   }
   EXPECT_EQ(contents(cache).size(), 6U);
+}
+
+// The reader is told of a fixed error of depth where there is one, and of none where there is none.
+TEST(Sense, TheRigTellsTheBiasThatIsSimulated) {
+  const auto noise = [](const std::string& more) {
+    return resolve_scenario(small_config(more)).recording.rig.cameras.at(0).depth->noise;
+  };
+  const std::string field = "sensing: {depth: {bias_field: true}}\n";
+  EXPECT_FALSE(noise("").has_bias());
+  EXPECT_FALSE(noise(field + "sensor_noise: none\n").has_bias());
+  const DepthNoise told = noise(field), preset = load_sensor_preset("d455").depth->noise;
+  EXPECT_TRUE(told.has_bias());
+  EXPECT_NEAR(told.bias_inverse_depth_per_m, preset.bias_inverse_depth_per_m, 1e-12);
+  EXPECT_NEAR(told.bias_cell_deg, preset.bias_cell_deg, 1e-9);
 }
 
 TEST(Sense, RefusesWhatTheCacheDoesNotHold) {

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 
+#include "methods/depth_bias.h"
 #include "methods/hand_eye_problem.h"
 #include "methods/partial_covariance.h"
 #include "methods/shared_views.h"
@@ -87,10 +88,12 @@ class MemrocSolver {
   void solve_observable() {
     if (problem_.cameras.empty()) return;
     problem_.odometry = odometry_poses(observations_);
+    const std::vector<double> height_biases = relative_height_biases(observations_);
     for (const int k : problem_.cameras) {
       problem_.X.push_back(*guess_.T_robot_camera[static_cast<std::size_t>(k)]);
       const std::optional<DepthStream>& depth = camera(k).depth;
-      problem_.depth_scale_sigma.push_back(depth ? depth->noise.scale_sigma : 0.0);
+      problem_.depth_scale_sigma.push_back(
+          std::hypot(depth ? depth->noise.scale_sigma : 0.0, height_biases[static_cast<std::size_t>(k)]));
       const std::size_t index = problem_.X.size() - 1;
       for (const ViewPair& pair : consecutive_pairs(views_, k)) problem_.motions.push_back({index, pair.from, pair.to});
     }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "methods/depth_bias.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof {
@@ -21,6 +22,7 @@ struct GroundUncertainty {
 GroundUncertainty ground_uncertainty(const Observations& observations, int camera, const GroundCheck& ground) {
   GroundUncertainty result;
   double height_sum = 0.0, mean_height = 0.0;
+  Eigen::Vector3d mean_plane = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < observations.ground_planes.size(); ++i) {
     const PlaneObservation& plane = observations.ground_planes[i];
     if (!ground.accepted[i] || plane.camera != camera) continue;
@@ -32,14 +34,24 @@ GroundUncertainty ground_uncertainty(const Observations& observations, int camer
     const PlaneHeight height = height_above(plane);
     height_sum += height.sigma_m * height.sigma_m + kHeightFloor_m * kHeightFloor_m;
     mean_height += height.height_m;
+    mean_plane += plane.inverse_depth_plane;
     ++result.planes;
   }
   if (result.planes == 0) return result;
   const double n = result.planes;
   result.up_covariance /= n * n;
-  const std::optional<DepthStream>& depth = observations.cameras[static_cast<std::size_t>(camera)].depth;
-  const double scale = (depth ? depth->noise.scale_sigma : 0.0) * mean_height / n;
+  mean_height /= n;
+  mean_plane /= n;
+  const auto index = static_cast<std::size_t>(camera);
+  const std::optional<DepthStream>& depth = observations.cameras[index].depth;
+  const double scale = (depth ? depth->noise.scale_sigma : 0.0) * mean_height;
   result.height_variance = kMedianLoss * kMedianLoss * height_sum / (n * n) + scale * scale;
+  const std::vector<Eigen::Matrix3d> biases = ground_plane_biases(observations, DepthScaleSource::kDevice);
+  if (biases.empty()) return result;
+  const Eigen::Vector3d normal = mean_plane.normalized();
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - normal * normal.transpose();
+  result.height_variance += std::pow(mean_height, 4) * normal.dot(biases[index] * normal);
+  result.up_covariance += std::pow(mean_height, 2) * across * biases[index] * across;
   return result;
 }
 

@@ -2,6 +2,7 @@
 find_package(Ceres 2.0 REQUIRED)
 find_package(PCL 1.12 REQUIRED COMPONENTS common sample_consensus)
 list(APPEND calib_sources
+  src/methods/depth_bias.cpp
   src/methods/estimate_view_poses.cpp
   src/methods/ground_plane.cpp
   src/methods/hand_eye_problem.cpp
@@ -9,6 +10,7 @@ list(APPEND calib_sources
   src/methods/memroc.cpp
   src/methods/observability.cpp
   src/methods/partial_covariance.cpp
+  src/methods/planes_of_cameras.cpp
   src/methods/registry.cpp
   src/methods/shared_views.cpp
   src/methods/trajectory_alignment.cpp

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "methods/depth_bias.h"
 #include "ml/robust_views.h"
 #include "ml/shared_ground_error.h"
 
@@ -84,6 +85,7 @@ void Preparation::keep_usable(const GroundCheck& ground) {
   for (const PlaneObservation& plane : original.board_planes)
     if (solved(plane.camera)) used.board_planes.push_back(plane);
   if (options.estimate_plane_level) ground_offset = shared_ground_errors(used);
+  ground_offset = sum_of(std::move(ground_offset), ground_plane_biases(used, DepthScaleSource::kBoard));
 }
 
 std::vector<int> Preparation::seen_together(const std::vector<bool>& left_out) const {

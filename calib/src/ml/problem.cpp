@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "methods/depth_bias.h"
+
 namespace rigproof::ml {
 namespace {
 
@@ -286,8 +288,8 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
       observations_(observations),
       layout_(Layout::of(observations, priors)),
       priors_(priors),
-      ground_planes_(prepare(observations.ground_planes)),
-      board_planes_(prepare(observations.board_planes)) {
+      ground_planes_(prepare(observations.ground_planes, {})),
+      board_planes_(prepare(observations.board_planes, board_plane_biases(observations))) {
   for (const BoardView& view : observations.board_views) {
     View prepared{view.stop, view.camera, seconds_after_stop(observations, view.stop, view.camera), {}};
     for (const CornerObservation& corner : view.corners) {
@@ -304,10 +306,13 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
     ways_.emplace_back(observations.stops[i], observations.stops[i + 1]);
 }
 
-std::vector<Problem::Plane> Problem::prepare(const std::vector<PlaneObservation>& planes) const {
+std::vector<Problem::Plane> Problem::prepare(const std::vector<PlaneObservation>& planes,
+                                             const std::vector<Eigen::Matrix3d>& biases) const {
   std::vector<Plane> prepared;
-  for (const PlaneObservation& plane : planes) {
-    const Eigen::Matrix3d L = plane.covariance_per_m2.llt().matrixL();
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const PlaneObservation& plane = planes[i];
+    const Eigen::Matrix3d covariance = biases.empty() ? plane.covariance_per_m2 : plane.covariance_per_m2 + biases[i];
+    const Eigen::Matrix3d L = covariance.llt().matrixL();
     const Eigen::Matrix3d whitening = L.inverse();
     if (!whitening.allFinite() || !plane.inverse_depth_plane.allFinite()) continue;
     prepared.push_back({plane.stop, plane.camera, seconds_after_stop(observations_, plane.stop, plane.camera),

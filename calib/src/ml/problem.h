@@ -108,7 +108,9 @@ class Problem {
     Group first, second;
   };
 
-  std::vector<Plane> prepare(const std::vector<PlaneObservation>& planes) const;
+  /// @param biases added to the planes' covariances [1/m^2]; empty: none
+  std::vector<Plane> prepare(const std::vector<PlaneObservation>& planes,
+                             const std::vector<Eigen::Matrix3d>& biases) const;
   /// Where the robot was when a camera took what its stamp says was taken so long after the stop.
   PoseAtImage pose_at_image(const State& state, int stop, int camera, double after_stop_s) const;
   Camera lens(const State& state, int camera) const;

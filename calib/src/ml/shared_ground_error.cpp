@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "methods/planes_of_cameras.h"
+
 namespace rigproof::ml {
 namespace {
 
@@ -13,31 +15,15 @@ constexpr double kMedianSquare = 2.366;    // of a whitened residual of three di
 constexpr double kMedianEfficiency = 0.5;  // of a median's variance, against the mean's
 constexpr std::size_t kMinPlanes = 3;
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-Eigen::Vector3d median_plane(const std::vector<const PlaneObservation*>& planes) {
-  Eigen::Vector3d result;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> values;
-    for (const PlaneObservation* plane : planes) values.push_back(plane->inverse_depth_plane[axis]);
-    result[axis] = median(std::move(values));
-  }
-  return result;
-}
-
 // Variance of planes about each other, over what is stated.
-double scatter(const std::vector<const PlaneObservation*>& planes) {
+double scatter(const PlanesOfCamera& planes) {
   const Eigen::Vector3d centre = median_plane(planes);
   std::vector<double> squares;
   for (const PlaneObservation* plane : planes) {
     const Eigen::Vector3d difference = plane->inverse_depth_plane - centre;
     squares.push_back(difference.dot(plane->covariance_per_m2.ldlt().solve(difference)));
   }
-  return median(std::move(squares)) / kMedianSquare;
+  return median_of(std::move(squares)) / kMedianSquare;
 }
 
 // Chance makes the scatter less than this once in a thousand (Wilson and Hilferty's chi-square).
@@ -46,7 +32,7 @@ double scatter_by_chance(std::size_t planes) {
   return std::pow(std::max(0.0, 1.0 - spread - 3.0 * std::sqrt(spread)), 3);
 }
 
-Eigen::Matrix3d shared_error(const std::vector<const PlaneObservation*>& planes) {
+Eigen::Matrix3d shared_error(const PlanesOfCamera& planes) {
   Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
   if (planes.size() < kMinPlanes) return mean;
   const double share = 1.0 - scatter(planes) / (kClearlyLess * scatter_by_chance(planes.size()));
@@ -58,12 +44,9 @@ Eigen::Matrix3d shared_error(const std::vector<const PlaneObservation*>& planes)
 }  // namespace
 
 std::vector<Eigen::Matrix3d> shared_ground_errors(const Observations& observations) {
-  std::vector<std::vector<const PlaneObservation*>> planes_of(observations.cameras.size());
-  for (const PlaneObservation& plane : observations.ground_planes)
-    planes_of[static_cast<std::size_t>(plane.camera)].push_back(&plane);
   std::vector<Eigen::Matrix3d> shared;
   bool any = false;
-  for (const std::vector<const PlaneObservation*>& planes : planes_of) {
+  for (const PlanesOfCamera& planes : planes_of_cameras(observations.ground_planes, observations.cameras.size())) {
     shared.push_back(shared_error(planes));
     any = any || shared.back().norm() > 0.0;
   }

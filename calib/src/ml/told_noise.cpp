@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "methods/depth_bias.h"
+
 namespace rigproof::ml {
 namespace {
 
@@ -31,6 +33,7 @@ Problem told_problem(const Observations& observations, const CalibrationNoise& n
   priors.turn_lag_s = noise.turn_lag_prior_s;
   for (const RigCamera& camera : observations.cameras)
     priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
+  priors.ground_offset = ground_plane_biases(observations, DepthScaleSource::kBoard);
   return Problem(observations, priors, to_levels(noise, observations.cameras.size()));
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "methods/depth_bias.h"
 #include "ml/covariance.h"
 #include "ml/problem.h"
 #include "ml/residuals.h"
@@ -44,7 +45,8 @@ ml::Priors priors_of(const Knowledge& knowledge) {
   priors.odometry_yaw_factor = knowledge.estimate.noise.odometry_yaw_factor_prior;
   for (const RigCamera& camera : knowledge.observations.cameras)
     priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
-  priors.ground_offset = ml::shared_ground_errors(knowledge.observations);
+  priors.ground_offset = sum_of(ml::shared_ground_errors(knowledge.observations),
+                                ground_plane_biases(knowledge.observations, DepthScaleSource::kBoard));
   return priors;
 }
 

@@ -79,6 +79,7 @@ class Drawer {
       RigCamera& camera = observations.cameras[c];
       truth.cameras.push_back({camera.name, config_.rig.T_robot_camera[c], camera.camera, depth_scale_of(c), {}});
       if (!camera.depth) continue;
+      camera.depth->noise.bias_inverse_depth_per_m = camera.depth->noise.bias_m = 0.0;  // none is drawn
       if (config_.measured.empty()) camera.depth->noise.inverse_depth_sigma_per_m = config_.inverse_depth_sigma_per_m;
       if (config_.depth_scales.empty())
         camera.depth->noise.scale_sigma = config_.depth_scale_sigma;  // what is true is declared

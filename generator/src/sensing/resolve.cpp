@@ -155,6 +155,18 @@ Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::u
   return told;
 }
 
+void tell_depth_bias(const SensorModel& model, RigCamera* camera) {
+  if (!camera->depth) return;
+  DepthNoise& told = camera->depth->noise;
+  told.bias_inverse_depth_per_m = told.bias_m = 0.0;
+  if (!model.depth || model.depth->bias <= 0.0) return;
+  if (told.law == DepthNoise::Law::kStereo)
+    told.bias_inverse_depth_per_m = model.depth->bias / model.depth->focal_baseline_px_m;
+  else
+    told.bias_m = model.depth->bias;
+  told.bias_cell_deg = rad_to_deg(std::atan(model.depth->bias_cell_px / model.depth->focal_px));
+}
+
 void disturb_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth) {
   for (std::size_t i = 0; i < recording->frames.size(); ++i)
     disturb_frames(config, seed, static_cast<std::int32_t>(i), &recording->frames[i], &truth->cameras[i]);

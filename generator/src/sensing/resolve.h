@@ -21,6 +21,9 @@ std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig
 /// The intrinsics that the user is told: the true ones with the factory's error.
 Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::uint64_t seed, std::int32_t index);
 
+/// Says in the camera's noise law how large the device's fixed depth error is that the model simulates: none, if none.
+void tell_depth_bias(const SensorModel& model, RigCamera* camera);
+
 /// What is wrong with the clocks: moves the stamps of frames and odometry, forgets dropped frames, and labels it in the
 /// truth. Stamps stay in order. At least one frame of every camera is kept.
 void disturb_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth);

@@ -26,10 +26,18 @@ struct DepthNoise {
   double correlation_px = 1.0;
   /// Prior of the relative error of the depth scale, one sigma.
   double scale_sigma = 0.003;
+  /// The device's fixed, smooth error over its view, one sigma, as the law says: of 1/z (stereo) or of z (time of
+  /// flight). 0 = none is known of. It falls off over an angle as a Gaussian with 0.82 bias_cell_deg does.
+  double bias_inverse_depth_per_m = 0.0;
+  double bias_m = 0.0;
+  double bias_cell_deg = 15.0;
 
   double sigma_m(double depth_m) const;
   /// Standard deviation of 1/z at the given depth [1/m].
   double inverse_depth_sigma(double depth_m) const;
+  /// One sigma of the fixed error of 1/z where 1/z is as given [1/m].
+  double inverse_depth_bias(double inverse_depth_per_m) const;
+  bool has_bias() const { return law == Law::kStereo ? bias_inverse_depth_per_m > 0.0 : bias_m > 0.0; }
 };
 
 /// The depth stream of an RGB-D camera. Without its own block it is registered to colour: same size, intrinsics,

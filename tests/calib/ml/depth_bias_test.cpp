@@ -1,0 +1,196 @@
+// A depth sensor's fixed, smooth error over its view: drawn, given to floors and boards, and told or not.
+#include "methods/depth_bias.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "calibration_truth.h"
+#include "rigproof/calib/memroc.h"
+#include "rigproof/calib/ml.h"
+#include "rigproof/calib/view_poses.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/random.h"
+#include "rigproof/geometric/geometric.h"
+
+namespace rigproof {
+namespace {
+
+constexpr double kBias_per_m = 0.002;  // as large as the noise of one point: 0.7 mm at 0.6 m
+constexpr double kCell_deg = 15.0;
+
+// A Gaussian process over the image by random waves, made without the code under test.
+class DrawnBias {
+ public:
+  DrawnBias(const Camera& camera, std::uint64_t seed, int index) : camera_(camera) {
+    RandomStream random(seed, "depth bias of a test", -1, index);
+    const double length_px = 0.816 * camera.fx_px * std::tan(deg_to_rad(kCell_deg));
+    for (Wave& wave : waves_)
+      wave = {{random.normal() / length_px, random.normal() / length_px}, random.uniform(0.0, 2.0 * kPi)};
+  }
+
+  double at(const Eigen::Vector2d& pixel) const {
+    double sum = 0.0;
+    for (const Wave& wave : waves_) sum += std::cos(wave.frequency.dot(pixel) + wave.phase);
+    return kBias_per_m * sum * std::sqrt(2.0 / static_cast<double>(waves_.size()));
+  }
+
+  // What it adds to a plane that is fitted at these pixels.
+  Eigen::Vector3d on_plane(const std::vector<Eigen::Vector2d>& pixels) const {
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector2d& pixel : pixels) {
+      Eigen::Vector3d ray;
+      if (!camera_.unproject(pixel, &ray)) continue;
+      information += ray * ray.transpose();
+      sum += at(pixel) * ray;
+    }
+    return information.ldlt().solve(sum);
+  }
+
+  // Where the image shows the floor within the sensor's reach.
+  std::vector<Eigen::Vector2d> floor_pixels(const Eigen::Vector3d& plane, const DepthStream& depth) const {
+    std::vector<Eigen::Vector2d> pixels;
+    for (int y = 0; y < camera_.height_px; y += 40)
+      for (int x = 0; x < camera_.width_px; x += 40) {
+        Eigen::Vector3d ray;
+        if (!camera_.unproject(Eigen::Vector2d(x, y), &ray)) continue;
+        const double depth_m = 1.0 / plane.dot(ray);
+        if (depth_m >= depth.min_m && depth_m <= depth.max_m) pixels.emplace_back(x, y);
+      }
+    return pixels;
+  }
+
+ private:
+  struct Wave {
+    Eigen::Vector2d frequency;
+    double phase;
+  };
+  const Camera camera_;
+  std::array<Wave, 200> waves_;
+};
+
+GeometricRun run_with_bias(std::uint64_t seed, bool told) {
+  GeometricConfig config;
+  config.seed = seed;
+  config.stops = 20;
+  config.lambda = 0.0;
+  config.board_planes = true;
+  config.depth_scale_sigma = 0.003;
+  GeometricRun run = draw_geometric_run(config);
+  Observations& observations = run.observations;
+  std::vector<DrawnBias> drawn;
+  for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
+    RigCamera& camera = observations.cameras[c];
+    drawn.emplace_back(camera.camera, seed, static_cast<int>(c));
+    camera.depth->noise.bias_inverse_depth_per_m = told ? kBias_per_m : 0.0;
+    camera.depth->noise.bias_cell_deg = kCell_deg;
+  }
+  std::vector<std::optional<Eigen::Vector3d>> of_floor(drawn.size());  // the same at every stop
+  for (PlaneObservation& plane : observations.ground_planes) {
+    const auto c = static_cast<std::size_t>(plane.camera);
+    if (!of_floor[c])
+      of_floor[c] = drawn[c].on_plane(drawn[c].floor_pixels(plane.inverse_depth_plane, *observations.cameras[c].depth));
+    plane.inverse_depth_plane += *of_floor[c];
+  }
+  for (PlaneObservation& plane : observations.board_planes)
+    for (const BoardView& view : observations.board_views) {
+      if (view.stop != plane.stop || view.camera != plane.camera) continue;
+      std::vector<Eigen::Vector2d> pixels;
+      for (const CornerObservation& corner : view.corners) pixels.push_back(corner.pixel);
+      plane.inverse_depth_plane += drawn[static_cast<std::size_t>(plane.camera)].on_plane(pixels);
+    }
+  return run;
+}
+
+MlOptions told_options() {
+  MlOptions options;
+  options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
+  return options;
+}
+
+double nees(const MlEstimate& estimate, const Truth& truth) {
+  const std::vector<Rigid3>& T = estimate.state.T_robot_camera;
+  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(T.size()));
+  for (std::size_t c = 0; c < T.size(); ++c)
+    error.segment<6>(6 * static_cast<Eigen::Index>(c)) = se3_log(T[c] * truth.cameras[c].T_robot_camera.inverse());
+  return error.dot(to_left_perturbation(estimate.result.joint_covariance.value(), T).ldlt().solve(error));
+}
+
+TEST(DepthBias, ToldItIsInTheUncertainty) {
+  constexpr int kTrials = 40;  // the mean of chi-square with 18 degrees of freedom scatters by 0.95
+  double mean = 0.0, height_square = 0.0;
+  for (int seed = 0; seed < kTrials; ++seed) {
+    const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), true);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told_options());
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    mean += nees(estimate, run.truth) / kTrials;
+    for (std::size_t c = 0; c < run.truth.cameras.size(); ++c) {
+      const auto z = 6 * static_cast<Eigen::Index>(c) + 2;
+      const double error =
+          estimate.state.T_robot_camera[c].translation.z() - run.truth.cameras[c].T_robot_camera.translation.z();
+      height_square += error * error / (*estimate.result.joint_covariance)(z, z) / (3.0 * kTrials);
+    }
+  }
+  EXPECT_NEAR(mean, 18.0, 3.0);
+  RecordProperty("nees", std::to_string(mean));
+  RecordProperty("height_mean_square", std::to_string(height_square));
+  EXPECT_NEAR(height_square, 1.0, 0.4) << "the heights alone";
+}
+
+TEST(DepthBias, UntoldItMakesHeightsSilentlyWrong) {
+  double mean = 0.0;
+  constexpr int kTrials = 5;
+  for (int seed = 0; seed < kTrials; ++seed) {
+    const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), false);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told_options());
+    if (estimate.result.joint_covariance) mean += nees(estimate, run.truth) / kTrials;
+  }
+  RecordProperty("nees", std::to_string(mean));
+  EXPECT_GT(mean, 60.0);
+}
+
+TEST(DepthBias, OfFloorsIsWhatDrawnOnesDo) {
+  constexpr int kTrials = 300;
+  const GeometricRun run = run_with_bias(1, true);
+  const std::vector<Eigen::Matrix3d> stated = ground_plane_biases(run.observations, DepthScaleSource::kDevice);
+  ASSERT_EQ(stated.size(), 3U);
+  const RigCamera& camera = run.observations.cameras[0];
+  const PlaneObservation* floor = nullptr;
+  for (const PlaneObservation& plane : run.observations.ground_planes)
+    if (plane.camera == 0) floor = &plane;
+  ASSERT_NE(floor, nullptr);
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < kTrials; ++i) {
+    const DrawnBias bias(camera.camera, static_cast<std::uint64_t>(i), 7);
+    const Eigen::Vector3d error = bias.on_plane(bias.floor_pixels(floor->inverse_depth_plane, *camera.depth));
+    scatter += error * error.transpose() / kTrials;
+  }
+  const Eigen::Vector3d ratio = scatter.diagonal().cwiseQuotient(stated[0].diagonal());
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(ratio[axis], 1.0, 0.3) << "axis " << axis;
+}
+
+TEST(DepthBias, IsInTheHeightOfMemrocToo) {
+  const auto height_sigma = [](bool told) {
+    const GeometricRun run = run_with_bias(1, told);
+    const Result result = solve_memroc(run.observations, estimate_view_poses(run.observations), MemrocOptions());
+    return std::sqrt(result.camera_to_robot.at(0).covariance.value()(2, 2));
+  };
+  EXPECT_GT(height_sigma(true), 0.3e-3);
+  EXPECT_LT(height_sigma(false), height_sigma(true));
+}
+
+TEST(DepthBias, WithoutOneNothingIsAdded) {
+  const GeometricRun run = run_with_bias(1, false);
+  EXPECT_TRUE(ground_plane_biases(run.observations, DepthScaleSource::kBoard).empty());
+  EXPECT_TRUE(board_plane_biases(run.observations).empty());
+  EXPECT_THAT(relative_height_biases(run.observations), testing::Each(0.0));
+}
+
+}  // namespace
+}  // namespace rigproof
