@@ -8,6 +8,7 @@
 #include "rigproof/core/error.h"
 #include "rivals/image_files.h"
 #include "rivals/image_findings.h"
+#include "rivals/straight_drive.h"
 
 namespace rigproof::rivals {
 namespace {
@@ -95,6 +96,13 @@ class Matcher {
   std::map<const CameraFrame*, Seen> images_;
 };
 
+// Stops at which each camera has an image, in order.
+std::map<int, std::vector<int>> stops_by_camera(const FramesByStop& frames) {
+  std::map<int, std::vector<int>> stops;
+  for (const auto& [key, frame] : frames) stops[key.second].push_back(key.first);
+  return stops;
+}
+
 // Frames of a camera in a segment, where they lie in the recording.
 std::vector<const CameraFrame*> segment_frames(const Recording& recording, const RecordingSegment& segment,
                                                std::size_t camera) {
@@ -125,9 +133,7 @@ std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const 
   std::vector<ImagePair> pairs;
   if (input.recording == nullptr) return pairs;
   const FramesByStop frames = frames_by_stop(input.observations, *input.recording);
-  std::map<int, std::vector<int>> stops;
-  for (const auto& [key, frame] : frames) stops[key.second].push_back(key.first);
-  for (const auto& [camera, list] : stops)
+  for (const auto& [camera, list] : stops_by_camera(frames))
     for (std::size_t i = 1; i < list.size(); ++i)
       if (wanted(camera, list[i - 1], list[i]))
         pairs.push_back(
@@ -167,6 +173,16 @@ std::size_t straight_segment_steps(const Recording& recording) {
       const std::size_t frames = segment.kind == kStraightSegment ? segment_frames(recording, segment, k).size() : 0;
       steps += frames > 0 ? frames - 1 : 0;
     }
+    most = std::max(most, steps);
+  }
+  return most;
+}
+
+std::size_t turning_steps(const Observations& observations, const Recording& recording) {
+  std::size_t most = 0;
+  for (const auto& [camera, stops] : stops_by_camera(frames_by_stop(observations, recording))) {
+    std::size_t steps = 0;
+    for (std::size_t i = 1; i < stops.size(); ++i) steps += step_between(observations, stops[i - 1], stops[i]).turns();
     most = std::max(most, steps);
   }
   return most;

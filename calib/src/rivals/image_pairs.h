@@ -57,6 +57,9 @@ std::vector<std::pair<int, const CameraFrame*>> straight_segment_images(const Re
 /// How many steps straight segments have, at most, for one camera; no image is opened.
 std::size_t straight_segment_steps(const Recording& recording);
 
+/// How many steps from image to image turn, at most, for one camera; no image is opened.
+std::size_t turning_steps(const Observations& observations, const Recording& recording);
+
 /// estimate_relative_pose() of a pair's matches, or what the input's memory holds of it. Throws as
 /// throw_if_interrupted().
 /// @param sigma_px of a match

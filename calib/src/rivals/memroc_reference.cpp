@@ -88,6 +88,13 @@ Eigen::Matrix3d align_paths(const Observations& observations, const BoardPoses& 
   return R;
 }
 
+bool has_clouds(const Observations& observations, const Recording& recording) {
+  for (std::size_t k = 0; k < std::min(observations.cameras.size(), recording.frames.size()); ++k)
+    for (const CameraFrame& frame : recording.frames[k])
+      if (!frame.cloud_file.empty() || (!frame.depth_file.empty() && observations.cameras[k].depth)) return true;
+  return false;
+}
+
 class ReferenceSolver {
  public:
   ReferenceSolver(const MethodInput& input, bool joint)
@@ -263,6 +270,13 @@ class MemrocReference : public Method {
       return {"joint_memroc_reference", "Joint-MEMROC as its authors' program computes it, known failures included",
               needs, gives};
     return {"memroc_reference", "MEMROC as its authors' program computes it, known failures included", needs, gives};
+  }
+  std::string why_not(const MethodInput& input) const override {
+    const bool has_height = input.recording == nullptr ? !input.observations.ground_planes.empty()
+                                                       : has_clouds(input.observations, *input.recording);
+    if (has_height) return {};
+    return "No camera has depth images or clouds, from which this method takes heights: the authors' program stops "
+           "where there are none.";
   }
   Result solve(const Observations& observations) const override { return solve_recording({observations}); }
   Result solve_recording(const MethodInput& input) const override {

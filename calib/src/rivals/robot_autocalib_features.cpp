@@ -8,7 +8,7 @@
 #include "rivals/image_pairs.h"
 #include "rivals/rival_result.h"
 #include "rivals/robot_autocalib.h"
-#include "rivals/straight_drive.h"
+#include "rivals/turn_axes.h"
 
 namespace rigproof {
 namespace {
@@ -16,7 +16,6 @@ namespace {
 using rivals::AutocalibSensor;
 
 constexpr double kMatchSigma_px = 0.7;
-const double kMinTurn_rad = deg_to_rad(2.0);
 constexpr std::size_t kMinGroundPoints = 20;
 // Points of one level differ in height by the noise of triangulation.
 constexpr double kLevelTolerance = 0.04;
@@ -77,11 +76,8 @@ std::optional<Eigen::Vector3d> vertical_of(const Observations& observations,
                                            const std::vector<FeatureMotion>& motions) {
   rivals::Directions up;
   for (const FeatureMotion& motion : motions) {
-    const double turn = rivals::step_between(observations, motion.from, motion.to).turn_rad;
-    const Eigen::Vector3d phi = so3_log(motion.pose.T_a_b.rotation);
-    if (std::abs(turn) < kMinTurn_rad || phi.norm() < 0.5 * kMinTurn_rad) continue;
-    up.vectors.push_back((turn > 0.0 ? phi : Eigen::Vector3d(-phi)).normalized());
-    up.weights.push_back(phi.squaredNorm());
+    if (const auto axis = rivals::turn_axis(rivals::step_between(observations, motion.from, motion.to), motion.pose))
+      up.add(axis->up, axis->weight);
   }
   return up.common();
 }
@@ -113,11 +109,11 @@ class RobotAutocalib : public Method {
   MethodTraits traits() const override {
     return {"robot_autocalib",
             "RobotAutocalib (Zuniga-Noel et al. 2019) as published: motions and ground from image features, free scale",
-            "images, odometry with turns; no board", "camera to robot (6), camera to camera"};
+            "images, odometry with three turns; no board", "camera to robot (6), camera to camera"};
   }
 
   std::string why_not(const MethodInput& input) const override {
-    if (input.recording != nullptr) return {};
+    if (input.recording != nullptr) return rivals::why_no_vertical(input.observations, *input.recording);
     return "It follows features in the images, and the input is observations alone; robot_autocalib_board needs none.";
   }
 

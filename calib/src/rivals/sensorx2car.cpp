@@ -10,7 +10,8 @@
 #include "rivals/horizon_directions.h"
 #include "rivals/image_pairs.h"
 #include "rivals/rival_result.h"
-#include "rivals/straight_drive.h"
+#include "rivals/turn_axes.h"
+#include "rivals/vertical_lines.h"
 
 namespace rigproof {
 namespace {
@@ -22,7 +23,6 @@ constexpr double kMatchSigma_px = 0.7;
 constexpr double kSegmentWeight_m2 = 0.1;
 // Rotation that a straight step may show in the images; beyond it camera and robot move too differently.
 const double kMaxDrift_rad = deg_to_rad(1.0);
-const double kMinTurn_rad = deg_to_rad(2.0);
 
 // Where the camera went on a straight step, in its frame amid the step.
 Vector3d went(const rivals::RelativePose& pose) {
@@ -33,10 +33,11 @@ Vector3d went(const rivals::RelativePose& pose) {
 class SensorX2Car : public Method {
  public:
   MethodTraits traits() const override {
-    return {"sensorx2car",
-            "SensorX2Car (Yan et al. 2023): forward from straight steps, vertical from turns, by image features",
-            "images, odometry; straight steps and turns, or a network (--horizon)",
-            "rotation only, camera to robot and camera to camera"};
+    return {
+        "sensorx2car",
+        "SensorX2Car (Yan et al. 2023): forward from straight steps, vertical from turns or plumb lines, by the images",
+        "images, odometry, three straight steps; three turns, plumb lines or a network (--horizon)",
+        "rotation only, camera to robot and camera to camera"};
   }
 
   std::string why_not(const MethodInput& input) const override {
@@ -69,7 +70,7 @@ class SensorX2Car : public Method {
     if (input.horizon != nullptr) seen = rivals::directions_from_horizons(input, *input.horizon);
     follow_features(input, &seen.ahead, &seen.up);
     for (std::size_t k = 0; k < observations.cameras.size(); ++k)
-      solve_camera(observations, static_cast<int>(k), seen.ahead[k], seen.up[k], &result);
+      solve_camera(input, static_cast<int>(k), seen.ahead[k], seen.up[k], &result);
     add_pairs(&result);
     rivals::conclude_by_cameras(observations, &result);
     return result;
@@ -86,7 +87,7 @@ class SensorX2Car : public Method {
     if (!needs_forward && !needs_up) return;
     const auto wanted = [&](int /*camera*/, int from, int to) {
       const rivals::Step step = rivals::step_between(observations, from, to);
-      return step.straight() ? needs_forward : needs_up && std::abs(step.turn_rad) > kMinTurn_rad;
+      return step.straight() ? needs_forward : needs_up && step.turns();
     };
     const rivals::Features features(input);
     for (const rivals::ImagePair& pair : rivals::match_consecutive_images(input, features.source(), wanted))
@@ -102,12 +103,10 @@ class SensorX2Car : public Method {
     const auto pose = rivals::relative_pose_of(input, pair, kMatchSigma_px);
     if (!pose) return;
     const rivals::Step step = rivals::step_between(input.observations, pair.from, pair.to);
-    const Vector3d turn = so3_log(pose->T_a_b.rotation);
-    if (step.straight() && turn.norm() < kMaxDrift_rad) {
+    if (step.straight() && so3_log(pose->T_a_b.rotation).norm() < kMaxDrift_rad)
       (*forward)[k].add(step.forward_m > 0.0 ? went(*pose) : Vector3d(-went(*pose)), step.forward_m * step.forward_m);
-    } else if (std::abs(step.turn_rad) > kMinTurn_rad && turn.norm() > 0.5 * kMinTurn_rad) {
-      (*up)[k].add((step.turn_rad > 0.0 ? turn : Vector3d(-turn)).normalized(), turn.squaredNorm());
-    }
+    else if (const auto axis = rivals::turn_axis(step, *pose))
+      (*up)[k].add(axis->up, axis->weight);
   }
 
   // A step of a straight segment; the robot drives ahead there. Their lengths are much the same.
@@ -119,16 +118,26 @@ class SensorX2Car : public Method {
     (*forward)[k].add(went(*pose), kSegmentWeight_m2);
   }
 
-  static void solve_camera(const Observations& observations, int k, const rivals::Directions& forward,
+  static void solve_camera(const MethodInput& input, int k, const rivals::Directions& forward,
                            const rivals::Directions& up, Result* result) {
+    const Observations& observations = input.observations;
     const std::string& name = observations.cameras[static_cast<std::size_t>(k)].name;
-    const std::optional<Vector3d> x = forward.common(), z = up.common();
+    const std::optional<Vector3d> x = forward.common();
+    std::optional<Vector3d> z = up.common();
+    std::string vertical = std::to_string(up.vectors.size()) + " turns or horizons";
+    if (x && !z) {
+      if (const auto plumb = rivals::plumb_direction(rivals::lines_of_camera(input, k), *x, k)) {
+        z = plumb->up;
+        vertical = std::to_string(plumb->lines) + " plumb lines in " + std::to_string(plumb->images) + " images";
+      }
+    }
     if (!x)
       result->reasons.push_back(name + ": " + std::to_string(forward.vectors.size()) +
                                 " straight steps whose images show where it went; three are needed.");
     if (!z)
       result->reasons.push_back(name + ": " + std::to_string(up.vectors.size()) +
-                                " turns whose images show their axis; three are needed.");
+                                " turns whose images show their axis; three are needed, or plumb lines in three "
+                                "images.");
     if (!x || !z) return;
     Eigen::Matrix3d R;
     R.row(2) = z->transpose();
@@ -139,12 +148,11 @@ class SensorX2Car : public Method {
         rivals::camera_in_robot(observations, k, Rigid3(Eigen::Quaterniond(R), Vector3d::Zero()));
     transform.observable = {false, false, false, true, true, true};
     result->camera_to_robot.push_back(transform);
-    char text[200];
-    std::snprintf(text, sizeof(text),
-                  "%s: forward from %d straight steps, vertical from %d turns or horizons, %.2f deg from square",
-                  name.c_str(), static_cast<int>(forward.vectors.size()), static_cast<int>(up.vectors.size()),
+    char square[40];
+    std::snprintf(square, sizeof(square), "%.2f deg from square",
                   std::abs(90.0 - rad_to_deg(std::acos(std::clamp(x->dot(*z), -1.0, 1.0)))));
-    result->notes.emplace_back(text);
+    result->notes.push_back(name + ": forward from " + std::to_string(forward.vectors.size()) +
+                            " straight steps, vertical from " + vertical + ", " + square);
   }
 
   static void add_pairs(Result* result) {

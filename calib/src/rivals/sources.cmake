@@ -27,5 +27,7 @@ list(APPEND calib_sources
   src/rivals/robot_autocalib_features.cpp
   src/rivals/robot_autocalib_result.cpp
   src/rivals/sensorx2car.cpp
-  src/rivals/straight_drive.cpp)
+  src/rivals/straight_drive.cpp
+  src/rivals/turn_axes.cpp
+  src/rivals/vertical_lines.cpp)
 list(APPEND calib_private_libraries opencv_features2d opencv_dnn)

@@ -12,6 +12,12 @@ bool Step::straight() const {
          std::abs(turn_rad) <= deg_to_rad(1.5);
 }
 
+bool Step::turns() const { return std::abs(turn_rad) > kMinTurn_rad; }
+
+bool Step::turns_like(double camera_turn_rad) const {
+  return std::abs(std::abs(camera_turn_rad) - std::abs(turn_rad)) < 0.5 * std::abs(turn_rad) + kMinTurn_rad;
+}
+
 Step step_between(const Observations& observations, int from, int to) {
   const Stop &a = observations.stops[static_cast<std::size_t>(from)],
              &b = observations.stops[static_cast<std::size_t>(to)];

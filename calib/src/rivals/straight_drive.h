@@ -1,9 +1,12 @@
 // Which steps of a drive go straight, and which turn.
 #pragma once
 
+#include "rigproof/core/conventions.h"
 #include "rigproof/core/observations.h"
 
 namespace rigproof::rivals {
+
+inline const double kMinTurn_rad = deg_to_rad(2.0);
 
 /// The step from one stop to another as the odometry tells it.
 struct Step {
@@ -11,6 +14,11 @@ struct Step {
 
   /// Along its own heading, forwards or backwards: at least 5 cm, at most 5 % sideways, turning at most 1.5 degrees.
   bool straight() const;
+  /// By kMinTurn_rad at least, so that images show about which axis.
+  bool turns() const;
+  /// Camera and robot turn by the same angle: whether that may be what images show as the camera's, half of it and
+  /// kMinTurn_rad allowed for. Wrong matches show any angle, and large ones would weigh most.
+  bool turns_like(double camera_turn_rad) const;
 };
 Step step_between(const Observations& observations, int from, int to);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 
 #include "rigproof/calib/feature_source.h"
@@ -11,6 +12,9 @@
 #include "rigproof/calib/rivals.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/random.h"
+#include "rivals/turn_axes.h"
+#include "rivals/vertical_lines.h"
 #include "room.h"
 #include "temp_folder.h"
 
@@ -78,6 +82,79 @@ TEST(SensorX2Car, ReadsStraightSegments) {
   EXPECT_THAT(sensorx2car_method().why_not(input), HasSubstr("0 straight steps"));
 }
 
+// Where the robot never turns, plumb edges of the walls show the vertical.
+TEST(SensorX2Car, FindsTheVerticalInPlumbLines) {
+  const TempFolder folder;
+  Steps steps(planar_pose(-2.0, -0.8, 0.1));
+  steps.forward(0.2, 5);
+  const RoomDrive drive = drive_through_room(steps.poses, two_cameras(), false, folder.path(), Walls::kPanelled);
+  const Result result = run_method(sensorx2car_method(), {drive.observations, &drive.recording, 2});
+  ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_LT(angle_deg(result.camera_to_robot[k], drive.T_robot_camera[k]), 0.8) << text(result.notes);
+  EXPECT_THAT(text(result.notes), HasSubstr("plumb lines in 6 images"));
+}
+
+// A pattern without edges has none.
+TEST(SensorX2Car, SaysThatNothingShowsTheVertical) {
+  const TempFolder folder;
+  Steps steps(planar_pose(-2.0, -0.8, 0.1));
+  steps.forward(0.2, 4);
+  const RoomDrive drive = drive_through_room(steps.poses, {two_cameras()[0]}, false, folder.path());
+  const Result result = run_method(sensorx2car_method(), {drive.observations, &drive.recording, 2});
+  EXPECT_EQ(result.status, ResultStatus::kRefused) << text(result.notes);
+  EXPECT_THAT(text(result.reasons), HasSubstr("plumb lines"));
+}
+
+/// Lines of a direction, of random places, in `images` images.
+void add_lines(const Eigen::Vector3d& direction, int count, double noise, RandomStream* random,
+               std::vector<std::vector<rivals::SeenLine>>* images) {
+  for (auto& lines : *images) {
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector3d ray(random->uniform(-0.6, 0.6), random->uniform(-0.4, 0.4), 1.0);
+      const Eigen::Vector3d off(random->normal(), random->normal(), random->normal());
+      lines.push_back({(ray.cross(direction).normalized() + noise * off).normalized(), 60.0});
+    }
+  }
+}
+
+TEST(PlumbLines, AreTheUprightDirectionSquareToTheWayAhead) {
+  const Rigid3 X = mounted(0.0, 0.0, 0.7, deg_to_rad(35.0), deg_to_rad(25.0), deg_to_rad(-20.0));
+  const Eigen::Matrix3d R = X.rotation_matrix().transpose();
+  RandomStream random(1, "lines");
+  std::vector<std::vector<rivals::SeenLine>> images(8);
+  for (int i = 0; i < 25; ++i)
+    add_lines(Eigen::Vector3d(random.normal(), random.normal(), random.normal()), 1, 0.0, &random, &images);
+  add_lines(R * Eigen::Vector3d::UnitX(), 12, 0.003, &random, &images);
+  add_lines(R * Eigen::Vector3d::UnitY(), 12, 0.003, &random, &images);
+  EXPECT_FALSE(rivals::plumb_direction(images, R.col(0), 0));
+  add_lines(R * Eigen::Vector3d::UnitZ(), 8, 0.003, &random, &images);
+  const auto plumb = rivals::plumb_direction(images, R.col(0), 0);
+  ASSERT_TRUE(plumb);
+  EXPECT_EQ(plumb->images, 8U);
+  EXPECT_LT(rad_to_deg(std::acos(std::min(1.0, plumb->up.dot(R.col(2))))), 0.1);
+  // Two images could be chance.
+  images.resize(2);
+  EXPECT_FALSE(rivals::plumb_direction(images, R.col(0), 0));
+}
+
+// Camera and robot turn by the same angle. A wrong pose between two images turns by any, and would weigh most.
+TEST(TurnAxes, LeaveOutWhatTurnsOtherwiseThanTheRobot) {
+  const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.9, -0.3).normalized();
+  const auto pose = [](double angle_deg, const Eigen::Vector3d& axis) {
+    return rivals::RelativePose{Rigid3(so3_exp(deg_to_rad(angle_deg) * axis), Eigen::Vector3d::UnitZ()), {}};
+  };
+  const rivals::Step left{0.3, 0.0, deg_to_rad(10.0)}, right{0.3, 0.0, deg_to_rad(-10.0)};
+  for (const auto& axis : {rivals::turn_axis(left, pose(9.5, up)), rivals::turn_axis(right, pose(-9.5, up))}) {
+    ASSERT_TRUE(axis);
+    EXPECT_LT((axis->up - up).norm(), 1e-9);
+    EXPECT_NEAR(axis->weight, deg_to_rad(9.5) * deg_to_rad(9.5), 1e-12);
+  }
+  EXPECT_FALSE(rivals::turn_axis(left, pose(170.0, Eigen::Vector3d::UnitZ())));
+  EXPECT_FALSE(rivals::turn_axis(left, pose(1.5, up)));
+  EXPECT_FALSE(rivals::turn_axis({0.3, 0.0, deg_to_rad(1.0)}, pose(1.0, up)));
+}
+
 TEST(SensorX2Car, NeedsStraightStepsAndImages) {
   Steps steps(planar_pose(0.0, 0.0, 0.0));
   steps.arc(0.2, 10.0, 8);
@@ -106,6 +183,35 @@ TEST(RobotAutocalib, FindsPoseAndScaleFromFeatures) {
 TEST(RobotAutocalib, NeedsImages) {
   const Observations observations;
   EXPECT_THAT(robot_autocalib_method().why_not({observations}), HasSubstr("observations alone"));
+}
+
+/// Fails the test where an image is looked at.
+class Unasked : public FeatureSource {
+ public:
+  ImageFeatures detect(const Image8& /*grey*/) const override {
+    ADD_FAILURE() << "an image was looked at";
+    return {};
+  }
+};
+
+// Told before an image is opened: a straight drive shows no vertical.
+TEST(RobotAutocalib, NeedsThreeTurns) {
+  const TempFolder folder;
+  Steps steps(planar_pose(-1.6, -0.7, 0.2));
+  steps.forward(0.2, 2);
+  steps.arc(0.2, 9.0, 2);
+  RoomDrive drive = drive_through_room(steps.poses, {two_cameras()[0]}, false, folder.path());
+  const Unasked unasked;
+  MethodInput input{drive.observations, &drive.recording, 2};
+  input.features = &unasked;
+  const Result result = run_method(robot_autocalib_method(), input);
+  EXPECT_EQ(result.status, ResultStatus::kRefused);
+  EXPECT_THAT(text(result.reasons), HasSubstr("turns 2 times by 2 deg or more; three at least are needed"));
+  // Turns are counted between images that the camera has: without the third one the two turns remain.
+  drive.observations.stops[1].yaw_rad += deg_to_rad(3.0);
+  EXPECT_EQ(robot_autocalib_method().why_not(input), "");
+  drive.recording.frames[0].erase(drive.recording.frames[0].begin() + 1);
+  EXPECT_THAT(robot_autocalib_method().why_not(input), HasSubstr("turns 2 times"));
 }
 
 /// Says no from some question on.
@@ -149,8 +255,10 @@ TEST(ImageMethods, AreAbandonedAtEveryPieceOfTheirWork) {
   const TempFolder folder;
   Steps steps(planar_pose(-1.6, -0.7, 0.2));
   steps.forward(0.25, 3);
-  steps.arc(0.3, 9.0, 1);
-  const RoomDrive drive = drive_through_room(steps.poses, {two_cameras()[0]}, true, folder.path());
+  steps.arc(0.3, 9.0, 3);
+  RoomDrive drive = drive_through_room(steps.poses, {two_cameras()[0]}, true, folder.path());
+  for (CameraFrame& frame : drive.recording.frames[0]) frame.cloud_file = "cloud.txt";
+  std::ofstream(folder / "cloud.txt") << "0 0 1\n1 0 1\n0 1 1\n";
   const MethodInput input{drive.observations, &drive.recording, 1};
   for (const Method* method : {&robot_autocalib_method(), &sensorx2car_method(), &memroc_reference_method()}) {
     SCOPED_TRACE(method->traits().name);
@@ -171,7 +279,7 @@ TEST(ImageMethods, ANetworkThatFailsIsAnError) {
   };
   const TempFolder folder;
   Steps steps(planar_pose(-1.6, -0.7, 0.2));
-  steps.forward(0.2, 1);
+  steps.arc(0.2, 9.0, 3);
   const RoomDrive drive = drive_through_room(steps.poses, {two_cameras()[0]}, false, folder.path());
   const Broken broken;
   MethodInput input{drive.observations, &drive.recording, 2};

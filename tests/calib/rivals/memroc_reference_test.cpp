@@ -84,6 +84,30 @@ TEST(MemrocReference, IgnoresTheHeightWhereOnlyTheFirstFrameHasACloud) {
   expect_others_good(drive);
 }
 
+// The authors' program stops where a camera's folder of clouds is missing. An empty one leaves the height out.
+TEST(MemrocReference, SaysBeforehandThatNoCameraHasDepth) {
+  SyntheticDrive drive = fine_drive(2);
+  drive.observations.ground_planes.clear();
+  const TempFolder folder;
+  Recording recording;
+  recording.folder = folder.path();
+  recording.rig.cameras = drive.observations.cameras;
+  recording.frames.resize(3);
+  for (const BoardView& view : drive.observations.board_views)
+    recording.frames[static_cast<std::size_t>(view.camera)].push_back({view.file, "", "", view.stamp_s, 0.0, 0});
+  for (const Method* method : references()) {
+    for (const MethodInput& input : {MethodInput{drive.observations}, MethodInput{drive.observations, &recording, 1}}) {
+      const Result result = run_method(*method, input);
+      EXPECT_EQ(result.status, ResultStatus::kRefused);
+      EXPECT_TRUE(result.camera_to_robot.empty());
+      EXPECT_THAT(testing::PrintToString(result.reasons), HasSubstr("No camera has depth images or clouds"));
+    }
+    for (CameraFrame& frame : recording.frames[1]) frame.cloud_file = "none.txt";
+    EXPECT_EQ(method->why_not({drive.observations, &recording, 1}), "");
+    for (CameraFrame& frame : recording.frames[1]) frame.cloud_file.clear();
+  }
+}
+
 TEST(MemrocReference, ReturnsTheStartWhereViewsAreNeverConsecutive) {
   SyntheticDrive drive = fine_drive(3, 24);
   keep_views([](int stop, int /*camera*/) { return stop % 2 == 0; }, &drive);

@@ -40,7 +40,12 @@ double pattern(double x, double y, std::uint64_t seed) {
          0.2 * noise(x / 0.045, y / 0.045, seed + 13);
 }
 
-double brightness(const Vector3d& origin, const Vector3d& direction) {
+bool on_edge(double along, double height) {
+  const double place = along / 0.7 - std::floor(along / 0.7);
+  return place < 0.06 || std::abs(height - 0.9) < 0.02 || std::abs(height - 1.8) < 0.02;
+}
+
+double brightness(const Vector3d& origin, const Vector3d& direction, Walls walls) {
   double nearest = 1e9;
   int axis = 0;
   bool high = false;
@@ -51,19 +56,20 @@ double brightness(const Vector3d& origin, const Vector3d& direction) {
     if (distance < nearest) nearest = distance, axis = i, high = up;
   }
   const Vector3d p = origin + nearest * direction;
+  if (walls == Walls::kPanelled && axis < 2 && on_edge(p[1 - axis], p.z())) return 0.05;
   return pattern(p[(axis + 1) % 3], p[(axis + 2) % 3], static_cast<std::uint64_t>(2 * axis + (high ? 1 : 0) + 1));
 }
 
 }  // namespace
 
-Image8 draw_room(const Camera& camera, const Rigid3& T_world_camera) {
+Image8 draw_room(const Camera& camera, const Rigid3& T_world_camera, Walls walls) {
   Image8 image(camera.width_px, camera.height_px);
   const Eigen::Matrix3d R = T_world_camera.rotation_matrix();
   for (int v = 0; v < camera.height_px; ++v) {
     for (int u = 0; u < camera.width_px; ++u) {
       Vector3d ray;
       camera.unproject(Vector2d(u, v), &ray);
-      const double value = 255.0 * brightness(T_world_camera.translation, R * ray);
+      const double value = 255.0 * brightness(T_world_camera.translation, R * ray, walls);
       image.at(u, v) = static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0));
     }
   }
@@ -80,7 +86,7 @@ Rigid3 mounted(double x_m, double y_m, double z_m, double yaw_rad, double pitch_
 }
 
 RoomDrive drive_through_room(const std::vector<Rigid3>& T_room_robot, const std::vector<Rigid3>& T_robot_camera,
-                             bool with_board, const std::filesystem::path& folder) {
+                             bool with_board, const std::filesystem::path& folder, Walls walls) {
   RoomDrive drive;
   drive.T_robot_camera = T_robot_camera;
   drive.recording.folder = folder;
@@ -101,7 +107,7 @@ RoomDrive drive_through_room(const std::vector<Rigid3>& T_room_robot, const std:
     o.stops.push_back({stamp_s, pose.translation.x(), pose.translation.y(), yaw_of(pose), 0.0});
     for (std::size_t k = 0; k < T_robot_camera.size(); ++k) {
       const Rigid3 T_room_camera = pose * T_robot_camera[k];
-      const Image8 image = draw_room(o.cameras[k].camera, T_room_camera);
+      const Image8 image = draw_room(o.cameras[k].camera, T_room_camera, walls);
       const std::string file = o.cameras[k].folder + "/" + std::to_string(i) + ".png";
       cv::imwrite((folder / file).string(),
                   cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels.data())));
