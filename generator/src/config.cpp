@@ -233,12 +233,9 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
   visitor.field("depth_scale_bias_percent", depth_scale_bias_percent, {-20.0, 20.0},
                 "measured depth is too large by this, drawn for each camera");
   visitor.nested("sensing", sensing, "sensor_noise realistic: which effects of the sensors are simulated");
-  const Distribution& delay_ms = sensing.time.camera_delay_ms;
-  visitor.check(
-      motion != "drive" || drive.capture != "moving" || (delay_ms.lowest() == 0.0 && delay_ms.highest() == 0.0),
-      "sensing.time.camera_delay_ms",
-      "must be 0 with drive.capture moving, where all cameras take their images at one time; "
-      "clock_offset_ms is for stamps that are wrong");
+  visitor.check(!moves_while_exposing() || sensing.time.camera_delay_ms.lowest() >= 0.0, "sensing.time.camera_delay_ms",
+                "must not be negative with drive.capture moving, where images are taken that much later; "
+                "clock_offset_ms is for stamps that are wrong");
   visitor.nested("render", render, "how the clean picture is drawn");
   visitor.field("clouds", clouds, TextChoices{{"none", "pcd"}}, "point cloud files beside the depth images");
   visitor.field("cloud_stride_px", cloud_stride_px, {1.0, 64.0}, "every how many pixels a cloud has a point");

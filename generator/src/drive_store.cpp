@@ -134,7 +134,8 @@ std::string head_of(const std::string& key, std::string_view body) {
 
 std::string drive_key(const GenerateConfig& config, const std::vector<ScenarioInput>& inputs) {
   GenerateConfig driven = without_sense_keys(config);
-  driven.odometry.rate_hz = config.odometry.rate_hz;  // how often the drive is written down
+  driven.odometry.rate_hz = config.odometry.rate_hz;    // how often the drive is written down
+  driven.sensing.time = GenerateConfig().sensing.time;  // cameras that are late do not drive elsewhere
   std::string text = std::string(version()) + " " + World::mujoco_version() + "\n";
   for (const ScenarioInput& input : inputs) text += input.sha256 + "\n";
   return sha256_hex(text + resolved_text(driven));

@@ -72,7 +72,7 @@ double motion_px(const Camera& camera, const std::vector<Rigid3>& T_camera_scene
 double motion_px(const Scenario& scenario, const FrameJob& job, const Camera& camera, const Rigid3& T_robot_camera,
                  double duration_s) {
   if (!(duration_s > 0.0)) return 0.0;
-  const double middle_s = scenario.truth.stops[job.stop].stamp_s;
+  const double middle_s = scenario.truth_of(job).stamp_s;
   std::vector<Rigid3> T_camera_scene;
   for (int i = 0; i <= kTimes; ++i) {
     const double stamp_s = middle_s + duration_s * (static_cast<double>(i) / kTimes - 0.5);
@@ -90,11 +90,13 @@ Exposure exposure_of(const Scenario& scenario, const FrameJob& job, int parts, d
   Exposure exposure;
   exposure.exposure_s = exposure_s;
   exposure.readout_s = readout_s;
+  const double middle_s = scenario.truth_of(job).stamp_s;
   if (parts > 1)
-    exposure.T_world_robot =
-        scenario.trajectory.during(scenario.truth.stops[job.stop].stamp_s, exposure_s + readout_s, parts);
-  else
+    exposure.T_world_robot = scenario.trajectory.during(middle_s, exposure_s + readout_s, parts);
+  else if (scenario.truth.cameras[job.camera].stops.empty())
     exposure.T_world_robot = {scenario.T_scene_robot[job.stop]};
+  else
+    exposure.T_world_robot = {scenario.trajectory.at(middle_s)};
   return exposure;
 }
 
@@ -108,8 +110,8 @@ std::vector<CameraShutter> resolve_shutters(const GenerateConfig& config, const 
 }
 
 void plan_exposures(Scenario* scenario) {
-  if (!scenario->moves_while_exposing()) return;
   const GenerateConfig& config = scenario->config;
+  if (!config.moves_while_exposing()) return;
   const std::vector<RigCamera>& cameras = scenario->rig.rig.cameras;
   std::vector<double> step_px(cameras.size(), 0.0);
   std::vector<int> parts(cameras.size(), 1);

@@ -8,10 +8,11 @@ namespace rigproof {
 namespace {
 
 // What begins with one of these is no matter of rendering; everything else is, new fields included. As
-// without_sense_keys() has them.
+// without_sense_keys() has them. Where images are taken while the robot moves one of them is, nevertheless.
 const char* const kSenseKeys[] = {
     "name",     "stop_period_s", "odometry.",       "sensor_noise", "depth_scale_bias_percent",
     "sensing.", "clouds",        "cloud_stride_px", "png_level"};
+const char* const kRenderKeyWhileMoving = "sensing.time.camera_delay_ms";
 
 bool is_sense_key(const std::string& path) {
   return std::any_of(std::begin(kSenseKeys), std::end(kSenseKeys), [&path](const char* key) {
@@ -105,7 +106,8 @@ std::vector<std::string> changed_render_keys(const GenerateConfig& there, const 
   std::vector<std::string> keys;
   for (const std::string& difference : differences(there, here)) {
     const std::string path = difference.substr(0, difference.find(':'));
-    if (!is_sense_key(path)) keys.push_back(path);
+    const bool moves = there.moves_while_exposing() || here.moves_while_exposing();
+    if (!is_sense_key(path) || (moves && path == kRenderKeyWhileMoving)) keys.push_back(path);
   }
   return keys;
 }
@@ -119,6 +121,7 @@ GenerateConfig without_sense_keys(const GenerateConfig& config) {
   rendered.sensor_noise = defaults.sensor_noise;
   rendered.depth_scale_bias_percent = defaults.depth_scale_bias_percent;
   rendered.sensing = defaults.sensing;
+  if (config.moves_while_exposing()) rendered.sensing.time.camera_delay_ms = config.sensing.time.camera_delay_ms;
   rendered.clouds = defaults.clouds;
   rendered.cloud_stride_px = defaults.cloud_stride_px;
   rendered.png_level = defaults.png_level;

@@ -14,6 +14,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/run_folder.h"
+#include "rigproof/core/text.h"
 #include "rigproof/core/yaml.h"
 #include "rigproof/generator/odometry.h"
 #include "rigproof/generator/straight_drive.h"
@@ -152,12 +153,13 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
   const bool clouds = scenario.config.clouds == "pcd";
   for (const RigCamera& camera : recording.rig.cameras) {
     std::vector<CameraFrame>& frames = recording.frames.emplace_back();
-    for (std::size_t i = 0; i < scenario.stop_count(); ++i) {
+    const std::vector<TrueStop>& stops = scenario.truth.stops_of(recording.frames.size() - 1);
+    for (std::size_t i = 0; i < stops.size(); ++i) {
       CameraFrame frame;
       frame.color_file = numbered(camera.folder + "/color", i, image_extension);
       if (camera.depth) frame.depth_file = numbered(camera.folder + "/depth", i, ".png");
       if (camera.depth && clouds) frame.cloud_file = numbered(camera.folder + "/cloud", i, ".pcd");
-      frame.stamp_s = scenario.truth.stops[i].stamp_s;
+      frame.stamp_s = stops[i].stamp_s;
       frame.exposure_s = scenario.shutters[recording.frames.size() - 1].exposure_s;
       frames.push_back(frame);
     }
@@ -197,6 +199,29 @@ DrivenViewpoints kept_or_simulated(const WorldDescription& description, const Vi
   return std::move(*driven);
 }
 
+// Cameras without a common trigger in a robot that moves: each takes its images at times and places of its own.
+void delay_cameras(Scenario* scenario) {
+  const RobotTrajectory& trajectory = scenario->trajectory;
+  Truth& truth = scenario->truth;
+  const Rigid3 T_world_scene = levelled(scenario->T_scene_robot.front()).inverse();
+  const std::vector<double> delays_s = rendered_delays_s(scenario->config, truth.cameras.size());
+  for (std::size_t camera = 0; camera < delays_s.size(); ++camera) {
+    TrueCamera& delayed = truth.cameras[camera];
+    if (delays_s[camera] == 0.0) continue;
+    for (const TrueStop& stop : truth.stops) {
+      const double stamp_s = stop.stamp_s + delays_s[camera];
+      if (stamp_s > trajectory.end_s()) break;  // nothing is recorded after the drive
+      delayed.stops.push_back({stamp_s, T_world_scene * trajectory.at(stamp_s), trajectory.velocity(stamp_s)});
+    }
+    if (delayed.stops.empty())
+      throw Error("sensing.time.camera_delay_ms: with " + number_text(1000.0 * delays_s[camera]) +
+                  " ms the first image of camera " + delayed.name + " would be taken after the drive's end, at " +
+                  number_text(trajectory.end_s()) +
+                  " s: give a smaller one, more viewpoints, or a higher drive.frame_rate_hz");
+    delayed.sensing["camera_delay_s"] = delays_s[camera];
+  }
+}
+
 // Stops where physics left the robot; the odometry is what its wheels counted.
 void drive(const WorldDescription& description, const ViewpointSubject& subject, const DriveSource& source,
            Scenario* scenario) {
@@ -214,20 +239,21 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   }
   Truth& truth = scenario->truth;
   truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
-  if (scenario->moves_while_exposing())
+  if (config.moves_while_exposing())
     for (TrueStop& stop : truth.stops) stop.velocity = scenario->trajectory.velocity(stop.stamp_s);
+  delay_cameras(scenario);
   label_odometry(driven.drive.odometry, &truth);
   truth.drawn.insert(draw.drawn.begin(), draw.drawn.end());
   scenario->recording = recorded_part(*scenario, description.board);
   scenario->recording.odometry = std::move(driven.drive.odometry);
 }
 
-// The frames that were not dropped, stop by stop.
-std::vector<FrameJob> recorded_frames(const std::vector<std::vector<CameraFrame>>& taken,
+// The frames that were not dropped, stop by stop. A camera's last stops may have none.
+std::vector<FrameJob> recorded_frames(std::size_t stops, const std::vector<std::vector<CameraFrame>>& taken,
                                       const std::vector<std::vector<CameraFrame>>& recorded) {
   std::vector<FrameJob> jobs;
   std::vector<std::size_t> next(recorded.size(), 0);
-  for (std::size_t stop = 0; !taken.empty() && stop < taken.front().size(); ++stop) {
+  for (std::size_t stop = 0; stop < stops; ++stop) {
     for (std::size_t camera = 0; camera < recorded.size(); ++camera) {
       const std::size_t i = next[camera];
       if (i == recorded[camera].size() || recorded[camera][i].color_file != taken[camera][stop].color_file) continue;
@@ -290,8 +316,8 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
     teleport(description, subject, &scenario);
   scenario.truth.drawn.insert(defects.drawn.begin(), defects.drawn.end());
   const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;
-  disturb_time(config.sensing.time, sensing_seed(config), &scenario.recording, &scenario.truth);
-  scenario.frames = recorded_frames(taken, scenario.recording.frames);
+  disturb_time(sensed_time(config), sensing_seed(config), &scenario.recording, &scenario.truth);
+  scenario.frames = recorded_frames(scenario.stop_count(), taken, scenario.recording.frames);
   plan_exposures(&scenario);
   return scenario;
 }

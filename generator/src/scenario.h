@@ -58,11 +58,12 @@ struct Scenario {
   Truth truth;
   std::string drive_key, drive_bytes;  ///< of a driven run, for its file: see drive_store.h
 
-  bool moves_while_exposing() const { return config.motion == "drive" && config.drive.capture == "moving"; }
   std::size_t stop_count() const { return T_scene_robot.size(); }
   std::size_t camera_count() const { return rig.rig.cameras.size(); }
   bool sensor_images_are_jpeg() const { return config.sensor_noise != "none" && config.sensing.image.jpeg_quality > 0; }
   std::size_t frame_count() const { return frames.size(); }
+  /// When a frame is taken, and where the robot is then.
+  const TrueStop& truth_of(const FrameJob& job) const { return truth.stops_of(job.camera)[job.stop]; }
 };
 
 /// motion: drive.

@@ -23,12 +23,12 @@ std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string&
   return std::nullopt;
 }
 
-std::optional<std::size_t> true_stop(const Truth& truth, double stamp_s) {
+std::optional<std::size_t> true_stop(const std::vector<TrueStop>& stops, double stamp_s) {
   constexpr double kNearest = 0.5;
   std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < truth.stops.size(); ++i) {
-    const double distance = std::abs(truth.stops[i].stamp_s - stamp_s);
-    if (distance < kNearest && (!best || distance < std::abs(truth.stops[*best].stamp_s - stamp_s))) best = i;
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    const double distance = std::abs(stops[i].stamp_s - stamp_s);
+    if (distance < kNearest && (!best || distance < std::abs(stops[*best].stamp_s - stamp_s))) best = i;
   }
   return best;
 }
@@ -44,11 +44,13 @@ std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& 
 
 std::optional<double> distance_to_board(const InspectInput& input, const BoardView& view) {
   if (!input.truth) return std::nullopt;
-  const auto stop = true_stop(*input.truth, view.stamp_s);
   const auto camera =
       index_in_truth(*input.truth, input.observations.cameras[static_cast<std::size_t>(view.camera)].name);
-  if (!stop || !camera) return std::nullopt;
-  const Rigid3 T_world_camera = input.truth->stops[*stop].T_world_robot * input.truth->cameras[*camera].T_robot_camera;
+  if (!camera) return std::nullopt;
+  const std::vector<TrueStop>& stops = input.truth->stops_of(*camera);
+  const auto stop = true_stop(stops, view.stamp_s);
+  if (!stop) return std::nullopt;
+  const Rigid3 T_world_camera = stops[*stop].T_world_robot * input.truth->cameras[*camera].T_robot_camera;
   return (T_world_camera.inverse() * (input.truth->T_world_board * input.truth->board.centre())).norm();
 }
 

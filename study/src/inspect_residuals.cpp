@@ -182,14 +182,15 @@ Written draw_corners(const InspectInput& input, std::size_t camera, const std::f
   ResidualPicture picture;
   picture.camera = camera;
   picture.image = truth.cameras[*true_camera].camera;
+  const std::vector<TrueStop>& stops = truth.stops_of(*true_camera);
   std::size_t views = 0;
   double variance = 0.0;
   for (const BoardView& view : input.observations.board_views) {
-    const auto stop = true_stop(truth, view.stamp_s);
+    const auto stop = true_stop(stops, view.stamp_s);
     if (view.camera != static_cast<int>(camera) || !stop) continue;
     ++views;
     const Rigid3 T_camera_board =
-        (truth.stops[*stop].T_world_robot * truth.cameras[*true_camera].T_robot_camera).inverse() * truth.T_world_board;
+        (stops[*stop].T_world_robot * truth.cameras[*true_camera].T_robot_camera).inverse() * truth.T_world_board;
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;
       if (!picture.image.project(T_camera_board * truth.board.corner(corner.id), &projected)) continue;

@@ -36,16 +36,35 @@ TEST(Truth, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
 }
 
+TEST(Truth, ACameraMayHaveStopsOfItsOwn) {
+  const TempFolder folder;
+  Truth a = sample_truth();
+  a.cameras[1].stops = {a.stops[0], a.stops[1]};
+  a.cameras[1].stops[1].stamp_s += 0.015;
+  a.cameras[1].stops[1].velocity = Vector6d::Constant(0.25);
+  save_truth(a, folder / "a.yaml");
+  const Truth b = load_truth(folder / "a.yaml");
+  EXPECT_TRUE(b.cameras[0].stops.empty());
+  EXPECT_EQ(b.stops_of(0).size(), 3U) << "those of all";
+  ASSERT_EQ(b.stops_of(1).size(), 2U);
+  EXPECT_EQ(b.stops_of(1)[1].stamp_s, a.stops[1].stamp_s + 0.015);
+  EXPECT_EQ(b.stops_of(1)[1].velocity, a.cameras[1].stops[1].velocity);
+  EXPECT_TRUE(IsPoseNear(b.stops_of(1)[0].T_world_robot, a.stops[0].T_world_robot, 0.0, 1e-15));
+  save_truth(b, folder / "b.yaml");
+  EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
+}
+
 TEST(Truth, ProblemsAreNamed) {
   const TempFolder folder;
   folder.write("t.yaml",
-               "format: rigproof-truth\nversion: 1\nseed: -1\nstops: 5\ncameras: {left: {depth_scale: 50}}\n"
+               "format: rigproof-truth\nversion: 1\nseed: -1\nstops: 5\n"
+               "cameras: {left: {depth_scale: 50, stops: [{stamp_s: late}]}}\n"
                "drawn: {board.bow_mm: much}\n");
   const std::string text = error_text([&] { load_truth(folder / "t.yaml"); });
-  for (const char* part :
-       {"t.yaml:3: seed: -1: must be a whole number, >= 0", "t.yaml:4: stops: 5: must be a list",
-        "cameras.left.depth_scale: 50: allowed is 0.1 to 10", "drawn.board.bow_mm: much: must be a finite number",
-        "cameras.left.T_robot_camera: is missing", "T_world_board: is missing", "board: is missing"})
+  for (const char* part : {"t.yaml:3: seed: -1: must be a whole number, >= 0", "t.yaml:4: stops: 5: must be a list",
+                           "cameras.left.depth_scale: 50: allowed is 0.1 to 10", "cameras.left.stops[0].stamp_s: late",
+                           "drawn.board.bow_mm: much: must be a finite number",
+                           "cameras.left.T_robot_camera: is missing", "T_world_board: is missing", "board: is missing"})
     EXPECT_THAT(text, HasSubstr(part));
 }
 

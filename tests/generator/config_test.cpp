@@ -70,9 +70,13 @@ TEST(GenerateConfig, FieldsThatContradictEachOtherAreNamed) {
   EXPECT_THAT(error_of("odometry: {model: per_pose, scale: 1.02}"), HasSubstr("odometry.scale"));
   EXPECT_THAT(error_of("board: {squares: [5.5, 4]}"), HasSubstr("whole numbers"));
   const std::string moving = "motion: drive\ndrive: {capture: moving}\n";
-  EXPECT_THAT(error_of(moving + "sensing: {time: {camera_delay_ms: {uniform: [0, 20]}}}"),
-              HasSubstr("sensing.time.camera_delay_ms"));
-  EXPECT_NO_THROW(parse_generate_config(moving + "sensing: {time: {clock_offset_ms: 20}}", "moving"));
+  for (const char* delay : {"{uniform: [-1, 20]}", "-5", "{normal: {mean: 10, stddev: 2}}"})
+    EXPECT_THAT(error_of(moving + "sensing: {time: {camera_delay_ms: " + delay + "}}"),
+                HasSubstr("sensing.time.camera_delay_ms"))
+        << delay;
+  for (const char* time : {"clock_offset_ms: -20", "camera_delay_ms: {uniform: [0, 20]}"})
+    EXPECT_NO_THROW(parse_generate_config(moving + "sensing: {time: {" + time + "}}", "moving"));
+  EXPECT_NO_THROW(parse_generate_config("sensing: {time: {camera_delay_ms: -5}}", "standing"));
 }
 
 // What ships in config/ must stay readable, and the schema that editors use must be the one of this program.

@@ -159,6 +159,126 @@ TEST(Moving, ProofHoldsForBlurredAndLeaningPicturesAndNoticesAWrongVelocity) {
   EXPECT_FALSE(run.proof().passed);
 }
 
+// Three cameras of 0 to 40 ms, each with a delay of its own.
+const char* const kNoTrigger = "camera_delay_ms: {uniform: [0, 40]}";
+
+GenerateConfig without_trigger(const std::string& time = kNoTrigger, double frame_rate_hz = 1.0) {
+  GenerateConfig config = moving_config();
+  config.rig = "husky_3x_d455";
+  config.drive.frame_rate_hz = frame_rate_hz;
+  config.sensing.time =
+      parse_generate_config("{motion: drive, drive: {capture: moving}, sensing: {time: {" + time + "}}}", "time.yaml")
+          .sensing.time;
+  return config;
+}
+
+double delay_s(const Scenario& scenario, std::size_t camera) {
+  const std::map<std::string, double>& labels = scenario.truth.cameras[camera].sensing;
+  const auto found = labels.find("camera_delay_s");
+  return found == labels.end() ? 0.0 : found->second;
+}
+
+TEST(WithoutTrigger, ImagesStampsAndTruthAreThoseOfEachCamerasTime) {
+  const Scenario scenario = resolve_scenario(without_trigger());
+  const Rigid3 T_world_scene = scenario.truth.stops[0].T_world_robot * scenario.T_scene_robot[0].inverse();
+  EXPECT_NE(delay_s(scenario, 0), delay_s(scenario, 1));
+  EXPECT_NE(delay_s(scenario, 1), delay_s(scenario, 2));
+  double farthest_m = 0.0;
+  for (const FrameJob& job : scenario.frames) {
+    const TrueStop &shared = scenario.truth.stops[job.stop], &own = scenario.truth.stops_of(job.camera)[job.stop];
+    EXPECT_NEAR(own.stamp_s, shared.stamp_s + delay_s(scenario, job.camera), 1e-12);
+    EXPECT_EQ(job.files.stamp_s, own.stamp_s);
+    const Rigid3 T_scene_robot = scenario.trajectory.at(own.stamp_s);
+    EXPECT_LT(se3_log((T_world_scene * T_scene_robot).inverse() * own.T_world_robot).norm(), 1e-9);
+    EXPECT_EQ(*own.velocity, scenario.trajectory.velocity(own.stamp_s));
+    farthest_m = std::max(farthest_m, (own.T_world_robot.translation - shared.T_world_robot.translation).norm());
+    // The exposure begins and ends about that time, too.
+    const Exposure color = color_exposure(scenario, job), depth = depth_exposure(scenario, job);
+    const std::vector<Rigid3> poses = job.color_parts > 1
+                                          ? scenario.trajectory.during(own.stamp_s, 0.04, job.color_parts)
+                                          : std::vector<Rigid3>{T_scene_robot};
+    ASSERT_EQ(color.parts(), poses.size());
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      EXPECT_LT(se3_log(color.T_world_robot[i].inverse() * poses[i]).norm(), 1e-9);
+    EXPECT_LT(se3_log(depth.T_world_robot[0].inverse() * T_scene_robot).norm(), 1e-9);
+  }
+  EXPECT_GT(farthest_m, 0.005);
+}
+
+TEST(WithoutTrigger, ADelayOfZeroChangesNoByteAndAnotherOneTheFramesThatMove) {
+  const TempFolder folder;
+  const Scenario plain = resolve_scenario(without_trigger("clock_offset_ms: 3")),
+                 zero = resolve_scenario(without_trigger("clock_offset_ms: 3, camera_delay_ms: {choice: [0]}")),
+                 late = resolve_scenario(without_trigger("clock_offset_ms: 3, camera_delay_ms: {uniform: [5, 40]}"));
+  save_truth(plain.truth, folder / "plain.yaml");
+  save_truth(zero.truth, folder / "zero.yaml");
+  EXPECT_EQ(folder.read("plain.yaml"), folder.read("zero.yaml"));
+  const std::vector<std::string> keys = clean_frame_keys(plain), late_keys = clean_frame_keys(late);
+  EXPECT_EQ(clean_frame_keys(zero), keys);
+  EXPECT_EQ(zero.drive_bytes, plain.drive_bytes);
+  EXPECT_EQ(late.drive_bytes, plain.drive_bytes) << "cameras that are late drive nowhere else";
+  ASSERT_EQ(late_keys.size(), keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    EXPECT_EQ(plain.frames[i].files.stamp_s, zero.frames[i].files.stamp_s);
+    const bool moves = plain.frames[i].color_parts > 1;
+    EXPECT_TRUE(!moves || late_keys[i] != keys[i]) << i;
+  }
+}
+
+// Stamps may be wrong as ever; when images are taken is not drawn anew.
+TEST(WithoutTrigger, OtherNoiseKeepsTheDelaysAndThePictures) {
+  GenerateConfig config = without_trigger();
+  const Scenario before = resolve_scenario(config);
+  config.sensing.seed = 77;
+  config.sensing.time.clock_offset_ms = 20.0;
+  const Scenario after = resolve_scenario(config);
+  EXPECT_EQ(clean_frame_keys(after), clean_frame_keys(before));
+  for (std::size_t i = 0; i < before.frames.size(); ++i)
+    EXPECT_NEAR(after.frames[i].files.stamp_s, before.frames[i].files.stamp_s + 0.02, 1e-12);
+  for (std::size_t camera = 0; camera < 3; ++camera) EXPECT_EQ(delay_s(after, camera), delay_s(before, camera));
+}
+
+TEST(WithoutTrigger, NothingIsTakenAfterTheDrive) {
+  const Scenario whole = resolve_scenario(without_trigger("camera_delay_ms: 0", 5.0)),
+                 late = resolve_scenario(without_trigger("camera_delay_ms: 700", 5.0));
+  EXPECT_EQ(late.stop_count(), whole.stop_count());
+  EXPECT_LT(late.frame_count(), whole.frame_count());
+  EXPECT_GE(late.frame_count() + 3U * 4U, whole.frame_count());
+  for (const FrameJob& job : late.frames) EXPECT_LE(job.files.stamp_s, late.trajectory.end_s());
+  const double one_image_hz = 1.0 / (whole.trajectory.end_s() - 0.5);
+  EXPECT_EQ(resolve_scenario(without_trigger("camera_delay_ms: 0", one_image_hz)).stop_count(), 1U);
+  const std::string error =
+      error_text([&] { resolve_scenario(without_trigger("camera_delay_ms: 700", one_image_hz)); });
+  EXPECT_THAT(error, HasSubstr("sensing.time.camera_delay_ms"));
+  EXPECT_THAT(error, HasSubstr("700 ms"));
+  EXPECT_THAT(error, HasSubstr("after the drive's end"));
+}
+
+TEST(WithoutTrigger, PicturesAgreeWithTheTruthAndSenseMakesNoOthers) {
+  const TempFolder folder;
+  const fs::path cache = folder.path() / "cache";
+  GenerateConfig config = without_trigger();
+  config.image_scale = 0.4;
+  generate(config, into(folder.path() / "run", cache));
+  generate(config, into(folder.path() / "sensed", cache, false));
+  EXPECT_EQ(contents(folder.path() / "run"), contents(folder.path() / "sensed"));
+  GenerateConfig other = without_trigger("camera_delay_ms: {uniform: [0, 41]}");
+  other.image_scale = 0.4;
+  EXPECT_THAT(error_text([&] { generate(other, into(folder.path() / "other", cache, false)); }),
+              HasSubstr("clean renders"));
+  SeenRun run(folder.path() / "run");
+  const Proof proof = run.proof();
+  EXPECT_THAT(proof.problems, testing::IsEmpty());
+  std::size_t corners = 0;
+  for (const CameraProof& camera : proof.cameras) corners += camera.corners;
+  EXPECT_GE(corners, 100U);
+  // With the others' poses instead of its own a camera's pictures are wrong, and why is said.
+  std::swap(run.truth.stops, run.truth.cameras[1].stops);
+  for (std::size_t i = 0; i < run.truth.stops.size(); ++i)
+    std::swap(run.truth.stops[i].stamp_s, run.truth.cameras[1].stops[i].stamp_s);
+  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("without this camera's delay")));
+}
+
 TEST(RawDepth, IsRecordedWithItsOwnCameraAndTheTruthTellsIt) {
   const Scenario scenario = resolve_scenario(raw_config());
   const DepthStream& depth = *scenario.recording.rig.cameras[0].depth;

@@ -62,6 +62,24 @@ TEST(Parameters, ChangedRenderKeysAreNamed) {
   EXPECT_THAT(changed_render_keys(there, here), testing::UnorderedElementsAre("board.x_m", "poses"));
 }
 
+// Images of a robot that stands do not tell when they were taken.
+TEST(Parameters, TheDelayOfCamerasIsARenderKeyWhileTheRobotMoves) {
+  GenerateConfig there, here;
+  here.sensing.time.camera_delay_ms = 20.0;
+  EXPECT_TRUE(changed_render_keys(there, here).empty());
+  EXPECT_THAT(differences(without_sense_keys(there), without_sense_keys(here)), testing::IsEmpty());
+  for (GenerateConfig* config : {&there, &here}) {
+    config->motion = "drive";
+    config->drive.capture = "moving";
+  }
+  EXPECT_THAT(changed_render_keys(there, here), testing::ElementsAre("sensing.time.camera_delay_ms"));
+  EXPECT_THAT(differences(without_sense_keys(there), without_sense_keys(here)),
+              testing::ElementsAre(testing::StartsWith("sensing.time.camera_delay_ms")));
+  here.sensing.time.camera_delay_ms = 0.0;
+  here.sensing.time.clock_offset_ms = 5.0;
+  EXPECT_TRUE(changed_render_keys(there, here).empty());
+}
+
 TEST(Parameters, WithoutSenseKeysNoneIsLeft) {
   GenerateConfig changed;
   changed.name = "other";

@@ -11,6 +11,20 @@
 namespace rigproof {
 namespace {
 
+// Cameras without a common trigger have stops of their own: the nearest of all counts.
+std::optional<Rigid3> robot_at(const Truth& truth, double stamp_s) {
+  const TrueStop* nearest = nullptr;
+  const auto look = [&](const std::vector<TrueStop>& stops) {
+    const std::optional<std::size_t> match = proof_detail::stop_at(stops, stamp_s);
+    if (!match) return;
+    const TrueStop& stop = stops[*match];
+    if (nearest == nullptr || std::abs(stop.stamp_s - stamp_s) < std::abs(nearest->stamp_s - stamp_s)) nearest = &stop;
+  };
+  look(truth.stops);
+  for (const TrueCamera& camera : truth.cameras) look(camera.stops);
+  return nearest == nullptr ? std::nullopt : std::optional<Rigid3>(nearest->T_world_robot);
+}
+
 std::optional<CalibrationState> state_at(const Observations& observations, const Truth& truth) {
   CalibrationState state;
   for (const RigCamera& camera : observations.cameras) {
@@ -21,9 +35,9 @@ std::optional<CalibrationState> state_at(const Observations& observations, const
     state.depth_scale.push_back(match->depth_scale.value_or(1.0));
   }
   for (const Stop& stop : observations.stops) {
-    const std::optional<std::size_t> match = proof_detail::stop_at(truth, stop.stamp_s);
-    if (!match) return std::nullopt;
-    state.T_world_robot.push_back(truth.stops[*match].T_world_robot);
+    const std::optional<Rigid3> T_world_robot = robot_at(truth, stop.stamp_s);
+    if (!T_world_robot) return std::nullopt;
+    state.T_world_robot.push_back(*T_world_robot);
   }
   state.T_world_board = truth.T_world_board;
   state.odometry_scale = truth.odometry_scale;

@@ -81,6 +81,7 @@ class CornerProof {
 
   const Truth& truth_;
   std::size_t camera_;
+  const std::vector<TrueStop>& stops_;
   CameraProof* proof_;
   std::vector<View> views_;
   std::size_t without_stop_ = 0;
@@ -89,11 +90,11 @@ class CornerProof {
 
 CornerProof::CornerProof(const Observations& observations, const Truth& truth, std::size_t observed_camera,
                          std::size_t camera, const ProofOptions& options, CameraProof* proof)
-    : truth_(truth), camera_(camera), proof_(proof) {
+    : truth_(truth), camera_(camera), stops_(truth.stops_of(camera)), proof_(proof) {
   double variance = 0.0;
   for (const BoardView& view : observations.board_views) {
     if (view.camera != static_cast<int>(observed_camera) || view.corners.empty()) continue;
-    const std::optional<std::size_t> stop = stop_at(truth, view.stamp_s);
+    const std::optional<std::size_t> stop = stop_at(stops_, view.stamp_s);
     if (!stop) {
       ++without_stop_;
       continue;
@@ -116,7 +117,7 @@ Setup CornerProof::as_stated() const {
   return {camera.camera,
           camera.T_robot_camera,
           truth_.T_world_board,
-          [this](std::size_t stop) { return truth_.stops[stop].T_world_robot; },
+          [this](std::size_t stop) { return stops_[stop].T_world_robot; },
           readout == camera.sensing.end() ? 0.0 : readout->second / 1000.0,
           [](int id) { return id; },
           [](const Eigen::Vector2d& pixel) { return pixel; }};
@@ -125,7 +126,7 @@ Setup CornerProof::as_stated() const {
 // A rolling shutter sees a corner when it reads the corner's row: the robot is a little before or after its stop then.
 bool CornerProof::project(const Setup& setup, std::size_t stop, const Rigid3& T_camera_board,
                           const Eigen::Vector3d& p_board, const Eigen::Vector2d& seen, Eigen::Vector2d* pixel) const {
-  const std::optional<Vector6d>& velocity = truth_.stops[stop].velocity;
+  const std::optional<Vector6d>& velocity = stops_[stop].velocity;
   if (!velocity || setup.readout_s <= 0.0) return setup.camera.project(T_camera_board * p_board, pixel);
   const double dt_s = row_delay_s(seen.y(), setup.camera.height_px, setup.readout_s);
   const Rigid3 T_now_before = se3_exp(-dt_s * *velocity);  // of the robot
@@ -186,18 +187,21 @@ void CornerProof::add_wrong_poses(std::vector<Hypothesis>* list) const {
   add("the turn from body to optical axes was applied twice to the camera's pose",
       [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body; });
   add("the robot's poses are inverted (world in robot)", [this](Setup* s) {
-    s->T_world_robot = [this](std::size_t stop) { return truth_.stops[stop].T_world_robot.inverse(); };
+    s->T_world_robot = [this](std::size_t stop) { return stops_[stop].T_world_robot.inverse(); };
   });
   add("the board's pose is inverted (world in board)", [](Setup* s) { s->T_world_board = s->T_world_board.inverse(); });
   for (const int shift : {-1, 1})
     add(std::string("the images are one stop ") + (shift < 0 ? "late" : "early") + " against the poses",
         [this, shift](Setup* s) {
-          const auto last = static_cast<std::ptrdiff_t>(truth_.stops.size()) - 1;
+          const auto last = static_cast<std::ptrdiff_t>(stops_.size()) - 1;
           s->T_world_robot = [this, shift, last](std::size_t stop) {
             const auto moved = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(stop) + shift, 0, last);
-            return truth_.stops[static_cast<std::size_t>(moved)].T_world_robot;
+            return stops_[static_cast<std::size_t>(moved)].T_world_robot;
           };
         });
+  if (!truth_.cameras[camera_].stops.empty())
+    add("the images were taken when those of the other cameras were, without this camera's delay",
+        [this](Setup* s) { s->T_world_robot = [this](std::size_t stop) { return truth_.stops[stop].T_world_robot; }; });
 }
 
 void CornerProof::add_wrong_boards(std::vector<Hypothesis>* list) const {

@@ -94,6 +94,7 @@ class DepthProof {
   const RigCamera& rig_camera_;
   const std::vector<CameraFrame>& frames_;
   const TrueCamera& true_camera_;
+  const std::vector<TrueStop>& stops_;
   const ProofOptions& options_;
   CameraProof* proof_;
   Camera camera_;
@@ -111,6 +112,7 @@ DepthProof::DepthProof(const Recording& recording, const Truth& truth, std::size
       rig_camera_(recording.rig.cameras[recorded_camera]),
       frames_(recording.frames[recorded_camera]),
       true_camera_(truth.cameras[camera]),
+      stops_(truth.stops_of(camera)),
       options_(options),
       proof_(proof),
       camera_(true_camera_.camera),
@@ -130,7 +132,7 @@ DepthProof::DepthProof(const Recording& recording, const Truth& truth, std::size
 }
 
 bool DepthProof::read_frame(const CameraFrame& recorded, Frame* frame) const {
-  const std::optional<std::size_t> stop = stop_at(truth_, recorded.stamp_s);
+  const std::optional<std::size_t> stop = stop_at(stops_, recorded.stamp_s);
   if (!stop) return false;
   const auto file = path_inside(recording_.folder, recorded.depth_file);
   std::variant<Image16, Unreadable> image = read_depth_image(file);
@@ -140,7 +142,7 @@ bool DepthProof::read_frame(const CameraFrame& recorded, Frame* frame) const {
     throw Error(file.string() + ": " + std::to_string(frame->depth.width) + "x" + std::to_string(frame->depth.height) +
                 " pixels, the depth of " + rig_camera_.name + " has to have " + std::to_string(camera_.width_px) + "x" +
                 std::to_string(camera_.height_px));
-  frame->stop = &truth_.stops[*stop];
+  frame->stop = &stops_[*stop];
   place(0.0, frame);
   return true;
 }

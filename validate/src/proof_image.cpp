@@ -77,6 +77,7 @@ class ImageProof {
         truth_(truth),
         frames_(recording.frames[recorded_camera]),
         true_camera_(truth.cameras[camera]),
+        stops_(truth.stops_of(camera)),
         options_(options),
         proof_(proof) {
     law_.full_well = label("full_well_electrons");
@@ -110,10 +111,10 @@ class ImageProof {
   }
 
   void look_at(const CameraFrame& frame) {
-    const std::optional<std::size_t> stop = stop_at(truth_, frame.stamp_s);
+    const std::optional<std::size_t> stop = stop_at(stops_, frame.stamp_s);
     if (!stop) return;
     const Rigid3 T_camera_board =
-        (truth_.stops[*stop].T_world_robot * true_camera_.T_robot_camera).inverse() * truth_.T_world_board;
+        (stops_[*stop].T_world_robot * true_camera_.T_robot_camera).inverse() * truth_.T_world_board;
     const Board& board = truth_.board;
     cv::Mat image;
     for (int iy = 0; iy < board.squares_y; ++iy)
@@ -208,6 +209,7 @@ class ImageProof {
   const Truth& truth_;
   const std::vector<CameraFrame>& frames_;
   const TrueCamera& true_camera_;
+  const std::vector<TrueStop>& stops_;
   const ProofOptions& options_;
   CameraProof* proof_;
   ImageLaw law_;

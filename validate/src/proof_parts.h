@@ -9,8 +9,9 @@
 
 namespace rigproof::proof_detail {
 
-/// Index of the truth's stop at a stamp, within half a second or half the distance of two stops, whichever is less.
-std::optional<std::size_t> stop_at(const Truth& truth, double stamp_s);
+/// Index of the stop at a stamp, within half a second or half the distance of two stops, whichever is less.
+/// @param stops of the truth or of one of its cameras
+std::optional<std::size_t> stop_at(const std::vector<TrueStop>& stops, double stamp_s);
 
 struct Findings {
   std::vector<std::string> problems;

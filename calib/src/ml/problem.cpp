@@ -354,15 +354,20 @@ double Problem::log_odometry_variance(std::size_t stop) const {
                    .sum();
 }
 
+Problem::ImageTime Problem::time_of(double after_stop_s) const {
+  if (layout_.with_clock_offsets) return ImageTime::kByClock;
+  return after_stop_s == 0.0 ? ImageTime::kOfStop : ImageTime::kByStamp;
+}
+
 PoseAtImage Problem::pose_at_image(const State& state, int stop, int camera, double after_stop_s) const {
   const std::size_t i = static_cast<std::size_t>(stop);
-  if (!layout_.with_clock_offsets) return {state.poses[i]};
+  if (time_of(after_stop_s) == ImageTime::kOfStop) return {state.poses[i]};
   const double late_s = state.clock_offset_s[static_cast<std::size_t>(camera)] - after_stop_s;
   return ml::pose_at_image(state.poses[i], observations_.stops[i].velocity, late_s, state.turn_lag_s,
                            state.odometry_scale, state.odometry_yaw_factor);
 }
 
-template <bool kLens, bool kClock, typename Sink>
+template <bool kLens, Problem::ImageTime kTime, typename Sink>
 void Problem::visit_view(const State& state, Weighting weighting, const View& view, Sink& sink) const {
   const std::size_t c = static_cast<std::size_t>(view.camera);
   const Camera camera = lens(state, view.camera);
@@ -370,11 +375,12 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
   const LossMoments& moments = cauchy_moments(2);
   const PoseAtImage at_image = pose_at_image(state, view.stop, view.camera, view.after_stop_s);
   ViewGeometry geometry = view_geometry(state.T_robot_camera[c], state.T_world_board, at_image.pose);
+  constexpr bool kMoved = kTime != ImageTime::kOfStop, kClock = kTime == ImageTime::kByClock;
   ClockTwist clock;
-  if constexpr (kClock) clock = chain_to_stop(at_image, &geometry);
+  if constexpr (kMoved) clock = chain_to_stop(at_image, &geometry);
   const Eigen::Matrix3d R_camera_board = geometry.T_camera_board.rotation_matrix();
   // Of globals the blocks below the diagonal are filled: in the order of their places.
-  constexpr int kFactors = kClock ? 2 : 0, kExtra = kFactors + (kLens ? 3 : 0) + (kClock ? 2 : 0);
+  constexpr int kFactors = kMoved ? 2 : 0, kExtra = kFactors + (kLens ? 3 : 0) + (kClock ? 2 : 0);
   auto block = [&] {
     const Segment camera_part{-1, layout_.camera(view.camera)}, board{-1, layout_.board()}, pose{view.stop, 0},
         factors{-1, layout_.odometry_scale()}, lens{-1, layout_.intrinsics(view.camera)},
@@ -384,6 +390,10 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
       return make_block<6, 6, 6, 2, 3, 1, 1>(kGroup, view.camera, camera_part, board, pose, factors, lens, offset, lag);
     else if constexpr (kClock)
       return make_block<6, 6, 6, 2, 1, 1>(kGroup, view.camera, camera_part, board, pose, factors, offset, lag);
+    else if constexpr (kLens && kMoved)
+      return make_block<6, 6, 6, 2, 3>(kGroup, view.camera, camera_part, board, pose, factors, lens);
+    else if constexpr (kMoved)
+      return make_block<6, 6, 6, 2>(kGroup, view.camera, camera_part, board, pose, factors);
     else if constexpr (kLens)
       return make_block<6, 6, 6, 3>(kGroup, view.camera, camera_part, board, pose, lens);
     else
@@ -410,10 +420,8 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
       residual.by_intrinsics.col(0) /= 1.0 + state.intrinsics[c][0];  // of the stated focal length
       J.template middleCols<3>(6 + kFactors) = W * residual.by_intrinsics;
     }
-    if constexpr (kClock) {
-      J.template middleCols<2>(6) = J.template leftCols<6>() * clock.by_factors;
-      J.template rightCols<2>() = J.template leftCols<6>() * clock.by_times;
-    }
+    if constexpr (kMoved) J.template middleCols<2>(6) = J.template leftCols<6>() * clock.by_factors;
+    if constexpr (kClock) J.template rightCols<2>() = J.template leftCols<6>() * clock.by_times;
     system.add(J, r, block_factor(weighting, w, moments));
   }
   block.cost = cost.cost();
@@ -421,7 +429,7 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
   sink(block);
 }
 
-template <bool kClock, typename Sink>
+template <Problem::ImageTime kTime, typename Sink>
 void Problem::visit_board_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const {
   const std::size_t c = static_cast<std::size_t>(plane.camera);
   const PoseAtImage at_image = pose_at_image(state, plane.stop, plane.camera, plane.after_stop_s);
@@ -440,16 +448,22 @@ void Problem::visit_board_plane(const State& state, Weighting weighting, const P
     sink(block);
   };
   const Segment camera{-1, layout_.camera(plane.camera)}, board{-1, layout_.board()}, pose{plane.stop, 0},
-      bias{-1, layout_.depth_bias(plane.camera)};
-  if constexpr (kClock) {
+      factors{-1, layout_.odometry_scale()}, bias{-1, layout_.depth_bias(plane.camera)};
+  if constexpr (kTime == ImageTime::kByClock) {
     const ClockTwist clock = chain_to_stop(at_image, &geometry);
     RowJacobian<3, 11> J;
     J << residual.by_twist, residual.by_twist * clock.by_factors, residual.by_depth_bias,
         residual.by_twist * clock.by_times;
-    finish(make_block<6, 6, 6, 2, 1, 1, 1>(
-               Group::kBoardPlane, plane.camera, camera, board, pose, Segment{-1, layout_.odometry_scale()}, bias,
-               Segment{-1, layout_.clock_offset(plane.camera)}, Segment{-1, layout_.turn_lag()}),
+    finish(make_block<6, 6, 6, 2, 1, 1, 1>(Group::kBoardPlane, plane.camera, camera, board, pose, factors, bias,
+                                           Segment{-1, layout_.clock_offset(plane.camera)},
+                                           Segment{-1, layout_.turn_lag()}),
            TwistSystem<5>(), J);
+  } else if constexpr (kTime == ImageTime::kByStamp) {
+    const ClockTwist clock = chain_to_stop(at_image, &geometry);
+    RowJacobian<3, 9> J;
+    J << residual.by_twist, residual.by_twist * clock.by_factors, residual.by_depth_bias;
+    finish(make_block<6, 6, 6, 2, 1>(Group::kBoardPlane, plane.camera, camera, board, pose, factors, bias),
+           TwistSystem<3>(), J);
   } else {
     RowJacobian<3, 7> J;
     J << residual.by_twist, residual.by_depth_bias;
@@ -585,24 +599,34 @@ void Problem::visit_poses(const State& state, Weighting weighting, Sink& sink) c
   }
 }
 
+template <bool kLens, typename Sink>
+void Problem::visit_view_at_its_time(const State& state, Weighting weighting, const View& view, Sink& sink) const {
+  const ImageTime time = time_of(view.after_stop_s);
+  if (time == ImageTime::kByClock)
+    visit_view<kLens, ImageTime::kByClock>(state, weighting, view, sink);
+  else if (time == ImageTime::kByStamp)
+    visit_view<kLens, ImageTime::kByStamp>(state, weighting, view, sink);
+  else
+    visit_view<kLens, ImageTime::kOfStop>(state, weighting, view, sink);
+}
+
 template <typename Sink>
 void Problem::visit_blocks(const State& state, Weighting weighting, Sink&& sink) const {
   for (std::size_t v = 0; v < views_.size(); ++v) {
     if (view_left_out[v]) continue;
-    if (layout_.with_intrinsics && layout_.with_clock_offsets)
-      visit_view<true, true>(state, weighting, views_[v], sink);
-    else if (layout_.with_clock_offsets)
-      visit_view<false, true>(state, weighting, views_[v], sink);
-    else if (layout_.with_intrinsics)
-      visit_view<true, false>(state, weighting, views_[v], sink);
+    if (layout_.with_intrinsics)
+      visit_view_at_its_time<true>(state, weighting, views_[v], sink);
     else
-      visit_view<false, false>(state, weighting, views_[v], sink);
+      visit_view_at_its_time<false>(state, weighting, views_[v], sink);
   }
   for (const Plane& plane : board_planes_) {
-    if (layout_.with_clock_offsets)
-      visit_board_plane<true>(state, weighting, plane, sink);
+    const ImageTime time = time_of(plane.after_stop_s);
+    if (time == ImageTime::kByClock)
+      visit_board_plane<ImageTime::kByClock>(state, weighting, plane, sink);
+    else if (time == ImageTime::kByStamp)
+      visit_board_plane<ImageTime::kByStamp>(state, weighting, plane, sink);
     else
-      visit_board_plane<false>(state, weighting, plane, sink);
+      visit_board_plane<ImageTime::kOfStop>(state, weighting, plane, sink);
   }
   for (const Plane& plane : ground_planes_) visit_ground_plane(state, weighting, plane, sink);
   visit_poses(state, weighting, sink);

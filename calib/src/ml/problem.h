@@ -116,9 +116,18 @@ class Problem {
   Camera lens(const State& state, int camera) const;
   Eigen::Vector3d odometry_sigmas(std::size_t stop) const;
   double log_odometry_variance(std::size_t stop) const;
-  template <bool kLens, bool kClock, typename Sink>
+  /// What is known of the time of an image.
+  enum class ImageTime {
+    kOfStop,   // that of its stop
+    kByStamp,  // another one, while the robot moved: its stamp is believed
+    kByClock   // that of a clock whose error is estimated
+  };
+  ImageTime time_of(double after_stop_s) const;
+  template <bool kLens, typename Sink>
+  void visit_view_at_its_time(const State& state, Weighting weighting, const View& view, Sink& sink) const;
+  template <bool kLens, ImageTime kTime, typename Sink>
   void visit_view(const State& state, Weighting weighting, const View& view, Sink& sink) const;
-  template <bool kClock, typename Sink>
+  template <ImageTime kTime, typename Sink>
   void visit_board_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;
   template <typename Sink>
   void visit_ground_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;

@@ -49,6 +49,35 @@ std::map<std::string, double> read_sensing(const YamlTree& tree, MapReader& came
   return sensing;
 }
 
+// Both or none.
+std::optional<Vector6d> read_velocity(MapReader& map) {
+  const auto linear = map.numbers("velocity_m_s", 3, 3, {-1e3, 1e3});
+  const auto angular = map.numbers("turn_rate_rad_s", 3, 3, {-1e3, 1e3});
+  if (linear.has_value() != angular.has_value())
+    map.problem(linear ? "velocity_m_s" : "turn_rate_rad_s", "velocity_m_s and turn_rate_rad_s belong together");
+  if (!linear || !angular) return std::nullopt;
+  Vector6d velocity;
+  velocity << (*linear)[0], (*linear)[1], (*linear)[2], (*angular)[0], (*angular)[1], (*angular)[2];
+  return velocity;
+}
+
+/// @param path of the list, for messages
+std::vector<TrueStop> read_stops(const YamlTree& tree, const std::string& path, Problems* problems) {
+  std::vector<TrueStop> stops;
+  if (!tree.is_sequence()) problems->add({tree.file, tree.line, path, tree.shown(), "must be a list of stops"});
+  for (std::size_t i = 0; i < tree.items.size(); ++i) {
+    MapReader map(tree.items[i], path + "[" + std::to_string(i) + "]", problems);
+    map.require("stamp_s", "a number");
+    TrueStop stop;
+    stop.stamp_s = map.number("stamp_s").value_or(0.0);
+    stop.T_world_robot = read_transform(map);
+    stop.velocity = read_velocity(map);
+    map.finish();
+    stops.push_back(stop);
+  }
+  return stops;
+}
+
 std::vector<TrueCamera> read_cameras(const YamlTree& tree, Problems* problems) {
   std::vector<TrueCamera> cameras;
   for (const auto& [name, value] : tree.entries) {
@@ -69,38 +98,11 @@ std::vector<TrueCamera> read_cameras(const YamlTree& tree, Problems* problems) {
       camera.depth_camera = DepthStream::OwnCamera{read_intrinsics(block), required_transform(block, "T_color_depth")};
       block.finish();
     }
+    if (const YamlTree* stops = map.find("stops")) camera.stops = read_stops(*stops, map.path_of("stops"), problems);
     map.finish();
     cameras.push_back(std::move(camera));
   }
   return cameras;
-}
-
-// Both or none.
-std::optional<Vector6d> read_velocity(MapReader& map) {
-  const auto linear = map.numbers("velocity_m_s", 3, 3, {-1e3, 1e3});
-  const auto angular = map.numbers("turn_rate_rad_s", 3, 3, {-1e3, 1e3});
-  if (linear.has_value() != angular.has_value())
-    map.problem(linear ? "velocity_m_s" : "turn_rate_rad_s", "velocity_m_s and turn_rate_rad_s belong together");
-  if (!linear || !angular) return std::nullopt;
-  Vector6d velocity;
-  velocity << (*linear)[0], (*linear)[1], (*linear)[2], (*angular)[0], (*angular)[1], (*angular)[2];
-  return velocity;
-}
-
-std::vector<TrueStop> read_stops(const YamlTree& tree, Problems* problems) {
-  std::vector<TrueStop> stops;
-  if (!tree.is_sequence()) problems->add({tree.file, tree.line, "stops", tree.shown(), "must be a list of stops"});
-  for (std::size_t i = 0; i < tree.items.size(); ++i) {
-    MapReader map(tree.items[i], "stops[" + std::to_string(i) + "]", problems);
-    map.require("stamp_s", "a number");
-    TrueStop stop;
-    stop.stamp_s = map.number("stamp_s").value_or(0.0);
-    stop.T_world_robot = read_transform(map);
-    stop.velocity = read_velocity(map);
-    map.finish();
-    stops.push_back(stop);
-  }
-  return stops;
 }
 
 void read_odometry(MapReader& map, Truth* truth) {
@@ -148,9 +150,25 @@ Truth read_truth(const YamlTree& tree, Problems* problems) {
   if (const YamlTree* cameras = map.find("cameras")) truth.cameras = read_cameras(*cameras, problems);
   map.text("stop_pose");
   map.require("stops", "a list of stops");
-  if (const YamlTree* stops = map.find("stops")) truth.stops = read_stops(*stops, problems);
+  if (const YamlTree* stops = map.find("stops")) truth.stops = read_stops(*stops, "stops", problems);
   map.finish();
   return truth;
+}
+
+YamlTree tree_of(const TrueStop& stop) {
+  YamlTree tree = YamlTree::inline_map();
+  tree.set("stamp_s", YamlTree::number(stop.stamp_s));
+  set_transform(stop.T_world_robot, &tree);
+  if (!stop.velocity) return tree;
+  const Vector6d& v = *stop.velocity;
+  tree.set("velocity_m_s", YamlTree::numbers({v[0], v[1], v[2]}));
+  tree.set("turn_rate_rad_s", YamlTree::numbers({v[3], v[4], v[5]}));
+  return tree;
+}
+
+void set_stops(const std::vector<TrueStop>& stops, YamlTree* tree) {
+  YamlTree& list = tree->set("stops", YamlTree::sequence());
+  for (const TrueStop& stop : stops) list.add(tree_of(stop));
 }
 
 YamlTree tree_of(const TrueCamera& camera) {
@@ -162,20 +180,11 @@ YamlTree tree_of(const TrueCamera& camera) {
     YamlTree& depth = tree.set("depth_camera", rigproof::tree_of(camera.depth_camera->camera));
     depth.set("T_color_depth", rigproof::tree_of(camera.depth_camera->T_color_depth));
   }
-  if (camera.sensing.empty()) return tree;
-  YamlTree& sensing = tree.set("sensing", YamlTree::inline_map());
-  for (const auto& [name, value] : camera.sensing) sensing.set(name, YamlTree::number(value));
-  return tree;
-}
-
-YamlTree tree_of(const TrueStop& stop) {
-  YamlTree tree = YamlTree::inline_map();
-  tree.set("stamp_s", YamlTree::number(stop.stamp_s));
-  set_transform(stop.T_world_robot, &tree);
-  if (!stop.velocity) return tree;
-  const Vector6d& v = *stop.velocity;
-  tree.set("velocity_m_s", YamlTree::numbers({v[0], v[1], v[2]}));
-  tree.set("turn_rate_rad_s", YamlTree::numbers({v[3], v[4], v[5]}));
+  if (!camera.sensing.empty()) {
+    YamlTree& sensing = tree.set("sensing", YamlTree::inline_map());
+    for (const auto& [name, value] : camera.sensing) sensing.set(name, YamlTree::number(value));
+  }
+  if (!camera.stops.empty()) set_stops(camera.stops, &tree);
   return tree;
 }
 
@@ -198,8 +207,7 @@ YamlTree tree_of(const Truth& truth) {
   YamlTree& cameras = tree.set("cameras", YamlTree::map());
   for (const TrueCamera& camera : truth.cameras) cameras.set(camera.name, tree_of(camera));
   tree.set("stop_pose", YamlTree::text(kStopPose));
-  YamlTree& stops = tree.set("stops", YamlTree::sequence());
-  for (const TrueStop& stop : truth.stops) stops.add(tree_of(stop));
+  set_stops(truth.stops, &tree);
   return tree;
 }
 

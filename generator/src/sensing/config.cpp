@@ -43,7 +43,8 @@ void TimeSensingConfig::visit(FieldVisitor& visitor) {
                 "a camera's stamps are later than the truth by this, drawn for each camera");
   visitor.field("camera_delay_ms", camera_delay_ms, {-1000.0, 1000.0},
                 "a camera takes its images later than the stop's time by this and says so, drawn for each camera: "
-                "cameras without a common trigger; not with capture moving");
+                "cameras without a common trigger. With drive.capture moving a render key, >= 0: images show where the "
+                "robot is then, and the run's seed draws");
   visitor.field("stamp_jitter_ms", stamp_jitter_ms, {0.0, 1000.0}, "error of every single stamp, one sigma");
   visitor.field("dropped_percent", dropped_percent, {0.0, 90.0}, "share of the frames that were never recorded");
   visitor.field("odometry_delay_ms", odometry_delay_ms, {-1000.0, 1000.0},

@@ -167,6 +167,22 @@ void tell_depth_bias(const SensorModel& model, RigCamera* camera) {
   told.bias_cell_deg = rad_to_deg(std::atan(model.depth->bias_cell_px / model.depth->focal_px));
 }
 
+std::vector<double> rendered_delays_s(const GenerateConfig& config, std::size_t cameras) {
+  std::vector<double> delays_s(cameras, 0.0);
+  if (!config.moves_while_exposing()) return delays_s;
+  for (std::size_t i = 0; i < cameras; ++i) {
+    RandomStream random(static_cast<std::uint64_t>(config.seed), "camera delay", -1, static_cast<std::int32_t>(i));
+    delays_s[i] = config.sensing.time.camera_delay_ms.sample(random) / 1000.0;
+  }
+  return delays_s;
+}
+
+TimeSensingConfig sensed_time(const GenerateConfig& config) {
+  TimeSensingConfig time = config.sensing.time;
+  if (config.moves_while_exposing()) time.camera_delay_ms = 0.0;
+  return time;
+}
+
 void disturb_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth) {
   for (std::size_t i = 0; i < recording->frames.size(); ++i)
     disturb_frames(config, seed, static_cast<std::int32_t>(i), &recording->frames[i], &truth->cameras[i]);

@@ -24,6 +24,12 @@ Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::u
 /// Says in the camera's noise law how large the device's fixed depth error is that the model simulates: none, if none.
 void tell_depth_bias(const SensorModel& model, RigCamera* camera);
 
+/// By how much each camera takes its images later than the stops where the robot moves meanwhile: pictures and poses
+/// are those of that time. Drawn by the run's seed, as all that is rendered; zeros where images are taken standing.
+std::vector<double> rendered_delays_s(const GenerateConfig& config, std::size_t cameras);
+/// What is left to disturb_time(): without the delays of cameras that rendered_delays_s() has.
+TimeSensingConfig sensed_time(const GenerateConfig& config);
+
 /// What is wrong with the clocks: moves the stamps of frames and odometry, forgets dropped frames, and labels it in the
 /// truth. Stamps stay in order. At least one frame of every camera is kept.
 void disturb_time(const TimeSensingConfig& config, std::uint64_t seed, Recording* recording, Truth* truth);

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "calibration_truth.h"
 #include "ml/problem.h"
@@ -213,18 +214,19 @@ TEST(MlClocks, OfARobotThatStandsKeepTheirPrior) {
 }
 
 // The gradient of the cost by every global unknown, by central differences, with everything estimated at once.
-TEST(MlClocks, AndLensesHaveRightDerivatives) {
+void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   ClockRun made = run_with_wrong_clocks(5);
-  GeometricConfig config;
   Observations& observations = made.run.observations;
   PlaneObservation plane = observations.ground_planes.front();
   plane.inverse_depth_plane << 0.05, 0.1, 0.5;
   observations.board_planes = {plane};
   ml::Priors priors;
   priors.depth_bias.assign(3, 0.01);
-  priors.focal_relative = kFocal;
-  priors.principal_point_px = kPrincipal_px;
-  priors.clock_offset_s = kClock_s;
+  if (lenses) {
+    priors.focal_relative = kFocal;
+    priors.principal_point_px = kPrincipal_px;
+  }
+  priors.clock_offset_s = clock_sigma_s;
   priors.turn_lag_s = kTurnLag_s;
   ml::NoiseLevels levels;
   levels.corner_scale = levels.ground_scale = levels.board_plane_scale = {1.0, 1.0, 1.0};
@@ -233,9 +235,11 @@ TEST(MlClocks, AndLensesHaveRightDerivatives) {
   ml::State state = ml::state_from(values);
   state.odometry_scale = 1.02;
   state.odometry_yaw_factor = 0.97;
-  state.clock_offset_s = {0.012, -0.02, 0.004};
-  state.turn_lag_s = 0.015;
-  state.intrinsics[0] << 0.002, 0.7, -0.4;
+  if (clock_sigma_s > 0.0) {
+    state.clock_offset_s = {0.012, -0.02, 0.004};
+    state.turn_lag_s = 0.015;
+  }
+  if (lenses) state.intrinsics[0] << 0.002, 0.7, -0.4;
   const ml::Layout& layout = problem.layout();
   const ml::ArrowSystem system = problem.linearise(state, ml::Weighting::kRobust, nullptr, nullptr);
   const auto cost_at = [&](const Eigen::VectorXd& poses, const Eigen::VectorXd& globals) {
@@ -262,6 +266,65 @@ TEST(MlClocks, AndLensesHaveRightDerivatives) {
     step[i] = kStep;
     expect_slope(step, no_globals, system.pose_gradient[i], -i);
   }
+}
+
+TEST(MlClocks, AndLensesHaveRightDerivatives) {
+  expect_right_derivatives(kClock_s, true);
+  expect_right_derivatives(0.0, true);
+  expect_right_derivatives(0.0, false);
+}
+
+// Cameras without a common trigger, within one stop: each one's images show where the robot is at their true stamps.
+GeometricRun run_without_trigger(int seed) {
+  GeometricConfig config;
+  config.seed = static_cast<std::uint64_t>(seed);
+  config.stops = 20;
+  RandomStream random(config.seed, "speeds");
+  const GeometricScene at_stops = draw_scene(config);
+  std::vector<Eigen::Vector3d> velocities;
+  for (std::size_t i = 0; i < at_stops.T_world_robot.size(); ++i)
+    velocities.emplace_back(random.uniform(-0.8, 0.8), random.uniform(-0.1, 0.1), random.uniform(-0.8, 0.8));
+  GeometricRun run = draw_geometric_run(config, at_stops);
+  std::vector<BoardView> views;
+  for (std::size_t camera = 0; camera < config.rig.cameras.size(); ++camera) {
+    const double delay_s = 0.008 * static_cast<double>(camera);
+    GeometricScene at_images = at_stops;
+    for (std::size_t i = 0; i < velocities.size(); ++i) {
+      const Eigen::Vector3d step = delay_s * velocities[i];
+      at_images.T_world_robot[i] = at_images.T_world_robot[i] * planar_pose(step.x(), step.y(), step.z());
+    }
+    for (BoardView& view : draw_geometric_run(config, at_images).observations.board_views) {
+      if (view.camera != static_cast<int>(camera)) continue;
+      view.stamp_s += delay_s;
+      views.push_back(view);
+    }
+  }
+  std::sort(views.begin(), views.end(), [](const BoardView& a, const BoardView& b) {
+    return std::tie(a.stop, a.camera) < std::tie(b.stop, b.camera);
+  });
+  run.observations.board_views = views;
+  for (std::size_t i = 0; i < velocities.size(); ++i) run.observations.stops[i].velocity = velocities[i];
+  return run;
+}
+
+TEST(MlClocks, TrueStampsOfCamerasWithoutATriggerAreBelieved) {
+  double believing = 0.0, ignoring = 0.0;
+  bool contradicted = false;
+  for (int seed = 0; seed < kTrials; ++seed) {
+    GeometricRun run = run_without_trigger(seed);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    EXPECT_TRUE(estimate.result.also_estimated.empty());
+    believing += nees(estimate, poses_of(run.truth)) / kTrials;
+    if (seed >= kBelieving) continue;
+    for (BoardView& view : run.observations.board_views)
+      view.stamp_s = run.observations.stops[static_cast<std::size_t>(view.stop)].stamp_s;
+    const MlEstimate wrong = estimate_maximum_likelihood(run.observations, told());
+    contradicted = contradicted || !wrong.result.joint_covariance;
+    if (wrong.result.joint_covariance) ignoring += nees(wrong, poses_of(run.truth)) / kBelieving;
+  }
+  EXPECT_NEAR(believing, kNees, kNeesTolerance);
+  EXPECT_TRUE(contradicted || ignoring > 3.0 * kNees) << ignoring;
 }
 
 // Wheels that are integrated along the way tell how a point moves that turns leave in place; it lies off the origin.

@@ -130,6 +130,7 @@ struct GenerateConfig {
   std::int64_t cloud_stride_px = 2;
   std::int64_t png_level = 0;
 
+  bool moves_while_exposing() const { return motion == "drive" && drive.capture == "moving"; }
   void visit(FieldVisitor& visitor);
 };
 

@@ -1,6 +1,6 @@
 // Which sensor effects a run simulates: block `sensing` of its configuration. How strong an effect is stands in the
 // sensor's preset, where it is a property of the device. All of these are sense keys: they can be changed without
-// rendering again.
+// rendering again; but for camera_delay_ms where images are taken while the robot moves.
 #pragma once
 
 #include <cstdint>

@@ -13,18 +13,6 @@
 
 namespace rigproof {
 
-struct TrueCamera {
-  std::string name;
-  Rigid3 T_robot_camera;
-  Camera camera;                      ///< true intrinsics; the recording may tell others
-  std::optional<double> depth_scale;  ///< measured = scale * true, absent without depth
-  /// What else is simulated of this camera's sensor, by name with unit; 1 for a switch that is on. Nothing that is off
-  /// is listed. On disk: block `sensing`.
-  std::map<std::string, double> sensing;
-  /// Of a depth camera that is not registered to colour; the recording may tell another one.
-  std::optional<DepthStream::OwnCamera> depth_camera = std::nullopt;
-};
-
 /// Where the robot was when a camera took an image: in the middle of the exposure of the image's middle row.
 struct TrueStop {
   double stamp_s = 0.0;
@@ -36,6 +24,21 @@ struct TrueStop {
   Rigid3 T_world_robot_after(double dt_s) const {
     return velocity ? T_world_robot * se3_exp(dt_s * *velocity) : T_world_robot;
   }
+};
+
+struct TrueCamera {
+  std::string name;
+  Rigid3 T_robot_camera;
+  Camera camera;                      ///< true intrinsics; the recording may tell others
+  std::optional<double> depth_scale;  ///< measured = scale * true, absent without depth
+  /// What else is simulated of this camera's sensor, by name with unit; 1 for a switch that is on. Nothing that is off
+  /// is listed. On disk: block `sensing`.
+  std::map<std::string, double> sensing;
+  /// Of a depth camera that is not registered to colour; the recording may tell another one.
+  std::optional<DepthStream::OwnCamera> depth_camera = std::nullopt;
+  /// Of a camera that takes its images while the robot moves, and not when the others do: for each of the truth's stops
+  /// its own one, as far as the drive goes. Empty = the truth's stops. See Truth::stops_of().
+  std::vector<TrueStop> stops = {};
 };
 
 /// A shutter that reads rows one after the other: when row v of `height` is exposed, against the middle row.
@@ -53,6 +56,11 @@ struct Truth {
   double odometry_yaw_factor = 1.0;
   /// What was drawn once for the run, by the field of its configuration: "drive.payload_kg", "board.bow_mm", ...
   std::map<std::string, double> drawn;
+
+  /// When a camera took its images and where the robot was: those of its own, or the stops that all cameras share.
+  const std::vector<TrueStop>& stops_of(std::size_t camera) const {
+    return cameras[camera].stops.empty() ? stops : cameras[camera].stops;
+  }
 };
 
 Truth load_truth(const std::filesystem::path& file);
