@@ -115,14 +115,6 @@ GeometricRun saved_or_driven(const Options& options, std::uint64_t seed) {
   return run;
 }
 
-double nees(const MlEstimate& estimate, const Truth& truth) {
-  const std::vector<Rigid3>& T = estimate.state.T_robot_camera;
-  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(T.size()));
-  for (std::size_t c = 0; c < T.size(); ++c)
-    error.segment<6>(6 * static_cast<Eigen::Index>(c)) = se3_log(T[c] * truth.cameras[c].T_robot_camera.inverse());
-  return error.dot(to_left_perturbation(*estimate.result.joint_covariance, T).ldlt().solve(error));
-}
-
 struct Sums {
   int solved = 0;
   double nees = 0.0, nees2 = 0.0;
@@ -142,7 +134,7 @@ void evaluate(const GeometricRun& run, std::uint64_t seed, Sums* sums) {
   const Vector6d error =
       transform_error(estimate.state.T_robot_camera.front(), run.truth.cameras.front().T_robot_camera);
   const Vector6d sigma = estimate.result.joint_covariance->diagonal().head<6>().cwiseSqrt();
-  const double value = nees(estimate, run.truth);
+  const double value = nees(estimate, poses_of(run.truth));
   std::printf("  tx %+.2f+-%.2f ty %+.2f+-%.2f cm yaw %+.3f+-%.3f deg  NEES %.1f\n", 100.0 * error[0], 100.0 * sigma[0],
               100.0 * error[1], 100.0 * sigma[1], rad_to_deg(error[5]), rad_to_deg(sigma[5]), value);
   ++sums->solved;

@@ -21,15 +21,6 @@ constexpr double kTwoSided99 = 2.576;
 constexpr double kSuspensionHeight_m = 0.001;
 constexpr double kSuspensionTilt_deg = 0.05;
 
-double nees(const Result& result, const std::vector<Rigid3>& estimate, const Truth& truth) {
-  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(estimate.size()));
-  for (std::size_t c = 0; c < estimate.size(); ++c)
-    error.segment<6>(6 * static_cast<Eigen::Index>(c)) =
-        se3_log(estimate[c] * truth.cameras[c].T_robot_camera.inverse());
-  const Eigen::MatrixXd covariance = to_left_perturbation(*result.joint_covariance, estimate);
-  return error.dot(covariance.ldlt().solve(error));
-}
-
 void add_mean_over(std::array<AxisSum, 6>* sums, const std::vector<std::pair<Vector6d, Vector6d>>& transforms) {
   if (transforms.empty()) return;
   const double n = static_cast<double>(transforms.size());
@@ -187,7 +178,7 @@ void add_trial(const CellKey& key, int trial, Cell* cell) {
     T_robot_camera.push_back(transform.T_parent_child);
   add_errors(T_robot_camera, truth.T_robot_camera, bound, cell);
   if (!estimate.result.joint_covariance) return;
-  const double value = nees(estimate.result, T_robot_camera, run.truth);
+  const double value = nees(estimate.result, T_robot_camera, poses_of(run.truth));
   cell->nees += value;
   cell->nees2 += value * value;
 }

@@ -1,7 +1,12 @@
 // The truth of a simulated run as the values at which calib evaluates information.
 #pragma once
 
+#include <Eigen/Cholesky>
+#include <vector>
+
 #include "rigproof/calib/information.h"
+#include "rigproof/calib/ml.h"
+#include "rigproof/core/result.h"
 #include "rigproof/truth/truth.h"
 
 namespace rigproof {
@@ -29,6 +34,23 @@ inline CalibrationNoise noise_of(const Truth& truth, double suspension_height_m 
   noise.suspension_height_m = suspension_height_m;
   noise.suspension_tilt_rad = suspension_tilt_rad;
   return noise;
+}
+
+inline std::vector<Rigid3> poses_of(const Truth& truth) {
+  std::vector<Rigid3> T_robot_camera;
+  for (const TrueCamera& camera : truth.cameras) T_robot_camera.push_back(camera.T_robot_camera);
+  return T_robot_camera;
+}
+
+/// NEES of all cameras together, six degrees of freedom each. The result must have a joint covariance.
+inline double nees(const Result& result, const std::vector<Rigid3>& estimate, const std::vector<Rigid3>& truth) {
+  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(estimate.size()));
+  for (std::size_t c = 0; c < estimate.size(); ++c)
+    error.segment<6>(6 * static_cast<Eigen::Index>(c)) = se3_log(estimate[c] * truth[c].inverse());
+  return error.dot(to_left_perturbation(result.joint_covariance.value(), estimate).ldlt().solve(error));
+}
+inline double nees(const MlEstimate& estimate, const std::vector<Rigid3>& truth) {
+  return nees(estimate.result, estimate.state.T_robot_camera, truth);
 }
 
 }  // namespace rigproof

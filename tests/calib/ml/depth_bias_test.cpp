@@ -114,14 +114,6 @@ MlOptions told_options() {
   return options;
 }
 
-double nees(const MlEstimate& estimate, const Truth& truth) {
-  const std::vector<Rigid3>& T = estimate.state.T_robot_camera;
-  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(T.size()));
-  for (std::size_t c = 0; c < T.size(); ++c)
-    error.segment<6>(6 * static_cast<Eigen::Index>(c)) = se3_log(T[c] * truth.cameras[c].T_robot_camera.inverse());
-  return error.dot(to_left_perturbation(estimate.result.joint_covariance.value(), T).ldlt().solve(error));
-}
-
 TEST(DepthBias, ToldItIsInTheUncertainty) {
   constexpr int kTrials = 40;  // the mean of chi-square with 18 degrees of freedom scatters by 0.95
   double mean = 0.0, height_square = 0.0;
@@ -129,7 +121,7 @@ TEST(DepthBias, ToldItIsInTheUncertainty) {
     const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), true);
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told_options());
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
-    mean += nees(estimate, run.truth) / kTrials;
+    mean += nees(estimate, poses_of(run.truth)) / kTrials;
     for (std::size_t c = 0; c < run.truth.cameras.size(); ++c) {
       const auto z = 6 * static_cast<Eigen::Index>(c) + 2;
       const double error =
@@ -149,7 +141,7 @@ TEST(DepthBias, UntoldItMakesHeightsSilentlyWrong) {
   for (int seed = 0; seed < kTrials; ++seed) {
     const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), false);
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told_options());
-    if (estimate.result.joint_covariance) mean += nees(estimate, run.truth) / kTrials;
+    if (estimate.result.joint_covariance) mean += nees(estimate, poses_of(run.truth)) / kTrials;
   }
   RecordProperty("nees", std::to_string(mean));
   EXPECT_GT(mean, 60.0);

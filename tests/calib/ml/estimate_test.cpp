@@ -35,22 +35,6 @@ void expect_exact(const GeometricRun& run, const MlEstimate& estimate, double to
         << "camera " << c;
 }
 
-Eigen::VectorXd joint_error(const MlEstimate& estimate, const Truth& truth) {
-  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(truth.cameras.size()));
-  for (std::size_t c = 0; c < truth.cameras.size(); ++c)
-    error.segment<6>(6 * static_cast<Eigen::Index>(c)) =
-        se3_log(estimate.state.T_robot_camera[c] * truth.cameras[c].T_robot_camera.inverse());
-  return error;
-}
-
-// NEES of all cameras together; 18 degrees of freedom for three.
-double nees(const MlEstimate& estimate, const Truth& truth) {
-  const Eigen::VectorXd error = joint_error(estimate, truth);
-  const Eigen::MatrixXd covariance =
-      to_left_perturbation(estimate.result.joint_covariance.value(), estimate.state.T_robot_camera);
-  return error.dot(covariance.ldlt().solve(error));
-}
-
 double mean_nees(GeometricConfig config, const MlOptions& options, int trials) {
   double sum = 0.0;
   for (int trial = 0; trial < trials; ++trial) {
@@ -58,7 +42,7 @@ double mean_nees(GeometricConfig config, const MlOptions& options, int trials) {
     const GeometricRun run = draw_geometric_run(config);
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
     EXPECT_EQ(estimate.result.status, ResultStatus::kSolved) << "seed " << config.seed;
-    if (estimate.result.joint_covariance) sum += nees(estimate, run.truth) / trials;
+    if (estimate.result.joint_covariance) sum += nees(estimate, poses_of(run.truth)) / trials;
   }
   return sum;
 }
@@ -206,7 +190,7 @@ TEST(MlUncertainty, IsTrueWhereAllGroundPlanesOfACameraShareTheirError) {
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
     ASSERT_EQ(estimate.result.status, ResultStatus::kSolved);
     EXPECT_LT(estimate.ground_scale[0], 0.2);
-    sum += nees(estimate, run.truth) / kTrials;
+    sum += nees(estimate, poses_of(run.truth)) / kTrials;
   }
   // As if every plane erred by itself it would be hundreds. 60 trials scatter by 4 %.
   EXPECT_NEAR(sum, 18.0, 0.3 * 18.0);
@@ -228,7 +212,7 @@ TEST(MlUncertainty, OfOdometryFarBetterThanTheCamerasIsNotTheNominalOne) {
     const Vector6d ratio =
         estimate.result.camera_to_robot[0].covariance->diagonal().cwiseQuotient(bound.camera_to_robot[0].diagonal());
     EXPECT_LT(std::sqrt(ratio.maxCoeff()), 3.0) << "seed " << seed;
-    EXPECT_LT(nees(estimate, run.truth), 45.0) << "seed " << seed;  // chi-square, 18 degrees of freedom: 4e-4
+    EXPECT_LT(nees(estimate, poses_of(run.truth)), 45.0) << "seed " << seed;  // chi-square, 18 degrees of freedom: 4e-4
   }
 }
 
@@ -303,7 +287,7 @@ TEST(MlRig, CamerasWithoutOverlapAreLinkedByOdometry) {
   const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
   ASSERT_EQ(estimate.result.status, ResultStatus::kSolved);
   EXPECT_EQ(estimate.result.camera_to_camera.size(), 3U);
-  EXPECT_LT(nees(estimate, run.truth), 45.0);  // chi-square, 18 degrees of freedom: 4e-4
+  EXPECT_LT(nees(estimate, poses_of(run.truth)), 45.0);  // chi-square, 18 degrees of freedom: 4e-4
 }
 
 TEST(MlRig, ACameraThatSawNothingHasNoPose) {
@@ -332,7 +316,7 @@ TEST(MlRig, ASwappedViewIsLeftOutAndNamed) {
   for (const CameraUse& use : estimate.result.use)
     for (const Exclusion& exclusion : use.left_out) left_out += exclusion.reason.rfind("residual ", 0) == 0 ? 1 : 0;
   EXPECT_EQ(left_out, 2);
-  EXPECT_LT(nees(estimate, run.truth), 45.0);
+  EXPECT_LT(nees(estimate, poses_of(run.truth)), 45.0);
 }
 
 // The result must not depend on names and frames that we choose. Solved to rounding, so 1e-9 is the figure.

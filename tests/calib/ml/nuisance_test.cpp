@@ -27,20 +27,6 @@ MlOptions told() {
   return options;
 }
 
-double nees(const MlEstimate& estimate, const std::vector<Rigid3>& truth) {
-  const std::vector<Rigid3>& T = estimate.state.T_robot_camera;
-  Eigen::VectorXd error(6 * static_cast<Eigen::Index>(T.size()));
-  for (std::size_t c = 0; c < T.size(); ++c)
-    error.segment<6>(6 * static_cast<Eigen::Index>(c)) = se3_log(T[c] * truth[c].inverse());
-  return error.dot(to_left_perturbation(estimate.result.joint_covariance.value(), T).ldlt().solve(error));
-}
-
-std::vector<Rigid3> poses_of(const Truth& truth) {
-  std::vector<Rigid3> T;
-  for (const TrueCamera& camera : truth.cameras) T.push_back(camera.T_robot_camera);
-  return T;
-}
-
 double value_of(const Result& result, const std::string& camera, const std::string& name,
                 double EstimatedQuantity::*m) {
   for (const EstimatedQuantity& quantity : result.also_estimated)
