@@ -54,7 +54,7 @@ TEST(Lenses, AHalfPixelIsJudgedByTheLevelsWithoutIt) {
     return std::string(breakage.name) == "half-pixel slip";
   });
   ASSERT_NE(slip, breakages().end());
-  for (const std::uint64_t seed : {6, 7, 8, 9}) {
+  for (const std::uint64_t seed : {6U, 7U, 8U, 9U}) {
     Observations observations = draw_geometric_run(broken_run_config(*slip, seed)).observations;
     const std::string words = slip->apply(seed, &observations);
     const Result result = estimate_maximum_likelihood(observations).result;
