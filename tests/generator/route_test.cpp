@@ -14,7 +14,6 @@
 namespace rigproof {
 namespace {
 
-
 // A long thin robot: where it passes depends on its heading.
 constexpr double kLength = 1.0, kWidth = 0.4;
 const FloorArea kArea{-5.0, 5.0, -5.0, 5.0};
