@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigproof/calib/ml_settings.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof {
@@ -107,11 +108,13 @@ class Acceptance {
 
   void check_held_out(double max_ratio) {
     AcceptCheck check = start("held-out stops: chi-square a dimension", max_ratio, "");
-    if (method_.traits().name != "ml") {
+    const auto* ml = dynamic_cast<const MlMethod*>(&method_);
+    if (ml == nullptr) {
       check = failed(check, "only the method ml predicts images");
     } else if (result_.status != ResultStatus::kSolved) {
       check = failed(check, "the calibration is not solved");
-    } else if (const std::optional<HeldOut> held_out = predict_held_out(observations_, criteria_.held_out_folds)) {
+    } else if (const std::optional<HeldOut> held_out =
+                   predict_held_out(observations_, criteria_.held_out_folds, ml->options())) {
       check = judged(check, held_out->chi_square / held_out->expected);
       report_.notes.push_back("The images of " + std::to_string(held_out->stops) +
                               " stops were left out in turn and predicted by the others.");

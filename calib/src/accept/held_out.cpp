@@ -74,17 +74,17 @@ Fold make_fold(const Observations& observations, int fold, int folds) {
 
 }  // namespace
 
-std::optional<HeldOut> predict_held_out(const Observations& observations, int folds) {
+std::optional<HeldOut> predict_held_out(const Observations& observations, int folds, const MlOptions& asked) {
   constexpr int kLeastStops = 4;
   const int stops = static_cast<int>(observations.stops.size());
   if (stops < kLeastStops || folds < 2) return std::nullopt;
   folds = std::min(folds, stops);
-  const MlEstimate estimate = estimate_maximum_likelihood(observations);
+  const MlEstimate estimate = estimate_maximum_likelihood(observations, asked);
   if (estimate.result.status != ResultStatus::kSolved) return std::nullopt;
   const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
   const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));
   const Observations all = with_levels(used_observations(estimate.result, observations, ground), estimate);
-  MlOptions options;
+  MlOptions options = asked;
   options.along_way = estimate.noise.along_way;
   options.start = estimate.state;
   options.estimate_corner_level = options.estimate_plane_level = false;

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "error_text.h"
-#include "rigproof/calib/ml.h"
+#include "rigproof/calib/ml_settings.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
@@ -103,7 +103,7 @@ TEST(Accept, HeldOutImagesArePredictedAsWellAsStated) {
     config.seed = 50 + static_cast<std::uint64_t>(i);
     config.stops = 20;
     config.odometry_model = i % 2 == 0 ? OdometryModel::kPerIncrement : OdometryModel::kPerPose;
-    const std::optional<HeldOut> held_out = predict_held_out(draw_geometric_run(config).observations, 5);
+    const std::optional<HeldOut> held_out = predict_held_out(draw_geometric_run(config).observations, 5, {});
     ASSERT_TRUE(held_out.has_value());
     EXPECT_EQ(held_out->stops, 20);
     const double ratio = held_out->chi_square / held_out->expected;
@@ -128,8 +128,24 @@ TEST(Accept, HeldOutTellsStopsThatDoNotBelong) {
   EXPECT_FALSE(report.passed());
 }
 
+// A focal length that is 2 % off what is told: who has it estimated is judged by that, and not by the one that is told.
+TEST(Accept, HeldOutGoesByTheSettingsOfTheMethod) {
+  Observations observations = observed(3);
+  Camera& told = observations.cameras[1].camera;
+  told.fx_px *= 1.02;
+  told.fy_px *= 1.02;
+  MlSettings settings;
+  settings.name = "ml_focal";
+  settings.focal_sigma_percent = 2.0;
+  const MlMethod focal(settings);
+  const AcceptReport report = check_acceptance(focal, focal.solve(observations), observations, only_held_out());
+  EXPECT_TRUE(report.passed()) << report.checks.front().value << report.checks.front().reason;
+  EXPECT_NEAR(report.checks.front().value, 1.0, 0.2);
+  EXPECT_FALSE(report_of(observations, only_held_out()).passed());
+}
+
 TEST(Accept, TooFewStopsOrAnotherMethodCannotPredict) {
-  EXPECT_FALSE(predict_held_out(observed(3, 3), 5).has_value());
+  EXPECT_FALSE(predict_held_out(observed(3, 3), 5, {}).has_value());
   const AcceptReport report = report_of(observed(3, 3), only_held_out());
   EXPECT_FALSE(report.passed());
   const Observations observations = observed(3);

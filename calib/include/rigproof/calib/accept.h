@@ -12,6 +12,8 @@
 
 namespace rigproof {
 
+struct MlOptions;
+
 /// What is absent is not limited. On disk:
 ///   uncertainty: {xy_mm: 8, z_mm: 4, angle_deg: 0.2}
 ///   between_cameras: {distance_mm: 2, angle_deg: 0.05}
@@ -70,7 +72,8 @@ struct HeldOut {
   double expected = 0.0;
   int stops = 0;  ///< that were left out, all folds together
 };
-/// Of the model of `ml`, at the noise levels that it estimates. Absent if there are too few stops or no solution.
-std::optional<HeldOut> predict_held_out(const Observations& observations, int folds);
+/// Of the model of `ml` with these options, at the noise levels that it estimates. Absent if there are too few stops or
+/// no solution.
+std::optional<HeldOut> predict_held_out(const Observations& observations, int folds, const MlOptions& asked);
 
 }  // namespace rigproof

@@ -40,6 +40,7 @@ class MlMethod : public Method {
   explicit MlMethod(MlSettings settings = {}) : settings_(std::move(settings)) {}
   MethodTraits traits() const override;
   Result solve(const Observations& observations) const override;
+  MlOptions options() const { return settings_.options(); }
   /// Every setting with its value: other ones are another method.
   std::string settings_text() const;
 
