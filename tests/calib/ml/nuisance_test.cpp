@@ -48,7 +48,7 @@ struct MeanSquare {
   double mean() const { return sum / count; }
 };
 
-constexpr int kBelieving = 3;  // trials without priors: each looks for what is wrong
+constexpr int kBelieving = 1;  // trials without priors: each looks for what is wrong, at length
 constexpr double kFocal = 0.003, kPrincipal_px = 1.0, kClock_s = 0.01, kTurnLag_s = 0.02;
 
 // The cameras are other ones than the rig says.
