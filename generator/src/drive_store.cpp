@@ -7,7 +7,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
-#include "rigproof/core/version.h"
+#include "rigproof/generator/generator_version.h"
 #include "rigproof/generator/parameters.h"
 
 namespace rigproof {
@@ -136,7 +136,7 @@ std::string drive_key(const GenerateConfig& config, const std::vector<ScenarioIn
   GenerateConfig driven = without_sense_keys(config);
   driven.odometry.rate_hz = config.odometry.rate_hz;    // how often the drive is written down
   driven.sensing.time = GenerateConfig().sensing.time;  // cameras that are late do not drive elsewhere
-  std::string text = std::string(version()) + " " + World::mujoco_version() + "\n";
+  std::string text = generator_version() + " " + World::mujoco_version() + "\n";
   for (const ScenarioInput& input : inputs) text += input.sha256 + "\n";
   return sha256_hex(text + resolved_text(driven));
 }

@@ -6,7 +6,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
-#include "rigproof/core/version.h"
+#include "rigproof/generator/generator_version.h"
 #include "sensing/resolve.h"
 
 namespace rigproof {
@@ -137,7 +137,7 @@ std::vector<std::string> clean_frame_keys(const Scenario& scenario) {
   const RenderConfig& render = scenario.config.render;
   // The scene's fields are there for those that the renderer takes from its description beside the compiled world.
   // Sensors and rigs are no part of it: a camera's intrinsics and pose are hashed as they are.
-  const std::string common = std::string(version()) + " " + number_text(render.psf_sigma_px) + " " +
+  const std::string common = generator_version() + " " + number_text(render.psf_sigma_px) + " " +
                              std::to_string(render.board_at_double) + std::to_string(render.whole_at_double) + " " +
                              scenario.world->content_hash() + " " + scenario.scene_text;
   std::vector<std::string> keys;

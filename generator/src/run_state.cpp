@@ -8,6 +8,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
+#include "rigproof/generator/generator_version.h"
 
 namespace rigproof {
 namespace {
@@ -110,7 +111,7 @@ std::string config_file_text(const Scenario& scenario) {
 
 Manifest open_run(const RunFolder& run, const Scenario& scenario, bool fresh) {
   Manifest here;
-  here.tool_version = version();
+  here.tool_version = generator_version();
   here.mujoco_version = World::mujoco_version();
   here.config_sha256 = sha256_hex(config_file_text(scenario));
   const bool is_run = fs::exists(run.manifest_file());

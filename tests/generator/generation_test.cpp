@@ -22,6 +22,7 @@
 #include "rigproof/core/recording.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/generator/generate.h"
+#include "rigproof/generator/generator_version.h"
 #include "rigproof/truth/truth.h"
 #include "run_contents.h"
 #include "temp_folder.h"
@@ -241,6 +242,25 @@ TEST(Generation, AnotherConfigurationIsRefusedUnlessFresh) {
   EXPECT_THAT(error, HasSubstr("--fresh"));
   options.fresh = true;
   EXPECT_NO_THROW(generate(other, options));
+}
+
+// Other sources may make other bytes of the same configuration.
+TEST(Generation, ARunOfAnotherGeneratorIsRefusedUnlessFresh) {
+  const TempFolder folder;
+  const RunFolder run{folder.path() / "run"};
+  GenerateOptions options = into(run.root);
+  options.progress = [](std::size_t, std::size_t) { return false; };
+  generate(small_config(), options);
+  Manifest manifest = load_manifest(run.manifest_file());
+  EXPECT_EQ(manifest.tool_version, generator_version());
+  manifest.tool_version = "0.1.0+0123456789ab";
+  save_manifest(manifest, run.manifest_file());
+  const std::string error = error_text([&] { generate(small_config(), options); });
+  EXPECT_THAT(error, HasSubstr("of rigproof 0.1.0+0123456789ab, this is " + generator_version()));
+  EXPECT_THAT(error, HasSubstr("--fresh"));
+  options.fresh = true;
+  EXPECT_NO_THROW(generate(small_config(), options));
+  EXPECT_EQ(load_manifest(run.manifest_file()).tool_version, generator_version());
 }
 
 TEST(Generation, ForeignFolderIsNeverTouched) {

@@ -7,6 +7,7 @@
 #include "rigproof/core/observations.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
+#include "rigproof/generator/generator_version.h"
 #include "rigproof/generator/parameters.h"
 #include "rigproof/generator/plan_run.h"
 #include "rigproof/sim/world.h"
@@ -196,7 +197,7 @@ class Planner {
   std::string add_pictures(const GenerateConfig& config) {
     PictureSet set;
     set.config = picture_config(config);
-    const std::string text = kFormat + std::string(version()) + " pictures\n" + resolved_text(set.config) +
+    const std::string text = kFormat + generator_version() + " pictures\n" + resolved_text(set.config) +
                              World::mujoco_version() + "\n" + inputs_of(config);
     set.key = sha256_hex(text).substr(0, 2 * kKeyDigits);
     if (sets_.insert(set.key).second) {
