@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "rigproof/calib/ground_plane.h"
@@ -23,6 +24,9 @@ constexpr double kEpipolarSigmas = 3.0;
 // one would take a slice of a wall into the ground.
 constexpr double kMaxTilt_rad = 0.02, kTiltSigmas = 3.0;
 constexpr double kLessWell = 4.0;
+// What features find again, at the same place of the pattern, and depth is told by: steps of this share of the distance
+// to the board, aside rather than ahead, between views of nearly the same direction.
+constexpr double kGoodStep = 0.12, kAhead = 0.1, kDirection_rad = 0.3;
 
 /// What both images of a pair show, in the first one's frame.
 struct SeenPoint {
@@ -46,10 +50,10 @@ class GroundFinder {
     std::vector<bool> has_ground(observations_.cameras.size(), false);
     for (const PlaneObservation& plane : observations_.ground_planes)
       has_ground[static_cast<std::size_t>(plane.camera)] = true;
-    const auto wanted = [&](int camera, int from, int to) {
-      return !has_ground[static_cast<std::size_t>(camera)] && view(from, camera) && view(to, camera);
+    const auto choose = [&](int camera, const std::vector<int>& stops) {
+      return has_ground[static_cast<std::size_t>(camera)] ? rivals::StopPairs() : partners(camera, stops);
     };
-    for (const ImagePair& pair : rivals::match_consecutive_images(input_, source_, wanted)) look_at(pair);
+    for (const ImagePair& pair : rivals::match_images(input_, source_, choose)) look_at(pair);
     vote();
     const auto before = [](const PlaneObservation& a, const PlaneObservation& b) {
       return std::tie(a.stop, a.camera) < std::tie(b.stop, b.camera);
@@ -63,6 +67,35 @@ class GroundFinder {
     const auto found = boards_.find({stop, camera});
     return found == boards_.end() ? nullptr : found->second;
   }
+  // With each image that shows the board the other one that best shows the same floor from a little aside, whenever it
+  // was taken; no two twice, for they would tell the same again.
+  rivals::StopPairs partners(int camera, const std::vector<int>& stops) const {
+    std::set<std::pair<int, int>> pairs;
+    for (const int stop : stops) {
+      const ViewPose* from = view(stop, camera);
+      const ViewPose* best = nullptr;
+      double least = 0.0;
+      for (const int other : stops) {
+        const ViewPose* to = other == stop ? nullptr : view(other, camera);
+        if (from == nullptr || to == nullptr || pairs.count(std::minmax(stop, other)) > 0) continue;
+        const double cost = unlikeness(*from, *to);
+        if (best != nullptr && cost >= least) continue;
+        best = to;
+        least = cost;
+      }
+      if (best != nullptr) pairs.insert(std::minmax(stop, best->stop));
+    }
+    return {pairs.begin(), pairs.end()};
+  }
+
+  static double unlikeness(const ViewPose& a, const ViewPose& b) {
+    const Rigid3 T_a_b = a.T_camera_board * b.T_camera_board.inverse();
+    const double distance = a.T_camera_board.translation.norm();
+    const double step = T_a_b.translation.norm() / distance, ahead = std::abs(T_a_b.translation.z()) / distance;
+    const double direction_rad = std::acos(std::clamp(T_a_b.rotation.toRotationMatrix()(2, 2), -1.0, 1.0));
+    return std::abs(std::log(std::max(step, 1e-6) / kGoodStep)) + ahead / kAhead + direction_rad / kDirection_rad;
+  }
+
   const std::string& file_of(const ImagePair& pair) const {
     return observations_.board_views[static_cast<std::size_t>(view(pair.from, pair.camera)->view)].file;
   }

@@ -128,18 +128,26 @@ void for_each_piece(const MethodInput& input, std::size_t count, const std::func
     throw Error("interrupted", ExitCode::kTryAgain);
 }
 
-std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const FeatureSource& source,
-                                                const std::function<bool(int, int, int)>& wanted) {
+std::vector<ImagePair> match_images(const MethodInput& input, const FeatureSource& source,
+                                    const std::function<StopPairs(int, const std::vector<int>&)>& choose) {
   std::vector<ImagePair> pairs;
   if (input.recording == nullptr) return pairs;
   const FramesByStop frames = frames_by_stop(input.observations, *input.recording);
   for (const auto& [camera, list] : stops_by_camera(frames))
-    for (std::size_t i = 1; i < list.size(); ++i)
-      if (wanted(camera, list[i - 1], list[i]))
-        pairs.push_back(
-            {camera, list[i - 1], list[i], {}, frames.at({list[i - 1], camera}), frames.at({list[i], camera})});
+    for (const auto& [from, to] : choose(camera, list))
+      pairs.push_back({camera, from, to, {}, frames.at({from, camera}), frames.at({to, camera})});
   Matcher(input, source, &pairs).run();
   return pairs;
+}
+
+std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const FeatureSource& source,
+                                                const std::function<bool(int, int, int)>& wanted) {
+  return match_images(input, source, [&wanted](int camera, const std::vector<int>& stops) {
+    StopPairs pairs;
+    for (std::size_t i = 1; i < stops.size(); ++i)
+      if (wanted(camera, stops[i - 1], stops[i])) pairs.emplace_back(stops[i - 1], stops[i]);
+    return pairs;
+  });
 }
 
 std::vector<ImagePair> match_straight_segments(const MethodInput& input, const FeatureSource& source) {

@@ -47,6 +47,14 @@ void for_each_piece(const MethodInput& input, std::size_t count, const std::func
 std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const FeatureSource& source,
                                                 const std::function<bool(int, int, int)>& wanted);
 
+/// Pairs of stops of a camera, in the order in which they are to stand.
+using StopPairs = std::vector<std::pair<int, int>>;
+/// Of every camera, the images of those pairs of stops that `choose` takes. Images that cannot be read have no matches.
+/// Does not depend on the number of threads.
+/// @param choose is given a camera and the stops at which it has an image
+std::vector<ImagePair> match_images(const MethodInput& input, const FeatureSource& source,
+                                    const std::function<StopPairs(int, const std::vector<int>&)>& choose);
+
 /// Of every camera, each image of a straight segment of the recording with the next one, which the robot reached by
 /// driving ahead.
 std::vector<ImagePair> match_straight_segments(const MethodInput& input, const FeatureSource& source);

@@ -44,6 +44,23 @@ TEST(ImageGround, FindsTheFloorWithoutDepth) {
   }
 }
 
+// Stops planned for the board lie far apart from one to the next; what was taken from nearby may be any other image.
+TEST(ImageGround, ComparesImagesFromNearbyWheneverTheyWereTaken) {
+  const TempFolder folder;
+  const std::vector<Rigid3> cameras = {two_cameras()[0]};
+  std::vector<Rigid3> here = before_the_board(), poses;
+  for (const Rigid3& pose : here) {
+    poses.push_back(pose);
+    poses.push_back(planar_pose(0.3, 1.5, -0.7) * pose);
+  }
+  const RoomDrive drive = drive_through_room(poses, cameras, true, folder.path());
+  const ImageGround ground = ground_from_images({drive.observations, &drive.recording, 2}, *sift_features());
+  ASSERT_GE(drive.observations.board_views.size(), 14U);
+  EXPECT_GE(ground.planes.size(), 10U);
+  for (const PlaneObservation& plane : ground.planes)
+    EXPECT_NEAR(height_above(plane).height_m, cameras[0].translation.z(), 0.03);
+}
+
 // Far points, whose depth is hardly known, would take the feet of the walls into the floor, and a shift of all features
 // would tilt it: heights 6 mm too large.
 TEST(ImageGround, HeightsHaveNoErrorInCommon) {
@@ -63,7 +80,7 @@ TEST(ImageGround, HeightsHaveNoErrorInCommon) {
   }
   ASSERT_GE(count, 20);
   // One plane scatters by 2 mm.
-  EXPECT_NEAR(sum / count, 0.0, 0.0015);
+  EXPECT_NEAR(sum / count, 0.0, 0.001);
 }
 
 TEST(ImageGround, LeavesCamerasWithDepthAlone) {

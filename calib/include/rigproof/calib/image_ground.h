@@ -23,11 +23,12 @@ struct ImageGround {
   std::vector<Exclusion> rejected;  ///< pairs of images that show no ground, with the reason
 };
 
-/// Matches features between consecutive images of a camera that both show the board, whose poses the board gives;
-/// triangulates them by DLT, and fits the ground by RANSAC and least squares in inverse depth, as in a depth image,
-/// each point with the weight that the step gives it. Planes off the vertical of the cameras' motion, or at another
-/// height than their camera's other planes, are rejected. Only cameras without a ground plane in the observations are
-/// looked at. Deterministic. Needs MethodInput::recording; without it there are no planes.
+/// Matches features between images of a camera that both show the board, whose poses the board gives, each image with
+/// the one that best shows the same floor from a little aside, whenever that was taken; triangulates them by DLT, and
+/// fits the ground by RANSAC and least squares in inverse depth, as in a depth image, each point with the weight that
+/// the step gives it. Planes off the vertical of the cameras' motion, or at another height than their camera's other
+/// planes, are rejected. Only cameras without a ground plane in the observations are looked at. Deterministic. Needs
+/// MethodInput::recording; without it there are no planes.
 ImageGround ground_from_images(const MethodInput& input, const FeatureSource& source,
                                const ImageGroundOptions& options = {});
 
