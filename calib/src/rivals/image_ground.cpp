@@ -67,25 +67,29 @@ class GroundFinder {
     const auto found = boards_.find({stop, camera});
     return found == boards_.end() ? nullptr : found->second;
   }
+
   // With each image that shows the board the other one that best shows the same floor from a little aside, whenever it
   // was taken; no two twice, for they would tell the same again.
   rivals::StopPairs partners(int camera, const std::vector<int>& stops) const {
-    std::set<std::pair<int, int>> pairs;
+    rivals::StopPairs pairs;
+    std::set<std::pair<int, int>> taken;
     for (const int stop : stops) {
       const ViewPose* from = view(stop, camera);
       const ViewPose* best = nullptr;
       double least = 0.0;
       for (const int other : stops) {
         const ViewPose* to = other == stop ? nullptr : view(other, camera);
-        if (from == nullptr || to == nullptr || pairs.count(std::minmax(stop, other)) > 0) continue;
+        if (from == nullptr || to == nullptr || taken.count(std::minmax(stop, other)) > 0) continue;
         const double cost = unlikeness(*from, *to);
         if (best != nullptr && cost >= least) continue;
         best = to;
         least = cost;
       }
-      if (best != nullptr) pairs.insert(std::minmax(stop, best->stop));
+      if (best == nullptr) continue;
+      pairs.emplace_back(stop, best->stop);
+      taken.insert(std::minmax(stop, best->stop));
     }
-    return {pairs.begin(), pairs.end()};
+    return pairs;
   }
 
   static double unlikeness(const ViewPose& a, const ViewPose& b) {
