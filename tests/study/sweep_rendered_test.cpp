@@ -318,10 +318,13 @@ TEST_F(RenderedSweep, MethodsLookThroughNetworks) {
       "methods:\n"
       "  - {method: robot_autocalib, name: by_network, features: \"onnx:keypoints.onnx\"}\n"
       "  - {method: memroc, name: ground_by_network, ground: images, features: \"onnx:keypoints.onnx\"}\n"
+      "  - {method: ml, name: ml_by_network, ground: images, features: \"onnx:keypoints.onnx\"}\n"
       "  - {method: sensorx2car, name: by_horizon, horizon: \"onnx:horizon.onnx\"}\n";
   const SweepReport report = sweep_of("a", run + methods);
   EXPECT_TRUE(report.complete);
-  EXPECT_EQ(count(report, "images matched"), kImages - 1) << "by the network, for both that ask it; horizons need none";
+  // By the network: one after the other, and with one from nearby for the ground of both; horizons need none.
+  EXPECT_GE(count(report, "images matched"), kImages - 1);
+  EXPECT_LE(count(report, "images matched"), 2 * kImages - 1);
   std::map<std::string, SweepRow> cameras;
   for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows) {
     EXPECT_NE(row.status, SweepStatus::kFailed) << row.method << ": " << row.reason;
@@ -336,7 +339,7 @@ TEST_F(RenderedSweep, MethodsLookThroughNetworks) {
   folder_.write("horizon.onnx", horizon_network(40000.0, 0.2));
   const SweepReport other = sweep_of("a", run + methods);
   EXPECT_EQ(count(other, "answers solved"), 1U);
-  EXPECT_EQ(count(other, "answers already there"), 2U);
+  EXPECT_EQ(count(other, "answers already there"), 3U);
   folder_.write("horizon.onnx", keypoint_network());
   EXPECT_THAT(error_text([&] { sweep_of("a", run + methods); }), HasSubstr("horizon.onnx"));
 }
