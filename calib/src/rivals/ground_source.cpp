@@ -98,7 +98,8 @@ GroundReport take_ground_from(GroundSource source, const MethodInput& input, Obs
       exclusion.reason = kDepthReason + exclusion.reason;
       observations->exclusions.push_back(exclusion);
     }
-    report.lines.push_back(name + ": ground from images, " + std::to_string(found) + " planes" +
+    report.lines.push_back(name + ": ground from images, " + std::to_string(found) +
+                           (found == 1 ? " plane" : " planes") +
                            (had > 0 ? " instead of " + std::to_string(had) + " from depth" : ""));
   }
   std::stable_sort(observations->ground_planes.begin(), observations->ground_planes.end(), before);
