@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace rigproof::inspect_detail {
 namespace {
@@ -31,11 +32,20 @@ void draw_mark(const Eigen::Vector2d& place, double radius, const Series& series
   figure->ring(place, radius, series.color);
 }
 
+// "1e-5" where zeros would reach into the next chart's labels, or be cut off.
+std::string tick_text(double value, bool log_axis) {
+  const double plain_from = log_axis ? 0.99e-2 : 0.99e-3;
+  const bool plain = value <= 0.0 || (value > plain_from && !(log_axis && value > 9999.0));
+  if (plain) return number(value);
+  const int power = static_cast<int>(std::floor(std::log10(value) + 1e-9));
+  return number(value / std::pow(10.0, power)) + "e" + std::to_string(power);
+}
+
 // Every n-th label is written so that none touches the next.
 std::size_t label_stride(const ChartAxes& axes, const std::vector<double>& places) {
   constexpr double kBetween = 6.0;
   double widest = 0.0;
-  for (const double x : places) widest = std::max(widest, Canvas::text_width(number(x), kLabel));
+  for (const double x : places) widest = std::max(widest, Canvas::text_width(tick_text(x, axes.x_log), kLabel));
   if (places.size() < 2) return 1;
   const double first = axes.at(places.front(), axes.y_low).x(), last = axes.at(places.back(), axes.y_low).x();
   const double step = (last - first) / static_cast<double>(places.size() - 1);
@@ -84,14 +94,16 @@ void draw_axes(const ChartAxes& axes, const ChartLabels& labels, Figure* figure)
   for (const double y : ticks(axes.y_low, axes.y_high, axes.y_log)) {
     const Eigen::Vector2d p = axes.at(axes.x_low, y);
     figure->line(p, {right, p.y()}, kRule);
-    if (labels.y_numbers) figure->text({axes.left - 6.0, p.y() + 3.0}, number(y), kLabel, kGrey, Align::kRight);
+    if (labels.y_numbers)
+      figure->text({axes.left - 6.0, p.y() + 3.0}, tick_text(y, axes.y_log), kLabel, kGrey, Align::kRight);
   }
   const std::vector<double> places = ticks(axes.x_low, axes.x_high, axes.x_log);
   const std::size_t stride = label_stride(axes, places);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Eigen::Vector2d p = axes.at(places[i], axes.y_low);
     figure->line(p, {p.x(), axes.top}, kRule);
-    if (i % stride == 0) figure->text({p.x(), bottom + 15.0}, number(places[i]), kLabel, kGrey, Align::kCentre);
+    if (i % stride == 0)
+      figure->text({p.x(), bottom + 15.0}, tick_text(places[i], axes.x_log), kLabel, kGrey, Align::kCentre);
   }
   figure->frame({axes.left, axes.top}, {axes.width, axes.height}, kGrey);
   figure->text({axes.left, axes.top - 8.0}, labels.title, 9.0, kInk, Align::kLeft, true);
