@@ -9,12 +9,8 @@
 namespace rigproof {
 namespace {
 
-constexpr std::int32_t kFar = (1 << 24) - 1;
 // Largest bend of 1/z from pixel to pixel on a surface, relative to 1/z, and in counts of the buffer.
 constexpr double kSmoothBend = 2e-3, kSmoothCounts = 4.0;
-
-// Counts from the far plane; 1/z = offset + slope * nearness.
-std::int32_t nearness(std::uint32_t packed) { return kFar - static_cast<std::int32_t>(packed >> 8U); }
 
 float depth_of(const mujoco::DepthLaw& law, double nearness_counts) {
   if (nearness_counts <= 0.0) return 0.0F;

@@ -39,6 +39,8 @@ class GlScene {
   std::uint8_t* color_rows_from_bottom() { return color_pixels_.data(); }
   /// Window depth (24 bits) and stencil (8 bits) of the last draw, bottom row first; valid until the next read.
   const std::uint32_t* read_depth();
+  /// The memory of the last read, bottom row first.
+  std::uint32_t* depth_rows_from_bottom() { return depth_pixels_.data(); }
   /// Maps the number that a pixel of the kObjectIds pass encodes to the id of World::kind_of_object().
   const std::vector<std::uint16_t>& object_of_segment() const { return object_of_segment_; }
   const mujoco::DepthLaw& depth_law() const { return depth_law_; }

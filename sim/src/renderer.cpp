@@ -7,6 +7,7 @@
 
 #include "board_region.h"
 #include "depth.h"
+#include "floor_paint.h"
 #include "gl_scene.h"
 #include "lens_map.h"
 #include "light_sum.h"
@@ -289,6 +290,8 @@ void Renderer::Impl::take_color(const CameraPlan& plan, Image8* color) {
 
 void Renderer::Impl::take_depth(const CameraPlan& plan, ImageF* depth_m) {
   const std::uint32_t* pixels = gl.read_depth();
+  if (!world.impl().has_relief())
+    lay_paint_on_floor(whole_frustum(plan), T_world_eye, gl.depth_law(), gl.depth_rows_from_bottom());
   const Camera& camera = plan.camera;
   if (!plan.lens) {
     convert_depth({pixels, camera.width_px, camera.height_px}, gl.depth_law(), depth_m);
