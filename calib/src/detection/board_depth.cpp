@@ -15,8 +15,6 @@ using Eigen::Vector3d;
 // board's border [squares].
 constexpr double kInside = 0.25, kOutside = 1.5;
 constexpr std::size_t kMinPoints = 50;
-// The sensor's scale is off by a few parts in a thousand; a plane off by more than this is something else.
-constexpr double kMaxScaleError = 0.05;
 
 /// One equation ray . a = 1 / z.
 struct Row {
@@ -122,8 +120,6 @@ std::optional<PlaneObservation> fit_board_plane(const DepthPoints& points, const
     if (fit.used < static_cast<int>(kMinPoints) || !fit.a.allFinite()) return std::nullopt;
     a = fit.a;
   }
-  const Vector3d centre = T_camera_board.translation;
-  if (std::abs(a.dot(centre) - 1.0) > kMaxScaleError) return std::nullopt;
   PlaneObservation plane;
   plane.inverse_depth_plane = a;
   plane.inlier_points = fit.used;

@@ -15,8 +15,9 @@ struct SplitPoints {
 };
 SplitPoints split_at_board(const DepthPoints& points, const Board& board, const Rigid3& T_camera_board);
 
-/// The board's plane by least squares in inverse depth, with points beyond 3 robust deviations trimmed. Absent with
-/// fewer than 50 points or a plane that is not the board's (an occluder).
+/// The plane where the board is seen, by least squares in inverse depth, with points beyond 3 robust deviations
+/// trimmed. Absent with fewer than 50 points. At whatever distance: a depth scale or board size that is wrong must
+/// show.
 std::optional<PlaneObservation> fit_board_plane(const DepthPoints& points, const DepthNoise& noise,
                                                 const Rigid3& T_camera_board);
 

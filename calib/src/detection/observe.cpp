@@ -358,25 +358,65 @@ class Observer {
     if (with_depth.empty()) return;
     const std::vector<ViewPose> poses = estimate_view_poses(result_).poses;
     const TrajectoryAlignment alignment = align_trajectories(result_, poses);
-    std::map<std::pair<int, int>, Rigid3> boards;
+    Boards boards;
     for (const ViewPose& pose : poses) boards[{pose.stop, pose.camera}] = pose.T_camera_board;
-    std::vector<PlaneSight> planes(with_depth.size());
+    Verticals up(result_.cameras.size());
+    if (alignment.source == VerticalSource::kMotion) up = alignment.up_camera;
+    std::vector<PlaneSight> planes = planes_of(with_depth, boards, up);
+    const bool upside_down =
+        alignment.source == VerticalSource::kMotion && hang_above(with_depth, boards, opposite(up), &planes);
+    for (std::size_t i = 0; i < planes.size(); ++i) keep(*with_depth[i], std::move(planes[i]));
+    drop_odd_board_planes(boards);
+    drop_uncertain_planes();
+    vote_on_ground(poses, upside_down);
+  }
+
+  using Verticals = std::vector<std::optional<Eigen::Vector3d>>;  // per camera, in its frame
+  using Boards = std::map<std::pair<int, int>, Rigid3>;           // T_camera_board by (stop, camera)
+
+  static Verticals opposite(Verticals up) {
+    for (std::optional<Eigen::Vector3d>& direction : up)
+      if (direction) direction = -*direction;
+    return up;
+  }
+
+  std::vector<PlaneSight> planes_of(const std::vector<const Sight*>& sights, const Boards& boards,
+                                    const Verticals& up) const {
+    std::vector<PlaneSight> planes(sights.size());
     const auto look = [&](std::size_t i) {
-      const Sight& sight = *with_depth[i];
+      const Sight& sight = *sights[i];
       const auto board = boards.find({sight.stop, sight.camera});
-      const auto up = alignment.source == VerticalSource::kMotion
-                          ? alignment.up_camera[static_cast<std::size_t>(sight.camera)]
-                          : std::nullopt;
-      planes[i] = look_at_depth(sight, board == boards.end() ? std::nullopt : std::optional(board->second), up);
+      planes[i] = look_at_depth(sight, board == boards.end() ? std::nullopt : std::optional(board->second),
+                                up[static_cast<std::size_t>(sight.camera)]);
     };
     const auto proceed = [this](std::size_t) {
       return !options_.progress || options_.progress(sights_.size(), sights_.size());
     };
-    if (!detection::for_each_parallel(with_depth.size(), options_.threads, look, proceed))
+    if (!detection::for_each_parallel(sights.size(), options_.threads, look, proceed))
       throw Error("interrupted", ExitCode::kTryAgain);
-    for (std::size_t i = 0; i < planes.size(); ++i) keep(*with_depth[i], std::move(planes[i]));
-    drop_uncertain_planes();
-    vote_on_ground(poses);
+    return planes;
+  }
+
+  // The sense of the odometry's turns tells up from down. Where it leaves hardly a depth image with a ground, the same
+  // images are searched for level planes above the camera. Cameras that by the odometry hang upside down and see such
+  // planes more likely stand upright, and the turns are of the wrong sense (mirrored, or of other stops): the planes
+  // are kept, and contradict the odometry. Those of upright cameras are ceilings.
+  bool hang_above(const std::vector<const Sight*>& sights, const Boards& boards, const Verticals& down,
+                  std::vector<PlaneSight>* planes) const {
+    const auto has_ground = [](const PlaneSight& seen) { return seen.ground.has_value(); };
+    const auto found = static_cast<std::size_t>(std::count_if(planes->begin(), planes->end(), has_ground));
+    if (2 * found >= planes->size()) return false;
+    std::vector<PlaneSight> above = planes_of(sights, boards, down);
+    std::size_t below_image = 0;
+    for (std::size_t i = 0; i < above.size(); ++i) {
+      const std::optional<Eigen::Vector3d>& direction = down[static_cast<std::size_t>(sights[i]->camera)];
+      if (!direction || !has_ground(above[i]) || has_ground((*planes)[i])) continue;
+      if (direction->y() < 0.0) ++below_image;  // the image's up is nearer to it than to the odometry's
+      (*planes)[i].problem = "by the odometry's turns the only level plane lies above the camera";
+    }
+    if (2 * below_image <= planes->size()) return false;
+    *planes = std::move(above);
+    return true;
   }
 
   void keep(const Sight& sight, PlaneSight planes) {
@@ -391,6 +431,28 @@ class Observer {
     };
     add(planes.ground, &result_.ground_planes);
     add(planes.board, &result_.board_planes);
+  }
+
+  // Something before the board, or a shine on it. What all frames of a camera share is its scale, and stays.
+  void drop_odd_board_planes(const Boards& boards) {
+    constexpr double kOdd = 0.05, kSigmas = 3.0;
+    std::map<int, std::vector<double>> ratios;
+    std::vector<double> ratio_of;  // expected over measured distance; 0 behind the camera
+    for (const PlaneObservation& plane : result_.board_planes) {
+      const Eigen::Vector3d& place = boards.at({plane.stop, plane.camera}).translation;
+      ratio_of.push_back(std::max(0.0, plane.inverse_depth_plane.dot(place)));
+      ratios[plane.camera].push_back(ratio_of.back());
+    }
+    std::vector<PlaneObservation> kept;
+    for (std::size_t i = 0; i < ratio_of.size(); ++i) {
+      PlaneObservation& plane = result_.board_planes[i];
+      const Eigen::Vector3d& place = boards.at({plane.stop, plane.camera}).translation;
+      const double median = median_of(ratios[plane.camera]);
+      const double sigma = std::sqrt(place.dot(plane.covariance_per_m2 * place));
+      if (ratio_of[i] > 0.0 && std::abs(ratio_of[i] - median) <= kOdd * median + kSigmas * sigma)
+        kept.push_back(std::move(plane));
+    }
+    result_.board_planes = std::move(kept);
   }
 
   // A plane far less certain than its camera's others is a mixture of surfaces; its vote would agree with any height.
@@ -410,8 +472,10 @@ class Observer {
   }
 
   // The planes of all frames must agree with the vertical and with each other.
-  void vote_on_ground(const std::vector<ViewPose>& poses) {
-    const GroundCheck check = check_ground_planes(result_, align_trajectories(result_, poses));
+  void vote_on_ground(const std::vector<ViewPose>& poses, bool upside_down) {
+    TrajectoryAlignment alignment = align_trajectories(result_, poses);
+    if (upside_down) alignment.up_camera = opposite(std::move(alignment.up_camera));
+    const GroundCheck check = check_ground_planes(result_, alignment);
     std::vector<PlaneObservation> accepted;
     for (std::size_t i = 0; i < result_.ground_planes.size(); ++i)
       if (check.accepted[i]) accepted.push_back(std::move(result_.ground_planes[i]));
