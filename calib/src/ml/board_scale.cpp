@@ -208,6 +208,11 @@ class Check {
           "Most likely cause: the depth is in another unit: the board looks %.3g times as far by depth as by "
           "its corners%s.",
           factor, odometry_text().c_str());
+    if (std::abs(depth) > kUnit && !odometry_)
+      return format(
+          "Most likely cause: the depth is in another unit: the board looks %.3g times as far by depth as by its "
+          "corners; or its squares measure %.1f mm.",
+          factor, stated_mm() * factor);
     std::string text = format(
         "Most likely cause: the board's size: its squares measure about %.1f mm by depth, the rig says %.1f mm "
         "(%+.1f %%, plausible %.1f %%)%s",

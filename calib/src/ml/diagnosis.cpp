@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "ml/faults.h"
+#include "ml/lens_change.h"
 #include "ml/swapped_frames.h"
 #include "rigproof/core/conventions.h"
 
@@ -31,9 +32,11 @@ std::string camera_list(const Observations& observations, const std::vector<int>
   return text;
 }
 
+constexpr double kMinFocalNoise = 0.003;  // relative
+
 // Half a pixel in x, y or both, and nothing else, within what the data tell.
 bool half_pixel(const LensEstimate& lens) {
-  constexpr double kSigmas = 3.0, kMinFocalNoise = 0.003, kMinPixelNoise = 0.12, kMaxPixelNoise = 0.4;
+  constexpr double kSigmas = 3.0, kMinPixelNoise = 0.12, kMaxPixelNoise = 0.4;
   const auto nought_or_half = [&](int axis) {
     const double noise = std::clamp(kSigmas * lens.sigma[axis], kMinPixelNoise, kMaxPixelNoise);
     const double size = std::abs(lens.value[axis]);
@@ -55,6 +58,9 @@ std::string lens_sentence(const Observations& observations, const std::vector<in
         "a half-pixel slip between the corners and the intrinsics of %s: the principal point is off by (%+.2f, "
         "%+.2f) px",
         names.c_str(), change[1], change[2]);
+  } else if (std::abs(change[0]) < kMinFocalNoise) {
+    std::snprintf(text, sizeof(text), "the principal point of %s: by the corners it lies (%+.2f, %+.2f) px off",
+                  names.c_str(), change[1], change[2]);
   } else {
     std::snprintf(
         text, sizeof(text),
@@ -160,7 +166,7 @@ class Search {
       change[0] = std::clamp((1.0 + change[0]) * (1.0 + estimate.value[0]) - 1.0, -0.5, 1.0);
       change.tail<2>() += estimate.value.tail<2>();
       Observations repaired = sample_;
-      change_lens(cameras, change, &repaired);
+      for (const int c : cameras) change_lens(c, change, &repaired);
       trial = refit_(repaired, false);
     }
     if (!trial || !trial->lenses || trial->unexplained > as_is_.unexplained - kDecidesLens) return;
@@ -169,16 +175,6 @@ class Search {
     final.deviations = std::max(at_start.deviations, std::sqrt(as_is_.unexplained - trial->unexplained));
     if (!final.contradicts()) return;
     explained_.push_back({{FaultKind::kLens, lens_sentence(all_, cameras, final), true, {}}, *trial});
-  }
-
-  static void change_lens(const std::vector<int>& cameras, const Eigen::Vector3d& change, Observations* observations) {
-    for (const int c : cameras) {
-      Camera& lens = observations->cameras[static_cast<std::size_t>(c)].camera;
-      lens.fx_px *= 1.0 + change[0];
-      lens.fy_px *= 1.0 + change[0];
-      lens.cx_px += change[1];
-      lens.cy_px += change[2];
-    }
   }
 
   // Exchanges frames of two cameras stop by stop, each time the exchange that explains most.

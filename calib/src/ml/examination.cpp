@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "ml/board_scale.h"
+#include "ml/lens_change.h"
 #include "ml/sentence.h"
 #include "ml/swapped_frames.h"
 
@@ -154,10 +155,8 @@ class Examiner {
     LensEstimate& shift = found_.lenses->common_shift;
     if (!shift.may_contradict()) return;
     Observations repaired = prepared_.original;
-    for (RigCamera& camera : repaired.cameras) {
-      camera.camera.cx_px += shift.value[1];
-      camera.camera.cy_px += shift.value[2];
-    }
+    const Eigen::Vector3d change(0.0, shift.value[1], shift.value[2]);
+    for (std::size_t c = 0; c < repaired.cameras.size(); ++c) change_lens(static_cast<int>(c), change, &repaired);
     const std::optional<Trial> trial = refit(repaired, true, true);
     if (!trial || !trial->lenses) return;
     LensEstimate without = trial->lenses->common_shift;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "methods/depth_bias.h"
+#include "ml/lens_change.h"
 
 namespace rigproof::ml {
 namespace {
@@ -316,20 +317,25 @@ std::vector<Problem::Plane> Problem::prepare(const std::vector<PlaneObservation>
     const Eigen::Matrix3d whitening = L.inverse();
     if (!whitening.allFinite() || !plane.inverse_depth_plane.allFinite()) continue;
     prepared.push_back({plane.stop, plane.camera, seconds_after_stop(observations_, plane.stop, plane.camera),
-                        plane.inverse_depth_plane, whitening});
+                        plane.inverse_depth_plane, whitening,
+                        is_registered(plane, observations_.cameras[static_cast<std::size_t>(plane.camera)])});
   }
   return prepared;
 }
 
 Camera Problem::lens(const State& state, int camera) const {
-  Camera lens = observations_.cameras[static_cast<std::size_t>(camera)].camera;
-  if (!layout_.with_intrinsics) return lens;
-  const Eigen::Vector3d& change = state.intrinsics[static_cast<std::size_t>(camera)];
-  lens.fx_px *= 1.0 + change[0];
-  lens.fy_px *= 1.0 + change[0];
-  lens.cx_px += change[1];
-  lens.cy_px += change[2];
-  return lens;
+  const Camera& stated = observations_.cameras[static_cast<std::size_t>(camera)].camera;
+  return layout_.with_intrinsics ? changed_lens(stated, state.intrinsics[static_cast<std::size_t>(camera)]) : stated;
+}
+
+Problem::MeasuredPlane Problem::measured_plane(const State& state, const Plane& plane) const {
+  MeasuredPlane result;
+  result.value = plane.measured;
+  if (!layout_.with_intrinsics || !plane.registered) return result;
+  result.by_intrinsics =
+      plane_by_lens(plane.measured, observations_.cameras[static_cast<std::size_t>(plane.camera)].camera);
+  result.value += result.by_intrinsics * state.intrinsics[static_cast<std::size_t>(plane.camera)];
+  return result;
 }
 
 Eigen::Vector3d Problem::odometry_sigmas(std::size_t stop) const {
@@ -429,53 +435,73 @@ void Problem::visit_view(const State& state, Weighting weighting, const View& vi
   sink(block);
 }
 
-template <Problem::ImageTime kTime, typename Sink>
+template <bool kLens, Problem::ImageTime kTime, typename Sink>
 void Problem::visit_board_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const {
+  constexpr bool kClock = kTime == ImageTime::kByClock, kMoved = kTime != ImageTime::kOfStop;
   const std::size_t c = static_cast<std::size_t>(plane.camera);
   const PoseAtImage at_image = pose_at_image(state, plane.stop, plane.camera, plane.after_stop_s);
   ViewGeometry geometry = view_geometry(state.T_robot_camera[c], state.T_world_board, at_image.pose);
+  const MeasuredPlane measured = measured_plane(state, plane);
   const BoardPlaneResidual residual =
-      board_plane_residual(geometry.T_camera_board, state.depth_bias[c], plane.measured);
+      board_plane_residual(geometry.T_camera_board, state.depth_bias[c], measured.value);
   const Eigen::Matrix3d W = plane.whitening / noise.board_plane_scale[c];
   const Eigen::Vector3d r = W * residual.value;
   const double s = r.squaredNorm(), w = loss.weight(s);
-  const double factor = block_factor(weighting, w, cauchy_moments(3));
-  const auto finish = [&](auto block, auto system, const auto& J) {
-    system.add((W * J).eval(), r, factor);
-    block.cost = loss.cost(s);
-    block.sum = sum_of_residual(s, w, 3);
-    system.chain(geometry, &block);
-    sink(block);
-  };
-  const Segment camera{-1, layout_.camera(plane.camera)}, board{-1, layout_.board()}, pose{plane.stop, 0},
-      factors{-1, layout_.odometry_scale()}, bias{-1, layout_.depth_bias(plane.camera)};
-  if constexpr (kTime == ImageTime::kByClock) {
-    const ClockTwist clock = chain_to_stop(at_image, &geometry);
-    RowJacobian<3, 11> J;
-    J << residual.by_twist, residual.by_twist * clock.by_factors, residual.by_depth_bias,
-        residual.by_twist * clock.by_times;
-    finish(make_block<6, 6, 6, 2, 1, 1, 1>(Group::kBoardPlane, plane.camera, camera, board, pose, factors, bias,
-                                           Segment{-1, layout_.clock_offset(plane.camera)},
-                                           Segment{-1, layout_.turn_lag()}),
-           TwistSystem<5>(), J);
-  } else if constexpr (kTime == ImageTime::kByStamp) {
-    const ClockTwist clock = chain_to_stop(at_image, &geometry);
-    RowJacobian<3, 9> J;
-    J << residual.by_twist, residual.by_twist * clock.by_factors, residual.by_depth_bias;
-    finish(make_block<6, 6, 6, 2, 1>(Group::kBoardPlane, plane.camera, camera, board, pose, factors, bias),
-           TwistSystem<3>(), J);
-  } else {
-    RowJacobian<3, 7> J;
-    J << residual.by_twist, residual.by_depth_bias;
-    finish(make_block<6, 6, 6, 1>(Group::kBoardPlane, plane.camera, camera, board, pose, bias), TwistSystem<1>(), J);
-  }
+  ClockTwist clock;
+  if constexpr (kMoved) clock = chain_to_stop(at_image, &geometry);
+  constexpr int kFactors = kMoved ? 2 : 0, kExtra = kFactors + 1 + (kLens ? 3 : 0) + (kClock ? 2 : 0);
+  auto block = [&] {
+    const Segment camera{-1, layout_.camera(plane.camera)}, board{-1, layout_.board()}, pose{plane.stop, 0},
+        factors{-1, layout_.odometry_scale()}, bias{-1, layout_.depth_bias(plane.camera)},
+        lens{-1, layout_.intrinsics(plane.camera)}, offset{-1, layout_.clock_offset(plane.camera)},
+        lag{-1, layout_.turn_lag()};
+    constexpr Group kGroup = Group::kBoardPlane;
+    if constexpr (kLens && kClock)
+      return make_block<6, 6, 6, 2, 1, 3, 1, 1>(kGroup, plane.camera, camera, board, pose, factors, bias, lens, offset,
+                                                lag);
+    else if constexpr (kClock)
+      return make_block<6, 6, 6, 2, 1, 1, 1>(kGroup, plane.camera, camera, board, pose, factors, bias, offset, lag);
+    else if constexpr (kLens && kMoved)
+      return make_block<6, 6, 6, 2, 1, 3>(kGroup, plane.camera, camera, board, pose, factors, bias, lens);
+    else if constexpr (kMoved)
+      return make_block<6, 6, 6, 2, 1>(kGroup, plane.camera, camera, board, pose, factors, bias);
+    else if constexpr (kLens)
+      return make_block<6, 6, 6, 1, 3>(kGroup, plane.camera, camera, board, pose, bias, lens);
+    else
+      return make_block<6, 6, 6, 1>(kGroup, plane.camera, camera, board, pose, bias);
+  }();
+  RowJacobian<3, 6 + kExtra> J;
+  J.template leftCols<6>() = residual.by_twist;
+  J.col(6 + kFactors) = residual.by_depth_bias;
+  if constexpr (kMoved) J.template middleCols<2>(6) = residual.by_twist * clock.by_factors;
+  if constexpr (kLens) J.template middleCols<3>(7 + kFactors) = -measured.by_intrinsics;
+  if constexpr (kClock) J.template rightCols<2>() = residual.by_twist * clock.by_times;
+  TwistSystem<kExtra> system;
+  system.add((W * J).eval(), r, block_factor(weighting, w, cauchy_moments(3)));
+  block.cost = loss.cost(s);
+  block.sum = sum_of_residual(s, w, 3);
+  system.chain(geometry, &block);
+  sink(block);
+}
+
+template <bool kLens, typename Sink>
+void Problem::visit_board_plane_at_its_time(const State& state, Weighting weighting, const Plane& plane,
+                                            Sink& sink) const {
+  const ImageTime time = time_of(plane.after_stop_s);
+  if (time == ImageTime::kByClock)
+    visit_board_plane<kLens, ImageTime::kByClock>(state, weighting, plane, sink);
+  else if (time == ImageTime::kByStamp)
+    visit_board_plane<kLens, ImageTime::kByStamp>(state, weighting, plane, sink);
+  else
+    visit_board_plane<kLens, ImageTime::kOfStop>(state, weighting, plane, sink);
 }
 
 template <typename Sink>
 void Problem::visit_ground_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const {
   const std::size_t c = static_cast<std::size_t>(plane.camera);
+  const MeasuredPlane measured = measured_plane(state, plane);
   GroundResidual residual = ground_residual(state.T_robot_camera[c], state.poses[static_cast<std::size_t>(plane.stop)],
-                                            state.depth_bias[c], plane.measured);
+                                            state.depth_bias[c], measured.value);
   if (layout_.with_ground_offsets) residual.value += state.ground_offset[c];
   const Eigen::Matrix3d W = plane.whitening / noise.ground_scale[c];
   const Eigen::Vector3d r = W * residual.value;
@@ -483,22 +509,31 @@ void Problem::visit_ground_plane(const State& state, Weighting weighting, const 
   const double factor = block_factor(weighting, w, cauchy_moments(3));
   RowJacobian<3, 13> J;
   J << residual.by_camera, residual.by_pose, residual.by_depth_bias;
-  J = (W * J).eval();
   const auto finish = [&](auto block, const auto& jacobian) {
     block.cost = loss.cost(s);
     block.sum = sum_of_residual(s, w, 3);
-    block.set_normal(jacobian, r, factor);
+    block.set_normal((W * jacobian).eval(), r, factor);
     sink(block);
   };
   const Segment camera{-1, layout_.camera(plane.camera)}, pose{plane.stop, 0},
-      bias{-1, layout_.depth_bias(plane.camera)};
-  if (!layout_.with_ground_offsets)
-    return finish(make_block<6, 6, 1>(Group::kGround, plane.camera, camera, pose, bias), J);
-  RowJacobian<3, 16> J_offset;
-  J_offset << J, W;
-  finish(make_block<6, 6, 1, 3>(Group::kGround, plane.camera, camera, pose, bias,
-                                Segment{-1, layout_.ground_offset(plane.camera)}),
-         J_offset);
+      bias{-1, layout_.depth_bias(plane.camera)}, lens{-1, layout_.intrinsics(plane.camera)},
+      offset{-1, layout_.ground_offset(plane.camera)};
+  const Eigen::Matrix3d by_offset = Eigen::Matrix3d::Identity();
+  if (layout_.with_intrinsics && layout_.with_ground_offsets) {
+    RowJacobian<3, 19> all;
+    all << J, -measured.by_intrinsics, by_offset;
+    finish(make_block<6, 6, 1, 3, 3>(Group::kGround, plane.camera, camera, pose, bias, lens, offset), all);
+  } else if (layout_.with_intrinsics) {
+    RowJacobian<3, 16> with_lens;
+    with_lens << J, -measured.by_intrinsics;
+    finish(make_block<6, 6, 1, 3>(Group::kGround, plane.camera, camera, pose, bias, lens), with_lens);
+  } else if (layout_.with_ground_offsets) {
+    RowJacobian<3, 16> with_offset;
+    with_offset << J, by_offset;
+    finish(make_block<6, 6, 1, 3>(Group::kGround, plane.camera, camera, pose, bias, offset), with_offset);
+  } else {
+    finish(make_block<6, 6, 1>(Group::kGround, plane.camera, camera, pose, bias), J);
+  }
 }
 
 template <typename Sink>
@@ -620,13 +655,10 @@ void Problem::visit_blocks(const State& state, Weighting weighting, Sink&& sink)
       visit_view_at_its_time<false>(state, weighting, views_[v], sink);
   }
   for (const Plane& plane : board_planes_) {
-    const ImageTime time = time_of(plane.after_stop_s);
-    if (time == ImageTime::kByClock)
-      visit_board_plane<ImageTime::kByClock>(state, weighting, plane, sink);
-    else if (time == ImageTime::kByStamp)
-      visit_board_plane<ImageTime::kByStamp>(state, weighting, plane, sink);
+    if (layout_.with_intrinsics)
+      visit_board_plane_at_its_time<true>(state, weighting, plane, sink);
     else
-      visit_board_plane<ImageTime::kOfStop>(state, weighting, plane, sink);
+      visit_board_plane_at_its_time<false>(state, weighting, plane, sink);
   }
   for (const Plane& plane : ground_planes_) visit_ground_plane(state, weighting, plane, sink);
   visit_poses(state, weighting, sink);

@@ -101,6 +101,7 @@ class Problem {
     double after_stop_s;
     Eigen::Vector3d measured;
     Eigen::Matrix3d whitening;
+    bool registered;  // errs with the intrinsics
   };
   // Three neighbouring unknowns of a pose; the residuals of the first `split` are one group, the others another.
   struct PosePart {
@@ -114,6 +115,12 @@ class Problem {
   /// Where the robot was when a camera took what its stamp says was taken so long after the stop.
   PoseAtImage pose_at_image(const State& state, int stop, int camera, double after_stop_s) const;
   Camera lens(const State& state, int camera) const;
+  /// A plane as its depth image shows it through the intrinsics of the state, and its derivative by them.
+  struct MeasuredPlane {
+    Eigen::Vector3d value;
+    Eigen::Matrix3d by_intrinsics = Eigen::Matrix3d::Zero();
+  };
+  MeasuredPlane measured_plane(const State& state, const Plane& plane) const;
   Eigen::Vector3d odometry_sigmas(std::size_t stop) const;
   double log_odometry_variance(std::size_t stop) const;
   /// What is known of the time of an image.
@@ -127,7 +134,9 @@ class Problem {
   void visit_view_at_its_time(const State& state, Weighting weighting, const View& view, Sink& sink) const;
   template <bool kLens, ImageTime kTime, typename Sink>
   void visit_view(const State& state, Weighting weighting, const View& view, Sink& sink) const;
-  template <ImageTime kTime, typename Sink>
+  template <bool kLens, typename Sink>
+  void visit_board_plane_at_its_time(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;
+  template <bool kLens, ImageTime kTime, typename Sink>
   void visit_board_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;
   template <typename Sink>
   void visit_ground_plane(const State& state, Weighting weighting, const Plane& plane, Sink& sink) const;

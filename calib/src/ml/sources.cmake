@@ -10,6 +10,7 @@ list(APPEND calib_sources
   src/ml/faults.cpp
   src/ml/fit.cpp
   src/ml/information.cpp
+  src/ml/lens_change.cpp
   src/ml/lens_check.cpp
   src/ml/ml.cpp
   src/ml/noise.cpp

@@ -205,7 +205,11 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   Observations& observations = made.run.observations;
   PlaneObservation plane = observations.ground_planes.front();
   plane.inverse_depth_plane << 0.05, 0.1, 0.5;
-  observations.board_planes = {plane};
+  observations.board_planes = {plane, plane};
+  // Planes of depth images move with the lens.
+  observations.board_planes.back().file = "left/depth/000000.png";
+  for (std::size_t i = 0; i < observations.ground_planes.size(); i += 2)
+    observations.ground_planes[i].file = "depth/000000.png";
   ml::Priors priors;
   priors.depth_bias.assign(3, 0.01);
   if (lenses) {
