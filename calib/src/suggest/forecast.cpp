@@ -1,54 +1,18 @@
 #include "suggest/forecast.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 
-#include "methods/depth_bias.h"
 #include "ml/covariance.h"
+#include "ml/odometry_way.h"
 #include "ml/problem.h"
 #include "ml/residuals.h"
-#include "ml/shared_ground_error.h"
 #include "rigproof/core/error.h"
 
 namespace rigproof::suggest {
 namespace {
 
 constexpr double kNoInformation = 1e6;  // sigma [m, rad] of odometry that is left out
-
-// A level that next to nothing tells is not believed below the nominal one.
-double believed(double estimated, const std::optional<double>& declared, double nominal, std::size_t stops) {
-  constexpr std::size_t kFewStops = 8;
-  return declared || stops >= kFewStops ? estimated : std::max(estimated, nominal);
-}
-
-ml::NoiseLevels levels_of(const Knowledge& knowledge) {
-  const CalibrationNoise& noise = knowledge.estimate.noise;
-  const OdometryNoise& declared = knowledge.observations.odometry_noise;
-  const std::size_t stops = knowledge.observations.stops.size();
-  const ml::NoiseLevels nominal;
-  ml::NoiseLevels levels;
-  levels.odometry_model = noise.odometry_model;
-  levels.odometry_xy_m = believed(noise.odometry_xy_m, declared.sigma_xy_m, nominal.odometry_xy_m, stops);
-  levels.odometry_yaw_rad = believed(noise.odometry_yaw_rad, declared.sigma_yaw_rad, nominal.odometry_yaw_rad, stops);
-  levels.suspension_height_m = noise.suspension_height_m;
-  levels.suspension_tilt_rad = noise.suspension_tilt_rad;
-  levels.corner_scale = knowledge.estimate.corner_scale;
-  levels.ground_scale = knowledge.estimate.ground_scale;
-  levels.board_plane_scale = knowledge.estimate.board_plane_scale;
-  return levels;
-}
-
-ml::Priors priors_of(const Knowledge& knowledge) {
-  ml::Priors priors;
-  priors.odometry_scale = knowledge.estimate.noise.odometry_scale_prior;
-  priors.odometry_yaw_factor = knowledge.estimate.noise.odometry_yaw_factor_prior;
-  for (const RigCamera& camera : knowledge.observations.cameras)
-    priors.depth_bias.push_back(camera.depth ? camera.depth->noise.scale_sigma : 0.0);
-  priors.ground_offset = sum_of(ml::shared_ground_errors(knowledge.observations),
-                                ground_plane_biases(knowledge.observations, DepthScaleSource::kBoard));
-  return priors;
-}
 
 // Eliminates every pose but the last one.
 ml::ArrowSystem condensed(const ml::ArrowSystem& system) {
@@ -81,22 +45,31 @@ Observations without_views(Observations observations) {
 
 }  // namespace
 
+ml::NoiseLevels expected_levels(const ml::Basis& basis) {
+  return basis.levels.along_way ? ml::per_increment(basis.levels, basis.used) : basis.levels;
+}
+
 Forecast::Forecast(const Knowledge& knowledge)
     : knowledge_(knowledge),
-      state_(ml::state_from(knowledge.estimate.state)),
-      levels_(levels_of(knowledge)),
-      priors_(priors_of(knowledge)),
-      layout_(ml::Layout::of(knowledge.observations, priors_)),
-      base_(1, layout_.globals()),
-      first_is_last_(knowledge.observations.stops.size() == 1) {
-  ml::Problem problem(knowledge.observations, priors_, levels_);
-  for (std::size_t c = 0; c < knowledge.has_pose.size(); ++c) problem.camera_fixed[c] = !knowledge.has_pose[c];
-  base_ = condensed(problem.linearise(state_, ml::Weighting::kUnit, nullptr, nullptr));
+      state_(knowledge.determined ? knowledge.basis.state : ml::state_from(knowledge.estimate.state)),
+      levels_(expected_levels(knowledge.basis)),
+      priors_(knowledge.basis.priors),
+      layout_(ml::Layout::of(knowledge.basis.used, priors_)),
+      base_(condensed(knowledge.determined ? knowledge.basis.system
+                                           : linearised(knowledge.basis.used, knowledge.basis.levels, state_))),
+      first_is_last_(knowledge.basis.used.stops.size() == 1) {}
+
+// Residuals do not count: what is foreseen has none, and a start from afar only its own.
+ml::ArrowSystem Forecast::linearised(const Observations& observations, const ml::NoiseLevels& levels,
+                                     const ml::State& state) const {
+  ml::Problem problem(observations, priors_, levels);
+  for (std::size_t c = 0; c < knowledge_.has_pose.size(); ++c) problem.camera_fixed[c] = !knowledge_.has_pose[c];
+  return problem.linearise(state, ml::Weighting::kUnit, nullptr, nullptr);
 }
 
 StopInformation Forecast::information_of(const Foresight& foresight, const Place& place) const {
   const Rigid3 T_world_robot = place.T_world_robot();
-  Observations one = without_views(knowledge_.observations);
+  Observations one = without_views(knowledge_.basis.used);
   one.stops.clear();
   foresight.append_stop(T_world_robot, T_world_robot, &one);
   ml::State state = state_;
@@ -107,12 +80,8 @@ StopInformation Forecast::information_of(const Foresight& foresight, const Place
     levels.odometry_model = OdometryModel::kPerPose;
     levels.odometry_xy_m = levels.odometry_yaw_rad = kNoInformation;
   }
-  const auto linearised = [&](const Observations& observations) {
-    ml::Problem problem(observations, priors_, levels);
-    for (std::size_t c = 0; c < knowledge_.has_pose.size(); ++c) problem.camera_fixed[c] = !knowledge_.has_pose[c];
-    return problem.linearise(state, ml::Weighting::kUnit, nullptr, nullptr);
-  };
-  const ml::ArrowSystem all = linearised(one), priors_alone = linearised(without_views(one));
+  const ml::ArrowSystem all = linearised(one, levels, state),
+                        priors_alone = linearised(without_views(one), levels, state);
   return {state.poses.front(), all.diagonal.front(), all.pose_global, all.global - priors_alone.global};
 }
 
@@ -168,6 +137,7 @@ std::optional<Eigen::MatrixXd> Forecast::regular_covariance(const std::vector<co
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Eigen::MatrixXd J = ml::camera_chart(state_, layout_);
   const Eigen::MatrixXd joint = J * llt.solve(J.transpose());
+  if (!joint.allFinite()) return std::nullopt;  // LLT lets NaN pass
   std::vector<Eigen::Index> rows;
   for (int c = 0; c < layout_.cameras; ++c)
     for (int axis = 0; knowledge_.has_pose[static_cast<std::size_t>(c)] && axis < 6; ++axis)
@@ -187,14 +157,17 @@ std::vector<AxisSigmas> Forecast::sigmas(const std::vector<const StopInformation
     const ml::GlobalCovariance globals = ml::invert_information(*information);
     const Eigen::MatrixXd rows = J.middleRows(6 * c, 6);
     Eigen::MatrixXd covariance = rows * globals.covariance * rows.transpose();
-    ml::add_rotation_centre(knowledge_.estimate.noise.rotation_centre_prior_m, &covariance);
+    if (knowledge_.basis.levels.along_way)
+      ml::add_rotation_centre(knowledge_.estimate.noise.rotation_centre_prior_m, &covariance);
     ml::add_riding_height(knowledge_.estimate.noise.riding_height_prior_m, &covariance);
     const Eigen::MatrixXd free = J * globals.free_directions;
     for (int axis = 0; axis < 6; ++axis) {
       bool open = false;
       for (Eigen::Index k = 0; k < free.cols(); ++k)
         open = open || std::abs(free(6 * c + axis, k)) > kShare * free.col(k).cwiseAbs().maxCoeff();
-      if (!open) result.back()[static_cast<std::size_t>(axis)] = std::sqrt(std::max(0.0, covariance(axis, axis)));
+      const double variance = covariance(axis, axis);
+      if (!open && std::isfinite(variance) && variance > 0.0)
+        result.back()[static_cast<std::size_t>(axis)] = std::sqrt(variance);
     }
   }
   return result;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ml/arrow_system.h"
+#include "ml/basis.h"
 #include "ml/noise.h"
 #include "ml/state.h"
 #include "rigproof/calib/ml.h"
@@ -14,11 +15,12 @@
 
 namespace rigproof::suggest {
 
-/// What calibration knows so far: observations as `ml` used them, its estimate and its noise levels.
+/// What calibration knows so far: the estimate of `ml` and what its uncertainty is stated from.
 struct Knowledge {
-  Observations observations;  ///< without what `ml` left out
   MlEstimate estimate;
+  ml::Basis basis;
   std::vector<bool> has_pose;  ///< cameras that saw the board
+  bool determined = false;     ///< the poses of all these, whole
 };
 /// Throws Error if no camera ever saw the board.
 Knowledge knowledge_from(const Observations& observations);
@@ -59,6 +61,10 @@ class Foresight {
   std::vector<std::optional<Eigen::Matrix3d>> ground_;
 };
 
+/// Levels of stops that are yet to come. Of ways yet to be driven nothing is known: they are taken for increments as
+/// uncertain as those seen on average.
+ml::NoiseLevels expected_levels(const ml::Basis& basis);
+
 /// The information of one stop by itself: on its pose and on the globals.
 struct StopInformation {
   ml::RobotPose pose;
@@ -73,7 +79,7 @@ class Forecast {
  public:
   explicit Forecast(const Knowledge& knowledge);
 
-  const ml::NoiseLevels& levels() const { return levels_; }
+  const ml::NoiseLevels& levels() const { return levels_; }  ///< of what is yet to be driven
   StopInformation information_of(const Foresight& foresight, const Place& place) const;
   /// Information on the globals with these stops added. Absent if it is singular in the poses.
   std::optional<Eigen::MatrixXd> with_stops(const std::vector<const StopInformation*>& stops) const;
@@ -84,6 +90,8 @@ class Forecast {
   std::vector<AxisSigmas> sigmas(const std::vector<const StopInformation*>& stops) const;
 
  private:
+  ml::ArrowSystem linearised(const Observations& observations, const ml::NoiseLevels& levels,
+                             const ml::State& state) const;
   void link(const ml::RobotPose& from, const ml::RobotPose& to, int index, ml::ArrowSystem* system) const;
 
   const Knowledge& knowledge_;

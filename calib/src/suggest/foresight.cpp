@@ -3,13 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ml/odometry_way.h"
-#include "rigproof/calib/initial_guess.h"
-#include "rigproof/calib/trajectory_alignment.h"
-#include "rigproof/calib/view_poses.h"
 #include "rigproof/core/error.h"
 #include "suggest/forecast.h"
-#include "suggest/used_observations.h"
 
 namespace rigproof::suggest {
 namespace {
@@ -56,11 +51,11 @@ void start_over(const Observations& observations, const InitialGuess& guess, MlE
 // odometry allows the motion is taken that brings them near the robot's middle, looking ahead rather than back.
 class RigPlacement {
  public:
-  RigPlacement(const Observations& observations, const std::vector<bool>& has_pose, MlEstimate* estimate)
-      : state_(estimate->state) {
-    const ml::NoiseLevels nominal;
-    sigma_xy_m_ = std::max(nominal.odometry_xy_m, estimate->noise.odometry_xy_m);
-    sigma_yaw_rad_ = std::max(nominal.odometry_yaw_rad, estimate->noise.odometry_yaw_rad);
+  RigPlacement(const ml::Basis& basis, const std::vector<bool>& has_pose, CalibrationState* state) : state_(*state) {
+    const Observations& observations = basis.used;
+    const ml::NoiseLevels nominal, expected = expected_levels(basis);
+    sigma_xy_m_ = std::max(nominal.odometry_xy_m, expected.odometry_xy_m);
+    sigma_yaw_rad_ = std::max(nominal.odometry_yaw_rad, expected.odometry_yaw_rad);
     for (std::size_t i = 0; i + 1 < observations.stops.size(); ++i) {
       const Stop &a = observations.stops[i], &b = observations.stops[i + 1];
       measured_.push_back(planar_pose(a.x_m, a.y_m, a.yaw_rad).inverse() * planar_pose(b.x_m, b.y_m, b.yaw_rad));
@@ -122,50 +117,36 @@ const Seen* nearest(const std::vector<Seen>& seen, const Eigen::Vector3d& board_
   return best == seen.end() ? nullptr : &*best;
 }
 
-// Of ways yet to be driven nothing is known: they are taken for increments as uncertain as those seen on average. Where
-// the robot turns they tell as little.
-void expect_increments(const Observations& observations, CalibrationNoise* noise) {
-  if (!noise->along_way) {
-    noise->rotation_centre_prior_m = 0.0;
-    return;
-  }
-  ml::NoiseLevels along_way;
-  along_way.odometry_xy_m = noise->odometry_xy_m;
-  along_way.odometry_yaw_rad = noise->odometry_yaw_rad;
-  const ml::NoiseLevels levels = ml::per_increment(along_way, observations);
-  noise->along_way = false;
-  noise->odometry_xy_m = levels.odometry_xy_m;
-  noise->odometry_yaw_rad = levels.odometry_yaw_rad;
+bool all_determined(const Result& result) {
+  const std::vector<EstimatedTransform>& cameras = result.camera_to_robot;
+  return !cameras.empty() &&
+         std::all_of(cameras.begin(), cameras.end(), [](const EstimatedTransform& t) { return t.fully_observable(); });
 }
 
 }  // namespace
 
 Knowledge knowledge_from(const Observations& observations) {
-  Knowledge knowledge;
-  knowledge.estimate = estimate_maximum_likelihood(observations);
-  if (knowledge.estimate.state.T_robot_camera.empty()) {
-    const std::vector<std::string>& reasons = knowledge.estimate.result.reasons;
+  std::optional<ml::Basis> basis;
+  MlEstimate estimate = ml::estimate_with_basis(observations, {}, &basis);
+  if (!basis) {
+    const std::vector<std::string>& reasons = estimate.result.reasons;
     throw Error("suggest: " + (reasons.empty() ? std::string("there is no estimate to start from") : reasons.front()));
   }
-  expect_increments(observations, &knowledge.estimate.noise);
-  const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
-  const TrajectoryAlignment alignment = align_trajectories(observations, views);
-  const GroundCheck ground = check_ground_planes(observations, alignment);
-  knowledge.observations = used_observations(knowledge.estimate.result, observations, ground);
-  for (const RigCamera& camera : observations.cameras)
-    knowledge.has_pose.push_back(knowledge.estimate.result.find(observations.robot_frame, camera.name) != nullptr);
-  if (knowledge.estimate.result.status == ResultStatus::kSolved) return knowledge;
-  const InitialGuess guess = initial_guess(observations, views, alignment, ground);
-  if (guess.T_world_board) start_over(observations, guess, &knowledge.estimate);
-  RigPlacement(observations, knowledge.has_pose, &knowledge.estimate).apply();
+  const bool determined = all_determined(estimate.result);
+  Knowledge knowledge{std::move(estimate), std::move(*basis), {}, determined};
+  const InitialGuess& guess = knowledge.basis.guess;
+  for (const std::optional<Rigid3>& T : guess.T_robot_camera) knowledge.has_pose.push_back(T.has_value());
+  if (determined) return knowledge;
+  start_over(knowledge.basis.used, guess, &knowledge.estimate);
+  RigPlacement(knowledge.basis, knowledge.has_pose, &knowledge.estimate.state).apply();
   return knowledge;
 }
 
 Foresight::Foresight(const Knowledge& knowledge, const SuggestOptions& options)
     : knowledge_(knowledge), max_obliquity_rad_(options.max_obliquity_rad) {
   // Where x, y or yaw are open, the board will not be quite where it is expected.
-  margin_share_ = knowledge.estimate.result.status == ResultStatus::kSolved ? 0.03 : 0.12;
-  const Observations& observations = knowledge.observations;
+  margin_share_ = knowledge.determined ? 0.03 : 0.12;
+  const Observations& observations = knowledge.basis.used;
   const CalibrationState& state = knowledge.estimate.state;
   corners_.resize(observations.cameras.size());
   board_planes_.resize(observations.cameras.size());
@@ -186,8 +167,8 @@ Foresight::Foresight(const Knowledge& knowledge, const SuggestOptions& options)
 }
 
 bool Foresight::sees_board(int camera, const Rigid3& T) const {
-  const Board& board = knowledge_.observations.board;
-  const Camera& lens = knowledge_.observations.cameras[static_cast<std::size_t>(camera)].camera;
+  const Board& board = knowledge_.basis.used.board;
+  const Camera& lens = knowledge_.basis.used.cameras[static_cast<std::size_t>(camera)].camera;
   const Eigen::Vector3d centre = T * board.centre();
   const Eigen::Vector3d normal = T.rotation * Eigen::Vector3d::UnitZ();
   if (normal.dot(centre.normalized()) < std::cos(max_obliquity_rad_)) return false;
@@ -214,7 +195,7 @@ std::vector<int> Foresight::cameras_with_board(const Rigid3& T_world_robot) cons
 
 BoardView Foresight::board_view(int stop, int camera, const Rigid3& T) const {
   const std::size_t c = static_cast<std::size_t>(camera);
-  const Board& board = knowledge_.observations.board;
+  const Board& board = knowledge_.basis.used.board;
   BoardView view;
   view.stop = stop;
   view.camera = camera;
@@ -223,7 +204,7 @@ BoardView Foresight::board_view(int stop, int camera, const Rigid3& T) const {
     CornerObservation corner;
     corner.id = id;
     corner.covariance_px2 = like->covariance.topLeftCorner<2, 2>();
-    if (knowledge_.observations.cameras[c].camera.project(T * board.corner(id), &corner.pixel))
+    if (knowledge_.basis.used.cameras[c].camera.project(T * board.corner(id), &corner.pixel))
       view.corners.push_back(corner);
   }
   return view;
@@ -275,7 +256,7 @@ Stop Foresight::stop_after(const Stop* before, const Rigid3& T_world_before, con
 
 Observations Foresight::as_expected(const ml::NoiseLevels& levels) const {
   const CalibrationState& state = knowledge_.estimate.state;
-  Observations expected = knowledge_.observations;
+  Observations expected = knowledge_.basis.used;
   expected.odometry_noise = {levels.odometry_model, levels.odometry_xy_m, levels.odometry_yaw_rad};
   const auto pose = [&state](int stop) { return state.T_world_robot[static_cast<std::size_t>(stop)]; };
   for (std::size_t i = 0; i < expected.stops.size(); ++i)

@@ -62,7 +62,7 @@ class Suggester {
         options_(options),
         limits_(limits),
         state_(knowledge.estimate.state),
-        floor_(options, state_.T_world_robot, knowledge.observations.board, state_.T_world_board),
+        floor_(options, state_.T_world_robot, knowledge.basis.used.board, state_.T_world_board),
         foresight_(knowledge, options),
         forecast_(knowledge) {}
 
@@ -101,9 +101,9 @@ class Suggester {
     const Eigen::Vector3d p = floor_.T_world_first() * Eigen::Vector3d(x, y, 0.0);
     const std::size_t c = random->below(static_cast<std::uint32_t>(state_.T_robot_camera.size()));
     const Rigid3& X = state_.T_robot_camera[c];
-    const Camera& lens = knowledge_.observations.cameras[c].camera;
+    const Camera& lens = knowledge_.basis.used.cameras[c].camera;
     const Eigen::Vector3d axis = X.rotation * Eigen::Vector3d::UnitZ();
-    const Eigen::Vector3d board = state_.T_world_board * knowledge_.observations.board.centre();
+    const Eigen::Vector3d board = state_.T_world_board * knowledge_.basis.used.board.centre();
     const double half_view = std::atan(0.5 * lens.width_px / lens.fx_px);
     const double yaw = std::atan2(board.y() - p.y(), board.x() - p.x()) - std::atan2(axis.y(), axis.x()) +
                        random->uniform(-half_view, half_view);
@@ -273,20 +273,38 @@ class Suggester {
                    Suggestion* suggestion) const {
     std::size_t row = 0;
     for (std::size_t c = 0; c < knowledge_.has_pose.size(); ++c) {
-      const std::string& name = knowledge_.observations.cameras[c].name;
+      const std::string& name = knowledge_.basis.used.cameras[c].name;
       if (!knowledge_.has_pose[c]) {
         suggestion->notes.push_back(name + " never saw the board: nothing can be foretold of it; aim it at the board.");
         continue;
       }
-      suggestion->cameras.push_back({name, only_answered(knowledge_.estimate.result, now[row], name),
-                                     only_answered(result_then, then[row], name)});
+      const AxisSigmas stated = stated_of(knowledge_.estimate.result, name);
+      suggestion->cameras.push_back(
+          {name, stated, only_answered(result_then, in_proportion(then[row], now[row], stated), name)});
       ++row;
     }
   }
 
+  AxisSigmas stated_of(const Result& result, const std::string& camera) const {
+    const EstimatedTransform* transform = result.find(knowledge_.basis.used.robot_frame, camera);
+    AxisSigmas sigmas;
+    if (transform == nullptr || !transform->covariance) return sigmas;
+    for (Eigen::Index axis = 0; axis < 6; ++axis)
+      sigmas[static_cast<std::size_t>(axis)] = std::sqrt((*transform->covariance)(axis, axis));
+    return only_answered(result, sigmas, camera);
+  }
+
+  // What the forecast does not hold (where it is open which odometry model is true, the method states both) is taken
+  // to shrink as the rest does.
+  static AxisSigmas in_proportion(AxisSigmas then, const AxisSigmas& now, const AxisSigmas& stated) {
+    for (std::size_t axis = 0; axis < 6; ++axis)
+      if (then[axis] && now[axis] && stated[axis]) *then[axis] *= *stated[axis] / *now[axis];
+    return then;
+  }
+
   // What the method refuses has no figure.
   AxisSigmas only_answered(const Result& result, AxisSigmas sigmas, const std::string& camera) const {
-    const EstimatedTransform* transform = result.find(knowledge_.observations.robot_frame, camera);
+    const EstimatedTransform* transform = result.find(knowledge_.basis.used.robot_frame, camera);
     for (std::size_t axis = 0; axis < 6; ++axis)
       if (transform == nullptr || !transform->observable[axis]) sigmas[axis].reset();
     return sigmas;

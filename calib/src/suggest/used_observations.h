@@ -7,7 +7,8 @@
 
 namespace rigproof {
 
-/// Without the views that the result leaves out and the planes that are not the ground.
+/// Without the views that the result leaves out, the planes that are not the ground and those of cameras that have no
+/// pose.
 Observations used_observations(const Result& result, const Observations& observations, const GroundCheck& ground);
 
 }  // namespace rigproof

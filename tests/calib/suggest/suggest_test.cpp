@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "error_text.h"
@@ -10,6 +11,8 @@
 #include "rigproof/calib/ml.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
+#include "suggest/forecast.h"
+#include "suggest/used_observations.h"
 
 namespace rigproof {
 namespace {
@@ -100,19 +103,83 @@ TEST(Suggest, EveryStopSeesTheBoardKeepsClearAndStaysOnTheFloor) {
   }
 }
 
-TEST(Suggest, ForecastNowIsWhatTheMethodStates) {
-  const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 12));
-  const Suggestion suggestion = suggest_stops(run.observations, wide_floor());
-  const Result result = ml_method().solve(run.observations);
+// Depth without noise that states the noise it usually has: its planes agree far better than stated.
+GeometricRun with_clean_depth(const GeometricConfig& config, const GeometricScene& scene) {
+  GeometricConfig clean = config;
+  clean.inverse_depth_sigma_per_m *= 1e-3;
+  GeometricRun run = draw_geometric_run(config, scene);
+  const std::vector<PlaneObservation> planes = draw_geometric_run(clean, scene).observations.ground_planes;
+  for (std::size_t i = 0; i < planes.size(); ++i)
+    run.observations.ground_planes[i].inverse_depth_plane = planes[i].inverse_depth_plane;
+  return run;
+}
+
+// Standard deviations as the method states them, all cameras one after the other.
+std::vector<double> stated_sigmas(const Result& result) {
+  std::vector<double> sigmas;
+  for (const EstimatedTransform& camera : result.camera_to_robot)
+    for (Eigen::Index axis = 0; axis < 6; ++axis) sigmas.push_back(std::sqrt((*camera.covariance)(axis, axis)));
+  return sigmas;
+}
+
+// @param two_models whether it is open which odometry model holds: the method states both, the forecast is of one
+void expect_now_as_stated(const Observations& observations, bool two_models = false) {
+  const Result result = ml_method().solve(observations);
   ASSERT_EQ(result.status, ResultStatus::kSolved);
+  const std::vector<double> stated = stated_sigmas(result);
+  const Suggestion suggestion = suggest_stops(observations, wide_floor());
+  const suggest::Knowledge knowledge = suggest::knowledge_from(observations);
+  const std::vector<AxisSigmas> forecast = suggest::Forecast(knowledge).sigmas({});
   ASSERT_EQ(suggestion.cameras.size(), 3U);
-  for (const CameraForecast& camera : suggestion.cameras) {
-    const EstimatedTransform* stated = result.find(run.observations.robot_frame, camera.camera);
-    for (Eigen::Index axis = 0; axis < 6; ++axis) {
-      // The method weighs residuals by its loss, which costs it some information; the forecast does not.
-      const double sigma = std::sqrt((*stated->covariance)(axis, axis));
-      EXPECT_NEAR(*camera.now[static_cast<std::size_t>(axis)] / sigma, 1.0, 0.1) << camera.camera << axis;
+  ASSERT_EQ(forecast.size(), 3U);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t axis = 0; axis < 6; ++axis) {
+      EXPECT_NEAR(*suggestion.cameras[c].now[axis] / stated[6 * c + axis], 1.0, 1e-9) << c << axis;
+      EXPECT_NEAR(*forecast[c][axis] / stated[6 * c + axis], 1.0, two_models ? 0.3 : 1e-6) << c << axis;
+      EXPECT_LT(*suggestion.cameras[c].then[axis], stated[6 * c + axis]) << c << axis;
     }
+}
+
+TEST(Suggest, ForecastNowIsWhatTheMethodStates) {
+  for (const bool declared : {true, false}) {
+    GeometricConfig config = short_drive(GeometricDrive::kRandom, 30);  // enough to tell the odometry's model
+    config.declare_odometry_model = config.declare_odometry_sigmas = declared;
+    SCOPED_TRACE(declared);
+    expect_now_as_stated(draw_geometric_run(config).observations);
+    expect_now_as_stated(with_clean_depth(config, draw_scene(config)).observations);
+    config.corner_outlier_fraction = 0.05;
+    config.depth_scale_sigma = 0.01;
+    expect_now_as_stated(draw_geometric_run(config).observations);
+    if (declared) continue;
+    config.along_way = true;
+    expect_now_as_stated(draw_geometric_run(config).observations, true);
+  }
+}
+
+// A camera that never saw the board, but the floor, has no pose.
+TEST(Suggest, CamerasThatNeverSawTheBoardSpoilNoFigure) {
+  for (const int seeing : {2, 1}) {
+    GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 8));
+    std::vector<BoardView>& views = run.observations.board_views;
+    views.erase(
+        std::remove_if(views.begin(), views.end(), [&](const BoardView& view) { return view.camera >= seeing; }),
+        views.end());
+    const Result result = ml_method().solve(run.observations);
+    GroundCheck all;
+    all.accepted.assign(run.observations.ground_planes.size(), true);
+    for (const PlaneObservation& plane : used_observations(result, run.observations, all).ground_planes)
+      EXPECT_LT(plane.camera, seeing);
+    const std::vector<double> stated = stated_sigmas(result);
+    const Suggestion suggestion = suggest_stops(run.observations, wide_floor());
+    EXPECT_EQ(suggestion.stops.size(), 3U);
+    ASSERT_EQ(suggestion.cameras.size(), static_cast<std::size_t>(seeing));
+    for (std::size_t c = 0; c < suggestion.cameras.size(); ++c)
+      for (std::size_t axis = 0; axis < 6; ++axis) {
+        ASSERT_TRUE(suggestion.cameras[c].now[axis] && suggestion.cameras[c].then[axis]) << c << axis;
+        EXPECT_NEAR(*suggestion.cameras[c].now[axis] / stated[6 * c + axis], 1.0, 1e-9) << c << axis;
+        EXPECT_GT(*suggestion.cameras[c].then[axis], 0.1 * stated[6 * c + axis]) << c << axis;
+        EXPECT_LT(*suggestion.cameras[c].then[axis], stated[6 * c + axis]) << c << axis;
+      }
   }
 }
 
@@ -147,6 +214,32 @@ TEST(Suggest, ForecastComesTrue) {
       // forecast linearised at an estimate from eight stops.
       EXPECT_NEAR(rmse / foretold, 1.0, 0.25) << c << kDegreeOfFreedomNames[axis];
     }
+}
+
+// The same against what the method then states of itself; depth without noise shares its error among all planes.
+TEST(Suggest, ForecastThenIsWhatTheMethodWillState) {
+  for (const bool clean : {false, true}) {
+    const auto draw = [clean](const GeometricConfig& config, const GeometricScene& scene) {
+      return clean ? with_clean_depth(config, scene) : draw_geometric_run(config, scene);
+    };
+    GeometricConfig config = short_drive(GeometricDrive::kRandom, 12);
+    const GeometricRun run = draw(config, draw_scene(config));
+    const Suggestion suggestion = suggest_stops(run.observations, wide_floor());
+    const GeometricScene scene = followed(run, suggestion);
+    config.stops = static_cast<int>(scene.T_world_robot.size());
+    constexpr int kTrials = 20;
+    std::vector<double> mean(18);
+    for (int trial = 0; trial < kTrials; ++trial) {
+      config.seed = 1000 + static_cast<std::uint64_t>(trial);
+      const Result result = ml_method().solve(draw(config, scene).observations);
+      ASSERT_EQ(result.status, ResultStatus::kSolved);
+      const std::vector<double> stated = stated_sigmas(result);
+      for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += stated[i] / kTrials;
+    }
+    for (std::size_t i = 0; i < mean.size(); ++i)
+      EXPECT_NEAR(mean[i] / *suggestion.cameras[i / 6].then[i % 6], 1.0, 0.15)
+          << clean << i / 6 << kDegreeOfFreedomNames[i % 6];
+  }
 }
 
 TEST(Suggest, ChosenStopsBeatStopsByChance) {
