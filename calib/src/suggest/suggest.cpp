@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -64,7 +65,10 @@ class Suggester {
         state_(knowledge.estimate.state),
         floor_(options, state_.T_world_robot, knowledge.basis.used.board, state_.T_world_board),
         foresight_(knowledge, options),
-        forecast_(knowledge) {}
+        forecast_(knowledge) {
+    for (std::size_t c = 0; c < knowledge.has_pose.size(); ++c)
+      if (knowledge.has_pose[c]) posed_.push_back(c);
+  }
 
   Suggestion run() {
     Suggestion suggestion;
@@ -75,7 +79,8 @@ class Suggester {
     suggestion.T_world_robot = state_.T_world_robot;
     draw_candidates();
     choose();
-    command(in_driving_order(), &suggestion);
+    while (const std::optional<std::size_t> out_of_sight = command(in_driving_order(), &suggestion))
+      replace(*out_of_sight);
     foretell(&suggestion);
     return suggestion;
   }
@@ -86,12 +91,29 @@ class Suggester {
     const int tries = 200 * options_.candidates;
     for (int i = 0; i < tries && static_cast<int>(places_.size()) < options_.candidates; ++i) {
       const Place place = aimed_place(&random);
-      if (!floor_.may_stand(place)) continue;
-      if (static_cast<int>(foresight_.cameras_with_board(place.T_world_robot()).size()) < options_.min_cameras)
-        continue;
-      places_.push_back(place);
+      if (floor_.may_stand(place) && sees_board_when_rounded(place)) places_.push_back(place);
     }
     for (const Place& place : places_) information_.push_back(forecast_.information_of(foresight_, place));
+    given_up_.assign(places_.size(), false);
+  }
+
+  bool enough(const std::vector<int>& cameras) const {
+    return static_cast<int>(cameras.size()) >= options_.min_cameras;
+  }
+
+  // From there, and turned as far to either side as commands in whole degrees may leave it.
+  bool sees_board_when_rounded(const Place& place) const {
+    const double margin_rad = deg_to_rad(1.0);
+    std::vector<int> cameras = foresight_.cameras_with_board(place.T_world_robot());
+    for (const double turn_rad : {-margin_rad, margin_rad}) {
+      if (!enough(cameras)) return false;
+      const std::vector<int> turned =
+          foresight_.cameras_with_board(place.T_world_robot() * planar_pose(0.0, 0.0, turn_rad));
+      std::vector<int> both;
+      std::set_intersection(cameras.begin(), cameras.end(), turned.begin(), turned.end(), std::back_inserter(both));
+      cameras = both;
+    }
+    return enough(cameras);
   }
 
   // Anywhere in the area, with one of the cameras looking about at the board.
@@ -99,7 +121,7 @@ class Suggester {
     const DriveArea& area = floor_.area();
     const double x = random->uniform(area.x_min_m, area.x_max_m), y = random->uniform(area.y_min_m, area.y_max_m);
     const Eigen::Vector3d p = floor_.T_world_first() * Eigen::Vector3d(x, y, 0.0);
-    const std::size_t c = random->below(static_cast<std::uint32_t>(state_.T_robot_camera.size()));
+    const std::size_t c = posed_[random->below(static_cast<std::uint32_t>(posed_.size()))];
     const Rigid3& X = state_.T_robot_camera[c];
     const Camera& lens = knowledge_.basis.used.cameras[c].camera;
     const Eigen::Vector3d axis = X.rotation * Eigen::Vector3d::UnitZ();
@@ -142,7 +164,7 @@ class Suggester {
     std::vector<std::size_t> trial = chosen_;
     bool better = false;
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (is_chosen(i)) continue;
+      if (given_up_[i] || is_chosen(i)) continue;
       trial[position] = i;
       const double value = score(trial);
       if (value >= best_) continue;
@@ -172,40 +194,43 @@ class Suggester {
 
   Place last_place() const { return Place::of(state_.T_world_robot.back()); }
 
+  // The next best place in the place of one that no command leads to.
+  void replace(std::size_t candidate) {
+    given_up_[candidate] = true;
+    chosen_.erase(std::find(chosen_.begin(), chosen_.end(), candidate));
+    choose();
+  }
+
   // The shortest drive through the chosen places that keeps clear of the board.
-  std::vector<Place> in_driving_order() const {
-    std::vector<Place> left, order;
-    for (const std::size_t i : chosen_) left.push_back(places_[i]);
-    if (left.size() <= 6) return shortest(left);
-    for (Place from = last_place(); !left.empty(); from = order.back()) {
-      const auto cost = [&](const Place& place) { return cost_between(from, place); };
+  std::vector<std::size_t> in_driving_order() const {
+    std::vector<std::size_t> left = chosen_, order;
+    if (left.size() <= 6) return shortest(std::move(left));
+    for (Place from = last_place(); !left.empty(); from = places_[order.back()]) {
+      const auto cost = [&](std::size_t candidate) { return cost_between(from, places_[candidate]); };
       const auto next =
-          std::min_element(left.begin(), left.end(), [&](const Place& a, const Place& b) { return cost(a) < cost(b); });
+          std::min_element(left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return cost(a) < cost(b); });
       order.push_back(*next);
       left.erase(next);
     }
     return order;
   }
 
-  std::vector<Place> shortest(const std::vector<Place>& places) const {
-    std::vector<std::size_t> permutation(places.size());
-    std::iota(permutation.begin(), permutation.end(), 0);
-    std::vector<std::size_t> best = permutation;
+  std::vector<std::size_t> shortest(std::vector<std::size_t> order) const {
+    std::sort(order.begin(), order.end());
+    std::vector<std::size_t> best = order;
     double least = kImpossible;
     do {
       double cost = 0.0;
       Place from = last_place();
-      for (const std::size_t i : permutation) {
-        cost += cost_between(from, places[i]);
-        from = places[i];
+      for (const std::size_t i : order) {
+        cost += cost_between(from, places_[i]);
+        from = places_[i];
       }
       if (cost >= least) continue;
       least = cost;
-      best = permutation;
-    } while (std::next_permutation(permutation.begin(), permutation.end()));
-    std::vector<Place> order;
-    for (const std::size_t i : best) order.push_back(places[i]);
-    return order;
+      best = order;
+    } while (std::next_permutation(order.begin(), order.end()));
+    return best;
   }
 
   // A metre of driving costs as much as a radian of turning; a blocked way is only taken if there is no other.
@@ -216,27 +241,52 @@ class Suggester {
            (floor_.may_drive(from, to) ? 0.0 : kBlocked);
   }
 
-  // Commands are rounded, and the robot is where they lead it.
-  void command(const std::vector<Place>& order, Suggestion* suggestion) const {
+  // Commands are rounded, and the robot is where they lead it. Returns a place from where the board is out of sight
+  // then, whatever the command; else absent.
+  std::optional<std::size_t> command(const std::vector<std::size_t>& order, Suggestion* suggestion) const {
+    suggestion->stops.clear();
+    std::vector<std::string> notes;
     Place from = last_place();
-    for (const Place& to : order) {
-      SuggestedStop stop;
-      for (const double min_turn_rad : {options_.min_turn_rad, 0.0}) {
-        stop.command = suggest::command_between(from, to, min_turn_rad);
-        stop.T_world_robot = from.T_world_robot() * stop.command.motion();
-        stop.cameras = foresight_.cameras_with_board(stop.T_world_robot);
-        if (static_cast<int>(stop.cameras.size()) >= options_.min_cameras) break;
-      }
-      if (!floor_.may_drive(from, Place::of(stop.T_world_robot)))
-        suggestion->notes.push_back("On the straight way to stop " + std::to_string(suggestion->stops.size() + 1) +
-                                    " the robot comes nearer to the board than asked for: drive around it.");
-      from = Place::of(stop.T_world_robot);
-      suggestion->stops.push_back(std::move(stop));
+    for (const std::size_t candidate : order) {
+      const std::optional<SuggestedStop> stop = stop_at(from, places_[candidate]);
+      if (!stop) return candidate;
+      if (!floor_.may_drive(from, Place::of(stop->T_world_robot)))
+        notes.push_back("On the straight way to stop " + std::to_string(suggestion->stops.size() + 1) +
+                        " the robot comes nearer to the board than asked for: drive around it.");
+      from = Place::of(stop->T_world_robot);
+      suggestion->stops.push_back(*stop);
     }
-    const std::size_t missing = static_cast<std::size_t>(options_.stops) - suggestion->stops.size();
-    if (missing > 0)
-      suggestion->notes.push_back("Only " + std::to_string(suggestion->stops.size()) +
-                                  " places were found from which the board is seen whole; give more floor.");
+    if (suggestion->stops.size() < static_cast<std::size_t>(options_.stops))
+      notes.push_back("Only " + std::to_string(suggestion->stops.size()) +
+                      " places were found from which the board is seen whole; give more floor.");
+    suggestion->notes = std::move(notes);
+    return std::nullopt;
+  }
+
+  // As close to the place as whole degrees and centimetres lead from which the board is seen: where it is missed, with
+  // small turns after all, then aimed anew.
+  std::optional<SuggestedStop> stop_at(const Place& from, const Place& to) const {
+    const std::optional<SuggestedStop> plain =
+        seen_from(from, suggest::command_between(from, to, options_.min_turn_rad));
+    if (plain) return plain;
+    constexpr int kMostAimed_deg = 5;
+    const DriveCommand exact = suggest::command_between(from, to, 0.0);
+    for (int aimed_deg = 0; aimed_deg <= kMostAimed_deg; ++aimed_deg) {
+      for (const int sense : {1, -1}) {
+        DriveCommand command = exact;
+        (command.distance_m != 0.0 ? command.turn_after_rad : command.turn_before_rad) += deg_to_rad(sense * aimed_deg);
+        if (const std::optional<SuggestedStop> stop = seen_from(from, command)) return stop;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Absent if too few cameras see the board from where the command leads.
+  std::optional<SuggestedStop> seen_from(const Place& from, const DriveCommand& command) const {
+    const Rigid3 T_world_robot = from.T_world_robot() * command.motion();
+    const std::vector<int> cameras = foresight_.cameras_with_board(T_world_robot);
+    if (!enough(cameras)) return std::nullopt;
+    return SuggestedStop{command, T_world_robot, cameras};
   }
 
   // What `ml` makes of observations free of noise: whether the stops determine everything.
@@ -317,8 +367,10 @@ class Suggester {
   Floor floor_;
   Foresight foresight_;
   Forecast forecast_;
+  std::vector<std::size_t> posed_;  // cameras that can be aimed
   std::vector<Place> places_;
   std::vector<StopInformation> information_;
+  std::vector<bool> given_up_;  // places that no command leads to
   std::vector<std::size_t> chosen_;
   double best_ = kImpossible;
 };

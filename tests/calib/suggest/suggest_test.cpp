@@ -103,6 +103,25 @@ TEST(Suggest, EveryStopSeesTheBoardKeepsClearAndStaysOnTheFloor) {
   }
 }
 
+// Rounded commands add up: none may lead to where the board is out of sight, and a place that none leads to is
+// replaced.
+TEST(Suggest, NoCommandLeadsOutOfSight) {
+  for (const int min_cameras : {1, 3}) {
+    const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 12));
+    SuggestOptions options = wide_floor();
+    options.stops = 6;
+    options.min_cameras = min_cameras;
+    options.min_turn_rad = deg_to_rad(10.0);
+    options.candidates = 30;
+    for (options.seed = 0; options.seed < 12; ++options.seed) {
+      const Suggestion suggestion = suggest_stops(run.observations, options);
+      EXPECT_EQ(suggestion.stops.size(), 6U);
+      for (const SuggestedStop& stop : suggestion.stops)
+        EXPECT_GE(static_cast<int>(stop.cameras.size()), min_cameras) << options.seed << ": " << stop.command.text();
+    }
+  }
+}
+
 // Depth without noise that states the noise it usually has: its planes agree far better than stated.
 GeometricRun with_clean_depth(const GeometricConfig& config, const GeometricScene& scene) {
   GeometricConfig clean = config;
