@@ -13,6 +13,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/yaml.h"
 #include "rigproof/study/workflow.h"
+#include "rigproof/truth/stop_at.h"
 #include "rigproof/validate/figures.h"
 #include "uncertainty_commands.h"
 
@@ -143,16 +144,29 @@ Rigid3 T_world_board_on_floor(const Rigid3& T_world_board, const Board& board) {
   return planar_pose(centre.x(), centre.y(), std::atan2(outward.y(), outward.x()));
 }
 
+// Where the robot truly stood at the stops that calibration uses: frames of a straight drive are none. Empty where the
+// truth does not know all of them.
+std::vector<Rigid3> true_places(const Observations& observations, const Truth& truth) {
+  std::vector<Rigid3> T_world_robot;
+  for (const Stop& stop : observations.stops) {
+    const std::optional<Rigid3> T = robot_at(truth, stop.stamp_s);
+    if (!T) return {};
+    T_world_robot.push_back(*T);
+  }
+  return T_world_robot;
+}
+
 // All stops, from the board. Those so far stand where the robot truly stood if that is known (a simulated run), else
 // where it is estimated to have stood; the robot drives on from there.
 YamlTree listed_stops(const Suggestion& suggestion, const Observations& observations,
                       const std::optional<Truth>& truth) {
-  std::vector<Rigid3> T_world_robot = suggestion.T_world_robot;
-  Rigid3 T_board_world = T_world_board_on_floor(suggestion.T_world_board, observations.board).inverse();
-  if (truth) {
+  std::vector<Rigid3> T_world_robot = truth ? true_places(observations, *truth) : std::vector<Rigid3>();
+  Rigid3 T_board_world;
+  if (T_world_robot.empty()) {
+    T_world_robot = suggestion.T_world_robot;
+    T_board_world = T_world_board_on_floor(suggestion.T_world_board, observations.board).inverse();
+  } else {
     T_board_world = T_world_board_on_floor(truth->T_world_board, truth->board).inverse();
-    T_world_robot.clear();
-    for (const TrueStop& stop : truth->stops) T_world_robot.push_back(stop.T_world_robot);
   }
   for (const SuggestedStop& stop : suggestion.stops)
     T_world_robot.push_back(T_world_robot.back() * stop.command.motion());
@@ -185,6 +199,11 @@ void save_replay(const std::filesystem::path& file, const Suggestion& suggestion
   viewpoints.set("list_frame", YamlTree::text("board"));
   viewpoints.set("list", listed_stops(suggestion, observations, truth));
   tree.set("viewpoints", std::move(viewpoints));
+  if (tree.find("include") != nullptr) {  // its straight drive is not driven again
+    YamlTree straight_drive = YamlTree::map();
+    straight_drive.set("frames", YamlTree::integer(0));
+    tree.set("straight_drive", std::move(straight_drive));
+  }
   std::string text = "# By rigproof suggest: the stops so far, then\n";
   for (const SuggestedStop& stop : suggestion.stops) text += "#   " + stop.command.text() + "\n";
   write_file_atomically(file, text + emit_yaml(tree));

@@ -1,7 +1,5 @@
 #include "rigproof/study/inspect.h"
 
-#include <cmath>
-
 #include "inspect_pictures.h"
 
 namespace rigproof {
@@ -23,16 +21,6 @@ std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string&
   return std::nullopt;
 }
 
-std::optional<std::size_t> true_stop(const std::vector<TrueStop>& stops, double stamp_s) {
-  constexpr double kNearest = 0.5;
-  std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < stops.size(); ++i) {
-    const double distance = std::abs(stops[i].stamp_s - stamp_s);
-    if (distance < kNearest && (!best || distance < std::abs(stops[*best].stamp_s - stamp_s))) best = i;
-  }
-  return best;
-}
-
 std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& camera) {
   if (input.truth)
     if (const auto i = index_in_truth(*input.truth, camera)) return input.truth->cameras[*i].T_robot_camera;
@@ -48,7 +36,7 @@ std::optional<double> distance_to_board(const InspectInput& input, const BoardVi
       index_in_truth(*input.truth, input.observations.cameras[static_cast<std::size_t>(view.camera)].name);
   if (!camera) return std::nullopt;
   const std::vector<TrueStop>& stops = input.truth->stops_of(*camera);
-  const auto stop = true_stop(stops, view.stamp_s);
+  const auto stop = stop_at(stops, view.stamp_s);
   if (!stop) return std::nullopt;
   const Rigid3 T_world_camera = stops[*stop].T_world_robot * input.truth->cameras[*camera].T_robot_camera;
   return (T_world_camera.inverse() * (input.truth->T_world_board * input.truth->board.centre())).norm();

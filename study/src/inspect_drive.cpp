@@ -54,8 +54,8 @@ class Drive {
   explicit Drive(const InspectInput& input) : input_(input), canvas_(width(), height()) {
     for (const Stop& stop : input.observations.stops) {
       odometry_.push_back(odometry_pose(stop));
-      const auto index = input.truth ? true_stop(input.truth->stops, stop.stamp_s) : std::nullopt;
-      driven_.push_back(index ? input.truth->stops[*index].T_world_robot : odometry_.back());
+      const auto T_world_robot = input.truth ? robot_at(*input.truth, stop.stamp_s) : std::nullopt;
+      driven_.push_back(T_world_robot.value_or(odometry_.back()));
     }
     if (input.truth) align_odometry();
     find_board();

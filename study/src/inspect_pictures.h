@@ -8,6 +8,7 @@
 
 #include "inspect_canvas.h"
 #include "rigproof/study/inspect.h"
+#include "rigproof/truth/stop_at.h"
 
 namespace rigproof::inspect_detail {
 
@@ -41,8 +42,6 @@ std::vector<std::string> camera_names(const Observations& observations);
 /// Where images lie; empty without a recording.
 std::filesystem::path image_folder(const InspectInput& input);
 std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string& camera);
-/// The truth's stop nearest to a stamp, if it is nearer than half a second.
-std::optional<std::size_t> true_stop(const std::vector<TrueStop>& stops, double stamp_s);
 /// Camera pose in the robot frame: the truth's, else the first result's that has it completely.
 std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& camera);
 /// "2.31": metres from the camera to the board's middle, if truth tells.

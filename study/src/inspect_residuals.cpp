@@ -186,7 +186,7 @@ Written draw_corners(const InspectInput& input, std::size_t camera, const std::f
   std::size_t views = 0;
   double variance = 0.0;
   for (const BoardView& view : input.observations.board_views) {
-    const auto stop = true_stop(stops, view.stamp_s);
+    const auto stop = stop_at(stops, view.stamp_s);
     if (view.camera != static_cast<int>(camera) || !stop) continue;
     ++views;
     const Rigid3 T_camera_board =

@@ -59,6 +59,22 @@ TEST(Uncertainty, WhatIsSuggestedCanBeReplayed) {
   EXPECT_EQ(rigproof_command({"validate", replay}).exit_code, 0) << rigproof_command({"validate", replay}).out;
 }
 
+// Frames of a straight drive are no stops: the replay drives on from the last stop that was calibrated.
+TEST(Uncertainty, AReplayHasNoStraightDrive) {
+  const TempFolder scratch;
+  const std::string run = (scratch / "run").string(), next = (scratch / "next.yaml").string();
+  const std::vector<std::string> generate = {
+      "generate", "-q", "-o", run, "--set", "poses=6", "--set", "image_scale=0.3", "--set", "straight_drive.frames=6"};
+  ASSERT_EQ(rigproof_command(generate).exit_code, 0);
+  const ProcessOutput output = rigproof_command({"suggest", run, "-k", "2", "--output", next});
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_THAT(output.out, HasSubstr("3 cameras x 6 stops"));
+  const ProcessOutput planned = rigproof_command({"generate", "--dry-run", next});
+  EXPECT_EQ(planned.exit_code, 0) << planned.err;
+  EXPECT_THAT(planned.out, AllOf(HasSubstr("8 stops, 24 images"), Not(HasSubstr("0 cameras at"))))
+      << read_whole_file(next);
+}
+
 TEST(Uncertainty, SuggestIsJsonForMachines) {
   const TempFolder scratch;
   const ProcessOutput output = rigproof_command({"suggest", first_stops(scratch, 5), "--json", "-k", "2"});

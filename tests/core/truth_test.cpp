@@ -5,6 +5,7 @@
 
 #include "error_text.h"
 #include "pose_near.h"
+#include "rigproof/truth/stop_at.h"
 #include "sample_truth.h"
 #include "temp_folder.h"
 
@@ -66,6 +67,21 @@ TEST(Truth, ProblemsAreNamed) {
                            "drawn.board.bow_mm: much: must be a finite number",
                            "cameras.left.T_robot_camera: is missing", "T_world_board: is missing", "board: is missing"})
     EXPECT_THAT(text, HasSubstr(part));
+}
+
+TEST(Truth, StopsAreFoundByTheirStamps) {
+  Truth truth;
+  for (const double stamp_s : {1.0, 3.0, 3.2}) truth.stops.push_back({stamp_s, planar_pose(stamp_s, 0.0, 0.0)});
+  EXPECT_EQ(stop_at(truth.stops, 1.4), 0U);
+  EXPECT_EQ(stop_at(truth.stops, 1.6), std::nullopt);  // half a second
+  EXPECT_EQ(stop_at(truth.stops, 3.09), 1U);
+  EXPECT_EQ(stop_at(truth.stops, 3.35), std::nullopt);  // half the distance of two stops
+  EXPECT_EQ(stop_at({}, 1.0), std::nullopt);
+  EXPECT_EQ(robot_at(truth, 3.18)->translation.x(), 3.2);
+  EXPECT_FALSE(robot_at(truth, 2.0).has_value());
+  truth.cameras.resize(1);
+  truth.cameras[0].stops.push_back({3.17, planar_pose(7.0, 0.0, 0.0)});
+  EXPECT_EQ(robot_at(truth, 3.18)->translation.x(), 7.0);
 }
 
 }  // namespace

@@ -3,27 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "proof_parts.h"
 #include "rigproof/calib/information.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/truth/stop_at.h"
 #include "rigproof/validate/figures.h"
 
 namespace rigproof {
 namespace {
-
-// Cameras without a common trigger have stops of their own: the nearest of all counts.
-std::optional<Rigid3> robot_at(const Truth& truth, double stamp_s) {
-  const TrueStop* nearest = nullptr;
-  const auto look = [&](const std::vector<TrueStop>& stops) {
-    const std::optional<std::size_t> match = proof_detail::stop_at(stops, stamp_s);
-    if (!match) return;
-    const TrueStop& stop = stops[*match];
-    if (nearest == nullptr || std::abs(stop.stamp_s - stamp_s) < std::abs(nearest->stamp_s - stamp_s)) nearest = &stop;
-  };
-  look(truth.stops);
-  for (const TrueCamera& camera : truth.cameras) look(camera.stops);
-  return nearest == nullptr ? std::nullopt : std::optional<Rigid3>(nearest->T_world_robot);
-}
 
 std::optional<CalibrationState> state_at(const Observations& observations, const Truth& truth) {
   CalibrationState state;

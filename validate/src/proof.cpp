@@ -9,24 +9,6 @@
 #include "rigproof/core/yaml.h"
 
 namespace rigproof {
-namespace proof_detail {
-
-std::optional<std::size_t> stop_at(const std::vector<TrueStop>& stops, double stamp_s) {
-  constexpr double kLargest = 0.5;
-  std::optional<std::size_t> nearest;
-  for (std::size_t i = 0; i < stops.size(); ++i)
-    if (!nearest || std::abs(stops[i].stamp_s - stamp_s) < std::abs(stops[*nearest].stamp_s - stamp_s)) nearest = i;
-  if (!nearest) return std::nullopt;
-  double tolerance = kLargest;
-  for (const std::size_t other : {*nearest - 1, *nearest + 1})  // one of them may wrap beyond the end: no neighbour
-    if (other < stops.size())
-      tolerance = std::min(tolerance, 0.5 * std::abs(stops[other].stamp_s - stops[*nearest].stamp_s));
-  if (std::abs(stops[*nearest].stamp_s - stamp_s) > tolerance) return std::nullopt;
-  return nearest;
-}
-
-}  // namespace proof_detail
-
 namespace {
 
 template <typename Cameras>

@@ -5,13 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/truth/stop_at.h"
 #include "rigproof/validate/proof.h"
 
 namespace rigproof::proof_detail {
-
-/// Index of the stop at a stamp, within half a second or half the distance of two stops, whichever is less.
-/// @param stops of the truth or of one of its cameras
-std::optional<std::size_t> stop_at(const std::vector<TrueStop>& stops, double stamp_s);
 
 struct Findings {
   std::vector<std::string> problems;
