@@ -8,6 +8,7 @@
 
 #include "observing.h"
 #include "print_result.h"
+#include "rigproof/calib/ml_settings.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -20,8 +21,17 @@
 namespace rigproof {
 namespace {
 
+MlOptions ml_options_of(const std::string& method) {
+  const std::string prefix = kMlPrefix;
+  if (method == ml_method().traits().name) return {};
+  if (method.rfind(prefix, 0) != 0)
+    throw Error("--method: " + for_message(method) + ": allowed: ml, ml:KEY=VALUE,.. or ml:FILE.yaml");
+  return read_ml_settings(method.substr(prefix.size())).options();
+}
+
 SuggestOptions options_of(const SuggestArguments& arguments) {
   SuggestOptions options;
+  options.ml = ml_options_of(arguments.method);
   options.stops = arguments.stops;
   options.criterion = arguments.criterion == "D"   ? SuggestCriterion::kDeterminant
                       : arguments.criterion == "E" ? SuggestCriterion::kEigenvalue
@@ -213,9 +223,10 @@ void save_replay(const std::filesystem::path& file, const Suggestion& suggestion
 
 int suggest_command(const SuggestArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
+  const SuggestOptions options = options_of(arguments);
   const Input input = open_input(arguments.input);
   const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
-  const Suggestion suggestion = suggest_stops(observations, options_of(arguments));
+  const Suggestion suggestion = suggest_stops(observations, options);
   if (!arguments.output.empty() && !suggestion.stops.empty())
     save_replay(arguments.output, suggestion, observations, input);
   if (arguments.common.json) std::puts(as_json(suggestion, observations).c_str());

@@ -26,7 +26,9 @@ void add_places(CLI::App* command, SuggestArguments& arguments) {
   command->add_option("--clearance", arguments.clearance_m, "Metres between the robot's origin and the board")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--min-turn", arguments.min_turn_deg, "Smaller turns are not asked for, degrees")
+  command
+      ->add_option("--min-turn", arguments.min_turn_deg,
+                   "Smaller turns are not asked for, degrees, unless the board would be missed")
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();
   command->add_option("--min-cameras", arguments.min_cameras, "Cameras that see the whole board from every stop")
@@ -54,6 +56,10 @@ void add_suggest(CLI::App& app, std::function<int()>& action) {
       ->capture_default_str();
   command->add_option("-o,--output", arguments->output,
                       "Write all stops as a configuration that `rigproof generate` replays");
+  command
+      ->add_option("-m,--method", arguments->method,
+                   "As `calibrate` is asked for it: ml, ml:KEY=VALUE,.. or ml:FILE.yaml, whose priors count")
+      ->capture_default_str();
   add_places(command, *arguments);
   add_common_options(command, arguments->common);
   command->callback([arguments, &action] { action = [arguments] { return suggest_command(*arguments); }; });

@@ -18,6 +18,7 @@ namespace rigproof {
 struct SuggestArguments {
   CommonArguments common;
   std::filesystem::path input;
+  std::string method = "ml";     ///< or ml:KEY=VALUE,.. or ml:FILE.yaml
   std::filesystem::path output;  ///< a configuration for `generate`; empty = none is written
   int stops = 3;
   std::string criterion = "worst";  ///< worst, D or E

@@ -86,6 +86,19 @@ TEST(Uncertainty, SuggestIsJsonForMachines) {
   EXPECT_EQ(rigproof_command({"suggest", first_stops(scratch, 5), "-k", "0"}).exit_code, 2);
 }
 
+TEST(Uncertainty, SuggestCountsWithThePriorsOfTheMethod) {
+  // A focal length that is not believed leaves more open along the view: ahead, for the center camera.
+  const auto ahead = [](const std::string& method) {
+    const ProcessOutput output = rigproof_command({"suggest", small_run().string(), "--json", "-k", "1", "-m", method});
+    EXPECT_EQ(output.exit_code, 0) << output.err;
+    return nlohmann::json::parse(output.out)["cameras"][1]["now"]["tx_m"].get<double>();
+  };
+  EXPECT_GT(ahead("ml:focal_sigma_percent=2"), 1.5 * ahead("ml"));
+  const ProcessOutput other = rigproof_command({"suggest", small_run().string(), "--method", "memroc"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, AllOf(HasSubstr("--method: memroc"), HasSubstr("allowed: ml,")));
+}
+
 TEST(Uncertainty, MovedSaysWhichCamera) {
   const TempFolder scratch;
   const std::string few = first_stops(scratch, 3);

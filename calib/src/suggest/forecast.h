@@ -23,7 +23,7 @@ struct Knowledge {
   bool determined = false;     ///< the poses of all these, whole
 };
 /// Throws Error if no camera ever saw the board.
-Knowledge knowledge_from(const Observations& observations);
+Knowledge knowledge_from(const Observations& observations, const MlOptions& options = {});
 
 /// Foresees what the cameras see from a place: views, planes and odometry without noise, with covariances as of the
 /// nearest view of the same camera.

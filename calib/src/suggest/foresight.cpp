@@ -125,9 +125,9 @@ bool all_determined(const Result& result) {
 
 }  // namespace
 
-Knowledge knowledge_from(const Observations& observations) {
+Knowledge knowledge_from(const Observations& observations, const MlOptions& options) {
   std::optional<ml::Basis> basis;
-  MlEstimate estimate = ml::estimate_with_basis(observations, {}, &basis);
+  MlEstimate estimate = ml::estimate_with_basis(observations, options, &basis);
   if (!basis) {
     const std::vector<std::string>& reasons = estimate.result.reasons;
     throw Error("suggest: " + (reasons.empty() ? std::string("there is no estimate to start from") : reasons.front()));

@@ -291,7 +291,7 @@ class Suggester {
 
   // What `ml` makes of observations free of noise: whether the stops determine everything.
   Result foreseen(const Observations& observations) const {
-    MlOptions options;
+    MlOptions options = options_.ml;
     options.estimate_corner_level = options.estimate_plane_level = false;
     options.suspension_height_sigma_m = forecast_.levels().suspension_height_m;
     options.suspension_tilt_sigma_rad = forecast_.levels().suspension_tilt_rad;
@@ -380,7 +380,7 @@ class Suggester {
 Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options) {
   check(options);
   const AcceptLimits limits = observations.accept.value_or(options.limits);
-  const Knowledge knowledge = suggest::knowledge_from(observations);
+  const Knowledge knowledge = suggest::knowledge_from(observations, options.ml);
   return Suggester(knowledge, options, limits).run();
 }
 

@@ -142,12 +142,14 @@ std::vector<double> stated_sigmas(const Result& result) {
 }
 
 // @param two_models whether it is open which odometry model holds: the method states both, the forecast is of one
-void expect_now_as_stated(const Observations& observations, bool two_models = false) {
-  const Result result = ml_method().solve(observations);
+void expect_now_as_stated(const Observations& observations, bool two_models = false, const MlOptions& ml = {}) {
+  const Result result = estimate_maximum_likelihood(observations, ml).result;
   ASSERT_EQ(result.status, ResultStatus::kSolved);
   const std::vector<double> stated = stated_sigmas(result);
-  const Suggestion suggestion = suggest_stops(observations, wide_floor());
-  const suggest::Knowledge knowledge = suggest::knowledge_from(observations);
+  SuggestOptions options = wide_floor();
+  options.ml = ml;
+  const Suggestion suggestion = suggest_stops(observations, options);
+  const suggest::Knowledge knowledge = suggest::knowledge_from(observations, ml);
   const std::vector<AxisSigmas> forecast = suggest::Forecast(knowledge).sigmas({});
   ASSERT_EQ(suggestion.cameras.size(), 3U);
   ASSERT_EQ(forecast.size(), 3U);
@@ -169,6 +171,10 @@ TEST(Suggest, ForecastNowIsWhatTheMethodStates) {
     config.corner_outlier_fraction = 0.05;
     config.depth_scale_sigma = 0.01;
     expect_now_as_stated(draw_geometric_run(config).observations);
+    MlOptions lenses;
+    lenses.focal_relative_sigma = 0.01;
+    lenses.principal_point_sigma_px = 2.0;
+    expect_now_as_stated(draw_geometric_run(config).observations, false, lenses);
     if (declared) continue;
     config.along_way = true;
     expect_now_as_stated(draw_geometric_run(config).observations, true);

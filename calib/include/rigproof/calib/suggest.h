@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/calib/ml.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/result.h"
 #include "rigproof/core/rigid3.h"
@@ -43,6 +44,7 @@ struct SuggestOptions {
   double max_obliquity_rad = 1.05;  ///< between the board's normal and the view
   int candidates = 300;             ///< places among which is chosen
   std::uint64_t seed = 0;           ///< of the places
+  MlOptions ml;                     ///< as the calibration is asked for: its priors count, now and then
 };
 
 /// What a robot on wheels does: turn, drive straight, turn. Turns are positive to the left.
