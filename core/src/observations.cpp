@@ -291,6 +291,7 @@ class ObservationsReader {
     read_list("ground_planes", &o_.ground_planes, [this](ElementReader& e) { return read_plane(e); });
     read_list("board_planes", &o_.board_planes, [this](ElementReader& e) { return read_plane(e); });
     read_list("exclusions", &o_.exclusions, [this](ElementReader& e) { return read_exclusion(e); });
+    check_stamps();
     check_order(o_.board_views, "board_views");
     check_order(o_.ground_planes, "ground_planes");
     check_order(o_.board_planes, "board_planes");
@@ -434,12 +435,30 @@ class ObservationsReader {
     return exclusion;
   }
 
+  // What calibration counts as one measurement must be given once.
   template <typename Element>
   void check_order(const std::vector<Element>& elements, const std::string& key) {
     for (std::size_t i = 1; i < elements.size(); ++i) {
       const auto place = [](const Element& e) { return std::make_pair(e.stop, e.camera); };
-      if (place(elements[i - 1]) <= place(elements[i])) continue;
-      problems_.add({file_, 0, key + "[" + std::to_string(i) + "]", "", "must be sorted by stop, then camera"});
+      if (place(elements[i - 1]) < place(elements[i])) continue;
+      const bool repeats = place(elements[i - 1]) == place(elements[i]);
+      problems_.add({file_, 0, key + "[" + std::to_string(i) + "]", "",
+                     repeats ? "is of stop " + std::to_string(elements[i].stop) + " and camera " +
+                                   std::to_string(elements[i].camera) +
+                                   ", as the entry before; one entry a stop and camera is allowed"
+                             : "must be sorted by stop, then camera"});
+      return;
+    }
+  }
+
+  void check_stamps() {
+    for (std::size_t i = 1; i < o_.stops.size(); ++i) {
+      const double before = o_.stops[i - 1].stamp_s, stamp = o_.stops[i].stamp_s;
+      if (before < stamp) continue;
+      problems_.add({file_, 0, "stops[" + std::to_string(i) + "].stamp_s", number_text(stamp),
+                     (before == stamp ? "repeats" : "is earlier than") +
+                         std::string(" the stamp of the stop before, ") + number_text(before) +
+                         "; stops stand in the order of driving, and stamps must increase"});
       return;
     }
   }

@@ -178,6 +178,24 @@ void read_camera_intrinsics(MapReader& map, const RigReadOptions& options, const
                   inside.generic_string());
 }
 
+// However it is spelled or linked to.
+fs::path place_of(const std::string& camera_folder, const fs::path& recording) {
+  std::error_code error;
+  const fs::path place = recording.empty() ? fs::path() : fs::weakly_canonical(recording / camera_folder / ".", error);
+  const fs::path normal = (place.empty() ? fs::path(camera_folder) / "." : place).lexically_normal();
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
+// Two cameras with the same images would agree perfectly.
+void check_own_folder(const std::vector<RigCamera>& before, const RigCamera& camera, const RigReadOptions& options,
+                      MapReader* map) {
+  const fs::path place = place_of(camera.folder, options.folder);
+  for (const RigCamera& other : before)
+    if (place_of(other.folder, options.folder) == place)
+      map->problem("folder", "holds the images of " + other.name + " already (folder " + for_message(other.folder) +
+                                 "); every camera needs a folder of its own");
+}
+
 double norm_of(const std::vector<double>& values) {
   double squared = 0.0;
   for (const double value : values) squared += value * value;
@@ -292,7 +310,9 @@ std::vector<RigCamera> read_rig_cameras(const YamlTree& tree, const std::string&
       all.problem(name, "a camera's name has letters, digits, \"_\", \"-\" and \".\", at most 64, and no leading dot");
     MapReader map(value, all.path_of(name), problems);
     if (!value.is_map()) continue;
-    cameras.push_back(read_rig_camera(name, map, options));
+    RigCamera camera = read_rig_camera(name, map, options);
+    check_own_folder(cameras, camera, options, &map);
+    cameras.push_back(std::move(camera));
     map.finish("x-");
   }
   return cameras;

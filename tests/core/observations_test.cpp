@@ -109,6 +109,39 @@ TEST(Observations, ViewsMustBeSorted) {
               HasSubstr("board_views[1]: must be sorted by stop, then camera"));
 }
 
+// Each would count as a measurement of its own.
+TEST(Observations, WhatIsGivenTwiceIsRefused) {
+  const TempFolder folder;
+  const auto problems_of = [&folder](const Observations& o) {
+    save_observations(o, folder / "o.json");
+    return error_text([&] { load_observations(folder / "o.json"); });
+  };
+  const auto twice = [](auto* list) { list->insert(list->begin() + 1, list->front()); };
+  Observations views = sample_observations(), ground = views, board = views;
+  twice(&views.board_views);
+  EXPECT_THAT(problems_of(views), HasSubstr("board_views[1]: is of stop 0 and camera 0, as the entry before; one "
+                                            "entry a stop and camera is allowed"));
+  twice(&ground.ground_planes);
+  EXPECT_THAT(problems_of(ground), HasSubstr("ground_planes[1]: is of stop 0 and camera 0, as the entry before"));
+  twice(&board.board_planes);
+  EXPECT_THAT(problems_of(board), HasSubstr("board_planes[1]: is of stop 0 and camera 0, as the entry before"));
+}
+
+TEST(Observations, StampsOfStopsMustIncrease) {
+  Observations o = sample_observations();
+  const TempFolder folder;
+  const auto problems_with = [&](double first_s, double second_s) {
+    o.stops[0].stamp_s = first_s;
+    o.stops[1].stamp_s = second_s;
+    save_observations(o, folder / "o.json");
+    return error_text([&] { load_observations(folder / "o.json"); });
+  };
+  EXPECT_EQ(problems_with(2.0, 3.0), "");
+  EXPECT_THAT(problems_with(3.5, 2.0), HasSubstr("stops[1].stamp_s: 2: is earlier than the stamp of the stop before, "
+                                                 "3.5; stops stand in the order of driving, and stamps must"));
+  EXPECT_THAT(problems_with(2.0, 2.0), HasSubstr("stops[1].stamp_s: 2: repeats the stamp of the stop before"));
+}
+
 TEST(Observations, DeepOrForeignJsonIsRefused) {
   const TempFolder folder;
   const auto load = [&](const std::string& text) {

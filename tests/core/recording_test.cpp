@@ -131,6 +131,25 @@ TEST(Recording, ImagesInNaturalOrderPairWithOneRowEach) {
   EXPECT_EQ(recording.rig.cameras[0].link, "left");
 }
 
+TEST(Recording, TwoCamerasWithOneFolderAreRefused) {
+  const SmallRecording folder;
+  const auto problems_with = [&folder](const std::string& of_right) {
+    folder.write("rig.yaml", rig_text("  left: {intrinsics: " + std::string(kIntrinsics) + "}\n  right:\n    folder: " +
+                                      of_right + "\n    intrinsics: " + kIntrinsics + "\n"));
+    return folder.problems();
+  };
+  fs::create_directory_symlink("left", folder / "link");
+  for (const char* same : {"left", "left/", "./left", "left/color/..", "link"})
+    EXPECT_THAT(problems_with(same), testing::AllOf(HasSubstr("rig.yaml:5: cameras.right.folder: "),
+                                                    HasSubstr("holds the images of left already (folder left); every "
+                                                              "camera needs a folder of its own")))
+        << same;
+  folder.write("second/2.png", "png");
+  folder.write("second/10.png", "png");
+  folder.write("second/1.png", "png");
+  EXPECT_EQ(problems_with("second"), "");
+}
+
 TEST(Recording, NamesThatAreStampsAreStamps) {
   const TempFolder folder;
   folder.write("rig.yaml", one_camera());
