@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/exclusions.h"
 #include "rigproof/core/rigid3.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/body_angles.h"
@@ -60,39 +60,6 @@ std::vector<std::string> pose_cells(const EstimatedTransform& transform) {
   return cells;
 }
 
-/// Frames that were left out for one reason.
-struct ReasonGroup {
-  std::string reason;
-  std::vector<int> stops;
-};
-
-bool concerns_depth(const Exclusion& exclusion) { return exclusion.reason.rfind(kDepthReason, 0) == 0; }
-
-std::vector<Exclusion> exclusions_of(const CameraUse& use, bool depth) {
-  std::vector<Exclusion> chosen;
-  std::copy_if(use.left_out.begin(), use.left_out.end(), std::back_inserter(chosen),
-               [depth](const Exclusion& exclusion) { return concerns_depth(exclusion) == depth; });
-  return chosen;
-}
-
-// What stands in brackets differs from frame to frame: only a reason that is alone keeps it. Most frequent first.
-std::vector<ReasonGroup> by_reason(const std::vector<Exclusion>& left_out) {
-  std::map<std::string, std::vector<const Exclusion*>> alike;
-  for (const Exclusion& exclusion : left_out)
-    alike[exclusion.reason.substr(0, exclusion.reason.find(" ("))].push_back(&exclusion);
-  std::vector<ReasonGroup> groups;
-  for (const auto& [reason, exclusions] : alike) {
-    const std::string& whole = exclusions.front()->reason;
-    const bool same = std::all_of(exclusions.begin(), exclusions.end(),
-                                  [&whole](const Exclusion* exclusion) { return exclusion->reason == whole; });
-    groups.push_back({same ? whole : reason, {}});
-    for (const Exclusion* exclusion : exclusions) groups.back().stops.push_back(exclusion->stop);
-  }
-  std::stable_sort(groups.begin(), groups.end(),
-                   [](const ReasonGroup& a, const ReasonGroup& b) { return a.stops.size() > b.stops.size(); });
-  return groups;
-}
-
 // " (3, 17)", for a few frames that belong to stops.
 std::string stop_list(const std::vector<int>& stops) {
   constexpr std::size_t kMost = 6;
@@ -118,8 +85,8 @@ std::string reasons_text(const std::vector<Exclusion>& left_out) {
 // "2 left out: board cut off (3, 17)  depth of 1 left out: truncated PNG (5)".
 std::string left_out_text(const CameraUse& use) {
   if (use.left_out.empty()) return use.used == 0 ? "no image" : "";
-  const std::vector<Exclusion> images = exclusions_of(use, false);
-  std::vector<Exclusion> depth = exclusions_of(use, true);
+  const std::vector<Exclusion> images = of_depth(use.left_out, false);
+  std::vector<Exclusion> depth = of_depth(use.left_out, true);
   for (Exclusion& exclusion : depth) exclusion.reason.erase(0, std::string(kDepthReason).size());
   std::string text;
   if (!images.empty()) text = std::to_string(images.size()) + " left out: " + reasons_text(images);
@@ -259,7 +226,7 @@ std::string use_in_short(const Result& result) {
   std::vector<Exclusion> left_out;
   for (const CameraUse& use : result.use) {
     used += use.used;
-    const std::vector<Exclusion> images = exclusions_of(use, false);
+    const std::vector<Exclusion> images = of_depth(use.left_out, false);
     left_out.insert(left_out.end(), images.begin(), images.end());
   }
   std::string text = std::to_string(used) + " used, " + std::to_string(left_out.size()) + " left out";

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <utility>
@@ -487,8 +488,10 @@ DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int
     for (int x = stride / 2; x < depth.width; x += stride) {
       const double z = stream.unit_m * depth.at(x, y);
       Vector3d ray;
-      if (!(z > 0.0) || z < stream.min_m || z > stream.max_m || !optics.unproject(Eigen::Vector2d(x, y), &ray))
-        continue;
+      if (!(z > 0.0)) continue;
+      result.nearest_m = result.farthest_m > 0.0 ? std::min(result.nearest_m, z) : z;
+      result.farthest_m = std::max(result.farthest_m, z);
+      if (z < stream.min_m || z > stream.max_m || !optics.unproject(Eigen::Vector2d(x, y), &ray)) continue;
       Vector3d point = z * ray;
       if (stream.own_camera) point = stream.own_camera->T_color_depth * point;
       if (point.z() > 0.0) result.points.push_back(point.cast<float>());
@@ -497,11 +500,24 @@ DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int
   return result;
 }
 
+namespace {
+
+std::string too_few(const DepthPoints& points, std::size_t measurements) {
+  const std::string text = "only " + std::to_string(measurements) + " points in the sensor's range";
+  if (!(points.farthest_m > 0.0)) return text;
+  char range[120];
+  std::snprintf(range, sizeof(range), " (%.2f to %.2f m; the image holds %.2f to %.2f m)", points.min_m, points.max_m,
+                points.nearest_m, points.farthest_m);
+  return text + range;
+}
+
+}  // namespace
+
 GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noise,
                                 const std::optional<Vector3d>& up_camera, const GroundPlaneOptions& options) {
   const std::vector<Measurement> measurements = measurements_of(points, noise);
   if (static_cast<int>(measurements.size()) < options.min_inliers)
-    return {std::nullopt, "only " + std::to_string(measurements.size()) + " points in the sensor's range"};
+    return {std::nullopt, too_few(points, measurements.size())};
   const RangeLimits limits{1.0 / points.max_m, points.min_m > 0.0 ? 1.0 / points.min_m : 1e9};
   std::vector<Refined> planes;
   if (up_camera) {

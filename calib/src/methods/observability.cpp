@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/exclusions.h"
 
 namespace rigproof {
 namespace {
@@ -255,10 +256,13 @@ CameraObservability assess_camera(const Observations& observations, int camera, 
   const bool vertical = alignment.up_camera[static_cast<std::size_t>(camera)].has_value();
   result.observable = {sees_board && motion.xy, sees_board && motion.xy, ground_planes > 0, vertical, vertical,
                        sees_board && motion.yaw};
-  if (!sees_board) result.sentences.push_back(name + ": x, y, yaw unobservable: the board is in none of its images");
+  if (!sees_board)
+    result.sentences.push_back(name + ": x, y, yaw unobservable: " + why_no_view(observations.exclusions, camera));
   if (sees_board && !motion.sentence.empty()) result.sentences.push_back(name + ": " + motion.sentence);
   if (ground_planes == 0)
-    result.sentences.push_back(name + ": z unobservable: no ground seen; add depth images that show the floor");
+    result.sentences.push_back(name + ": z unobservable: no ground seen" +
+                               why_no_depth(observations.exclusions, camera) +
+                               "; add depth images that show the floor");
   if (!vertical)
     result.sentences.push_back(name + ": roll, pitch unobservable: neither turns nor ground planes show the vertical");
   return result;

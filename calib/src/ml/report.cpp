@@ -11,6 +11,7 @@
 #include "ml/sentence.h"
 #include "ml/stated_levels.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/exclusions.h"
 
 namespace rigproof::ml {
 namespace {
@@ -18,6 +19,12 @@ namespace {
 // Where no gate says more.
 constexpr const char* kOpenDirection =
     "not all of its pose is determined: what the data tell along some direction is lost in rounding; add stops";
+
+std::vector<Exclusion> all_left_out(const Preparation& prepared) {
+  std::vector<Exclusion> all = prepared.original.exclusions;
+  all.insert(all.end(), prepared.excluded.begin(), prepared.excluded.end());
+  return all;
+}
 
 class Reporter {
  public:
@@ -303,7 +310,8 @@ class Reporter {
     for (std::size_t c = 0; c < prepared_.original.cameras.size(); ++c) {
       if (prepared_.solved(static_cast<int>(c))) continue;
       all = false;
-      add_reason(prepared_.original.cameras[c].name + " never saw the board: it has no pose.");
+      add_reason(prepared_.original.cameras[c].name +
+                 ": it has no pose: " + why_no_view(all_left_out(prepared_), static_cast<int>(c)));
     }
     result.status = all ? ResultStatus::kSolved : any ? ResultStatus::kPartial : ResultStatus::kRefused;
     // Along what the data leave open there is nothing to settle at; that is a reason above.
@@ -368,10 +376,7 @@ void report_use(const Preparation& prepared, const Fit* fit, Result* result) {
   for (std::size_t c = 0; c < prepared.original.cameras.size(); ++c) {
     CameraUse use;
     use.camera = prepared.original.cameras[c].name;
-    const auto mine = [c](const Exclusion& e) { return e.camera == static_cast<int>(c); };
-    std::copy_if(prepared.original.exclusions.begin(), prepared.original.exclusions.end(),
-                 std::back_inserter(use.left_out), mine);
-    std::copy_if(prepared.excluded.begin(), prepared.excluded.end(), std::back_inserter(use.left_out), mine);
+    use.left_out = exclusions_of(all_left_out(prepared), static_cast<int>(c));
     if (fit != nullptr && !fit->state.poses.empty()) add_views(prepared, *fit, static_cast<int>(c), &use);
     result->use.push_back(std::move(use));
   }

@@ -5,6 +5,7 @@
 
 #include "rigproof/calib/image_io.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/exclusions.h"
 #include "rigproof/core/files.h"
 
 namespace rigproof::rivals {
@@ -23,7 +24,7 @@ FramesByStop frames_by_stop(const Observations& observations, const Recording& r
   for (const BoardView& view : observations.board_views) add(view.stop, view.camera, view.file);
   // An image without a board is told by the reason for leaving it out.
   for (const Exclusion& exclusion : observations.exclusions)
-    if (exclusion.reason.rfind(kDepthReason, 0) != 0) add(exclusion.stop, exclusion.camera, exclusion.file);
+    if (!concerns_depth(exclusion)) add(exclusion.stop, exclusion.camera, exclusion.file);
   return frames;
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "rigproof/calib/rivals.h"
+#include "rigproof/core/exclusions.h"
 #include "rivals/pattern_bundle.h"
 #include "rivals/pattern_graph.h"
 #include "rivals/rival_result.h"
@@ -102,10 +103,10 @@ class LiMethod : public Method {
   static void conclude(const Observations& observations, const std::vector<PatternPart>& parts, Result* result) {
     std::set<int> seen;
     for (const PatternPart& part : parts) seen.insert(part.cameras.begin(), part.cameras.end());
-    std::vector<int> blind;
     for (std::size_t k = 0; k < observations.cameras.size(); ++k)
-      if (seen.count(static_cast<int>(k)) == 0) blind.push_back(static_cast<int>(k));
-    if (!blind.empty()) result->reasons.push_back(part_in_words(observations, blind) + " never saw the board.");
+      if (seen.count(static_cast<int>(k)) == 0)
+        result->reasons.push_back(observations.cameras[k].name +
+                                  ": it has no pose: " + why_no_view(observations.exclusions, static_cast<int>(k)));
     std::vector<std::string> groups;
     for (const PatternPart& part : parts) groups.push_back("{" + part_in_words(observations, part.cameras) + "}");
     if (groups.size() > 1)

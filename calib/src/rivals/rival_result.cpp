@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigproof/core/exclusions.h"
+
 namespace rigproof::rivals {
 
 void report_use(const Observations& observations, const std::vector<ViewPose>& views, const UsedViews& used,
@@ -11,8 +13,7 @@ void report_use(const Observations& observations, const std::vector<ViewPose>& v
     const int camera = static_cast<int>(k);
     CameraUse use;
     use.camera = observations.cameras[k].name;
-    for (const Exclusion& exclusion : observations.exclusions)
-      if (exclusion.camera == camera) use.left_out.push_back(exclusion);
+    use.left_out = exclusions_of(observations.exclusions, camera);
     double sum = 0.0;
     for (const ViewPose& view : views) {
       if (view.camera != camera) continue;

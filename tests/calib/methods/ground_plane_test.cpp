@@ -179,6 +179,9 @@ TEST(GroundPlane, SaysWhyThereIsNone) {
   const GroundPlaneFit empty = fit(scene, Image16(640, 360));
   EXPECT_FALSE(empty.plane);
   EXPECT_THAT(empty.reason, HasSubstr("only 0 points"));
+  const Plane far{Vector3d(0.0, 0.0, -1.0), 20.0};
+  const GroundPlaneFit far_away = fit(scene, scene.render({{far, nullptr}}, 0.0));
+  EXPECT_THAT(far_away.reason, HasSubstr("m; the image holds 20.00 to 20.00 m)"));
   const Plane wall{Vector3d(0.0, 0.0, -1.0), 1.5};
   const GroundPlaneFit only_wall = fit(scene, scene.render({{wall, nullptr}}, 0.0019), Vector3d(0.0, -1.0, 0.0));
   EXPECT_FALSE(only_wall.plane);

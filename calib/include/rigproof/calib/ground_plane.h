@@ -23,6 +23,9 @@ struct DepthPoints {
   double max_m = std::numeric_limits<double>::infinity();
   /// Of 1/z of each point [1/m], where a sensor's noise does not tell it; empty: it does.
   std::vector<double> inverse_depth_sigmas_per_m = {};
+  /// Of the image, within the range or not, for messages; 0: not known, or it holds no depth at all.
+  double nearest_m = 0.0;
+  double farthest_m = 0.0;
 };
 
 /// Points of a 16-bit depth image on a grid of every `stride` pixels, inside the sensor's range. Throws Error if the
