@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "number_in.h"
 #include "paper_commands.h"
 #include "rigproof/calib/ground_source.h"
 #include "rigproof/core/error.h"
@@ -238,12 +239,12 @@ void add_board(CLI::App& app, Action& action) {
   command->add_option("--type", arguments->type, "checkerboard, charuco or aprilgrid")
       ->check(CLI::IsMember(board_types()));
   command->add_option("--squares", arguments->squares, "Columns x rows of squares, e.g. 6x5");
-  command->add_option("--square-mm", arguments->square_mm, "Side of a square")->check(CLI::Range(1.0, 1000.0));
+  command->add_option("--square-mm", arguments->square_mm, "Side of a square")->check(number_in(1.0, 1000.0));
   command->add_option("--paper", arguments->paper, "fit: as large as the board needs")
       ->check(CLI::IsMember(paper_names()))
       ->capture_default_str();
   command->add_option("--border-mm", arguments->border_mm, "White around the squares")
-      ->check(CLI::Range(0.0, 200.0))
+      ->check(number_in(0.0, 200.0))
       ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "File; default board.pdf");
   add_common(command, arguments->common);

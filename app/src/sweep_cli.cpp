@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "number_in.h"
 #include "sweep_commands.h"
 
 namespace rigproof {
@@ -30,7 +31,7 @@ void add_start(CLI::App* sweep, std::function<int()>& action) {
   command
       ->add_option("--cache-limit-gb", arguments->cache_limit_gb,
                    "Delete pictures that were not used for the longest time beyond this size; 0 = keep all")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in(0.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--set", arguments->set,

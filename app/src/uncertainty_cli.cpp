@@ -2,10 +2,13 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "number_in.h"
 #include "uncertainty_commands.h"
 
 namespace rigproof {
 namespace {
+
+constexpr double kFarthest_m = 1000.0;  // no robot drives farther to see a board
 
 void add_common_options(CLI::App* command, CommonArguments& common) {
   command->add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
@@ -19,17 +22,18 @@ void add_places(CLI::App* command, SuggestArguments& arguments) {
   command
       ->add_option("--area", arguments.area_m,
                    "Free floor, metres in the frame of the robot at the first stop: X_MIN X_MAX Y_MIN Y_MAX")
-      ->expected(4);
+      ->expected(4)
+      ->check(number_in(-kFarthest_m, kFarthest_m));
   command->add_option("--reach", arguments.reach_m, "Without --area: metres beyond where the robot has stood")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(0.01, kFarthest_m))
       ->capture_default_str();
   command->add_option("--clearance", arguments.clearance_m, "Metres between the robot's origin and the board")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in(0.0, kFarthest_m))
       ->capture_default_str();
   command
       ->add_option("--min-turn", arguments.min_turn_deg,
                    "Smaller turns are not asked for, degrees, unless the board would be missed")
-      ->check(CLI::Range(0.0, 90.0))
+      ->check(number_in(0.0, 90.0))
       ->capture_default_str();
   command->add_option("--min-cameras", arguments.min_cameras, "Cameras that see the whole board from every stop")
       ->check(CLI::Range(1, 64))
@@ -80,15 +84,15 @@ void add_moved(CLI::App& app, std::function<int()>& action) {
   command
       ->add_option("--significance", arguments->significance_percent,
                    "Percentage of false alarms where nothing moved, of all cameras together")
-      ->check(CLI::Range(1e-7, 49.0))
+      ->check(number_in(1e-7, 49.0))
       ->capture_default_str();
   command
       ->add_option("--smallest-cm", arguments->smallest_cm,
                    "A shift of one camera that must show, with 90 % probability; else it cannot be told")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(1e-4, 1e4))
       ->capture_default_str();
   command->add_option("--smallest-deg", arguments->smallest_deg, "A turn of one camera that must show")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(1e-4, 180.0))
       ->capture_default_str();
   add_common_options(command, arguments->common);
   command->callback([arguments, &action] { action = [arguments] { return moved_command(*arguments); }; });

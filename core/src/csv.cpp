@@ -14,6 +14,18 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+// What a line with too few commas has in their place, or nothing.
+std::string other_separator(const std::vector<std::string_view>& fields, std::size_t required) {
+  if (fields.size() >= required) return "";
+  for (const auto& [separator, name] : {std::make_pair(';', "semicolons"), {'\t', "tabs"}, {' ', "spaces"}}) {
+    std::size_t columns = fields.size();
+    for (const std::string_view field : fields)
+      columns += static_cast<std::size_t>(std::count(field.begin(), field.end(), separator));
+    if (columns >= required) return name;
+  }
+  return "";
+}
+
 }  // namespace
 
 bool is_binary(std::string_view text) { return text.find('\0') != std::string_view::npos; }
@@ -40,6 +52,11 @@ bool CsvLines::next(std::vector<std::string_view>* fields) {
 bool CsvColumns::read_header(const std::vector<std::string_view>& fields, const std::vector<std::string>& wanted,
                              std::size_t required, const std::string& file, int line, Problems* problems) {
   place_.assign(wanted.size(), -1);
+  if (const std::string other = other_separator(fields, required); !other.empty()) {
+    problems->add({file, line, "", for_message(fields[0]),
+                   "the columns are separated by " + other + "; commas are needed, and points in decimals"});
+    return true;
+  }
   const bool is_header = !fields.empty() && !fields[0].empty() &&
                          std::isalpha(static_cast<unsigned char>(fields[0][0])) && fields[0] != "nan" &&
                          fields[0] != "inf" && fields[0] != "NaN";

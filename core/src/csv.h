@@ -27,7 +27,7 @@ class CsvLines {
 class CsvColumns {
  public:
   /// If the first field is no number it is a header: the columns are found by name. Otherwise they are `wanted`'s, in
-  /// order. Returns true if the fields were a header.
+  /// order. Returns true if the fields were a header, or nothing below can be read for want of commas.
   bool read_header(const std::vector<std::string_view>& fields, const std::vector<std::string>& wanted,
                    std::size_t required, const std::string& file, int line, Problems* problems);
   /// Field of the column, or an empty view.

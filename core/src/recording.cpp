@@ -95,11 +95,12 @@ std::vector<RecordingSegment> read_segments(const fs::path& file, Problems* prob
   CsvLines lines(text);
   CsvColumns columns;
   std::vector<std::string_view> fields;
+  Problems header;
   if (is_binary(text) || !lines.next(&fields) ||
-      !columns.read_header(fields, kSegmentColumns, 3, file.string(), lines.line(), problems)) {
-    problems->add({file.string(), 0, "", "", "the first line must be kind,begin_s,end_s"});
-    return segments;
-  }
+      !columns.read_header(fields, kSegmentColumns, 3, file.string(), lines.line(), &header))
+    header.add({file.string(), 0, "", "", "the first line must be kind,begin_s,end_s"});
+  problems->append(header);
+  if (!header.empty()) return segments;
   while (lines.next(&fields))
     if (auto segment = read_segment(columns, fields, lines.line(), &limited)) segments.push_back(std::move(*segment));
   limited.move_to(problems);

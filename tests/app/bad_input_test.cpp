@@ -52,6 +52,16 @@ TEST(BadInput, MistakesOnTheCommandLineSayWhereHelpIs) {
   expect_error(rigproof_command({"--foo"}), HasSubstr("rigproof --help"));
 }
 
+TEST(BadInput, NumbersOnTheCommandLineHaveBounds) {
+  for (const char* reach : {"1e9", "-1", "0", "nan", "far"})
+    expect_error(rigproof_command({"suggest", small_run().string(), "--reach", reach}),
+                 HasSubstr(std::string("--reach: ") + reach + ": allowed is 0.01 to 1000\n"));
+  expect_error(rigproof_command({"suggest", small_run().string(), "--clearance", "-1"}),
+               HasSubstr("--clearance: -1: allowed is 0 to 1000\n"));
+  expect_error(rigproof_command({"suggest", small_run().string(), "--area", "-1", "1e9", "0", "1"}),
+               HasSubstr("--area: 1e9: allowed is -1000 to 1000\n"));
+}
+
 TEST(BadInput, SettingsOfMl) {
   const auto message = [](const std::vector<std::string>& methods) {
     std::vector<std::string> arguments = {"calibrate", small_run().string()};

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -148,6 +149,31 @@ TEST(Recording, TwoCamerasWithOneFolderAreRefused) {
   folder.write("second/10.png", "png");
   folder.write("second/1.png", "png");
   EXPECT_EQ(problems_with("second"), "");
+}
+
+TEST(Recording, AnotherSeparatorThanACommaIsOneError) {
+  SmallRecording folder;
+  const auto count_lines = [](const std::string& text) { return std::count(text.begin(), text.end(), '\n'); };
+  for (const auto& [text, name] : {std::make_pair("stamp_s;x_m;y_m;yaw_rad\n10;0;0;0\n11;0,5;0;0,1\n", "semicolons"),
+                                   {"10;0;0;0\n11;0.5;0;0.1\n12;1;0;0.2\n", "semicolons"},
+                                   {"stamp_s\tx_m\ty_m\tyaw_rad\n10\t0\t0\t0\n", "tabs"},
+                                   {"10 0 0 0\n11 0.5 0 0.1\n", "spaces"}}) {
+    folder.write("odometry.csv", text);
+    const std::string problems = error_text([&folder] {
+      Problems found;
+      read_odometry_csv(folder / "odometry.csv", &found);
+      found.throw_if_any();
+    });
+    EXPECT_THAT(problems, testing::AllOf(HasSubstr("odometry.csv:1: "), HasSubstr("separated by " + std::string(name)),
+                                         HasSubstr("commas are needed")));
+    EXPECT_EQ(count_lines(problems), 0) << problems;
+  }
+  folder.write("odometry.csv", "stamp_s,x_m,y_m,yaw_rad\n10,0,0,0\n11,0.5,0,0.1\n12,1,0,0.2\n");
+  folder.write("left/frames.csv", "file;stamp_s\ncolor/1.png;10\n");
+  EXPECT_THAT(folder.problems(), HasSubstr("frames.csv:1: file;stamp_s: the columns are separated by semicolons"));
+  fs::remove(folder / "left/frames.csv");
+  folder.write("segments.csv", "kind;begin_s;end_s\nstraight;10;11\n");
+  EXPECT_THAT(folder.problems(), HasSubstr("segments.csv:1: kind;begin_s;end_s: the columns are separated by"));
 }
 
 TEST(Recording, NamesThatAreStampsAreStamps) {

@@ -1,11 +1,16 @@
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "rigproof/calib/ml_settings.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof {
 namespace {
+
+// Of what is estimated, in the settings' units: a prior that is far sharper than any data drowns them in rounding.
+constexpr double kLeastSigma = 1e-3;
 
 bool is_file_name(const std::string& name) {
   return !name.empty() && name.size() < 100 && name[0] != '.' &&
@@ -52,6 +57,12 @@ void MlSettings::visit(FieldVisitor& visitor) {
   visitor.field("riding_height_sigma_mm", riding_height_sigma_mm, NumberRange{0.0, 100.0},
                 "Images taken at speed: the robot rides higher or lower than at rest by about this much, which no data "
                 "tell; 0 where it does not");
+  for (const auto& [key, sigma] : {std::make_pair("clock_offset_sigma_ms", clock_offset_sigma_ms),
+                                   {"focal_sigma_percent", focal_sigma_percent},
+                                   {"principal_point_sigma_px", principal_point_sigma_px},
+                                   {"turn_lag_sigma_ms", turn_lag_sigma_ms}})
+    visitor.check(!(sigma > 0.0) || sigma >= kLeastSigma, key,
+                  "allowed is 0 (believed) or " + number_text(kLeastSigma) + " and more");
   visitor.check(is_file_name(name), "name", "must be letters, digits, _, -, + and .");
 }
 

@@ -37,6 +37,13 @@ TEST(MlSettings, AreRefusedWithEveryProblemAtOnce) {
               AllOf(HasSubstr("focal_sigma_percent"), HasSubstr("-1"), HasSubstr("clock_offset_sigma_ms")));
   EXPECT_THAT(error_text([] { read_ml_settings("focal_sigma_percent=much"); }), HasSubstr("much"));
   EXPECT_THAT(error_text([] { read_ml_settings("focal_sigma_percent=1,2"); }), HasSubstr("KEY=VALUE"));
+  for (const char* key :
+       {"clock_offset_sigma_ms", "focal_sigma_percent", "principal_point_sigma_px", "turn_lag_sigma_ms"}) {
+    EXPECT_THAT(error_text([key] { read_ml_settings(std::string(key) + "=1e-300"); }),
+                AllOf(HasSubstr(key), HasSubstr("1e-300"), HasSubstr("allowed is 0 (believed) or 0.001 and more")));
+    EXPECT_EQ(error_text([key] { read_ml_settings(std::string(key) + "=0"); }), "");
+    EXPECT_EQ(error_text([key] { read_ml_settings(std::string(key) + "=0.001"); }), "");
+  }
   EXPECT_THAT(error_text([] { read_ml_settings("name=../x"); }), HasSubstr("letters, digits"));
   EXPECT_THAT(error_text([] { read_ml_settings("nothing.yaml"); }), HasSubstr("nothing.yaml"));
   EXPECT_THAT(error_text([] { read_ml_settings(""); }), HasSubstr("KEY=VALUE"));
