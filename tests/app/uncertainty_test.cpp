@@ -8,7 +8,6 @@
 namespace rigproof {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
