@@ -1,6 +1,7 @@
 #include "csv.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "rigproof/core/text.h"
 
