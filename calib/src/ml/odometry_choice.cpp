@@ -21,7 +21,11 @@ void note_decision(const Fit& other, OdometryChoice* choice) {
   const OdometryDecision& decision = choice->decision;
   const char* name = odometry_model_name(decision.model);
   std::vector<std::string>& notes = choice->notes;
-  if (at_floor(choice->fit.noise) && at_floor(other.noise))
+  if (!decision.compared)
+    notes.push_back(format(
+        "Odometry noise taken as %s; it could not be compared with the other models: the data leave too much open.",
+        name));
+  else if (at_floor(choice->fit.noise) && at_floor(other.noise))
     notes.push_back("Odometry noise per pose and per increment are indistinguishable: both are at the resolution.");
   else if (decision.probability < 0.95)
     notes.push_back(format("Odometry noise taken as %s; the data prefer it only weakly (probability %.2f).", name,
@@ -44,13 +48,9 @@ bool has_ways(const Observations& observations) {
                      [](const Stop& stop) { return !stop.way.empty(); });
 }
 
-// Exchanges them where the other is likelier; by how much -2 ln L differs. A drive that leaves the equations open
-// decides nothing.
-double keep_likelier(Fit* fit, Fit* other) {
-  const double difference = other->minus_two_log_likelihood - fit->minus_two_log_likelihood;
-  if (!std::isfinite(difference)) return 0.0;
-  if (difference < 0.0) std::swap(*fit, *other);
-  return std::abs(difference);
+// Exchanges them where the other is likelier. One that leaves the equations open cannot be compared and comes last.
+void keep_likelier(Fit* fit, Fit* other) {
+  if (other->minus_two_log_likelihood < fit->minus_two_log_likelihood) std::swap(*fit, *other);
 }
 
 }  // namespace
@@ -68,17 +68,17 @@ OdometryChoice choose_odometry(const Preparation& prepared) {
   decision.decided_from_data = true;
   choice.fit = fit_model(prepared, {OdometryModel::kPerIncrement, false});
   Fit second = fit_model(prepared, {OdometryModel::kPerPose, false}, kLeaveOutRounds, &choice.fit);
-  double difference = keep_likelier(&choice.fit, &second);
+  keep_likelier(&choice.fit, &second);
   if (has_ways(prepared.used)) {
     Fit third = fit_model(prepared, {OdometryModel::kPerIncrement, true}, kLeaveOutRounds, &choice.fit);
     keep_likelier(&choice.fit, &third);
-    if (third.minus_two_log_likelihood < second.minus_two_log_likelihood) second = std::move(third);
-    difference = second.minus_two_log_likelihood - choice.fit.minus_two_log_likelihood;
-    if (!std::isfinite(difference)) difference = 0.0;
+    keep_likelier(&second, &third);
   }
+  const double difference = second.minus_two_log_likelihood - choice.fit.minus_two_log_likelihood;
+  decision.compared = std::isfinite(difference);
   decision.model = choice.fit.noise.odometry_model;
   decision.along_way = choice.fit.noise.along_way;
-  decision.log_likelihood_ratio = 0.5 * difference;
+  decision.log_likelihood_ratio = decision.compared ? 0.5 * difference : 0.0;
   decision.probability = 1.0 / (1.0 + std::exp(-decision.log_likelihood_ratio));
   note_decision(second, &choice);
   if (decision.probability < kSureOfModel) choice.other = std::move(second);

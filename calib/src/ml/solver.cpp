@@ -12,6 +12,9 @@ constexpr double kMaxDamping = 1e12;
 // What is left of a variance component when the data say nothing about it.
 constexpr double kMinRedundancy = 0.5;
 
+// One metre and one radian: nothing beside what determines a camera's pose.
+constexpr double kMountingInformation = 1.0;
+
 struct Bounds {
   double low, high;
 };
@@ -197,7 +200,9 @@ SolverSummary minimise_with_levels(const EstimatedLevels& levels, const SolverOp
 
 double minus_two_log_likelihood(const Problem& problem, const State& state) {
   double cost = 0.0;
-  const ArrowSystem system = problem.linearise(state, Weighting::kInformation, &cost, nullptr);
+  ArrowSystem system = problem.linearise(state, Weighting::kInformation, &cost, nullptr);
+  // What the drive leaves open of the mountings (their height, where no ground is seen) counts alike in all models.
+  system.global.diagonal().head(problem.layout().board()).array() += kMountingInformation;
   const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) return std::numeric_limits<double>::infinity();
   const double priors =
@@ -205,6 +210,7 @@ double minus_two_log_likelihood(const Problem& problem, const State& state) {
           ? 2.0 * (std::log(problem.priors().odometry_scale) + std::log(problem.priors().odometry_yaw_factor))
           : 0.0;
   const double globals = eliminated->log_determinant_of_globals();
+  if (!std::isfinite(globals)) return std::numeric_limits<double>::infinity();
   return cost + problem.log_normalisation() + priors + eliminated->log_determinant_of_poses() + globals;
 }
 

@@ -290,6 +290,41 @@ TEST(MlOdometry, TellsTheTwoNoiseModelsApart) {
   }
 }
 
+// Without ground all cameras may sit higher: that is open in both models alike, and decides nothing between them.
+TEST(MlOdometry, TellsTheTwoNoiseModelsApartWithoutGround) {
+  for (const OdometryModel model : {OdometryModel::kPerIncrement, OdometryModel::kPerPose}) {
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+      GeometricConfig config;
+      config.seed = seed;
+      config.stops = 25;
+      config.odometry_model = model;
+      config.declare_odometry_model = config.declare_odometry_sigmas = false;
+      GeometricRun run = draw_geometric_run(config);
+      const OdometryDecision with_ground = estimate_maximum_likelihood(run.observations).odometry;
+      run.observations.ground_planes.clear();
+      run.observations.board_planes.clear();
+      const MlEstimate estimate = estimate_maximum_likelihood(run.observations);
+      EXPECT_FALSE(estimate.result.camera_to_robot[0].observable[2]);
+      EXPECT_TRUE(estimate.odometry.compared);
+      EXPECT_EQ(estimate.odometry.model, model) << "seed " << seed;
+      // Planes know the tilt, and so a little of a planar drive: not a tenth of what odometry and corners tell.
+      EXPECT_GT(with_ground.log_likelihood_ratio, 10.0);
+      EXPECT_NEAR(estimate.odometry.log_likelihood_ratio / with_ground.log_likelihood_ratio, 1.0, 0.1)
+          << "seed " << seed;
+    }
+  }
+}
+
+// One stop has no increment, and its pose is the world's origin.
+TEST(MlOdometry, OneStopPrefersNoModel) {
+  GeometricConfig config;
+  config.stops = 1;
+  config.declare_odometry_model = config.declare_odometry_sigmas = false;
+  const OdometryDecision decision = estimate_maximum_likelihood(draw_geometric_run(config).observations).odometry;
+  EXPECT_TRUE(decision.decided_from_data);
+  EXPECT_LT(decision.probability, 0.75);
+}
+
 // Cameras back to back never share a view: the odometry links them.
 TEST(MlRig, CamerasWithoutOverlapAreLinkedByOdometry) {
   GeometricConfig config;

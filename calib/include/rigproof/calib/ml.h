@@ -52,6 +52,7 @@ struct OdometryDecision {
   bool decided_from_data = false;
   OdometryModel model = OdometryModel::kPerIncrement;
   bool along_way = false;             ///< increments whose noise grows along the way
+  bool compared = false;              ///< decided from data that tell how likely the models are, as below
   double log_likelihood_ratio = 0.0;  ///< ln of the ratio to the next best model, >= 0
   double probability = 1.0;           ///< of this model, both being equally likely beforehand
 };
