@@ -14,17 +14,6 @@ std::string with_unit(double value, const std::string& unit) {
   return short_figure(value) + (unit.empty() ? "" : " " + unit);
 }
 
-}  // namespace
-
-AcceptCriteria accept_criteria_of(const std::string& file_or_name) {
-  const std::string shipped = "accept/" + file_or_name;
-  const std::vector<std::string> presets = list_presets("config");
-  std::error_code ignored;
-  const bool is_shipped = !std::filesystem::exists(file_or_name, ignored) &&
-                          std::find(presets.begin(), presets.end(), shipped) != presets.end();
-  return load_accept_criteria(find_data_file("config", is_shipped ? shipped : file_or_name));
-}
-
 void print_acceptance(const Terminal& terminal, const AcceptReport& report, const AcceptCriteria& criteria) {
   std::vector<std::vector<std::string>> rows = {{"accept " + criteria.name, "value", "limit", ""}};
   for (const AcceptCheck& check : report.checks)
@@ -41,6 +30,51 @@ void print_acceptance(const Terminal& terminal, const AcceptReport& report, cons
       std::to_string(report.checks.size() - report.failures()) + "/" + std::to_string(report.checks.size());
   terminal.line(report.passed() ? terminal.colored("ACCEPTED", Color::kGood) + "  " + counts + " gates"
                                 : terminal.colored("REJECTED", Color::kBad) + "  " + counts + " gates");
+}
+
+bool states_no_uncertainty(const Result& result) {
+  const auto stated = [](const EstimatedTransform& transform) { return transform.covariance.has_value(); };
+  return !result.camera_to_robot.empty() &&
+         std::none_of(result.camera_to_robot.begin(), result.camera_to_robot.end(), stated);
+}
+
+}  // namespace
+
+AcceptCriteria accept_criteria_of(const std::string& file_or_name) {
+  const std::string shipped = "accept/" + file_or_name;
+  const std::vector<std::string> presets = list_presets("config");
+  std::error_code ignored;
+  const bool is_shipped = !std::filesystem::exists(file_or_name, ignored) &&
+                          std::find(presets.begin(), presets.end(), shipped) != presets.end();
+  return load_accept_criteria(find_data_file("config", is_shipped ? shipped : file_or_name));
+}
+
+std::optional<Gates> gates_for(const std::string& file_or_name, const std::optional<AcceptLimits>& of_rig) {
+  Gates gates;
+  gates.asked_for = !file_or_name.empty();
+  if (!gates.asked_for && !of_rig) return std::nullopt;
+  if (gates.asked_for) gates.criteria = accept_criteria_of(file_or_name);
+  if (of_rig) {
+    gates.criteria.name += gates.asked_for ? ", limits of the rig" : "limits of the rig";
+    gates.criteria.uncertainty = of_rig;
+  }
+  return gates;
+}
+
+std::optional<AcceptLimits> accepted_by_rig(const Input& input) {
+  return input.recording ? input.recording->rig.accept : input.observations->accept;
+}
+
+std::optional<AcceptReport> judge_acceptance(const Terminal& terminal, const Method& method, const Result& result,
+                                             const Observations& observations, const Gates& gates) {
+  if (!gates.asked_for && states_no_uncertainty(result)) {
+    terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + result.method +
+                  " states no uncertainty: the limits of the rig (accept) cannot be held against it.");
+    return std::nullopt;
+  }
+  AcceptReport report = check_acceptance(method, result, observations, gates.criteria);
+  print_acceptance(terminal, report, gates.criteria);
+  return report;
 }
 
 std::string with_acceptance(const std::string& result_json, const AcceptReport& report,

@@ -60,11 +60,12 @@ int observe_command(const ObserveArguments& arguments) {
 int calibrate_command(const CalibrateArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   methods_by_name(arguments.methods);  // an unknown method is told before anything is read
-  std::optional<AcceptCriteria> criteria;
-  if (!arguments.accept.empty()) criteria = accept_criteria_of(arguments.accept);
-  if (!criteria && !arguments.junit.empty()) throw Error("--junit: holds the gates of --accept; give both");
+  if (!arguments.accept.empty()) accept_criteria_of(arguments.accept);
   const Vision vision(arguments.vision);
   const Input input = open_input(arguments.input);
+  const std::optional<Gates> gates = gates_for(arguments.accept, accepted_by_rig(input));
+  if (!gates && !arguments.junit.empty())
+    throw Error("--junit: holds the gates of --accept and of the rig's accept key, and there are neither");
   if (arguments.output.empty()) require_writable(product_folder(input));
   const std::filesystem::path folder = arguments.output.empty() ? product_folder(input) / "results" : arguments.output;
   const auto methods = methods_by_name(arguments.methods, {folder, [] { return !interrupted(); }});
@@ -72,7 +73,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
   const MethodInput given = method_input(input, observations, vision, arguments.common.jobs);
   bool all_solved = true;
   std::string json;
-  std::vector<ValidationRecord> gates;
+  std::vector<ValidationRecord> judged;
   for (const auto& method : methods) {
     const Result result = run_with_progress(*method, given, terminal);
     const std::filesystem::path file = folder / (result.method + ".yaml");
@@ -83,19 +84,18 @@ int calibrate_command(const CalibrateArguments& arguments) {
                   count_of(observations.stops.size(), "stop") + ", method " + result.method);
     print_result(terminal, result);
     terminal.line(std::string(result_status_name(result.status)) + " result  " + file.string());
-    if (criteria) {
-      const AcceptReport report = check_acceptance(*method, result, observations, *criteria);
-      print_acceptance(terminal, report, *criteria);
-      gates.push_back(acceptance_record(result, report, *criteria));
-      result_json = with_acceptance(result_json, report, *criteria);
+    const auto report = gates ? judge_acceptance(terminal, *method, result, observations, *gates) : std::nullopt;
+    if (report) {
+      judged.push_back(acceptance_record(result, *report, gates->criteria));
+      result_json = with_acceptance(result_json, *report, gates->criteria);
     }
     json += (json.empty() ? "" : ",\n") + result_json;
   }
-  if (!arguments.junit.empty()) save_junit(gates, arguments.junit);
+  if (!arguments.junit.empty()) save_junit(judged, arguments.junit);
   if (arguments.common.json) std::puts(("{\"results\": [\n" + json + "\n]}").c_str());
   if (!all_solved) return static_cast<int>(ExitCode::kRefused);
   const bool accepted =
-      std::all_of(gates.begin(), gates.end(), [](const auto& record) { return record.gate.passed(); });
+      std::all_of(judged.begin(), judged.end(), [](const auto& record) { return record.gate.passed(); });
   return static_cast<int>(accepted ? ExitCode::kGood : ExitCode::kGateFailed);
 }
 

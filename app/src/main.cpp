@@ -143,8 +143,10 @@ void add_observe(CLI::App& app, Action& action) {
 }
 
 void add_accept(CLI::App* command, std::string& accept) {
-  command->add_option("--accept", accept,
-                      "Gates that need no truth (uncertainty, halves, prediction): a file, or default");
+  command->add_option(
+      "--accept", accept,
+      "Gates that need no truth (uncertainty, halves, prediction): a file, or default. The rig's accept limits "
+      "the uncertainty by itself, and instead of the file");
 }
 
 void add_calibrate(CLI::App& app, Action& action) {
@@ -159,7 +161,8 @@ void add_calibrate(CLI::App& app, Action& action) {
   command->add_option("-o,--output", arguments->output, "Folder for the results; default results/ beside the input");
   add_vision(command, arguments->vision);
   add_accept(command, arguments->accept);
-  command->add_option("--junit", arguments->junit, "Also write the gates of --accept as JUnit XML");
+  command->add_option("--junit", arguments->junit,
+                      "Also write the gates of --accept and of the rig's accept key as JUnit XML");
   add_jobs(command, arguments->common);
   add_common(command, arguments->common);
   command->callback([arguments, &action] { action = [arguments] { return calibrate_command(*arguments); }; });

@@ -30,6 +30,7 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
                                               const MethodInput& input, const Terminal& terminal, bool* all_solved) {
   const Truth truth = load_truth(run.truth_file());
   const Budget budget = budget_of(arguments.budget);
+  const std::optional<Gates> gates = gates_for(arguments.accept, input.observations.accept);
   std::vector<ValidationRecord> records;
   std::vector<Comparison> comparisons;
   for (const auto& method : methods_by_name(arguments.methods, {run.results(), [] { return !interrupted(); }})) {
@@ -50,11 +51,8 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     terminal.text(format_suspicion(verdict.comparison));
     terminal.text(format_verdict(verdict.comparison, verdict.gate, budget));
     terminal.text(format_same_run(verdict.comparison, budget, comparisons));
-    if (arguments.accept.empty()) continue;
-    const AcceptCriteria criteria = accept_criteria_of(arguments.accept);
-    const AcceptReport report = check_acceptance(*method, result, input.observations, criteria);
-    print_acceptance(terminal, report, criteria);
-    records.push_back(acceptance_record(result, report, criteria));
+    const auto report = gates ? judge_acceptance(terminal, *method, result, input.observations, *gates) : std::nullopt;
+    if (report) records.push_back(acceptance_record(result, *report, gates->criteria));
   }
   return records;
 }

@@ -274,6 +274,8 @@ std::string emit_yaml(const YamlTree& tree) {
 
 std::string range_text(const NumberRange& range) {
   const bool low = std::isfinite(range.min), high = std::isfinite(range.max);
+  const bool positive = range.min == std::numeric_limits<double>::min();
+  if (positive) return "above 0" + (high ? ", at most " + number_text(range.max) : "");
   if (low && high) return number_text(range.min) + " to " + number_text(range.max);
   if (low) return ">= " + number_text(range.min);
   return high ? "<= " + number_text(range.max) : "";

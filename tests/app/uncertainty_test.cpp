@@ -140,5 +140,48 @@ TEST(Uncertainty, AcceptGatesACalibration) {
   EXPECT_EQ(rigproof_command({"calibrate", small_run().string(), "-o", out, "--accept", "none_such"}).exit_code, 2);
 }
 
+// The limits that a user writes into rig.yaml hold without any option.
+TEST(Uncertainty, TheRigsLimitsGateACalibration) {
+  const TempFolder scratch;
+  const std::string file = (scratch / "run.json").string(), out = (scratch / "results").string(),
+                    junit = (scratch / "gates.xml").string();
+  ASSERT_EQ(rigproof_command({"observe", small_run().string(), "-o", file, "-q"}).exit_code, 0);
+  Observations observations = load_observations(file);
+  const auto calibrated_within = [&](double xy_m, const std::vector<std::string>& more) {
+    observations.accept = AcceptLimits{xy_m, 0.1, 0.1};
+    save_observations(observations, file);
+    std::vector<std::string> arguments = {"calibrate", file, "-o", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return rigproof_command(arguments);
+  };
+  const ProcessOutput good = calibrated_within(0.1, {});
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  EXPECT_THAT(good.out, AllOf(HasSubstr("accept limits of the rig"), HasSubstr("ACCEPTED  18/18 gates")));
+  fs::remove_all(out);
+  const ProcessOutput bad = calibrated_within(1e-9, {"--junit", junit});
+  EXPECT_EQ(bad.exit_code, 1) << bad.out << bad.err;
+  EXPECT_THAT(bad.out, HasSubstr("REJECTED  12/18 gates"));  // x and y of three cameras
+  EXPECT_TRUE(fs::exists(fs::path(out) / "ml.yaml"));
+  EXPECT_THAT(read_whole_file(junit), HasSubstr("failures=\"6\""));
+  const ProcessOutput both = calibrated_within(1e-9, {"--accept", "default"});
+  EXPECT_EQ(both.exit_code, 1);
+  EXPECT_THAT(both.out, AllOf(HasSubstr("accept default.yaml, limits of the rig"), HasSubstr("split half: left"),
+                              HasSubstr("REJECTED  34/40 gates")));
+  const nlohmann::json json = nlohmann::json::parse(calibrated_within(1e-9, {"--json"}).out);
+  EXPECT_FALSE(json["results"][0]["acceptance"]["passed"].get<bool>());
+}
+
+TEST(Uncertainty, LimitsOfTheRigMustBePositive) {
+  const TempFolder scratch;
+  const std::string file = (scratch / "run.json").string();
+  ASSERT_EQ(rigproof_command({"observe", small_run().string(), "-o", file, "-q"}).exit_code, 0);
+  Observations observations = load_observations(file);
+  observations.accept = AcceptLimits{0.0, 0.1, 0.1};
+  save_observations(observations, file);
+  const ProcessOutput output = rigproof_command({"calibrate", file});
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_THAT(output.err, AllOf(HasSubstr("accept.xy_mm: 0: allowed is above 0"), Not(HasSubstr("e-308"))));
+}
+
 }  // namespace
 }  // namespace rigproof
