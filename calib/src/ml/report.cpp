@@ -268,6 +268,7 @@ class Reporter {
     if (causes.empty() && symptoms.empty()) return;
     const bool all =
         !found_.wrong_frames.empty() || !contradictions_.cameras.empty() || found_.lens_spoils() || found_.upside_down;
+    state_contradictions(causes, symptoms);
     if (found_.upside_down && prepared_.motion_suffices()) result.reasons.clear();  // "no ground seen" is a consequence
     const bool motion_first = !prepared_.motion_suffices() && causes.empty();
     result.reasons.insert(motion_first ? result.reasons.end() : result.reasons.begin(), symptoms.begin(),
@@ -279,6 +280,15 @@ class Reporter {
     }
     withhold_pairs(all);
     result.joint_covariance.reset();
+  }
+
+  void state_contradictions(const std::vector<std::string>& causes, const std::vector<std::string>& symptoms) {
+    estimate_.contradictions = causes;
+    estimate_.contradictions.insert(estimate_.contradictions.end(), symptoms.begin(), symptoms.end());
+    // Odometry in another unit bends the corners' solution, too. The board is checked without it.
+    const bool board = contradictions_.cameras.size() > found_.contradictions.cameras.size();
+    const bool images = !found_.contradictions.cameras.empty() && !found_.cause && contradictions_.odometry.empty();
+    estimate_.only_odometry_contradicts = found_.wrong_frames.empty() && !found_.lens_spoils() && !board && !images;
   }
 
   // Cameras that hardly see the board together hang on the odometry, which is contradicted.

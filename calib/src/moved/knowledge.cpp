@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ml/board_scale.h"
 #include "ml/noise.h"
 #include "moved/held.h"
 #include "rigproof/calib/information.h"
@@ -148,6 +149,66 @@ Knowledge nothing_known(const Knowledge& before) {
   return {before.T_robot_camera, Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Identity(n, n), {}};
 }
 
+// The new observations, solved with all cameras free.
+struct Solution {
+  CalibrationState seen;  // where it started: the robot as the previous calibration sees it
+  bool believes_residuals = false;
+  bool board_is_wrong = false;  // by the depth on it
+  Observations scaled, used;    // by the corners' levels; without what was left out
+  MlEstimate estimate;
+};
+
+Solution solve(const Knowledge& before, const Observations& observations, const MovedOptions& options) {
+  Solution solution;
+  const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
+  const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));
+  solution.seen = start_at(before.T_robot_camera, observations, views);
+  solution.board_is_wrong = !ml::check_board_scale(observations, views, std::nullopt).contradictions.empty();
+  MlOptions ml_options;
+  ml_options.start = solution.seen;
+  ml_options.suspension_height_sigma_m = options.suspension_height_sigma_m;
+  ml_options.suspension_tilt_sigma_rad = options.suspension_tilt_sigma_rad;
+  ml_options.estimate_plane_level = false;
+  const std::vector<double> scale =
+      believed_corner_scale(observations, estimate_maximum_likelihood(observations, ml_options).corner_scale);
+  solution.believes_residuals = std::any_of(scale.begin(), scale.end(), [](double s) { return s != 1.0; });
+  solution.scaled = observations;
+  scale_corners(scale, &solution.scaled);
+  ml_options.estimate_corner_level = false;
+  solution.estimate = estimate_maximum_likelihood(solution.scaled, ml_options);
+  solution.used = used_observations(solution.estimate.result, solution.scaled, ground);
+  return solution;
+}
+
+// The images that it has bent may be named before it.
+std::string about_odometry(const std::vector<std::string>& contradictions) {
+  const auto names_it = [](const std::string& sentence) { return sentence.find("odometry") != std::string::npos; };
+  const auto found = std::find_if(contradictions.begin(), contradictions.end(), names_it);
+  return found == contradictions.end() ? contradictions.front() : *found;
+}
+
+// Where images and odometry are of different times, the images' places rest on the odometry's velocity.
+bool any_taken_at_speed(const Observations& observations) {
+  return std::any_of(observations.board_views.begin(), observations.board_views.end(), [&](const BoardView& view) {
+    const Stop& stop = observations.stops[static_cast<std::size_t>(view.stop)];
+    return view.stamp_s != stop.stamp_s && !stop.velocity.isZero();
+  });
+}
+
+// The images alone. Odometry that is worth nothing says what they say, so that nothing contradicts it.
+Observations without_odometry(Observations observations, const CalibrationState& seen) {
+  constexpr double kNoOdometry_m = 1e4, kNoOdometry_rad = 1e4;
+  observations.odometry_noise = {OdometryModel::kPerIncrement, kNoOdometry_m, kNoOdometry_rad};
+  for (std::size_t i = 0; i < observations.stops.size(); ++i) {
+    Stop& stop = observations.stops[i];
+    stop.x_m = seen.T_world_robot[i].translation.x();
+    stop.y_m = seen.T_world_robot[i].translation.y();
+    stop.yaw_rad = yaw_of(seen.T_world_robot[i]);
+    stop.way.clear();
+  }
+  return observations;
+}
+
 }  // namespace
 
 Match match_cameras(const Result& previous, const Observations& observations) {
@@ -236,32 +297,29 @@ Knowledge previous_knowledge(const Result& previous, const Observations& observa
 
 NewKnowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
                            std::vector<std::string>* reasons, std::vector<std::string>* notes) {
-  const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
-  const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));
-  MlOptions ml_options;
-  ml_options.start = start_at(before.T_robot_camera, observations, views);
-  ml_options.suspension_height_sigma_m = options.suspension_height_sigma_m;
-  ml_options.suspension_tilt_sigma_rad = options.suspension_tilt_sigma_rad;
-  ml_options.estimate_plane_level = false;
-  const std::vector<double> scale =
-      believed_corner_scale(observations, estimate_maximum_likelihood(observations, ml_options).corner_scale);
-  if (std::any_of(scale.begin(), scale.end(), [](double s) { return s != 1.0; }))
-    notes->push_back("Corners scatter other than stated; what they show is believed.");
-  Observations scaled = observations;
-  scale_corners(scale, &scaled);
-  ml_options.estimate_corner_level = false;
-  const MlEstimate estimate = estimate_maximum_likelihood(scaled, ml_options);
-  if (estimate.state.T_robot_camera.empty()) {
-    *reasons = estimate.result.reasons;
+  Solution solution = solve(before, observations, options);
+  const std::vector<std::string> contradictions = solution.estimate.contradictions;
+  const bool images_alone =
+      !contradictions.empty() && solution.estimate.only_odometry_contradicts && !any_taken_at_speed(observations);
+  if (images_alone) solution = solve(before, without_odometry(observations, solution.seen), options);
+  const MlEstimate& estimate = solution.estimate;
+  if (!estimate.contradictions.empty() || estimate.state.T_robot_camera.empty()) {
+    *reasons = contradictions.empty() ? estimate.result.reasons : contradictions;
+    const bool images = !contradictions.empty() && !estimate.only_odometry_contradicts && !solution.board_is_wrong;
+    if (images && observations.stops.size() > 1)
+      reasons->push_back(
+          "Or a camera moved while these images were taken: look at the first and the last by themselves.");
     return {nothing_known(before), nothing_known(before)};
   }
-  const Observations used = used_observations(estimate.result, scaled, ground);
-  const CalibrationNoise noise = believed_noise(estimate.noise, observations, options);
-  const InformationBound bound = cramer_rao_bound(used, estimate.state, noise);
+  if (images_alone)
+    notes->push_back("The odometry does not count, for it contradicts the images: " + about_odometry(contradictions));
+  if (solution.believes_residuals) notes->push_back("Corners scatter other than stated; what they show is believed.");
+  const CalibrationNoise noise = believed_noise(estimate.noise, solution.scaled, options);
+  const InformationBound bound = cramer_rao_bound(solution.used, estimate.state, noise);
   // The estimate rests on a robust loss, which keeps a little less than all of the information.
   const Eigen::MatrixXd covariance = bound.joint / ml::cauchy_moments(2).efficiency;
   const Knowledge free = {estimate.state.T_robot_camera, covariance, bound.free_directions, {}};
-  return {held_knowledge(before, used, estimate.state, noise).value_or(free), free};
+  return {held_knowledge(before, solution.used, estimate.state, noise).value_or(free), free};
 }
 
 }  // namespace rigproof::moved

@@ -34,7 +34,8 @@ struct NewKnowledge {
   Knowledge free;
 };
 
-/// Of the matched cameras. `reasons` says why nothing could be told: then every direction is free.
+/// Of the matched cameras. Odometry that contradicts the images does not count, which a note says. `reasons` says why
+/// nothing could be told, as where images contradict each other: then every direction is free.
 NewKnowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
                            std::vector<std::string>* reasons, std::vector<std::string>* notes);
 

@@ -57,7 +57,7 @@ class Detective {
                                    [](const CameraShift& c) { return c.verdict == MovedVerdict::kStands; });
       report_.outcome = all ? MovedOutcome::kNothingMoved : MovedOutcome::kCannotTell;
     }
-    note_open_motions();
+    if (difference_.rank > 0) note_open_motions();
     return std::move(report_);
   }
 

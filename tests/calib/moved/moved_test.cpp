@@ -198,6 +198,73 @@ TEST(Moved, CameraToCameraIsEnough) {
   EXPECT_EQ(moved.cameras[1].verdict, MovedVerdict::kMoved);
 }
 
+// What is wrong with the odometry of a day on which nothing moved.
+struct WrongOdometry {
+  const char* name;
+  void (*spoil)(Observations*);
+  const char* cause;
+};
+
+class MovedByOdometry : public testing::TestWithParam<WrongOdometry> {};
+
+TEST_P(MovedByOdometry, NothingHas) {
+  const Result previous = calibrated(1);
+  int named = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Observations day = another_day(seed, 3);
+    GetParam().spoil(&day);
+    // Declared noise may bend the corners before it gives way: then it is refused.
+    EXPECT_NE(detect_movement(previous, day, rigid_robot()).outcome, MovedOutcome::kMoved) << seed;
+    day.odometry_noise = {};
+    const MovedReport report = detect_movement(previous, day, rigid_robot());
+    EXPECT_EQ(report.outcome, MovedOutcome::kNothingMoved) << seed << ": " << testing::PrintToString(report.reasons);
+    EXPECT_THAT(report.notes, Contains(HasSubstr("The odometry does not count, for it contradicts the images")))
+        << seed;
+    for (const std::string& note : report.notes) named += note.find(GetParam().cause) != std::string::npos ? 1 : 0;
+    EXPECT_THAT(report.notes,
+                Contains(HasSubstr("A common shift of all cameras on the robot would not show in x, y, yaw")));
+  }
+  EXPECT_GE(named, 3);  // of four: bent images may hide the unit
+  // The images alone still tell which camera did.
+  Observations day = another_day(7, 3, 1, shift_of(1, 0.01));
+  GetParam().spoil(&day);
+  day.odometry_noise = {};
+  const MovedReport moved = detect_movement(previous, day, rigid_robot());
+  EXPECT_EQ(moved.outcome, MovedOutcome::kMoved);
+  EXPECT_EQ(moved.cameras[1].verdict, MovedVerdict::kMoved);
+}
+
+INSTANTIATE_TEST_SUITE_P(Drives, MovedByOdometry,
+                         testing::Values(WrongOdometry{"millimetres",
+                                                       [](Observations* day) {
+                                                         for (Stop& stop : day->stops) {
+                                                           stop.x_m *= 1000.0;
+                                                           stop.y_m *= 1000.0;
+                                                         }
+                                                       },
+                                                       "millimetres"},
+                                         WrongOdometry{"yaw_of_the_wrong_sign",
+                                                       [](Observations* day) {
+                                                         for (Stop& stop : day->stops) stop.yaw_rad *= -1.0;
+                                                       },
+                                                       "wrong sign"}),
+                         [](const auto& drive) { return std::string(drive.param.name); });
+
+TEST(Moved, ABoardOfAnotherSizeIsRefusedWithItsCause) {
+  const Result previous = calibrated(1);
+  GeometricConfig config;
+  config.seed = 7;
+  config.stops = 3;
+  config.board_planes = true;
+  Observations day = draw_geometric_run(config).observations;
+  EXPECT_EQ(detect_movement(previous, day, rigid_robot()).outcome, MovedOutcome::kNothingMoved);
+  day.board.square_m *= 1.1;
+  const MovedReport report = detect_movement(previous, day, rigid_robot());
+  EXPECT_EQ(report.outcome, MovedOutcome::kCannotTell);
+  EXPECT_THAT(report.reasons, Contains(HasSubstr("the board's size")));
+  for (const CameraShift& camera : report.cameras) EXPECT_EQ(camera.verdict, MovedVerdict::kCannotTell);
+}
+
 TEST(Moved, RefusesWhatStatesNoUncertainty) {
   Result previous = calibrated(1);
   for (EstimatedTransform& T : previous.camera_to_robot) T.covariance.reset();

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rigproof/calib/information.h"
 #include "rigproof/calib/method.h"
@@ -66,7 +67,10 @@ struct MlEstimate {
   std::vector<double> board_plane_scale;
   OdometryDecision odometry;
   MotionVerdict motion;
-  double cost = 0.0;  ///< robust, whitened
+  /// What in the observations contradicts the rest, likely causes first; each is one of the result's reasons, too.
+  std::vector<std::string> contradictions;
+  bool only_odometry_contradicts = false;  ///< by the likely cause: what the images show is in order
+  double cost = 0.0;                       ///< robust, whitened
   int iterations = 0;
   bool converged = false;
 };
