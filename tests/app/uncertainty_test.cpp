@@ -8,6 +8,7 @@
 namespace rigproof {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
