@@ -10,6 +10,7 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/exclusions.h"
 #include "rigproof/core/random.h"
 #include "rigproof/core/text.h"
 #include "suggest/floor.h"
@@ -325,7 +326,8 @@ class Suggester {
     for (std::size_t c = 0; c < knowledge_.has_pose.size(); ++c) {
       const std::string& name = knowledge_.basis.used.cameras[c].name;
       if (!knowledge_.has_pose[c]) {
-        suggestion->notes.push_back(name + " never saw the board: nothing can be foretold of it; aim it at the board.");
+        suggestion->notes.push_back(name + " has no pose, and nothing can be foretold of it: " +
+                                    why_no_view(knowledge_.basis.used.exclusions, static_cast<int>(c)));
         continue;
       }
       const AxisSigmas stated = stated_of(knowledge_.estimate.result, name);
