@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "rigproof/calib/observe.h"
+#include "rigproof/calib/vision/observe.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/truth/truth.h"
 

@@ -3,7 +3,7 @@
 //   bench_drive track                        effective track over track of every robot, over speed and turn rate, and
 //                                            how many times faster than real time the physics is (CPU time)
 //   bench_drive scenes [POSES=100] [key: value ..]   a drive through POSES viewpoints in every scene: the table of
-//                                            docs/driving.md, and what the odometry makes of it
+//                                            docs/measurements/driving.md, and what the odometry makes of it
 //
 // Further arguments of `scenes` are lines of a run's configuration, e.g. "scene: indoor_lab" or "seed: 3".
 #include <stdlib.h>

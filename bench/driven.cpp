@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "calibration_truth.h"
-#include "detection/odometry_track.h"
-#include "rigproof/calib/ml.h"
+#include "odometry_track.h"
+#include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/geometric/geometric.h"
+#include "rigproof/words/sentences.h"
 #include "scenario.h"
 
 namespace {
@@ -74,9 +75,9 @@ std::vector<Stop> stops_of(const std::vector<TrueStop>& truth, const std::vector
   const detection::OdometryTrack track(odometry, kMaxGap_s, kNearest_s);
   std::vector<Stop> stops;
   for (const TrueStop& stop : truth) {
-    std::string reason;
-    const std::optional<detection::OdometryReading> reading = track.at(stop.stamp_s, &reason);
-    if (!reading) throw Error(reason);
+    Finding why_not;
+    const std::optional<detection::OdometryReading> reading = track.at(stop.stamp_s, &why_not);
+    if (!reading) throw Error(words::sentence_of(why_not));
     stops.push_back({stop.stamp_s, reading->x_m, reading->y_m, reading->yaw_rad, reading->sigma_m, {}});
     if (stops.size() > 1) stops.back().way = track.way(stops[stops.size() - 2], stops.back());
   }
@@ -128,7 +129,7 @@ void evaluate(const GeometricRun& run, std::uint64_t seed, Sums* sums) {
               estimate.odometry.log_likelihood_ratio, estimate.state.odometry_scale, estimate.state.odometry_yaw_factor,
               1e3 * estimate.noise.odometry_xy_m, rad_to_deg(estimate.noise.odometry_yaw_rad));
   if (estimate.result.status != ResultStatus::kSolved || !estimate.result.joint_covariance) {
-    std::printf("  refused: %s\n", estimate.result.reasons.empty() ? "" : estimate.result.reasons.front().c_str());
+    std::printf("  refused: %s\n", words::text_of(estimate.result.reasons).c_str());
     return;
   }
   const Vector6d error =

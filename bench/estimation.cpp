@@ -26,8 +26,9 @@ constexpr const char* kHelp =
   prints one cell after the other; --cameras draws random rigs.
 
 bench_estimation --suite FOLDER [--trials 2000] [--sheets increment,pose,..] [--stops ..] [--lambda ..] [--seed 0]
-  runs the table of docs/estimation.md, the cheapest cells first, and writes FOLDER/table.csv, table.md, ratios.png and
-  nees.png. Cells are saved every few seconds: the same command goes on where it was interrupted, and with more trials.
+  runs the table of docs/measurements/estimation.md, the cheapest cells first, and writes FOLDER/table.csv and table.md;
+  "python3 figures/plot.py estimation FOLDER/table.csv" draws them. Cells are saved every few seconds: the same command
+  goes on where it was interrupted, and with more trials.
   --trials 0 only writes what was saved.
 
 bench_estimation --convergence RIGS [--seed 0]
@@ -129,7 +130,7 @@ Sheet sheet(const char* name, const char* title, std::initializer_list<bool Shee
   return result;
 }
 
-// The table of docs/estimation.md.
+// The table of docs/measurements/estimation.md.
 std::vector<Sheet> suite_sheets() {
   using S = Sheet;
   return {
@@ -142,9 +143,11 @@ std::vector<Sheet> suite_sheets() {
             {&S::systematics, &S::outliers}),
       sheet("outliers_pose", "Noise per pose, 2 % wrong corners, 5 % wrong odometry, 5 % wrong planes",
             {&S::per_pose, &S::outliers}),
-      sheet("chosen", "Nothing told: odometry model and all sigmas from the data (truth: per increment, suspension)",
+      sheet("chosen",
+            "Nothing declared: odometry model and all sigmas from the data (truth: per increment, suspension)",
             {&S::systematics, &S::suspension, &S::choose_model, &S::estimate_sigmas}),
-      sheet("chosen_pose", "Nothing told: odometry model and all sigmas from the data (truth: per pose, suspension)",
+      sheet("chosen_pose",
+            "Nothing declared: odometry model and all sigmas from the data (truth: per pose, suspension)",
             {&S::per_pose, &S::suspension, &S::choose_model, &S::estimate_sigmas}),
   };
 }

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "calibration_truth.h"
+#include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -144,7 +145,7 @@ GeometricConfig configuration(const CellKey& key, int trial) {
 
 MlOptions method_options(const CellKey& key, const GeometricConfig& config) {
   MlOptions method;
-  if (key.sheet.known_odometry) method.odometry_scale_sigma = method.odometry_yaw_factor_sigma = 0.0;
+  if (key.sheet.known_odometry) method.priors.odometry_scale = method.priors.odometry_yaw_factor = 0.0;
   if (key.sheet.estimate_sigmas) return method;
   method.suspension_height_sigma_m = config.suspension_height_sigma_m;
   method.suspension_tilt_sigma_rad = config.suspension_tilt_sigma_rad;
@@ -171,7 +172,7 @@ void add_trial(const CellKey& key, int trial, Cell* cell) {
   if (key.sheet.choose_model && estimate.odometry.model != config.odometry_model) ++cell->wrong_model;
   const CalibrationState truth = state_of(run.truth);
   CalibrationNoise noise = noise_of(run.truth, config.suspension_height_sigma_m, config.suspension_tilt_sigma_rad);
-  if (key.sheet.known_odometry) noise.odometry_scale_prior = noise.odometry_yaw_factor_prior = 0.0;
+  if (key.sheet.known_odometry) noise.priors.odometry_scale = noise.priors.odometry_yaw_factor = 0.0;
   const InformationBound bound = cramer_rao_bound(run.observations, truth, noise);
   std::vector<Rigid3> T_robot_camera;
   for (const EstimatedTransform& transform : estimate.result.camera_to_robot)

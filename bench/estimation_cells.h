@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "rigproof/calib/ml.h"
+#include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/geometric/geometric.h"
 
 namespace rigproof::bench {

@@ -1,8 +1,8 @@
 // How long solving takes without detection, and one ground plane.
 #include <benchmark/benchmark.h>
 
-#include "rigproof/calib/ground_plane.h"
-#include "rigproof/calib/method.h"
+#include "rigproof/calib/methods/registry.h"
+#include "rigproof/calib/vision/ground_plane.h"
 #include "rigproof/core/random.h"
 #include "synthetic_drive.h"
 

@@ -1,7 +1,8 @@
-// How often `moved` raises a false alarm, and how often it finds shifts of a given size: the tables of docs/moved.md.
+// How often `moved` raises a false alarm, and how often it finds shifts of a given size: the tables of
+// docs/measurements/moved.md.
 //   bench_moved [trials, default 2000] [alarms | detections] [--verbose]
 // The reference rig in geometric mode (0.1 px, odometry lambda 1), previous calibrations of 20 stops.
-#include "rigproof/calib/moved.h"
+#include "rigproof/calib/plan/moved.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "rigproof/calib/method.h"
+#include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
 
@@ -53,8 +54,7 @@ void tell(int stops, std::uint64_t seed, const MovedReport& report) {
 
 // Nothing in these drives contradicts anything.
 bool blames_the_data(const MovedReport& report) {
-  const auto blames = [](const std::string& note) { return note.rfind("The odometry does not count", 0) == 0; };
-  return report.degrees_of_freedom == 0 || std::any_of(report.notes.begin(), report.notes.end(), blames);
+  return report.degrees_of_freedom == 0 || has_code(report.notes, "moved.odometry_ignored");
 }
 
 void false_alarms(const std::vector<Result>& previous, int trials, bool verbose) {

@@ -1,5 +1,5 @@
 // bench_observe RECORDING [threads]: observing a recording against merely decoding its images with OpenCV, in one run.
-#include "rigproof/calib/observe.h"
+#include "rigproof/calib/vision/observe.h"
 
 #include <sys/resource.h>
 
@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "rigproof/formats/open_input.h"
+#include "rigproof/formats/format.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // How often the estimator refuses what it must, names the cause, and lets healthy runs pass: the tables of
-// docs/estimation.md, over random rigs in geometric mode.
+// docs/measurements/refusals.md, over random rigs in geometric mode.
 //   bench_refusals [--broken 100] [--degenerate 200] [--healthy 1000] [--seed 0] [--only NAME] [--verbose]
 #include <algorithm>
 #include <array>
@@ -11,11 +11,12 @@
 
 #include "broken_runs.h"
 #include "calibration_truth.h"
-#include "ml/lens_check.h"
-#include "ml/told_noise.h"
-#include "rigproof/calib/ml.h"
+#include "lens_check.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/declared_problem.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/words/sentences.h"
 
 namespace {
 
@@ -55,7 +56,10 @@ bool wanted(const Options& options, const std::string& name) {
   return options.only.empty() || name.find(options.only) != std::string::npos;
 }
 
-std::string first_reason(const Result& result) { return result.reasons.empty() ? "" : result.reasons.front(); }
+std::string first_reason(const Result& result) {
+  const std::vector<std::string> reasons = words::sentences_of(result.reasons);
+  return reasons.empty() ? "" : reasons.front();
+}
 
 struct Rates {
   int detected = 0, named = 0, wrong = 0, runs = 0;
@@ -108,8 +112,8 @@ bool silently_wrong(const Options& options, const Result& result, const Truth& t
 void complain(const Options& options, std::uint64_t seed, const Result& result) {
   if (!options.verbose) return;
   std::printf("  seed %llu: %s", static_cast<unsigned long long>(seed), result_status_name(result.status));
-  for (const std::string& reason : result.reasons) std::printf("\n    %s", reason.c_str());
-  for (const std::string& note : result.notes) std::printf("\n    note: %s", note.c_str());
+  for (const std::string& reason : words::sentences_of(result.reasons)) std::printf("\n    %s", reason.c_str());
+  for (const std::string& note : words::sentences_of(result.notes)) std::printf("\n    note: %s", note.c_str());
   std::printf("\n");
 }
 
@@ -121,9 +125,9 @@ bool unusable(const Result& result) {
   return true;
 }
 
-bool mentioned(const std::vector<std::string>& sentences, const std::string& words) {
-  for (const std::string& sentence : sentences)
-    if (sentence.find(words) != std::string::npos) return true;
+bool mentioned(const std::vector<Finding>& findings, const std::string& what) {
+  for (const std::string& sentence : words::sentences_of(findings))
+    if (sentence.find(what) != std::string::npos) return true;
   return false;
 }
 
@@ -131,9 +135,9 @@ bool mentioned(const std::vector<std::string>& sentences, const std::string& wor
 // the noise and what to look for.
 double chance_of_seeing_half_a_pixel(const GeometricRun& run) {
   CalibrationNoise noise = noise_of(run.truth);
-  noise.focal_relative_prior = ml::kDoubtedFocal;
-  noise.principal_point_prior_px = ml::kDoubtedPrincipalPoint_px;
-  const auto test = ml::test_lenses(ml::told_problem(run.observations, noise), ml::state_from(state_of(run.truth)));
+  noise.priors.focal_relative = ml::kDoubtedFocal;
+  noise.priors.principal_point_px = ml::kDoubtedPrincipalPoint_px;
+  const auto test = ml::test_lenses(ml::declared_problem(run.observations, noise), ml::state_from(state_of(run.truth)));
   if (!test) return 0.0;
   const Eigen::Vector3d slip(0.0, 0.5, 0.5);
   const double deviations = std::sqrt(slip.dot(test->common_shift.information * slip));
@@ -152,11 +156,11 @@ void bench_broken(const Options& options) {
       GeometricRun run = draw_geometric_run(broken_run_config(breakage, seed));
       Observations& observations = run.observations;
       if (half_pixel) chance += chance_of_seeing_half_a_pixel(run) / options.broken;
-      const std::string words = breakage.apply(seed, &observations);
+      const std::string cause = breakage.apply(seed, &observations);
       const Result result = estimate_maximum_likelihood(observations).result;
       const bool in_notes = breakage.named_in == NamedIn::kNotes;
-      const bool named = in_notes ? mentioned(result.notes, words) || mentioned(result.reasons, words)
-                                  : first_reason(result).find(words) != std::string::npos;
+      const bool named = in_notes ? mentioned(result.notes, cause) || mentioned(result.reasons, cause)
+                                  : first_reason(result).find(cause) != std::string::npos;
       const bool detected = in_notes ? named || unusable(result) : unusable(result);
       ++rates.runs;
       rates.detected += detected;
@@ -208,7 +212,7 @@ void bench_degenerate(const Options& options) {
       rates.named += named;
       const bool wrong = silently_wrong(options, result, run.truth);
       rates.wrong += wrong;
-      const bool odd = mentioned(result.notes, "nan") || mentioned(result.notes, "settle");
+      const bool odd = mentioned(result.notes, "nan") || has_code(result.notes, "solver.unsettled");
       if (!refused || !named || wrong || odd) complain(options, config.seed, result);
     }
     print(drive.name, rates);
@@ -255,8 +259,7 @@ double least_bound_over_limit(const Result& result, const GeometricRun& run) {
 // Whether every reason is that the data do not tell enough; no contradiction, no cause.
 bool only_too_little(const Result& result) {
   return !result.reasons.empty() && std::all_of(result.reasons.begin(), result.reasons.end(), [](const auto& reason) {
-    return reason.find("too uncertain to be of use") != std::string::npos ||
-           reason.find("unobservable") != std::string::npos;
+    return reason.severity == Severity::kRefusal;
   });
 }
 

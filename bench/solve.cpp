@@ -1,8 +1,8 @@
 // How long the estimator takes: with its covariance, told the noise or told nothing, and how that grows with stops.
 #include <benchmark/benchmark.h>
 
-#include "rigproof/calib/ml.h"
-#include "rigproof/calib/view_poses.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/geometry/view_poses.h"
 #include "rigproof/geometric/geometric.h"
 
 namespace rigproof {

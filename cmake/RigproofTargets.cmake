@@ -10,6 +10,9 @@ function(rigproof_apply_rules target)
   if(RIGPROOF_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${RIGPROOF_SANITIZE} -fno-omit-frame-pointer
                            -fno-sanitize-recover=all)
+    # Eigen in Debian's libraries (libceres.a) takes malloc as aligned; instrumented Eigen would not, and one would free
+    # what the other allocated.
+    target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
     target_link_options(${target} PUBLIC -fsanitize=${RIGPROOF_SANITIZE})
     # Instrumented, g++ 12 sees uninitialised values where std::variant moves them; there are none, and the other builds
     # keep the warning.
@@ -17,10 +20,32 @@ function(rigproof_apply_rules target)
   endif()
 endfunction()
 
-# rigproof_add_library(calib SOURCES a.cpp .. PUBLIC rigproof::core .. PRIVATE ..)
-# makes rigproof_calib with the alias rigproof::calib, its headers under include/, installed as component `calib`.
+# rigproof_precompile(library "POSITION_INDEPENDENT_CODE ON" <vector> ..) makes the object library
+# rigproof_precompiled_library, whose precompiled headers targets of the same flags share by
+# rigproof_use_precompiled(target library). Parsing the standard library and Eigen is over half of what compiling takes.
+# Every file still includes what it uses: clang-tidy reads it without these.
+function(rigproof_precompile name position_independent)
+  set(target rigproof_precompiled_${name})
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/precompiled_${name}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "")
+  add_library(${target} OBJECT ${source})
+  target_link_libraries(${target} PRIVATE Eigen3::Eigen)
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ${position_independent})
+  rigproof_apply_rules(${target})
+endfunction()
+
+function(rigproof_use_precompiled target name)
+  target_precompile_headers(${target} REUSE_FROM rigproof_precompiled_${name})
+  # ccache needs to see which header was taken in precompiled.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+endfunction()
+
+# rigproof_add_library(calib_vision COMPONENT calib SOURCES a.cpp .. PUBLIC rigproof::core .. PRIVATE ..)
+# makes rigproof_calib_vision with the alias rigproof::calib_vision, its headers under include/, installed as part of
+# the component `calib`; without COMPONENT its own name is the component's.
 function(rigproof_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target rigproof_${name})
   add_library(${target} ${ARG_SOURCES})
   add_library(rigproof::${name} ALIAS ${target})
@@ -28,27 +53,57 @@ function(rigproof_add_library name)
     PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   rigproof_apply_rules(${target})
-  install(TARGETS ${target} EXPORT rigproof-${name} DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(EXPORT rigproof-${name} NAMESPACE rigproof:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rigproof)
-  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  rigproof_use_precompiled(${target} library)
+  rigproof_install_library(${name} "${ARG_COMPONENT}")
+endfunction()
+
+# rigproof_add_interface(calib LINK rigproof::calib_plan ..): a target of headers or of other targets alone.
+function(rigproof_add_interface name)
+  cmake_parse_arguments(ARG "" "COMPONENT" "LINK" ${ARGN})
+  add_library(rigproof_${name} INTERFACE)
+  add_library(rigproof::${name} ALIAS rigproof_${name})
+  target_include_directories(rigproof_${name} INTERFACE
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(rigproof_${name} INTERFACE ${ARG_LINK})
+  rigproof_install_library(${name} "${ARG_COMPONENT}")
+endfunction()
+
+function(rigproof_install_library name component)
+  if(NOT component)
+    set(component ${name})
+  endif()
+  set_target_properties(rigproof_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS rigproof_${name} EXPORT rigproof-${component} DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  if(name STREQUAL component)
+    install(EXPORT rigproof-${component} NAMESPACE rigproof:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rigproof)
+  endif()
+  if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/include)
+    install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  endif()
+endfunction()
+
+# GoogleTest's macros take a third less time to compile this way, and what is tested keeps its own flags.
+function(rigproof_apply_test_rules target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
 # rigproof_add_test(core SOURCES .. LINK .. LABELS unit) makes the GoogleTest program test_core; ctest sees each case.
 # Tests with the label `unit` are also run under the sanitizers; without LABELS that is what a test is.
 # Tests that draw through Mesa have the label `render`: its drivers keep memory that the leak sanitizer would report.
 # FIXTURE names a ctest fixture that its cases need.
+# STATISTICAL: cases whose names end in OverTrials (tests/support/trials.h) have the label `statistical` instead.
 function(rigproof_add_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT;FIXTURE" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "STATISTICAL" "TIMEOUT;FIXTURE" "SOURCES;LINK;LABELS" ${ARGN})
   set(target test_${name})
   find_package(GTest REQUIRED)
   include(GoogleTest)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_LINK} rigproof_test_support GTest::gtest GTest::gmock GTest::gtest_main)
   rigproof_apply_rules(${target})
-  # GoogleTest's macros take a third less time to compile this way, and what is tested keeps its own flags.
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  rigproof_apply_test_rules(${target})
+  rigproof_use_precompiled(${target} test)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
@@ -62,9 +117,20 @@ function(rigproof_add_test name)
     rigproof_add_shards(${target} ${name} ${ARG_TIMEOUT} "${ARG_LABELS}" "${ARG_FIXTURE}")
     return()
   endif()
-  gtest_discover_tests(${target} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST
-                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}" FIXTURES_REQUIRED "${ARG_FIXTURE}")
+  set(statistical "*OverTrials*")
+  if(ARG_STATISTICAL)
+    rigproof_discover_tests(${target} ${name} "${statistical}" statistical)
+    rigproof_discover_tests(${target} ${name} "-${statistical}" "${ARG_LABELS}")
+  else()
+    rigproof_discover_tests(${target} ${name} "*" "${ARG_LABELS}")
+  endif()
 endfunction()
+
+macro(rigproof_discover_tests target name filter labels)
+  gtest_discover_tests(${target} TEST_PREFIX "${name}." TEST_FILTER "${filter}" DISCOVERY_TIMEOUT 60
+                       DISCOVERY_MODE PRE_TEST
+                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${labels}" FIXTURES_REQUIRED "${ARG_FIXTURE}")
+endmacro()
 
 # A sanitized program takes longer to start than most cases to run: there ctest sees a few shards of all cases.
 function(rigproof_add_shards target name timeout labels fixture)

@@ -3,10 +3,12 @@
 
 Tests and benchmarks are left to the compilers: they would double the time.
 
-A file that passed is remembered by the hash of everything that went into the answer (its preprocessed text, its
-flags, .clang-tidy and the tool's version), under ~/.cache/rigproof/analysis, and is not analysed again.
+A file that passed is remembered by the hash of everything that went into the answer (the text of all files that its
+build has read, its flags, .clang-tidy and the tool's version), under ~/.cache/rigproof/analysis, and is not analysed
+again. Which files a build has read is in ninja's log: a file that was not built yet is always analysed.
 """
 import concurrent.futures
+import functools
 import hashlib
 import json
 import os
@@ -18,38 +20,91 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 DATABASE = ROOT / "build/release/compile_commands.json"
+# The same commands without g++'s precompiled headers, which clang cannot read: each file must include what it uses.
+OWN_DATABASE = ROOT / "build/analysis/compile_commands.json"
 CACHE = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache")) / "rigproof/analysis"
 TIDY = shutil.which("clang-tidy-14") or shutil.which("clang-tidy")
 CLANG = shutil.which("clang++-14") or shutil.which("clang++")
-
-
-def answer_key(entry: dict, salt: bytes) -> str:
-    """Hash of all that clang-tidy's answer for this file depends on."""
-    words = shlex.split(entry["command"])
-    if os.path.basename(words[0]) == "ccache":
-        words = words[1:]
-    output = words.index("-o")
-    flags = words[1:output] + words[output + 2:]
-    flags = [flag for flag in flags if flag != "-c"]
-    text = subprocess.run([CLANG, "-E", "-w", *flags], cwd=entry["directory"], capture_output=True, check=False)
-    relative_flags = " ".join(flags).replace(str(ROOT), "")
-    content = text.stdout.replace(str(ROOT).encode(), b"")
-    return hashlib.sha256(salt + relative_flags.encode() + content + text.stderr).hexdigest()
 
 
 def is_test(name: str) -> bool:
     return os.path.relpath(name, ROOT).split(os.sep)[0] in ("tests", "bench")
 
 
-def analyse(entry: dict, salt: bytes) -> tuple[str, bool, str]:
+def compile_flags(command: str) -> tuple[list[str], str]:
+    """Flags of a compile command, without the compiler, its output and precompiled headers; and that output."""
+    words = shlex.split(command)
+    if os.path.basename(words[0]) == "ccache":
+        words = words[1:]
+    flags = []
+    output = ""
+    rest = iter(words[1:])
+    for word in rest:
+        if word == "-o":
+            output = next(rest)
+        elif word == "-include":
+            next(rest)
+        elif word not in ("-c", "-Winvalid-pch", "-fpch-preprocess"):
+            flags.append(word)
+    return flags, output
+
+
+def read_database() -> list[dict]:
+    """One entry for each file of the repository that build/release compiles, written to OWN_DATABASE, too."""
+    entries = []
+    for entry in json.loads(DATABASE.read_text()):
+        if os.path.relpath(entry["file"], ROOT).split(os.sep)[0] in ("build", ".."):
+            continue
+        flags, entry["output"] = compile_flags(entry.pop("command"))
+        entry["arguments"] = [CLANG, *flags, "-c"]
+        entries.append(entry)
+    OWN_DATABASE.parent.mkdir(parents=True, exist_ok=True)
+    OWN_DATABASE.write_text(json.dumps(entries))
+    return entries
+
+
+def read_dependencies() -> dict[str, list[str]]:
+    """Files that each object was compiled from, as the build has noted them."""
+    log = subprocess.run(["ninja", "-C", str(DATABASE.parent), "-t", "deps"], capture_output=True, text=True,
+                         check=True).stdout
+    dependencies = {}
+    for line in log.splitlines():
+        if line.startswith("    "):
+            dependencies[output].append(line.strip())
+        elif ": #deps " in line:
+            output = line.split(": #deps ")[0]
+            dependencies[output] = []
+    return dependencies
+
+
+@functools.lru_cache(None)
+def text_hash(name: str) -> bytes:
+    return hashlib.sha256(pathlib.Path(name).read_bytes()).digest()
+
+
+def answer_key(entry: dict, salt: bytes, dependencies: dict[str, list[str]]) -> str:
+    """Hash of all that clang-tidy's answer for this file depends on; empty if that is not known."""
+    files = set(dependencies.get(entry["output"], []))
+    for precompiled in [name for name in files if name.endswith(".gch")]:
+        files |= set(dependencies.get(os.path.relpath(os.path.join(DATABASE.parent, precompiled), DATABASE.parent), []))
+    paths = sorted(os.path.normpath(os.path.join(DATABASE.parent, name)) for name in files if not name.endswith(".gch"))
+    if not paths or not all(os.path.exists(path) for path in paths):
+        return ""
+    key = hashlib.sha256(salt + " ".join(entry["arguments"]).replace(str(ROOT), "").encode())
+    for path in paths:
+        key.update(path.replace(str(ROOT), "").encode() + text_hash(path))
+    return key.hexdigest()
+
+
+def analyse(entry: dict, key: str) -> tuple[str, bool, str]:
     name = os.path.relpath(entry["file"], ROOT)
-    stamp = CACHE / answer_key(entry, salt)
-    if stamp.exists():
+    if key and (CACHE / key).exists():
         return name, True, ""
-    run = subprocess.run([TIDY, "--quiet", "-p", str(DATABASE.parent), entry["file"]],
+    run = subprocess.run([TIDY, "--quiet", "-p", str(OWN_DATABASE.parent), entry["file"]],
                          capture_output=True, text=True, check=False)
     if run.returncode == 0:
-        stamp.touch()
+        if key:
+            (CACHE / key).touch()
         return name, True, ""
     return name, False, run.stdout + run.stderr
 
@@ -59,15 +114,20 @@ def main() -> int:
         print("analyse: clang-tidy is missing; scripts/install-dependencies --test installs it", file=sys.stderr)
         return 2
     wanted = {str(pathlib.Path(name).resolve()) for name in sys.argv[1:]}
-    entries = [entry for entry in json.loads(DATABASE.read_text())
-               if entry["file"].startswith(str(ROOT)) and "/build/" not in entry["file"]
-               and (entry["file"] in wanted if wanted else not is_test(entry["file"]))]
+    entries = [entry for entry in read_database()
+               if (entry["file"] in wanted if wanted else not is_test(entry["file"]))]
+    unknown = wanted - {entry["file"] for entry in entries}
+    if unknown:
+        print(f"analyse: not compiled by build/release: {', '.join(sorted(unknown))}", file=sys.stderr)
+        return 2
     CACHE.mkdir(parents=True, exist_ok=True)
     version = subprocess.run([TIDY, "--version"], capture_output=True, check=False).stdout
     salt = version + (ROOT / ".clang-tidy").read_bytes()
+    dependencies = read_dependencies()
     failures = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for name, passed, text in pool.map(lambda entry: analyse(entry, salt), entries):
+        for name, passed, text in pool.map(
+                lambda entry: analyse(entry, answer_key(entry, salt, dependencies)), entries):
             if not passed:
                 failures += 1
                 print(f"{name}\n{text}")

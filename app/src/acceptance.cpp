@@ -6,6 +6,7 @@
 #include "print_result.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/validate/figures.h"
+#include "rigproof/words/sentences.h"
 
 namespace rigproof {
 namespace {
@@ -14,18 +15,21 @@ std::string with_unit(double value, const std::string& unit) {
   return short_figure(value) + (unit.empty() ? "" : " " + unit);
 }
 
+// Empty where there is a value.
+std::string reason_of(const AcceptCheck& check) { return check.reason ? words::sentence_of(*check.reason) : ""; }
+
 void print_acceptance(const Terminal& terminal, const AcceptReport& report, const AcceptCriteria& criteria) {
   std::vector<std::vector<std::string>> rows = {{"accept " + criteria.name, "value", "limit", ""}};
   for (const AcceptCheck& check : report.checks)
-    rows.push_back({" " + check.name, check.reason.empty() ? with_unit(check.value, check.unit) : "-",
+    rows.push_back({" " + check.name, !check.reason ? with_unit(check.value, check.unit) : "-",
                     plain_figure(check.limit) + (check.unit.empty() ? "" : " " + check.unit),
                     check.passed ? "ok" : "FAIL"});
   const std::vector<std::string> lines = aligned(rows);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string reason = i == 0 ? "" : report.checks[i - 1].reason;
+    const std::string reason = i == 0 ? "" : reason_of(report.checks[i - 1]);
     terminal.line(lines[i] + (reason.empty() ? "" : "  " + reason));
   }
-  for (const std::string& note : report.notes) terminal.line(" " + note);
+  for (const std::string& note : words::sentences_of(report.notes)) terminal.line(" " + note);
   const std::string counts =
       std::to_string(report.checks.size() - report.failures()) + "/" + std::to_string(report.checks.size());
   terminal.line(report.passed() ? terminal.colored("ACCEPTED", Color::kGood) + "  " + counts + " gates"
@@ -44,7 +48,7 @@ AcceptCriteria accept_criteria_of(const std::string& file_or_name) {
   const std::string shipped = "accept/" + file_or_name;
   const std::vector<std::string> presets = list_presets("config");
   std::error_code ignored;
-  const bool is_shipped = !std::filesystem::exists(file_or_name, ignored) &&
+  const bool is_shipped = !std::filesystem::is_regular_file(file_or_name, ignored) &&
                           std::find(presets.begin(), presets.end(), shipped) != presets.end();
   return load_accept_criteria(find_data_file("config", is_shipped ? shipped : file_or_name));
 }
@@ -83,16 +87,17 @@ std::string with_acceptance(const std::string& result_json, const AcceptReport& 
   nlohmann::json& acceptance = json["acceptance"];
   acceptance = {{"criteria", criteria.name},
                 {"passed", report.passed()},
-                {"notes", report.notes},
+                {"notes", json_of(report.notes)},
                 {"checks", nlohmann::json::array()}};
   for (const AcceptCheck& check : report.checks) {
-    const bool has_value = check.reason.empty();
+    const bool has_value = !check.reason;
     acceptance["checks"].push_back({{"name", check.name},
                                     {"passed", check.passed},
                                     {"value", has_value ? nlohmann::json(check.value) : nlohmann::json(nullptr)},
                                     {"limit", check.limit},
                                     {"unit", check.unit},
-                                    {"reason", check.reason}});
+                                    {"code", has_value ? "" : check.reason->code},
+                                    {"reason", reason_of(check)}});
   }
   return json.dump(2);
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "rigproof/calib/accept.h"
-#include "rigproof/formats/open_input.h"
+#include "rigproof/calib/plan/accept.h"
+#include "rigproof/formats/format.h"
 #include "rigproof/validate/report_files.h"
 #include "terminal.h"
 

@@ -8,10 +8,11 @@
 #include "commands.h"
 #include "observing.h"
 #include "print_result.h"
-#include "rigproof/calib/method.h"
+#include "rigproof/calib/diagnose/method.h"
 #include "rigproof/core/error.h"
-#include "rigproof/study/external.h"
-#include "rigproof/study/workflow.h"
+#include "rigproof/study/workflow/external.h"
+#include "rigproof/study/workflow/workflow.h"
+#include "rigproof/words/sentences.h"
 #include "terminal.h"
 
 namespace rigproof {
@@ -77,7 +78,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
   for (const auto& method : methods) {
     const Result result = run_with_progress(*method, given, terminal);
     const std::filesystem::path file = folder / (result.method + ".yaml");
-    save_result(result, file);
+    save_result(result, file, words::sentence_of);
     all_solved = all_solved && result.status == ResultStatus::kSolved;
     std::string result_json = result_as_json(result);
     terminal.line(count_of(observations.cameras.size(), "camera") + " x " +
@@ -91,7 +92,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
     }
     json += (json.empty() ? "" : ",\n") + result_json;
   }
-  if (!arguments.junit.empty()) save_junit(judged, arguments.junit);
+  if (!arguments.junit.empty()) save_junit(judged, arguments.junit, words::sentence_of);
   if (arguments.common.json) std::puts(("{\"results\": [\n" + json + "\n]}").c_str());
   if (!all_solved) return static_cast<int>(ExitCode::kRefused);
   const bool accepted =

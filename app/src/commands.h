@@ -98,7 +98,7 @@ struct ConvertArguments {
   CommonArguments common;
   std::filesystem::path input;
   std::filesystem::path output;
-  std::string to;  ///< memroc or recording; empty = the one that the input is not
+  std::string to;  ///< a writable format; empty = the one that the input is not
   int cloud_points = 12000;
 };
 int convert_command(const ConvertArguments& arguments);
@@ -143,7 +143,7 @@ struct PlotSensorArguments {
 /// Draws the noise of a sensor preset over distance.
 int plot_sensor_command(const PlotSensorArguments& arguments);
 
-/// Prints the JSON Schema of a file that a user writes: run, rig-model, budget, ...
+/// Prints the JSON Schema of a file that people or rigproof write: run, rig, result, ... Without a name it lists them.
 int schema_command(const std::string& name);
 
 }  // namespace rigproof

@@ -1,12 +1,12 @@
-// `rigproof convert`: recordings from and to the layout of the MEMROC authors' program.
-#include "rigproof/study/convert.h"
+// `rigproof convert`: recordings from one format to another.
+#include "rigproof/study/workflow/convert.h"
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "rigproof/core/error.h"
-#include "rigproof/formats/open_input.h"
+#include "rigproof/formats/format.h"
 #include "terminal.h"
 
 namespace rigproof {
@@ -16,14 +16,14 @@ int convert_command(const ConvertArguments& arguments) {
   const Input input = open_input(arguments.input);
   if (!input.recording)
     throw Error(arguments.input.string() + ": holds observations without images; there is nothing to convert");
-  const bool from_memroc = input.kind == InputKind::kMemrocLayout;
-  const std::string to = arguments.to.empty() ? (from_memroc ? "recording" : "memroc") : arguments.to;
+  // Ours, which a run holds, becomes the MEMROC layout, and everything else becomes ours.
+  const bool ours = input.run || input.format->name == "recording";
+  const std::string to = arguments.to.empty() ? (ours ? "memroc" : "recording") : arguments.to;
   ProgressLine progress(terminal, "convert", "images");
   ConvertOptions options;
   options.max_cloud_points = arguments.cloud_points;
   options.progress = progress.callback();
-  const ConvertReport report = to == "memroc" ? write_memroc_layout(*input.recording, arguments.output, options)
-                                              : copy_recording(*input.recording, arguments.output, options);
+  const ConvertReport report = convert(*input.recording, to, arguments.output, options);
   if (arguments.common.json) {
     const nlohmann::json json = {{"output", arguments.output.string()},
                                  {"layout", to},

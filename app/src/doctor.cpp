@@ -12,7 +12,7 @@
 #include "rigproof/sim/models.h"
 #include "rigproof/sim/render_device.h"
 #include "rigproof/sim/renderer.h"
-#include "rigproof/study/workflow.h"
+#include "rigproof/study/workflow/workflow.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/integrity.h"
 #include "rigproof/validate/proof.h"
@@ -93,9 +93,9 @@ int doctor_of_machine(const DoctorArguments& arguments) {
 int doctor_of_run(const DoctorArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   const Input input = open_input(arguments.run);
-  if (input.kind != InputKind::kRun)
+  if (!input.run)
     throw Error(arguments.run.string() + ": is no generated run (it has no run.yaml); doctor checks runs");
-  const RunFolder run{arguments.run};
+  const RunFolder& run = *input.run;
   const IntegrityReport integrity = verify_manifest(run);
   terminal.text(integrity.text());
   const Observations observations = observe_with_progress(input, 0, terminal);

@@ -10,7 +10,7 @@
 #include "rigproof/core/run_folder.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/dataset.h"
-#include "rigproof/study/overrides.h"
+#include "rigproof/study/workflow/overrides.h"
 
 namespace rigproof {
 namespace {

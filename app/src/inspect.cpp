@@ -1,12 +1,12 @@
 // `rigproof inspect`.
-#include "rigproof/study/inspect.h"
+#include "rigproof/study/report/inspect.h"
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "observing.h"
-#include "rigproof/study/workflow.h"
+#include "rigproof/study/workflow/workflow.h"
 #include "terminal.h"
 
 namespace rigproof {

@@ -8,7 +8,7 @@
 
 #include "commands.h"
 #include "print_result.h"
-#include "rigproof/calib/method.h"
+#include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"

@@ -1,5 +1,5 @@
 // `rigproof moved`.
-#include "rigproof/calib/moved.h"
+#include "rigproof/calib/plan/moved.h"
 
 #include <cmath>
 #include <cstdio>
@@ -10,8 +10,9 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
-#include "rigproof/study/workflow.h"
+#include "rigproof/study/workflow/workflow.h"
 #include "rigproof/validate/figures.h"
+#include "rigproof/words/sentences.h"
 #include "uncertainty_commands.h"
 
 namespace rigproof {
@@ -58,10 +59,10 @@ void print(const Terminal& terminal, const MovedReport& report, double significa
   const std::vector<std::string> lines = aligned(rows);
   for (std::size_t i = 0; i < lines.size(); ++i)
     terminal.line(lines[i] + (i == 0 ? "" : "  " + detectable_text(report.cameras[i - 1])));
-  for (const std::string& reason : report.reasons) terminal.line("         " + reason);
+  for (const std::string& reason : words::sentences_of(report.reasons)) terminal.line("         " + reason);
   const Color color = report.outcome == MovedOutcome::kNothingMoved ? Color::kGood : Color::kBad;
   terminal.line(terminal.colored(verdict_text(report, significance), color));
-  for (const std::string& note : report.notes)
+  for (const std::string& note : words::sentences_of(report.notes))
     terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + note);
 }
 
@@ -76,8 +77,8 @@ std::string as_json(const MovedReport& report) {
                          {"chi_square", report.statistic},
                          {"degrees_of_freedom", report.degrees_of_freedom},
                          {"p_value", report.p_value},
-                         {"reasons", report.reasons},
-                         {"notes", report.notes},
+                         {"reasons", json_of(report.reasons)},
+                         {"notes", json_of(report.notes)},
                          {"cameras", nlohmann::json::array()}};
   for (const CameraShift& camera : report.cameras) {
     nlohmann::json entry = {{"camera", camera.camera},

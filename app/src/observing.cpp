@@ -2,9 +2,9 @@
 
 #include <unistd.h>
 
-#include "rigproof/calib/ground_source.h"
+#include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/error.h"
-#include "rigproof/study/workflow.h"
+#include "rigproof/study/workflow/workflow.h"
 
 namespace rigproof {
 

@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "commands.h"
-#include "rigproof/calib/feature_source.h"
-#include "rigproof/calib/horizon_source.h"
-#include "rigproof/calib/method.h"
+#include "rigproof/calib/diagnose/method.h"
+#include "rigproof/calib/vision/feature_source.h"
+#include "rigproof/calib/vision/horizon_source.h"
 #include "rigproof/core/observations.h"
-#include "rigproof/formats/open_input.h"
+#include "rigproof/formats/format.h"
 #include "terminal.h"
 
 namespace rigproof {

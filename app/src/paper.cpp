@@ -1,5 +1,5 @@
 // `rigproof paper`.
-#include "rigproof/study/paper.h"
+#include "rigproof/study/report/paper.h"
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
-#include "rigproof/study/sweep.h"
+#include "rigproof/study/sweep/sweep.h"
 #include "terminal.h"
 
 namespace rigproof {

@@ -5,8 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "rigproof/core/rig_yaml.h"
-#include "rigproof/study/noise_curve.h"
+#include "rigproof/study/report/noise_curve.h"
 #include "terminal.h"
 
 namespace rigproof {
@@ -15,10 +14,10 @@ int plot_sensor_command(const PlotSensorArguments& arguments) {
   std::string name = arguments.name;
   // People write D455, files are called d455.
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  const SensorPreset preset = load_sensor_preset(name);
+  const SensorDevice device = load_sensor_device(name);
   const std::filesystem::path file = arguments.output.empty() ? name + "_noise.png" : arguments.output.string();
-  write_noise_curve(preset, file);
-  const std::vector<NoisePoint> points = measure_noise(preset);
+  const std::vector<NoisePoint> points = measure_noise(device);
+  write_noise_curve(device, points, file);
   if (arguments.common.json) {
     nlohmann::json json = {{"sensor", name}, {"picture", file.string()}, {"points", nlohmann::json::array()}};
     for (const NoisePoint& point : points)

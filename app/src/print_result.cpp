@@ -10,6 +10,7 @@
 #include "rigproof/core/rigid3.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/body_angles.h"
+#include "rigproof/words/sentences.h"
 
 namespace rigproof {
 namespace {
@@ -72,7 +73,7 @@ std::string stop_list(const std::vector<int>& stops) {
 // "18 no board, 1 residual 2.4 px (20)".
 std::string reasons_text(const std::vector<Exclusion>& left_out) {
   constexpr std::size_t kShown = 3;
-  const std::vector<ReasonGroup> groups = by_reason(left_out);
+  const std::vector<words::ReasonGroup> groups = words::by_reason(left_out);
   std::string text;
   for (std::size_t i = 0; i < groups.size() && i < kShown; ++i) {
     text += text.empty() ? "" : ", ";
@@ -86,8 +87,7 @@ std::string reasons_text(const std::vector<Exclusion>& left_out) {
 std::string left_out_text(const CameraUse& use) {
   if (use.left_out.empty()) return use.used == 0 ? "no image" : "";
   const std::vector<Exclusion> images = of_depth(use.left_out, false);
-  std::vector<Exclusion> depth = of_depth(use.left_out, true);
-  for (Exclusion& exclusion : depth) exclusion.reason.erase(0, std::string(kDepthReason).size());
+  const std::vector<Exclusion> depth = of_depth(use.left_out, true);
   std::string text;
   if (!images.empty()) text = std::to_string(images.size()) + " left out: " + reasons_text(images);
   if (depth.empty()) return text;
@@ -95,30 +95,10 @@ std::string left_out_text(const CameraUse& use) {
          " left out: " + reasons_text(depth);
 }
 
-// "left: z unobservable" for every camera is one thing to say.
-std::vector<std::string> shared_reasons(const Result& result) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> cameras_by_reason;
-  for (const std::string& reason : result.reasons) {
-    const std::string head = reason.substr(0, reason.find(": "));
-    const bool of_camera =
-        std::any_of(result.use.begin(), result.use.end(), [&head](const CameraUse& use) { return use.camera == head; });
-    const std::string what = of_camera ? reason.substr(head.size() + 2) : reason;
-    auto known = std::find_if(cameras_by_reason.begin(), cameras_by_reason.end(),
-                              [&what](const auto& entry) { return entry.first == what; });
-    if (known == cameras_by_reason.end()) known = cameras_by_reason.insert(known, {what, {}});
-    if (of_camera) known->second.push_back(head);
-  }
+std::vector<std::string> names_of(const Result& result) {
   std::vector<std::string> names;
   for (const CameraUse& use : result.use) names.push_back(use.camera);
-  const std::string every = joined(names) + ": ";  // as some methods begin such a reason themselves
-  std::vector<std::string> texts;
-  for (const auto& [reason, cameras] : cameras_by_reason) {
-    const bool of_every = names.size() > 1 && reason.rfind(every, 0) == 0;
-    const std::string what = of_every ? "all cameras: " + reason.substr(every.size()) : reason;
-    const bool all = cameras.size() > 1 && cameras.size() == result.use.size();
-    texts.push_back(cameras.empty() ? what : (all ? "all cameras" : joined(cameras)) + ": " + what);
-  }
-  return texts;
+  return names;
 }
 
 std::vector<std::string> pose_lines(const Result& result) {
@@ -231,7 +211,7 @@ std::string use_in_short(const Result& result) {
   }
   std::string text = std::to_string(used) + " used, " + std::to_string(left_out.size()) + " left out";
   if (left_out.empty()) return text;
-  const std::vector<ReasonGroup> groups = by_reason(left_out);
+  const std::vector<words::ReasonGroup> groups = words::by_reason(left_out);
   return text + " (" + (groups.size() > 1 ? "mostly " : "") + groups.front().reason + ")";
 }
 
@@ -251,14 +231,14 @@ void print_use(const Terminal& terminal, const Result& result) {
 
 void print_result(const Terminal& terminal, const Result& result) {
   print_use(terminal, result);
-  for (const std::string& reason : shared_reasons(result))
+  for (const std::string& reason : words::sentences_of(result.reasons, names_of(result)))
     terminal.line(terminal.colored("REFUSED", Color::kBad) + "  " + reason);
   if (result.status == ResultStatus::kSolved)
     for (const std::string& line : pose_lines(result)) terminal.line(line);
   else
     print_usable(terminal, result);
   print_also_estimated(terminal, result);
-  for (const std::string& note : result.notes)
+  for (const std::string& note : words::sentences_of(result.notes, names_of(result)))
     terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + note);
 }
 
@@ -266,10 +246,14 @@ void print_also_estimated(const Terminal& terminal, const Result& result) {
   for (const std::string& line : also_estimated_lines(result)) terminal.line(line);
 }
 
+nlohmann::json json_of(const std::vector<Finding>& findings) {
+  return nlohmann::json::parse(findings_json(findings, words::sentence_of));
+}
+
 std::string result_as_json(const Result& result) {
   nlohmann::json json = {{"method", result.method}, {"status", result_status_name(result.status)}};
-  json["reasons"] = result.reasons;
-  json["notes"] = result.notes;
+  json["reasons"] = json_of(result.reasons);
+  json["notes"] = json_of(result.notes);
   json["camera_to_robot"] = nlohmann::json::array();
   json["camera_to_camera"] = nlohmann::json::array();
   for (const EstimatedTransform& transform : result.camera_to_robot)
@@ -286,7 +270,11 @@ std::string result_as_json(const Result& result) {
   for (const CameraUse& use : result.use) {
     nlohmann::json camera = {{"camera", use.camera}, {"used", use.used}, {"left_out", nlohmann::json::array()}};
     for (const Exclusion& exclusion : use.left_out)
-      camera["left_out"].push_back({{"stop", exclusion.stop}, {"file", exclusion.file}, {"reason", exclusion.reason}});
+      camera["left_out"].push_back({{"stop", exclusion.stop},
+                                    {"file", exclusion.file},
+                                    {"code", exclusion.why.code},
+                                    {"depth", exclusion.depth},
+                                    {"sentence", words::sentence_of(exclusion.why)}});
     json["use"].push_back(camera);
   }
   return json.dump(2);

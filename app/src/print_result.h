@@ -1,6 +1,7 @@
 // A calibration result as a person reads it.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ void print_result(const Terminal& terminal, const Result& result);
 
 /// What was estimated beside the poses, if anything.
 void print_also_estimated(const Terminal& terminal, const Result& result);
+
+/// Findings as a JSON list, in words beside.
+nlohmann::json json_of(const std::vector<Finding>& findings);
 
 /// The same as one JSON document, transforms as in the result file.
 std::string result_as_json(const Result& result);

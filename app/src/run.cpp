@@ -9,11 +9,12 @@
 #include "observing.h"
 #include "print_result.h"
 #include "rigproof/core/error.h"
-#include "rigproof/study/external.h"
-#include "rigproof/study/inspect.h"
-#include "rigproof/study/workflow.h"
+#include "rigproof/study/report/inspect.h"
+#include "rigproof/study/workflow/external.h"
+#include "rigproof/study/workflow/workflow.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/proof.h"
+#include "rigproof/words/sentences.h"
 
 namespace rigproof {
 namespace {
@@ -35,7 +36,7 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
   std::vector<Comparison> comparisons;
   for (const auto& method : methods_by_name(arguments.methods, {run.results(), [] { return !interrupted(); }})) {
     const Result result = run_with_progress(*method, input, terminal);
-    save_result(result, run.result_file(result.method));
+    save_result(result, run.result_file(result.method), words::sentence_of);
     *all_solved = *all_solved && result.status == ResultStatus::kSolved;
     terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s));
     if (result.status == ResultStatus::kSolved)
@@ -47,9 +48,9 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     comparisons.push_back(verdict.comparison);
     Comparison shown = verdict.comparison;
     if (result.status != ResultStatus::kSolved) shown.reasons.clear();  // print_result() gave them
-    terminal.text(format_errors(shown, &verdict.gate));
+    terminal.text(format_errors(shown, &verdict.gate, words::sentence_of));
     terminal.text(format_suspicion(verdict.comparison));
-    terminal.text(format_verdict(verdict.comparison, verdict.gate, budget));
+    terminal.text(format_verdict(verdict.comparison, verdict.gate, budget, words::sentence_of));
     terminal.text(format_same_run(verdict.comparison, budget, comparisons));
     const auto report = gates ? judge_acceptance(terminal, *method, result, input.observations, *gates) : std::nullopt;
     if (report) records.push_back(acceptance_record(result, *report, gates->criteria));
@@ -89,10 +90,10 @@ int run_command(const RunArguments& arguments) {
   bool all_solved = true;
   const std::vector<ValidationRecord> records =
       solve_and_judge(arguments, run, method_input(input, observations, vision, common.jobs), terminal, &all_solved);
-  if (!arguments.junit.empty()) save_junit(records, arguments.junit);
+  if (!arguments.junit.empty()) save_junit(records, arguments.junit, words::sentence_of);
   write_pictures({input, observations, load_truth(run.truth_file()), load_results(run.results())}, run.pictures());
   terminal.line("pictures   " + run.pictures().string());
-  if (common.json) std::puts(to_json(records).c_str());
+  if (common.json) std::puts(to_json(records, words::sentence_of).c_str());
   if (!all_solved) return static_cast<int>(ExitCode::kRefused);
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);
 }

@@ -5,7 +5,7 @@
 #include "commands.h"
 #include "rigproof/core/error.h"
 #include "rigproof/sim/models.h"
-#include "rigproof/study/check_scene.h"
+#include "rigproof/study/report/check_scene.h"
 #include "terminal.h"
 
 namespace rigproof {

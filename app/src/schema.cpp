@@ -1,80 +1,120 @@
 // `rigproof schema`.
-#include <algorithm>
 #include <cstdio>
-#include <functional>
-#include <map>
 
 #include "commands.h"
-#include "rigproof/calib/accept.h"
-#include "rigproof/calib/ml_settings.h"
-#include "rigproof/core/data_path.h"
+#include "output_schemas.h"
+#include "print_result.h"
+#include "rigproof/calib/diagnose/ml_settings.h"
+#include "rigproof/calib/plan/accept.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/fields.h"
-#include "rigproof/core/files.h"
+#include "rigproof/core/file_schemas.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/config.h"
-#include "rigproof/study/external.h"
-#include "rigproof/study/sweep_config.h"
+#include "rigproof/generator/sensor_device.h"
+#include "rigproof/sim/model_schemas.h"
+#include "rigproof/study/sweep/config.h"
+#include "rigproof/study/workflow/external.h"
+#include "rigproof/truth/truth_schema.h"
 #include "rigproof/validate/budget.h"
+#include "rigproof/validate/proof.h"
 
 namespace rigproof {
 namespace {
 
-constexpr const char* kSuffix = ".schema.json";
-
-// Made from the declarations of the fields, so that they cannot fall behind the program.
-const std::map<std::string, std::function<std::string()>>& generated_schemas() {
-  static const std::map<std::string, std::function<std::string()>> schemas = {
-      {"run",
-       [] {
-         GenerateConfig config;
-         return schema_of_fields("Rigproof run", [&config](FieldVisitor& visitor) { config.visit(visitor); });
-       }},
-      {"budget", budget_schema},
-      {"accept", accept_criteria_schema},
-      {"external", external_config_schema},
-      {"ml", ml_settings_schema},
-      {"sweep", sweep_config_schema}};
-  return schemas;
+std::string sensor_file_schema() {
+  SensorDevice device;
+  return sensor_schema([&device](FieldVisitor& visitor) { device.visit(visitor); });
 }
 
-std::filesystem::path schema_folder() { return data_folder() / "config" / "schema"; }
+struct FileSchema {
+  const char* name;
+  const char* summary;
+  std::string (*make)();
+};
 
-std::vector<std::string> schema_names() {
+// What a person writes.
+const std::vector<FileSchema> kWritten = {
+    {"run", "a run: what `generate`, `sense` and `run` take", generate_config_schema},
+    {"rig", "rig.yaml: cameras, board and odometry of a recording", rig_schema},
+    {"accept", "limits on what `calibrate` states: --accept", accept_criteria_schema},
+    {"budget", "limits on the error: `validate --budget`", budget_schema},
+    {"ml", "settings of the method ml: ml:FILE.yaml", ml_settings_schema},
+    {"external", "a method from outside: external:FILE.yaml", external_config_schema},
+    {"sweep", "what `sweep start` takes", sweep_config_schema},
+    {"board", "models/boards/NAME.yaml", board_schema},
+    {"sensor", "models/sensors/NAME.yaml", sensor_file_schema},
+    {"simulated_rig", "models/rigs/NAME.yaml: cameras on a robot", rig_model_schema},
+    {"robot", "models/robots/NAME.yaml", robot_schema},
+    {"scene", "scenes/NAME.yaml", scene_schema}};
+
+// What the program writes.
+const std::vector<FileSchema> kProduced = {
+    {"result", "results/METHOD.yaml", result_schema},
+    {"observations", "observations.json", observations_schema},
+    {"manifest", "run.yaml of a run", manifest_schema},
+    {"truth", "truth/truth.yaml of a run", truth_schema},
+    {"proof", "truth/proof.yaml of a run", proof_schema},
+    {"calibrate_output", "`calibrate --json`", calibrate_output_schema},
+    {"validate_output", "`validate --json` and `run --json`", validate_output_schema},
+    {"observe_output", "`observe --json`", observe_output_schema},
+    {"moved_output", "`moved --json`", moved_output_schema},
+    {"suggest_output", "`suggest --json`", suggest_output_schema}};
+
+const char* const kAll = "all";
+const char* const kWrittenTitle = "What you write";
+const char* const kProducedTitle = "What rigproof writes";
+
+const FileSchema& find_schema(const std::string& name) {
   std::vector<std::string> names;
-  for (const auto& [name, make] : generated_schemas()) names.push_back(name);
-  const std::string suffix = kSuffix;
-  if (std::filesystem::is_directory(schema_folder())) {
-    for (const auto& entry : std::filesystem::directory_iterator(schema_folder())) {
-      const std::string file = entry.path().filename().string();
-      if (file.size() <= suffix.size() || file.substr(file.size() - suffix.size()) != suffix) continue;
-      names.push_back(file.substr(0, file.size() - suffix.size()));
+  for (const auto* list : {&kWritten, &kProduced})
+    for (const FileSchema& schema : *list) {
+      if (name == schema.name) return schema;
+      names.emplace_back(schema.name);
     }
-  }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
+  throw Error("schema " + for_message(name) + ": there is none; " + suggestion(name, names));
 }
 
-std::string without_last_line_feed(std::string text) {
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
+void list_schemas() {
+  for (const auto& [title, list] : {std::pair(kWrittenTitle, &kWritten), std::pair(kProducedTitle, &kProduced)}) {
+    std::printf("%s\n", title);
+    for (const FileSchema& schema : *list) std::printf("  %-18s%s\n", schema.name, schema.summary);
+  }
+  std::printf("%s prints a table of every key of all of them, in Markdown\n", kAll);
+}
+
+std::string page_of(const FileSchema& schema) {
+  const YamlTree tree = parse_yaml(schema.make(), schema.name);
+  const YamlTree* include = tree.find("properties") == nullptr ? nullptr : tree.find("properties")->find("include");
+  return std::string("\n### ") + schema.name + "\n\n" + tree.find("title")->scalar + ", version " +
+         tree.find("version")->scalar + ". " + schema.summary + "." +
+         (include == nullptr ? "" : " `include: FILE` takes another file first.") + "\n\n" + field_table(tree);
 }
 
 }  // namespace
 
-int schema_command(const std::string& name) {
-  const std::vector<std::string> names = schema_names();
-  if (name.empty()) {
-    for (const std::string& known : names) std::puts(known.c_str());
-    return 0;
+std::string schema_reference_page() {
+  std::string page =
+      "# Files: every key\n\nMade by `rigproof schema all` from the descriptions that the program reads and "
+      "writes its files by; a test keeps it current. `rigproof schema NAME` prints the JSON Schema of a file for your "
+      "editor. "
+      "In "
+      "keys, NAME stands for a name of yours and [] for each element of a list. A distribution is a number, "
+      "`{uniform: [a, b]}`, `{normal: {mean: m, stddev: s}}` or `{choice: [..]}`.\n";
+  for (const auto& [title, list] : {std::pair(kWrittenTitle, &kWritten), std::pair(kProducedTitle, &kProduced)}) {
+    page += std::string("\n## ") + title + "\n";
+    for (const FileSchema& schema : *list) page += page_of(schema);
   }
-  if (std::find(names.begin(), names.end(), name) == names.end())
-    throw Error("schema " + for_message(name) + ": there is none; " + suggestion(name, names));
-  const auto generated = generated_schemas().find(name);
-  const std::string text =
-      generated != generated_schemas().end() ? generated->second() : read_text_file(schema_folder() / (name + kSuffix));
-  std::puts(without_last_line_feed(text).c_str());
+  return page;
+}
+
+int schema_command(const std::string& name) {
+  if (name == kAll)
+    std::fputs(schema_reference_page().c_str(), stdout);
+  else if (name.empty())
+    list_schemas();
+  else
+    std::fputs(find_schema(name).make().c_str(), stdout);
   return 0;
 }
 

@@ -1,5 +1,5 @@
 // `rigproof suggest`.
-#include "rigproof/calib/suggest.h"
+#include "rigproof/calib/plan/suggest.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,15 @@
 
 #include "observing.h"
 #include "print_result.h"
-#include "rigproof/calib/ml_settings.h"
+#include "rigproof/calib/diagnose/ml_settings.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/yaml.h"
-#include "rigproof/study/workflow.h"
+#include "rigproof/study/workflow/workflow.h"
 #include "rigproof/truth/stop_at.h"
 #include "rigproof/validate/figures.h"
+#include "rigproof/words/sentences.h"
 #include "uncertainty_commands.h"
 
 namespace rigproof {
@@ -95,7 +96,7 @@ std::string worst_text(const Suggestion& suggestion) {
 void print(const Terminal& terminal, const Suggestion& suggestion, const Observations& observations) {
   terminal.line(std::to_string(observations.cameras.size()) + " cameras x " +
                 std::to_string(observations.stops.size()) + " stops: " + result_status_name(suggestion.status_now));
-  for (const std::string& reason : suggestion.reasons_now) terminal.line("NOW      " + reason);
+  for (const std::string& reason : words::sentences_of(suggestion.reasons_now)) terminal.line("NOW      " + reason);
   for (std::size_t i = 0; i < suggestion.stops.size(); ++i) {
     const SuggestedStop& stop = suggestion.stops[i];
     terminal.line((i == 0 ? terminal.colored("NEXT", Color::kGood) : std::string("    ")) + "  " + (i < 9 ? " " : "") +
@@ -106,8 +107,8 @@ void print(const Terminal& terminal, const Suggestion& suggestion, const Observa
   const std::string worst = worst_text(suggestion);
   terminal.line(std::string("THEN     ") + result_status_name(suggestion.status_then) +
                 (worst.empty() ? "" : "; " + worst));
-  for (const std::string& reason : suggestion.reasons_then) terminal.line("         " + reason);
-  for (const std::string& note : suggestion.notes)
+  for (const std::string& reason : words::sentences_of(suggestion.reasons_then)) terminal.line("         " + reason);
+  for (const std::string& note : words::sentences_of(suggestion.notes))
     terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + note);
 }
 
@@ -123,9 +124,9 @@ nlohmann::json sigmas_as_json(const AxisSigmas& sigmas) {
 std::string as_json(const Suggestion& suggestion, const Observations& observations) {
   nlohmann::json json = {{"status_now", result_status_name(suggestion.status_now)},
                          {"status_then", result_status_name(suggestion.status_then)},
-                         {"reasons_now", suggestion.reasons_now},
-                         {"reasons_then", suggestion.reasons_then},
-                         {"notes", suggestion.notes},
+                         {"reasons_now", json_of(suggestion.reasons_now)},
+                         {"reasons_then", json_of(suggestion.reasons_then)},
+                         {"notes", json_of(suggestion.notes)},
                          {"stops", nlohmann::json::array()},
                          {"cameras", nlohmann::json::array()}};
   for (const SuggestedStop& stop : suggestion.stops) {

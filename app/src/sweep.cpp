@@ -1,5 +1,5 @@
 // `rigproof sweep`.
-#include "rigproof/study/sweep.h"
+#include "rigproof/study/sweep/sweep.h"
 
 #include <cstdio>
 #include <nlohmann/json.hpp>

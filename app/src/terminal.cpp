@@ -44,9 +44,7 @@ std::string formatted(const char* format, double value) {
 }  // namespace
 
 Terminal::Terminal(bool quiet)
-    : quiet_(quiet),
-      is_terminal_(isatty(STDOUT_FILENO) != 0),
-      use_color_(is_terminal_ && std::getenv("NO_COLOR") == nullptr) {}
+    : quiet_(quiet), use_color_(isatty(STDOUT_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr) {}
 
 void Terminal::line(const std::string& text) const { this->text(text + "\n"); }
 

@@ -22,11 +22,9 @@ class Terminal {
   /// The text in a colour, where the output is a terminal.
   std::string colored(const std::string& text, Color color) const;
   bool quiet() const { return quiet_; }
-  bool is_terminal() const { return is_terminal_; }
 
  private:
   bool quiet_;
-  bool is_terminal_;
   bool use_color_;
 };
 

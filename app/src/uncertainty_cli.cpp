@@ -1,8 +1,7 @@
 // The command line of `suggest` and `moved`.
-#include <CLI/CLI.hpp>
-#include <memory>
-
+#include "command_line.h"
 #include "number_in.h"
+#include "rigproof/formats/format.h"
 #include "uncertainty_commands.h"
 
 namespace rigproof {
@@ -10,97 +9,90 @@ namespace {
 
 constexpr double kFarthest_m = 1000.0;  // no robot drives farther to see a board
 
-void add_common_options(CLI::App* command, CommonArguments& common) {
-  command->add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
-  command->add_flag("--json", common.json, "Print JSON for machines instead of text");
-  command->add_option("-j,--jobs", common.jobs, "Threads for reading images; 0 = one a core")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-}
-
 void add_places(CLI::App* command, SuggestArguments& arguments) {
   command
       ->add_option("--area", arguments.area_m,
                    "Free floor, metres in the frame of the robot at the first stop: X_MIN X_MAX Y_MIN Y_MAX")
       ->expected(4)
       ->check(number_in(-kFarthest_m, kFarthest_m));
-  command->add_option("--reach", arguments.reach_m, "Without --area: metres beyond where the robot has stood")
+  command
+      ->add_option("--reach", arguments.reach_m,
+                   "Without --area: how far beyond the places where it has stood the robot may go, metres")
       ->check(number_in(0.01, kFarthest_m))
       ->capture_default_str();
-  command->add_option("--clearance", arguments.clearance_m, "Metres between the robot's origin and the board")
+  command
+      ->add_option("--clearance", arguments.clearance_m,
+                   "Least distance between the robot's origin and the board, metres")
       ->check(number_in(0.0, kFarthest_m))
       ->capture_default_str();
   command
       ->add_option("--min-turn", arguments.min_turn_deg,
-                   "Smaller turns are not asked for, degrees, unless the board would be missed")
+                   "Degrees; smaller turns are asked for only where the board would be missed without")
       ->check(number_in(0.0, 90.0))
       ->capture_default_str();
   command->add_option("--min-cameras", arguments.min_cameras, "Cameras that see the whole board from every stop")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command->add_option("--candidates", arguments.candidates, "Places among which is chosen")
+  command->add_option("--candidates", arguments.candidates, "Number of random places to choose from")
       ->check(CLI::Range(10, 100000))
       ->capture_default_str();
-  command->add_option("--seed", arguments.seed, "Of the places")->capture_default_str();
+  command->add_option("--seed", arguments.seed, "Seed of the random places")->capture_default_str();
 }
 
-void add_suggest(CLI::App& app, std::function<int()>& action) {
-  CLI::App* command = app.add_subcommand("suggest", "The next stops that shrink the worst uncertainty most, to drive");
-  command->footer("Example:\n  rigproof suggest monday/ --stops 3 --area -1 2 -1.5 1.5");
-  auto arguments = std::make_shared<SuggestArguments>();
+void add_suggest(CLI::App& app, Action& action) {
+  const auto [command, arguments] =
+      add_command(app, action, "suggest", "Suggest the next stops, those that shrink the worst uncertainty most",
+                  "rigproof suggest monday/ --stops 3 --area -1 2 -1.5 1.5", suggest_command);
+  command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(false))->required();
+  command->add_option("-k,--stops", arguments.stops, "Number of stops to suggest")
+      ->check(CLI::Range(1, 20))
+      ->capture_default_str();
   command
-      ->add_option("INPUT", arguments->input,
-                   "A run, a recording, an observations.json, or a folder in the MEMROC layout")
-      ->required();
-  command->add_option("-k,--stops", arguments->stops, "How many")->check(CLI::Range(1, 20))->capture_default_str();
-  command
-      ->add_option("--criterion", arguments->criterion,
-                   "worst: the largest axis over what is accepted; D: the volume; E: the largest principal axis")
+      ->add_option("--criterion", arguments.criterion,
+                   "What to shrink: worst, the largest standard deviation relative to what is accepted; D, the "
+                   "determinant of the "
+                   "covariance; E, its largest eigenvalue")
       ->check(CLI::IsMember({"worst", "D", "E"}))
       ->capture_default_str();
-  command->add_option("-o,--output", arguments->output,
+  command->add_option("-o,--output", arguments.output,
                       "Write all stops as a configuration that `rigproof generate` replays");
   command
-      ->add_option("-m,--method", arguments->method,
-                   "As `calibrate` is asked for it: ml, ml:KEY=VALUE,.. or ml:FILE.yaml, whose priors count")
+      ->add_option(
+          "-m,--method", arguments.method,
+          "The method that `calibrate` will be asked for: ml, ml:KEY=VALUE,.. or ml:FILE.yaml, with its priors")
       ->capture_default_str();
-  add_places(command, *arguments);
-  add_common_options(command, arguments->common);
-  command->callback([arguments, &action] { action = [arguments] { return suggest_command(*arguments); }; });
+  add_places(command, arguments);
+  add_common(command, arguments.common);
+  add_jobs(command, arguments.common, "Threads for reading images; 0 = one for each core");
 }
 
-void add_moved(CLI::App& app, std::function<int()>& action) {
-  CLI::App* command =
-      app.add_subcommand("moved", "Has a camera shifted since a previous calibration? One to five stops answer");
-  command->footer(
-      "Exit codes: 0 nothing moved, 1 a camera moved, 3 the images cannot tell.\n"
-      "Example:\n  rigproof moved tuesday/ monday/results/ml.yaml");
-  auto arguments = std::make_shared<MovedArguments>();
+void add_moved(CLI::App& app, Action& action) {
+  const auto [command, arguments] = add_command(
+      app, action, "moved", "Has a camera shifted since an earlier calibration? One to five new stops answer",
+      "rigproof moved tuesday/ monday/results/ml.yaml", moved_command,
+      "Exit codes: 0 nothing moved, 1 a camera moved, 3 the images cannot tell.\n");
+  command->add_option("INPUT", arguments.input, "New images: " + inputs_in_words(false))->required();
+  command->add_option("RESULT", arguments.previous, "The earlier result, with its uncertainty")->required();
   command
-      ->add_option("INPUT", arguments->input,
-                   "New images: a run, a recording, an observations.json, or MEMROC's layout")
-      ->required();
-  command->add_option("RESULT", arguments->previous, "The previous result, with its uncertainty")->required();
-  command
-      ->add_option("--significance", arguments->significance_percent,
-                   "Percentage of false alarms where nothing moved, of all cameras together")
+      ->add_option("--significance", arguments.significance_percent,
+                   "Probability of a false alarm where nothing moved, of all cameras together, per cent")
       ->check(number_in(1e-7, 49.0))
       ->capture_default_str();
   command
-      ->add_option("--smallest-cm", arguments->smallest_cm,
-                   "A shift of one camera that must show, with 90 % probability; else it cannot be told")
+      ->add_option("--smallest-cm", arguments.smallest_cm,
+                   "A camera \"cannot tell\" where a shift of this size would show with less than 90 % probability")
       ->check(number_in(1e-4, 1e4))
       ->capture_default_str();
-  command->add_option("--smallest-deg", arguments->smallest_deg, "A turn of one camera that must show")
+  command->add_option("--smallest-deg", arguments.smallest_deg, "The same for a turn")
       ->check(number_in(1e-4, 180.0))
       ->capture_default_str();
-  add_common_options(command, arguments->common);
-  command->callback([arguments, &action] { action = [arguments] { return moved_command(*arguments); }; });
+  add_common(command, arguments.common);
+  add_jobs(command, arguments.common, "Threads for reading images; 0 = one for each core");
 }
 
 }  // namespace
 
-void add_uncertainty_commands(CLI::App& app, std::function<int()>& action) {
+void add_uncertainty_commands(CLI::App& app, Action& action) {
   add_suggest(app, action);
   add_moved(app, action);
 }

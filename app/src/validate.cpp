@@ -8,9 +8,10 @@
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
-#include "rigproof/study/workflow.h"
+#include "rigproof/study/workflow/workflow.h"
 #include "rigproof/validate/bound.h"
 #include "rigproof/validate/format.h"
+#include "rigproof/words/sentences.h"
 #include "terminal.h"
 
 namespace rigproof {
@@ -64,7 +65,7 @@ Budget budget_of(const std::filesystem::path& file) {
   std::error_code ignored;
   const std::string shipped = "budgets/" + file.stem().string();
   const std::vector<std::string> presets = list_presets("config");
-  const bool is_shipped = !file.has_parent_path() && !std::filesystem::exists(file, ignored) &&
+  const bool is_shipped = !file.has_parent_path() && !std::filesystem::is_regular_file(file, ignored) &&
                           std::find(presets.begin(), presets.end(), shipped) != presets.end();
   return load_budget(find_data_file("config", is_shipped ? shipped : file.string()));
 }
@@ -82,13 +83,13 @@ int validate_command(const ValidateArguments& arguments) {
     const Verdict verdict = judge(load_result(file), truth, budget);
     records.push_back({subject_of(file, arguments), verdict.comparison, budget, verdict.gate});
   }
-  if (!arguments.junit.empty()) save_junit(records, arguments.junit);
-  if (arguments.common.json) std::puts(to_json(records).c_str());
+  if (!arguments.junit.empty()) save_junit(records, arguments.junit, words::sentence_of);
+  if (arguments.common.json) std::puts(to_json(records, words::sentence_of).c_str());
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   const std::vector<Comparison> same_run = comparisons_of_run(run, truth, records);
   for (const ValidationRecord& record : records) {
     if (&record != &records.front()) terminal.line();
-    terminal.text(format_validation(record.comparison, record.gate, record.budget, record.subject));
+    terminal.text(format_validation(record.comparison, record.gate, record.budget, record.subject, words::sentence_of));
     terminal.text(format_same_run(record.comparison, record.budget, same_run));
     if (arguments.paper) terminal.text(format_paper(record.comparison));
   }

@@ -1,38 +1,43 @@
 #include "rigproof/core/exclusions.h"
 
 #include <algorithm>
-#include <map>
 
 namespace rigproof {
 namespace {
 
-// What stands in brackets differs from frame to frame.
-std::string without_brackets(const std::string& reason) { return reason.substr(0, reason.find(" (")); }
+// Figures differ from frame to frame; text tells one reason from another.
+bool same_reason(const Finding& a, const Finding& b) {
+  const auto texts_of = [](const Finding& finding) {
+    FindingValues texts;
+    std::copy_if(finding.values.begin(), finding.values.end(), std::back_inserter(texts),
+                 [](const FindingValue& value) { return std::holds_alternative<std::string>(value.value); });
+    return texts;
+  };
+  return a.code == b.code && texts_of(a) == texts_of(b);
+}
+
+void leave_out_what_differs(const Finding& other, Finding* finding) {
+  FindingValues& values = finding->values;
+  values.erase(std::remove_if(values.begin(), values.end(),
+                              [&](const FindingValue& value) {
+                                const FindingValue* same = other.find(value.name);
+                                return same == nullptr || !(*same == value);
+                              }),
+               values.end());
+}
+
+std::vector<Finding> reasons_of(const std::vector<Exclusion>& exclusions) {
+  std::vector<Finding> reasons;
+  for (const Exclusion& exclusion : exclusions) reasons.push_back(exclusion.why);
+  return reasons;
+}
 
 }  // namespace
-
-bool concerns_depth(const Exclusion& exclusion) { return exclusion.reason.rfind(kDepthReason, 0) == 0; }
-
-std::vector<ReasonGroup> by_reason(const std::vector<Exclusion>& left_out) {
-  std::map<std::string, std::vector<const Exclusion*>> alike;
-  for (const Exclusion& exclusion : left_out) alike[without_brackets(exclusion.reason)].push_back(&exclusion);
-  std::vector<ReasonGroup> groups;
-  for (const auto& [reason, exclusions] : alike) {
-    const std::string& whole = exclusions.front()->reason;
-    const bool same = std::all_of(exclusions.begin(), exclusions.end(),
-                                  [&whole](const Exclusion* exclusion) { return exclusion->reason == whole; });
-    groups.push_back({same ? whole : reason, {}});
-    for (const Exclusion* exclusion : exclusions) groups.back().stops.push_back(exclusion->stop);
-  }
-  std::stable_sort(groups.begin(), groups.end(),
-                   [](const ReasonGroup& a, const ReasonGroup& b) { return a.stops.size() > b.stops.size(); });
-  return groups;
-}
 
 std::vector<Exclusion> of_depth(const std::vector<Exclusion>& all, bool depth) {
   std::vector<Exclusion> chosen;
   std::copy_if(all.begin(), all.end(), std::back_inserter(chosen),
-               [depth](const Exclusion& exclusion) { return concerns_depth(exclusion) == depth; });
+               [depth](const Exclusion& exclusion) { return exclusion.depth == depth; });
   return chosen;
 }
 
@@ -43,34 +48,44 @@ std::vector<Exclusion> exclusions_of(const std::vector<Exclusion>& all, int came
   return mine;
 }
 
-std::string why_no_view(const std::vector<Exclusion>& all, int camera) {
-  constexpr std::size_t kShown = 3;
+std::vector<Finding> counted(const std::vector<Finding>& findings) {
+  std::vector<std::pair<int, Finding>> groups;
+  for (const Finding& finding : findings) {
+    const auto known = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& group) { return same_reason(group.second, finding); });
+    if (known == groups.end()) {
+      groups.emplace_back(1, finding);
+    } else {
+      ++known->first;
+      leave_out_what_differs(finding, &known->second);
+    }
+  }
+  std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
+    return std::make_pair(-a.first, a.second.code) < std::make_pair(-b.first, b.second.code);
+  });
+  std::vector<Finding> reasons;
+  for (const auto& [count, finding] : groups) reasons.push_back(finding.with({{"count", count}}));
+  return reasons;
+}
+
+Finding with_lack_of_views(Finding finding, const std::vector<Exclusion>& all, int camera) {
   const std::vector<Exclusion> images = of_depth(exclusions_of(all, camera), false);
-  if (images.empty()) return "the board is in none of its images";
-  const std::vector<ReasonGroup> groups = by_reason(images);
-  std::string reasons;
-  for (std::size_t i = 0; i < groups.size() && i < kShown; ++i)
-    reasons +=
-        (i == 0 ? "" : ", ") + std::to_string(groups[i].stops.size()) + ": " + without_brackets(groups[i].reason);
-  if (groups.size() > kShown) reasons += ", ..";
+  finding = finding.with({{"images", images.size()}});
+  if (images.empty()) return finding;
   // Only what no odometry meets belongs to no stop.
   const auto without_stop =
       std::count_if(images.begin(), images.end(), [](const Exclusion& exclusion) { return exclusion.stop < 0; });
   const bool clock = 2 * static_cast<std::size_t>(without_stop) >= images.size();
-  return "none of its " + std::to_string(images.size()) + " images is used (" + reasons + "); " +
-         (clock ? "give stamps in seconds of the odometry's clock, and odometry beside them"
-                : "let it see the whole board");
+  return finding.with({{"remedy", clock ? "clock" : "aim"}}).by(counted(reasons_of(images)));
 }
 
-std::string why_no_depth(const std::vector<Exclusion>& all, int camera) {
+Finding with_lack_of_depth(Finding finding, const std::vector<Exclusion>& all, int camera) {
   const std::vector<Exclusion> depth = of_depth(exclusions_of(all, camera), true);
-  if (depth.empty()) return "";
-  const std::string most = without_brackets(by_reason(depth).front().reason);
-  const auto example = std::find_if(depth.begin(), depth.end(), [&most](const Exclusion& exclusion) {
-    return without_brackets(exclusion.reason) == most;
-  });
-  return ": depth of " + std::to_string(depth.size()) + " images is left out, as of " + example->file + ": " +
-         example->reason.substr(std::string(kDepthReason).size());
+  if (depth.empty()) return finding;
+  const Finding most = counted(reasons_of(depth)).front();
+  const auto example = std::find_if(depth.begin(), depth.end(),
+                                    [&most](const Exclusion& exclusion) { return same_reason(exclusion.why, most); });
+  return finding.with({{"images", depth.size()}, {"file", example->file}}).by({example->why});
 }
 
 }  // namespace rigproof

@@ -1,276 +1,129 @@
 #include "rigproof/core/fields.h"
 
-#include <algorithm>
-#include <cmath>
 #include <set>
 
-#include "rigproof/core/data_path.h"
 #include "rigproof/core/includes.h"
-#include "rigproof/core/yaml.h"
 
 namespace rigproof {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxIncludeDepth = 16;
-const char* const kUniform = "uniform";
-const char* const kNormal = "normal";
-const char* const kChoice = "choice";
-
-bool is_distribution(const YamlTree& tree) {
-  return tree.is_map() && tree.entries.size() == 1 &&
-         (tree.find(kUniform) != nullptr || tree.find(kNormal) != nullptr || tree.find(kChoice) != nullptr);
-}
-
-// What `over` says wins; blocks are merged key by key, anything else (lists, distributions) is replaced whole.
-void merge_into(YamlTree* base, YamlTree over) {
-  const bool replaced = !base->is_map() || !over.is_map() || is_distribution(*base) || is_distribution(over);
-  if (replaced) {
-    *base = std::move(over);
-    return;
-  }
-  for (auto& [key, value] : over.entries) {
-    const auto same = [&key = key](const auto& entry) { return entry.first == key; };
-    const auto place = std::find_if(base->entries.begin(), base->entries.end(), same);
-    if (place == base->entries.end())
-      base->entries.emplace_back(key, std::move(value));
-    else
-      merge_into(&place->second, std::move(value));
-  }
-  base->file = over.file;
-  base->line = over.line;
-}
-
-std::vector<std::string> included_names(const YamlTree& include, Problems* problems) {
-  std::vector<std::string> names;
-  const auto add = [&](const YamlTree& item) {
-    if (const auto name = read_text(item, "include", {}, problems)) names.push_back(*name);
-  };
-  if (include.is_sequence())
-    std::for_each(include.items.begin(), include.items.end(), add);
-  else
-    add(include);
-  return names;
-}
-
-// Relative to the including file, else a preset of config/.
-fs::path included_file(const std::string& name, const YamlTree& include) {
-  const fs::path beside = fs::path(include.file).parent_path() / name;
-  std::error_code ignored;
-  if (fs::is_regular_file(beside, ignored)) return beside;
-  try {
-    return find_data_file("config", name);
-  } catch (const Error& error) {
-    throw Error(Problem{include.file, include.line, "include", for_message(name),
-                        "there is no such file beside this one, and no preset: " + std::string(error.what())}
-                    .text());
-  }
-}
-
-YamlTree with_includes(YamlTree tree, int depth) {
-  const YamlTree* include = tree.find("include");
-  if (include == nullptr) return tree;
-  if (depth >= kMaxIncludeDepth)
-    throw Error(Problem{tree.file, include->line, "include", "", "files include each other without end"}.text());
-  Problems problems;
-  YamlTree merged = YamlTree::map();
-  for (const std::string& name : included_names(*include, &problems))
-    merge_into(&merged, with_includes(read_yaml_file(included_file(name, *include)), depth + 1));
-  problems.throw_if_any();
-  const auto is_include = [](const auto& entry) { return entry.first == "include"; };
-  tree.entries.erase(std::remove_if(tree.entries.begin(), tree.entries.end(), is_include), tree.entries.end());
-  merge_into(&merged, std::move(tree));
-  return merged;
-}
-
 // ---------------------------------------------------------------------------------------------------------- reading
 
 class Reader : public FieldVisitor {
  public:
-  Reader(const YamlTree& tree, const std::string& path, Problems* problems) : map_(tree, path, problems) {}
+  Reader(const YamlTree& tree, const std::string& path, Problems* problems)
+      : tree_(tree), path_(path), problems_(problems) {}
+  /// Of a block that is not there: nothing is missing in it.
+  static Reader of_nothing(const YamlTree& nothing, const std::string& path, Problems* problems) {
+    Reader reader(nothing, path, problems);
+    reader.is_absent_ = true;
+    return reader;
+  }
 
-  void field(const char* key, double& value, const NumberRange& range, const char*) override {
-    if (const auto number = map_.number(key, range)) value = *number;
+  void value(const char* key, const FieldValue& value, const char*) override {
+    const YamlTree* tree = map().find(key);
+    if (tree == nullptr) return;
+    const std::size_t before = problems_->all().size();
+    value.read(*tree, map().path_of(key), problems_);
+    if (problems_->all().size() > before) refused_.insert(key);
   }
-  void field(const char* key, std::int64_t& value, const NumberRange& range, const char*) override {
-    if (const auto number = map_.integer(key, range)) value = *number;
+  void section(const char* key, const VisitFields& visit, const char*) override {
+    const YamlTree* tree = map().find(key);
+    const YamlTree nothing;
+    Reader reader = tree != nullptr ? Reader(*tree, map().path_of(key), problems_)
+                                    : of_nothing(nothing, map().path_of(key), problems_);
+    visit(reader);
+    reader.finish();
   }
-  void field(const char* key, bool& value, const char*) override {
-    if (const auto boolean = map_.boolean(key)) value = *boolean;
-  }
-  void field(const char* key, std::string& value, const TextChoices& choices, const char*) override {
-    const auto text = map_.text(key, choices.choices);
-    if (text) value = *text;
-    if (!text && map_.has(key)) refused_.insert(key);
-  }
-  void field(const char* key, Distribution& value, const NumberRange& range, const char*) override;
-  void field(const char* key, std::vector<double>& value, const NumberRange& range, std::size_t size_min,
-             std::size_t size_max, const char*) override {
-    if (const auto numbers = map_.numbers(key, size_min, size_max, range)) value = *numbers;
-  }
-  void field(const char* key, std::vector<std::string>& value, const char*) override {
-    if (const auto texts = map_.texts(key)) value = *texts;
-  }
-  void section(const char* key, const std::function<void(FieldVisitor&)>& visit, const char*) override;
   void list(const char* key, const std::function<std::size_t()>& size, const std::function<void(std::size_t)>& resize,
             const std::function<void(std::size_t, FieldVisitor&)>& visit, const char*) override;
-  void check(bool holds, const char* key, const std::string& message) override {
-    // What has no value because its text was refused is not missing as well.
-    if (!holds && refused_.count(key) == 0) map_.problem(key, message);
+  void map(const char* key, const FieldMap& entries, const char*) override;
+  bool instead(const TextInstead& text) override {
+    if (!tree_.is_scalar()) return false;
+    is_text_ = true;
+    try {
+      if (const auto read = read_text(tree_, path_, text.choices, problems_)) text.read(*read);
+    } catch (const Error& error) {
+      problems_->add({tree_.file, tree_.line, path_, tree_.shown(), error.what()});
+    }
+    return true;
   }
-  void finish() { map_.finish(); }
-  void know(const char* key) { map_.find(key); }
+  bool takes(const char* key, bool) override { return map().has(key); }
+  void check(bool holds, const char* key, const std::string& message) override {
+    // What has no value because it was refused is not missing as well.
+    if (!holds && refused_.count(key) == 0) map().problem(key, message);
+  }
+  void require(const char* key, const std::string& allowed) override {
+    if (!is_absent_) map().require(key, allowed);
+  }
+  void tolerate(const char* prefix) override { tolerated_ = prefix; }
+  const YamlTree* given(const char* key) override { return tree_.find(key); }
+  Problems* problems() override { return problems_; }
+
+  void know(const char* key) { map().find(key); }
+  void finish() {
+    if (!is_text_) map().finish(tolerated_);
+  }
 
  private:
-  MapReader map_;
+  // Not before a text in its stead was looked for: what is no block is told here.
+  MapReader& map() {
+    if (!map_) map_.emplace(tree_, path_, problems_);
+    return *map_;
+  }
+
+  const YamlTree& tree_;
+  const std::string path_;
+  Problems* problems_;
+  std::optional<MapReader> map_;
   std::set<std::string> refused_;
+  std::string tolerated_;
+  bool is_absent_ = false;
+  bool is_text_ = false;
 };
-
-// Built in place: g++ with sanitizers takes the move of a variant for a read of what it does not hold.
-template <typename Kind>
-std::optional<Distribution> distribution_of(Kind kind) {
-  std::optional<Distribution> distribution;
-  distribution.emplace(Distribution::Kind(std::in_place_type<Kind>, std::move(kind)));
-  return distribution;
-}
-
-std::optional<Distribution> read_uniform(const YamlTree& tree, const std::string& path, Problems* problems) {
-  const auto ends = read_numbers(tree, path, 2, 2, {}, problems);
-  if (!ends) return std::nullopt;
-  if ((*ends)[0] <= (*ends)[1]) return distribution_of(Distribution::Uniform{(*ends)[0], (*ends)[1]});
-  problems->add({tree.file, tree.line, path, number_text((*ends)[0]) + ", " + number_text((*ends)[1]),
-                 "must be [low, high] with low <= high"});
-  return std::nullopt;
-}
-
-std::optional<Distribution> read_normal(const YamlTree& tree, const std::string& path, Problems* problems) {
-  MapReader map(tree, path, problems);
-  map.require("mean", "a number");
-  map.require("stddev", "a number, >= 0");
-  const auto mean = map.number("mean");
-  const auto stddev = map.number("stddev", {0.0});
-  map.finish();
-  if (!mean || !stddev) return std::nullopt;
-  return distribution_of(Distribution::Normal{*mean, *stddev});
-}
-
-std::optional<Distribution> read_choice(const YamlTree& tree, const std::string& path, Problems* problems) {
-  const auto values = read_numbers(tree, path, 1, 10000, {}, problems);
-  if (!values) return std::nullopt;
-  return distribution_of(Distribution::Choice{*values});
-}
-
-std::optional<Distribution> read_distribution(const YamlTree& tree, const std::string& path, Problems* problems) {
-  if (tree.is_scalar()) {
-    const auto number = read_number(tree, path, {}, problems);
-    return number ? std::optional<Distribution>(*number) : std::nullopt;
-  }
-  if (!is_distribution(tree)) {
-    problems->add({tree.file, tree.line, path, tree.shown(),
-                   "must be a number, {uniform: [low, high]}, {normal: {mean: m, stddev: s}} or {choice: [..]}"});
-    return std::nullopt;
-  }
-  const auto& [kind, value] = tree.entries.front();
-  const std::string inner = path + "." + kind;
-  if (kind == kUniform) return read_uniform(value, inner, problems);
-  return kind == kNormal ? read_normal(value, inner, problems) : read_choice(value, inner, problems);
-}
-
-void Reader::field(const char* key, Distribution& value, const NumberRange& range, const char*) {
-  const YamlTree* tree = map_.find(key);
-  if (tree == nullptr) return;
-  const auto distribution = read_distribution(*tree, map_.path_of(key), &map_.problems());
-  if (!distribution) return;
-  const double low = distribution->lowest(), high = distribution->highest();
-  if (low >= range.min && high <= range.max) {
-    value = *distribution;
-    return;
-  }
-  const bool constant = tree->is_scalar();
-  const std::string drawn = "draws from " + number_text(low) + " to " + number_text(high) + ", ";
-  map_.problem(key, (constant ? "" : drawn) + "allowed is " + range_text(range));
-}
-
-void Reader::section(const char* key, const std::function<void(FieldVisitor&)>& visit, const char*) {
-  const YamlTree* tree = map_.find(key);
-  if (tree == nullptr || tree->is_null()) {
-    // Checks that concern several fields hold for defaults, too.
-    const YamlTree nothing;
-    Reader reader(nothing, map_.path_of(key), &map_.problems());
-    visit(reader);
-    return;
-  }
-  Reader reader(*tree, map_.path_of(key), &map_.problems());
-  visit(reader);
-  if (tree->is_map()) reader.finish();
-}
 
 void Reader::list(const char* key, const std::function<std::size_t()>&, const std::function<void(std::size_t)>& resize,
                   const std::function<void(std::size_t, FieldVisitor&)>& visit, const char*) {
-  const YamlTree* tree = map_.find(key);
+  const YamlTree* tree = map().find(key);
   if (tree == nullptr) return;
-  if (!tree->is_sequence()) {
-    map_.problem(key, "must be a list of blocks");
-    return;
-  }
+  if (!tree->is_sequence()) return map().problem(key, "must be a list of blocks");
   // Through zero, so that every element starts from its defaults.
   resize(0);
   resize(tree->items.size());
   for (std::size_t i = 0; i < tree->items.size(); ++i) {
-    Reader reader(tree->items[i], map_.path_of(key) + "[" + std::to_string(i) + "]", &map_.problems());
+    Reader reader(tree->items[i], map().path_of(key) + "[" + std::to_string(i) + "]", problems_);
     visit(i, reader);
+    reader.finish();
+  }
+}
+
+void Reader::map(const char* key, const FieldMap& entries, const char*) {
+  const YamlTree* tree = map().find(key);
+  if (tree == nullptr) return;
+  MapReader all(*tree, map().path_of(key), problems_);
+  const std::size_t size = tree->entries.size();
+  if (size < entries.size_min || size > entries.size_max) all.problem("", entries.size_rule);
+  if (size > entries.size_max) return;
+  for (const auto& [name, entry] : tree->entries) {
+    if (entries.is_name && !entries.is_name(name)) all.problem(name, entries.name_rule);
+    Reader reader(entry, all.path_of(name), problems_);
+    if (!entry.is_sequence() && !entry.is_scalar()) entries.visit(name, reader);
     reader.finish();
   }
 }
 
 // ---------------------------------------------------------------------------------------------------------- writing
 
-YamlTree tree_of(const Distribution& distribution) {
-  YamlTree tree = YamlTree::inline_map();
-  struct {
-    YamlTree& tree;
-    void operator()(double constant) const { tree = YamlTree::number(constant); }
-    void operator()(const Distribution::Uniform& u) const { tree.set(kUniform, YamlTree::numbers({u.low, u.high})); }
-    void operator()(const Distribution::Normal& n) const {
-      YamlTree& normal = tree.set(kNormal, YamlTree::inline_map());
-      normal.set("mean", YamlTree::number(n.mean));
-      normal.set("stddev", YamlTree::number(n.standard_deviation));
-    }
-    void operator()(const Distribution::Choice& c) const { tree.set(kChoice, YamlTree::numbers(c.values)); }
-  } write{tree};
-  std::visit(write, distribution.kind());
-  return tree;
-}
-
 class Writer : public FieldVisitor {
  public:
   explicit Writer(YamlTree* map) : map_(map) {}
 
-  void field(const char* key, double& value, const NumberRange&, const char*) override {
-    map_->set(key, YamlTree::number(value));
+  void value(const char* key, const FieldValue& value, const char*) override {
+    if (auto tree = value.write()) map_->set(key, std::move(*tree));
   }
-  void field(const char* key, std::int64_t& value, const NumberRange&, const char*) override {
-    map_->set(key, YamlTree::integer(value));
-  }
-  void field(const char* key, bool& value, const char*) override { map_->set(key, YamlTree::boolean(value)); }
-  void field(const char* key, std::string& value, const TextChoices&, const char*) override {
-    map_->set(key, YamlTree::text(value));
-  }
-  void field(const char* key, Distribution& value, const NumberRange&, const char*) override {
-    map_->set(key, tree_of(value));
-  }
-  void field(const char* key, std::vector<double>& value, const NumberRange&, std::size_t, std::size_t,
-             const char*) override {
-    map_->set(key, YamlTree::numbers(value));
-  }
-  void field(const char* key, std::vector<std::string>& value, const char*) override {
-    YamlTree list = YamlTree::sequence();
-    list.flow = true;
-    for (const std::string& text : value) list.add(YamlTree::text(text));
-    map_->set(key, std::move(list));
-  }
-  void section(const char* key, const std::function<void(FieldVisitor&)>& visit, const char*) override {
+  void section(const char* key, const VisitFields& visit, const char*) override {
     Writer writer(&map_->set(key, YamlTree::map()));
     visit(writer);
   }
@@ -282,45 +135,90 @@ class Writer : public FieldVisitor {
       visit(i, writer);
     }
   }
-  void check(bool, const char*, const std::string&) override {}
+  void map(const char* key, const FieldMap& entries, const char*) override {
+    YamlTree& map = map_->set(key, YamlTree::map());
+    for (const std::string& name : entries.names()) {
+      Writer writer(&map.set(name, YamlTree::map()));
+      entries.visit(name, writer);
+    }
+  }
+  bool instead(const TextInstead& text) override {
+    const std::optional<std::string> written = text.write();
+    if (written) *map_ = YamlTree::text(*written);
+    return written.has_value();
+  }
+  bool takes(const char*, bool has_value) override { return has_value; }
+  void on_one_line() override { map_->flow = true; }
 
  private:
   YamlTree* map_;
 };
 
-void read_tree(YamlTree tree, const VisitFields& visit) {
-  tree = with_includes(std::move(tree), 0);
+// "" for an empty text, the number of its entries for a list of blocks.
+void flatten(const YamlTree& tree, const std::string& path, std::map<std::string, std::string>* leaves) {
+  const std::string inner = path.empty() ? "" : path + ".";
+  if (tree.is_map() && !tree.flow) {
+    for (const auto& [key, value] : tree.entries) flatten(value, inner + key, leaves);
+  } else if (tree.is_sequence() && !tree.flow) {
+    (*leaves)[path] = std::to_string(tree.items.size()) + " entries";
+    for (std::size_t i = 0; i < tree.items.size(); ++i)
+      flatten(tree.items[i], path + "[" + std::to_string(i) + "]", leaves);
+  } else {
+    (*leaves)[path] = tree.is_scalar() ? (tree.scalar.empty() ? "''" : tree.scalar) : emit_yaml_line(tree);
+  }
+}
+
+void read_tree(const YamlTree& tree, const VisitFields& visit) {
   Problems problems;
-  Reader reader(tree, "", &problems);
-  reader.know("$schema");
-  visit(reader);
-  reader.finish();
+  read_fields_of_block(tree, "", &problems, visit);
   problems.sort();
   problems.throw_if_any();
 }
 
 }  // namespace
 
-void read_fields(const fs::path& file, const VisitFields& visit) { read_tree(read_yaml_file(file), visit); }
+void read_fields(const fs::path& file, const VisitFields& visit) {
+  read_tree(resolve_includes(read_yaml_file(file)), visit);
+}
 
 void read_fields_from_text(const std::string& text, const fs::path& file, const VisitFields& visit) {
-  read_tree(parse_yaml(text, file), visit);
+  read_tree(resolve_includes(parse_yaml(text, file)), visit);
 }
+
+void read_fields_of_tree(const YamlTree& tree, const VisitFields& visit) { read_tree(tree, visit); }
 
 void read_fields_of_block(const YamlTree& block, const std::string& path, Problems* problems,
                           const VisitFields& visit) {
   Reader reader(block, path, problems);
+  // A file may name its schema.
+  if (path.empty()) reader.know("$schema");
   visit(reader);
-  if (block.is_map()) reader.finish();
+  reader.finish();
 }
 
-YamlTree resolve_includes(YamlTree tree) { return with_includes(std::move(tree), 0); }
-
-std::string write_fields(const VisitFields& visit) {
+YamlTree tree_of_fields(const VisitFields& visit) {
   YamlTree tree = YamlTree::map();
   Writer writer(&tree);
   visit(writer);
-  return emit_yaml(tree);
+  return tree;
+}
+
+std::string write_fields(const VisitFields& visit) { return emit_yaml(tree_of_fields(visit)); }
+
+std::vector<FieldDifference> field_differences(const YamlTree& there, const YamlTree& here) {
+  std::map<std::string, std::string> a, b;
+  flatten(there, "", &a);
+  flatten(here, "", &b);
+  std::vector<FieldDifference> differences;
+  const auto text_at = [](const std::map<std::string, std::string>& leaves, const std::string& path) {
+    const auto found = leaves.find(path);
+    return found == leaves.end() ? std::string("nothing") : found->second;
+  };
+  for (const auto& [path, value] : a)
+    if (text_at(b, path) != value) differences.push_back({path, value, text_at(b, path)});
+  for (const auto& [path, value] : b)
+    if (a.count(path) == 0) differences.push_back({path, "nothing", value});
+  return differences;
 }
 
 }  // namespace rigproof

@@ -1,133 +1,374 @@
-// JSON Schema (draft 7) from the same declaration that reads and writes a configuration.
-#include <cmath>
-#include <nlohmann/json.hpp>
+// JSON Schema (draft 7) from the same description that reads and writes a file, and what a page says of it.
+#include <limits>
+#include <set>
 
 #include "rigproof/core/fields.h"
 
 namespace rigproof {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-void add_range(Json* schema, const NumberRange& range) {
-  if (std::isfinite(range.min)) (*schema)["minimum"] = range.min;
-  if (std::isfinite(range.max)) (*schema)["maximum"] = range.max;
-}
-
-Json number_schema(const NumberRange& range) {
-  Json schema{{"type", "number"}};
-  add_range(&schema, range);
+YamlTree object_schema(YamlTree properties) {
+  YamlTree schema = YamlTree::map();
+  schema.set("type", YamlTree::text("object"));
+  schema.set("additionalProperties", YamlTree::boolean(false));
+  schema.set("properties", std::move(properties));
   return schema;
 }
 
-Json object_schema(Json properties) {
-  return {{"type", "object"}, {"additionalProperties", false}, {"properties", std::move(properties)}};
-}
-
-Json list_schema(Json items, std::size_t size_min, std::size_t size_max) {
-  Json schema{{"type", "array"}, {"items", std::move(items)}, {"minItems", size_min}};
-  if (size_max != std::numeric_limits<std::size_t>::max()) schema["maxItems"] = size_max;
+YamlTree text_schema(const TextInstead& text) {
+  YamlTree schema = YamlTree::map();
+  schema.set("type", YamlTree::text("string"));
+  if (!text.choices.empty()) schema.set("enum", YamlTree::texts(text.choices));
+  schema.set("description", YamlTree::text(text.description));
   return schema;
-}
-
-Json only(const char* key, Json value) {
-  Json schema = object_schema({{key, std::move(value)}});
-  schema["required"] = {key};
-  return schema;
-}
-
-Json distribution_schema(const NumberRange& range) {
-  const Json number = number_schema(range);
-  Json normal = object_schema({{"mean", number}, {"stddev", number_schema({0.0})}});
-  normal["required"] = {"mean", "stddev"};
-  const Json uniform = list_schema(number, 2, 2);
-  const Json choice = list_schema(number, 1, std::numeric_limits<std::size_t>::max());
-  return {{"anyOf", {number, only("uniform", uniform), only("normal", normal), only("choice", choice)}}};
-}
-
-Json default_of(const Distribution& distribution) {
-  struct {
-    Json operator()(double constant) const { return constant; }
-    Json operator()(const Distribution::Uniform& u) const { return {{"uniform", {u.low, u.high}}}; }
-    Json operator()(const Distribution::Normal& n) const {
-      return {{"normal", {{"mean", n.mean}, {"stddev", n.standard_deviation}}}};
-    }
-    Json operator()(const Distribution::Choice& c) const { return {{"choice", c.values}}; }
-  } to_json;
-  return std::visit(to_json, distribution.kind());
 }
 
 class SchemaWriter : public FieldVisitor {
  public:
-  void field(const char* key, double& value, const NumberRange& range, const char* description) override {
-    add(key, number_schema(range), description, value);
+  void value(const char* key, const FieldValue& value, const char* description) override {
+    YamlTree schema = value.schema();
+    schema.set("description", YamlTree::text(description));
+    const std::optional<YamlTree> usual = value.write();
+    if (usual && required_.count(key) == 0) schema.set("default", *usual);
+    properties_.set(key, std::move(schema));
   }
-  void field(const char* key, std::int64_t& value, const NumberRange& range, const char* description) override {
-    Json schema{{"type", "integer"}};
-    add_range(&schema, range);
-    add(key, schema, description, value);
-  }
-  void field(const char* key, bool& value, const char* description) override {
-    add(key, {{"type", "boolean"}}, description, value);
-  }
-  void field(const char* key, std::string& value, const TextChoices& choices, const char* description) override {
-    Json schema{{"type", "string"}};
-    if (!choices.choices.empty()) schema["enum"] = choices.choices;
-    add(key, schema, description, value);
-  }
-  void field(const char* key, Distribution& value, const NumberRange& range, const char* description) override {
-    add(key, distribution_schema(range), description, default_of(value));
-  }
-  void field(const char* key, std::vector<double>& value, const NumberRange& range, std::size_t size_min,
-             std::size_t size_max, const char* description) override {
-    add(key, list_schema(number_schema(range), size_min, size_max), description, value);
-  }
-  void field(const char* key, std::vector<std::string>& value, const char* description) override {
-    add(key, {{"type", "array"}, {"items", {{"type", "string"}}}}, description, value);
-  }
-  void section(const char* key, const std::function<void(FieldVisitor&)>& visit, const char* description) override {
-    SchemaWriter inner;
-    visit(inner);
-    Json schema = object_schema(inner.properties());
-    schema["description"] = description;
-    properties_[key] = std::move(schema);
+  void section(const char* key, const VisitFields& visit, const char* description) override {
+    add_block(key, schema_of_block(visit), description);
   }
   void list(const char* key, const std::function<std::size_t()>& size, const std::function<void(std::size_t)>& resize,
             const std::function<void(std::size_t, FieldVisitor&)>& visit, const char* description) override {
     const bool empty = size() == 0;
     if (empty) resize(1);
-    SchemaWriter inner;
-    visit(0, inner);
+    YamlTree schema = YamlTree::map();
+    schema.set("type", YamlTree::text("array"));
+    schema.set("items", schema_of_block([&visit](FieldVisitor& inner) { visit(0, inner); }));
     if (empty) resize(0);
-    properties_[key] = {{"type", "array"}, {"items", object_schema(inner.properties())}, {"description", description}};
+    add_block(key, std::move(schema), description);
   }
-  void check(bool, const char*, const std::string&) override {}
+  void map(const char* key, const FieldMap& map, const char* description) override {
+    YamlTree schema = YamlTree::map();
+    schema.set("type", YamlTree::text("object"));
+    if (map.size_min > 0) schema.set("minProperties", YamlTree::integer(static_cast<std::int64_t>(map.size_min)));
+    if (map.size_max < FieldMap().size_max)
+      schema.set("maxProperties", YamlTree::integer(static_cast<std::int64_t>(map.size_max)));
+    if (!map.name_pattern.empty())
+      schema.set("propertyNames", YamlTree::map()).set("pattern", YamlTree::text(map.name_pattern));
+    schema.set("additionalProperties", schema_of_block(map.visit_default));
+    add_block(key, std::move(schema), description);
+  }
+  bool instead(const TextInstead& text) override {
+    instead_ = text_schema(text);
+    return false;
+  }
+  bool takes(const char*, bool) override { return true; }
+  void require(const char* key, const std::string&) override { required_.insert(key); }
+  void tolerate(const char* prefix) override { tolerated_ = prefix; }
 
-  Json& properties() { return properties_; }
+  YamlTree schema() const {
+    YamlTree schema = object_schema(properties_);
+    if (!tolerated_.empty()) schema.set("patternProperties", YamlTree::map()).set("^" + tolerated_, YamlTree::map());
+    if (!required_.empty()) schema.set("required", YamlTree::texts({required_.begin(), required_.end()}));
+    if (!instead_) return schema;
+    YamlTree either = YamlTree::map();
+    YamlTree& kinds = either.set("anyOf", YamlTree::sequence());
+    kinds.add(*instead_);
+    kinds.add(std::move(schema));
+    return either;
+  }
 
  private:
-  void add(const char* key, Json schema, const char* description, Json default_value) {
-    schema["description"] = description;
-    schema["default"] = std::move(default_value);
-    properties_[key] = std::move(schema);
+  void add_block(const char* key, YamlTree schema, const char* description) {
+    schema.set("description", YamlTree::text(description));
+    properties_.set(key, std::move(schema));
   }
 
-  Json properties_ = Json::object();
+  YamlTree properties_ = YamlTree::map();
+  std::set<std::string> required_;
+  std::string tolerated_;
+  std::optional<YamlTree> instead_;
 };
+
+YamlTree described(const char* type, const char* description) {
+  YamlTree schema = YamlTree::map();
+  schema.set("type", YamlTree::text(type));
+  schema.set("description", YamlTree::text(description));
+  return schema;
+}
+
+YamlTree include_schema() {
+  YamlTree name = YamlTree::map();
+  name.set("type", YamlTree::text("string"));
+  YamlTree names = YamlTree::map();
+  names.set("type", YamlTree::text("array"));
+  names.set("items", name);
+  YamlTree schema = YamlTree::map();
+  schema.set("description", YamlTree::text("File, or list of files, read first: relative to this one, or a preset."));
+  YamlTree& kinds = schema.set("anyOf", YamlTree::sequence());
+  kinds.add(std::move(name));
+  kinds.add(std::move(names));
+  return schema;
+}
+
+// --------------------------------------------------------------------------------------------------- schema from keys
+
+YamlTree schema_of_type(const std::string& type) {
+  const std::string null = " or null";
+  YamlTree schema = YamlTree::map();
+  if (type == "anything") return schema;
+  if (type.size() > null.size() && type.compare(type.size() - null.size(), null.size(), null) == 0) {
+    schema = schema_of_type(type.substr(0, type.size() - null.size()));
+    YamlTree either = YamlTree::map();
+    YamlTree& kinds = either.set("anyOf", YamlTree::sequence());
+    kinds.add(std::move(schema));
+    kinds.add(YamlTree::map()).set("type", YamlTree::text("null"));
+    return either;
+  }
+  if (type.find(" | ") != std::string::npos) {
+    schema.set("type", YamlTree::text("string"));
+    YamlTree& names = schema.set("enum", YamlTree::sequence());
+    for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 3) {
+      end = type.find(" | ", begin);
+      names.add(YamlTree::text(type.substr(begin, end - begin)));
+    }
+    return schema;
+  }
+  const bool is_list = type == "numbers" || type == "texts";
+  const std::string item = type == "numbers" ? "number" : type == "text" || type == "texts" ? "string" : type;
+  schema.set("type", YamlTree::text(is_list ? "array" : item));
+  if (is_list) schema.set("items", YamlTree::map()).set("type", YamlTree::text(item));
+  return schema;
+}
+
+// "a.b" is {a, b}; nothing remains of the last part.
+std::pair<std::string, std::string> split_path(const std::string& path) {
+  const std::size_t dot = path.find('.');
+  return {path.substr(0, dot), dot == std::string::npos ? "" : path.substr(dot + 1)};
+}
+
+YamlTree schema_of_lines(const std::vector<KeyLine>& lines);
+
+/// One key with what is said of it and below it, each line with what remains of its path.
+struct KeyPart {
+  std::string key;
+  bool is_list = false, is_optional = false;
+  std::vector<KeyLine> lines;
+};
+
+std::vector<KeyPart> parts_of(const std::vector<KeyLine>& lines) {
+  std::vector<KeyPart> parts;
+  for (const KeyLine& line : lines) {
+    const auto [part, rest] = split_path(line.path);
+    const std::string key = part.substr(0, part.find_first_of("[?"));
+    const auto same = [&key](const KeyPart& other) { return other.key == key; };
+    auto place = std::find_if(parts.begin(), parts.end(), same);
+    if (place == parts.end()) place = parts.insert(parts.end(), KeyPart{key, false, false, {}});
+    place->is_list = place->is_list || part.find("[]") != std::string::npos;
+    place->is_optional = place->is_optional || part.find('?') != std::string::npos;
+    place->lines.push_back({rest, line.type, line.description});
+  }
+  return parts;
+}
+
+YamlTree schema_of_part(const KeyPart& part) {
+  const bool is_leaf = part.lines.size() == 1 && part.lines.front().path.empty();
+  std::vector<KeyLine> inner;
+  std::string description;
+  for (const KeyLine& line : part.lines) {
+    if (line.path.empty())
+      description = line.description;
+    else
+      inner.push_back(line);
+  }
+  YamlTree schema = is_leaf ? schema_of_type(part.lines.front().type) : schema_of_lines(inner);
+  if (part.is_list) {
+    YamlTree list = YamlTree::map();
+    list.set("type", YamlTree::text("array"));
+    list.set("items", std::move(schema));
+    schema = std::move(list);
+  }
+  if (!description.empty()) schema.set("description", YamlTree::text(description));
+  return schema;
+}
+
+YamlTree schema_of_lines(const std::vector<KeyLine>& lines) {
+  YamlTree properties = YamlTree::map(), required = YamlTree::sequence();
+  YamlTree others = YamlTree::boolean(false);
+  for (const KeyPart& part : parts_of(lines)) {
+    if (part.key == "NAME") {
+      others = schema_of_part(part);
+      continue;
+    }
+    properties.set(part.key, schema_of_part(part));
+    if (!part.is_optional) required.add(YamlTree::text(part.key));
+  }
+  YamlTree schema = YamlTree::map();
+  schema.set("type", YamlTree::text("object"));
+  schema.set("additionalProperties", std::move(others));
+  schema.set("properties", std::move(properties));
+  if (!required.items.empty()) schema.set("required", std::move(required));
+  return schema;
+}
+
+YamlTree file_schema(const std::string& title, std::int64_t version, const YamlTree& block) {
+  YamlTree schema = YamlTree::map();
+  schema.set("$schema", YamlTree::text("http://json-schema.org/draft-07/schema#"));
+  schema.set("title", YamlTree::text(title));
+  schema.set("version", YamlTree::integer(version));
+  for (const auto& [key, value] : block.entries) schema.set(key, value);
+  return schema;
+}
+
+YamlTree* entry_of(YamlTree* tree, const std::string& key) {
+  for (auto& [name, value] : tree->entries)
+    if (name == key) return &value;
+  return nullptr;
+}
+
+// ------------------------------------------------------------------------------------------------- a schema in words
+
+std::string text_at(const YamlTree& schema, const std::string& key) {
+  const YamlTree* found = schema.find(key);
+  return found == nullptr ? "" : found->is_scalar() ? found->scalar : emit_yaml_line(*found);
+}
+
+// As keys end; the longer ending first.
+std::string unit_of(const std::string& key) {
+  static const std::vector<std::pair<std::string, const char*>> kUnits = {
+      {"_deg_s", "deg/s"}, {"_rad_s", "rad/s"}, {"_m_s2", "m/s^2"}, {"_m_s", "m/s"}, {"_per_m2", "1/m^2"},
+      {"_per_m", "1/m"},   {"_px2", "px^2"},    {"_px", "px"},      {"_deg", "deg"}, {"_rad", "rad"},
+      {"_percent", "%"},   {"_bytes", "bytes"}, {"_hz", "Hz"},      {"_kg", "kg"},   {"_mm", "mm"},
+      {"_cm", "cm"},       {"_ms", "ms"},       {"_m", "m"},        {"_s", "s"}};
+  for (const auto& [ending, unit] : kUnits)
+    if (key.size() > ending.size() && key.compare(key.size() - ending.size(), ending.size(), ending) == 0) return unit;
+  return "";
+}
+
+NumberRange range_of(const YamlTree& schema) {
+  NumberRange range;
+  if (const YamlTree* min = schema.find("minimum")) range.min = parse_number(min->scalar).value_or(range.min);
+  if (const YamlTree* max = schema.find("maximum")) range.max = parse_number(max->scalar).value_or(range.max);
+  if (schema.find("exclusiveMinimum") != nullptr) range.min = std::numeric_limits<double>::min();
+  return range;
+}
+
+std::string size_text(const YamlTree& schema) {
+  const std::string min = text_at(schema, "minItems"), max = text_at(schema, "maxItems");
+  if (min == max) return min.empty() ? "" : min + " ";
+  if (max.empty()) return min + " or more ";
+  return (min.empty() ? "up to " : min + " to ") + max + " ";
+}
+
+// Empty for none.
+std::string default_of(const YamlTree& schema) {
+  const std::string text = text_at(schema, "default");
+  return text.empty() && schema.find("default") != nullptr ? "empty" : text;
+}
+
+// {type, range} of a leaf.
+std::pair<std::string, std::string> type_of(const YamlTree& schema) {
+  if (const YamlTree* kinds = schema.find("anyOf")) {
+    if (kinds->items.size() == 4) return {"number or distribution", range_text(range_of(kinds->items.front()))};
+    std::vector<std::string> types;
+    for (const YamlTree& kind : kinds->items) types.push_back(type_of(kind).first);
+    return {joined(types, " or "), ""};
+  }
+  if (const YamlTree* constant = schema.find("const")) return {constant->scalar, ""};
+  if (const YamlTree* choices = schema.find("enum")) {
+    std::vector<std::string> names;
+    for (const YamlTree& name : choices->items) names.push_back(name.scalar);
+    return {joined(names, " \\| "), ""};
+  }
+  const std::string type = text_at(schema, "type");
+  if (type == "array") {
+    const YamlTree* items = schema.find("items");
+    if (items == nullptr) return {"list", ""};
+    const auto [item, range] = type_of(*items);
+    return {
+        "list of " + size_text(schema) + item + (item.back() == 's' || item.find(' ') != std::string::npos ? "" : "s"),
+        range};
+  }
+  if (type == "string") return {"text", ""};
+  if (type == "boolean") return {"true \\| false", ""};
+  if (type == "object") return {"block", ""};
+  if (type.empty()) return {"anything", ""};
+  return {type == "integer" ? "whole number" : type, range_text(range_of(schema))};
+}
+
+// The block among a schema's alternatives, or the schema itself.
+const YamlTree& block_of(const YamlTree& schema) {
+  if (const YamlTree* kinds = schema.find("anyOf"))
+    for (const YamlTree& kind : kinds->items)
+      if (kind.find("properties") != nullptr && kinds->items.size() == 2) return kind;
+  return schema;
+}
+
+void summarise(const YamlTree& schema, const std::string& path, const std::string& key, bool lists,
+               std::vector<FieldSummary>* fields) {
+  const YamlTree& block = block_of(schema);
+  const std::string inner = path.empty() ? "" : path + ".";
+  const YamlTree* properties = block.find("properties");
+  const YamlTree* items = block.find("items");
+  const YamlTree* by_name = block.find("additionalProperties");
+  const bool is_named = (properties == nullptr || properties->entries.empty()) && by_name != nullptr &&
+                        block_of(*by_name).find("properties") != nullptr;
+  const bool is_list = items != nullptr && block_of(*items).find("properties") != nullptr;
+  const bool is_block = properties != nullptr || (lists && (is_list || is_named));
+  const std::string description = text_at(schema, "description");
+  if (!path.empty() && (!is_block || !description.empty())) {
+    const auto [type, range] = type_of(schema);
+    fields->push_back({path, type, unit_of(key), range, default_of(schema), description, is_block});
+  }
+  if (properties != nullptr && !properties->entries.empty())
+    for (const auto& [name, property] : properties->entries) summarise(property, inner + name, name, lists, fields);
+  else if (lists && is_list)
+    summarise(block_of(*items), path + "[]", "", lists, fields);
+  else if (lists && is_named)
+    summarise(*by_name, inner + "NAME", "", lists, fields);
+}
 
 }  // namespace
 
-std::string schema_of_fields(const std::string& title, const VisitFields& visit) {
+YamlTree schema_of_block(const VisitFields& visit) {
   SchemaWriter writer;
   visit(writer);
-  Json& properties = writer.properties();
-  const Json name{{"type", "string"}};
-  properties["include"] = {{"description", "File, or list of files, read first: relative to this one, or a preset."},
-                           {"anyOf", {name, {{"type", "array"}, {"items", name}}}}};
-  properties["$schema"] = {{"type", "string"}, {"description", "Where this schema lies; for editors."}};
-  Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", title}};
-  schema.update(object_schema(properties));
-  return schema.dump(2) + "\n";
+  return writer.schema();
+}
+
+std::string schema_of_fields(const std::string& title, const VisitFields& visit, const SchemaOptions& options) {
+  YamlTree schema = file_schema(title, options.version, schema_of_block(visit));
+  const YamlTree more = schema_of_lines(options.more);
+  YamlTree* properties = entry_of(&schema, "properties");
+  if (properties == nullptr) return emit_json(schema, 2) + "\n";
+  for (const auto& [key, value] : more.find("properties")->entries) properties->set(key, value);
+  if (options.includes) properties->set("include", include_schema());
+  properties->set("$schema", described("string", "Where this schema lies; for editors."));
+  YamlTree* required = entry_of(&schema, "required");
+  if (required != nullptr && more.find("required") != nullptr)
+    for (const YamlTree& key : more.find("required")->items) required->add(key);
+  return emit_json(schema, 2) + "\n";
+}
+
+std::string schema_of_keys(const std::string& title, const std::vector<KeyLine>& keys, std::int64_t version) {
+  return emit_json(file_schema(title, version, schema_of_lines(keys)), 2) + "\n";
+}
+
+std::vector<FieldSummary> fields_of_schema(const YamlTree& schema, bool lists) {
+  std::vector<FieldSummary> fields;
+  summarise(schema, "", "", lists, &fields);
+  return fields;
+}
+
+std::string field_table(const YamlTree& schema) {
+  std::string table = "| key | type | unit | range | default | meaning |\n|---|---|---|---|---|---|\n";
+  for (const FieldSummary& field : fields_of_schema(schema)) {
+    if (field.path == "$schema" || field.path == "include") continue;
+    const std::string usual = field.default_text.empty() || field.default_text == "empty"
+                                  ? field.default_text
+                                  : "`" + field.default_text + "`";
+    table += "| `" + field.path + "` | " +
+             joined({field.type, field.unit, field.range, usual, field.description}, " | ") + " |\n";
+  }
+  return table;
 }
 
 }  // namespace rigproof

@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "finding_tree.h"
+#include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/text.h"
@@ -17,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t kMaxBytes = 512U << 20U;
 constexpr int kMaxDepth = 12;
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;  // 1: exclusions were in words
 constexpr std::size_t kMaxProblems = 50;
 const char* const kFormat = "rigproof-observations";
 
@@ -32,24 +34,6 @@ std::string numbers(const Values&... values) {
   std::string list;
   ((list += (list.empty() ? "" : ", ") + number(values)), ...);
   return "[" + list + "]";
-}
-
-std::string json_of(const YamlTree& tree) {
-  std::string out;
-  const auto separate = [&out] { out += out.empty() ? "" : ", "; };
-  switch (tree.kind) {
-    case YamlTree::Kind::kNull:
-      return "null";
-    case YamlTree::Kind::kScalar:
-      return tree.quoted ? text(tree.scalar) : tree.scalar;
-    case YamlTree::Kind::kSequence:
-      for (const YamlTree& item : tree.items) separate(), out += json_of(item);
-      return "[" + out + "]";
-    case YamlTree::Kind::kMap:
-      for (const auto& [key, value] : tree.entries) separate(), out += text(key) + ": " + json_of(value);
-      return "{" + out + "}";
-  }
-  return "null";
 }
 
 std::string json_of(const CornerObservation& corner) {
@@ -95,8 +79,10 @@ std::string json_of(const Stop& stop) {
 }
 
 std::string json_of(const Exclusion& exclusion) {
-  return head_of(exclusion.stop, exclusion.camera) + ", \"file\": " + text(exclusion.file) +
-         ", \"reason\": " + text(exclusion.reason) + "}";
+  YamlTree tree = YamlTree::map();
+  set_exclusion(exclusion, {}, &tree);
+  return head_of(exclusion.stop, exclusion.camera) + ", \"file\": " + text(exclusion.file) + ", " +
+         emit_json(tree, -1).substr(1);
 }
 
 // One element a line: readable, and a small change is a small difference.
@@ -107,24 +93,33 @@ std::string list_of(const std::vector<Element>& elements) {
   return elements.empty() ? "[]" : "[" + lines + "\n ]";
 }
 
-std::string cameras_of(const std::vector<RigCamera>& cameras) {
+// What rig.yaml has, too, in the same words.
+void visit_head(FieldVisitor& visitor, Observations& o) {
+  visitor.format(kFormat, kVersion);
+  visitor.field("source", o.source, TextChoices{}, "what they were observed in");
+  visitor.field("robot_frame", o.robot_frame, TextChoices{}, "name of the robot frame in results");
+  visitor.require("board", "{type, squares, square_mm}");
+  visitor.nested("board", o.board, "the calibration board");
+  visitor.nested("odometry_noise", o.odometry_noise, "what is known of the odometry's noise");
+  visitor.nested("accept", o.accept, "limits of rig.yaml on the stated uncertainty");
+  visitor.require("cameras", "an object of cameras by name");
+  visit_rig_cameras(visitor, {}, o.cameras);
+}
+
+std::string cameras_json(const YamlTree& cameras) {
   std::string lines;
-  for (const RigCamera& camera : cameras)
-    lines += (lines.empty() ? "\n  " : ",\n  ") + text(camera.name) + ": " + json_of(tree_of(camera));
+  for (const auto& [name, camera] : cameras.entries)
+    lines += (lines.empty() ? "\n  " : ",\n  ") + text(name) + ": " + emit_json(camera);
   return "{" + lines + "\n }";
 }
 
-std::string to_json(const Observations& o) {
-  std::string out = "{\"format\": " + text(kFormat) + ", \"version\": " + std::to_string(kVersion);
-  const auto add = [&out](const char* key, const std::string& value) {
-    out += ",\n \"" + std::string(key) + "\": " + value;
+std::string to_json(Observations o) {
+  std::string out;
+  const auto add = [&out](const std::string& key, const std::string& value) {
+    out += (out.empty() ? "{" : key == "version" ? ", " : ",\n ") + text(key) + ": " + value;
   };
-  add("source", text(o.source));
-  add("robot_frame", text(o.robot_frame));
-  add("board", json_of(tree_of(o.board)));
-  add("odometry_noise", json_of(tree_of(o.odometry_noise)));
-  if (o.accept) add("accept", json_of(tree_of(*o.accept)));
-  add("cameras", cameras_of(o.cameras));
+  const YamlTree head = tree_of_fields([&o](FieldVisitor& visitor) { visit_head(visitor, o); });
+  for (const auto& [key, value] : head.entries) add(key, key == "cameras" ? cameras_json(value) : emit_json(value));
   add("stops", list_of(o.stops));
   add("board_views", list_of(o.board_views));
   add("ground_planes", list_of(o.ground_planes));
@@ -239,6 +234,20 @@ class ElementReader {
     if (problems_->all().size() < kMaxProblems)
       problems_->add({file_, 0, key.empty() ? path_ : path_ + "." + key, shown(value), message});
   }
+  /// Entries that have the same reader in YAML.
+  template <typename Read>
+  void rest(const Read& read, const std::vector<std::string>& keys) {
+    YamlTree tree = YamlTree::map();
+    tree.file = file_;
+    for (const std::string& key : keys) {
+      if (!has(key.c_str())) continue;
+      tree.set(key, tree_of_json(json_.at(key), file_));
+      known_.push_back(key);
+    }
+    MapReader map(tree, path_, problems_);
+    read(&map);
+    map.finish();
+  }
   void finish() {
     if (!json_.is_object() || json_.size() == known_.size()) return;
     for (const auto& [key, value] : json_.items())
@@ -290,7 +299,7 @@ class ObservationsReader {
     read_list("board_views", &o_.board_views, [this](ElementReader& e) { return read_view(e); });
     read_list("ground_planes", &o_.ground_planes, [this](ElementReader& e) { return read_plane(e); });
     read_list("board_planes", &o_.board_planes, [this](ElementReader& e) { return read_plane(e); });
-    read_list("exclusions", &o_.exclusions, [this](ElementReader& e) { return read_exclusion(e); });
+    read_list("exclusions", &o_.exclusions, [this](ElementReader& e) { return read_left_out(e); });
     check_stamps();
     check_order(o_.board_views, "board_views");
     check_order(o_.ground_planes, "ground_planes");
@@ -307,33 +316,7 @@ class ObservationsReader {
                                                     "exclusions"};
     for (const auto& [key, value] : json_.items())
       if (std::find(kLists.begin(), kLists.end(), key) == kLists.end()) head.set(key, tree_of_json(value, file_));
-    MapReader map(head, "", &problems_);
-    map.require("format", kFormat);
-    map.text("format", {kFormat});
-    map.require("version", std::to_string(kVersion));
-    map.integer("version", {static_cast<double>(kVersion), static_cast<double>(kVersion)});
-    o_.source = map.text("source").value_or("");
-    o_.robot_frame = map.text("robot_frame").value_or(o_.robot_frame);
-    map.require("board", "{type, squares, square_mm}");
-    if (const YamlTree* board = map.find("board")) o_.board = read_board(*board, "board", &problems_);
-    read_noise_and_limits(map);
-    map.require("cameras", "an object of cameras by name");
-    if (const YamlTree* cameras = map.find("cameras"))
-      o_.cameras = read_rig_cameras(*cameras, "cameras", {}, &problems_);
-    map.finish();
-  }
-
-  void read_noise_and_limits(MapReader& map) {
-    if (const YamlTree* noise = map.find("odometry_noise")) {
-      MapReader block(*noise, "odometry_noise", &problems_);
-      o_.odometry_noise = read_odometry_noise(block);
-      block.finish();
-    }
-    if (const YamlTree* accept = map.find("accept")) {
-      MapReader block(*accept, "accept", &problems_);
-      o_.accept = read_accept_limits(block);
-      block.finish();
-    }
+    read_fields_of_block(head, "", &problems_, [this](FieldVisitor& visitor) { visit_head(visitor, o_); });
   }
 
   template <typename Element, typename Read>
@@ -426,12 +409,13 @@ class ObservationsReader {
     return plane;
   }
 
-  Exclusion read_exclusion(ElementReader& e) const {
+  Exclusion read_left_out(ElementReader& e) const {
     Exclusion exclusion;
     exclusion.stop = e.index("stop", -1, o_.stops.size());
     exclusion.camera = e.index("camera", 0, o_.cameras.size());
     exclusion.file = e.text("file");
-    exclusion.reason = e.text("reason");
+    e.rest([&exclusion](MapReader* map) { read_exclusion(map, &exclusion); },
+           {"code", "depth", "values", "because", "reason", "sentence"});
     return exclusion;
   }
 
@@ -483,6 +467,44 @@ Observations load_observations(const std::filesystem::path& file) {
   }
   if (!json.is_object()) throw Error(file.string() + ": must be an object with format " + kFormat);
   return ObservationsReader(json, file.string()).read();
+}
+
+std::string observations_schema() {
+  Observations o;
+  const std::vector<KeyLine> lists = {
+      {"stops[]", "", "where the robot took images, in the order of driving"},
+      {"stops[].stamp_s", "number", "of the robot's clock"},
+      {"stops[].x_m", "number", "of the odometry"},
+      {"stops[].y_m", "number", "of the odometry"},
+      {"stops[].yaw_rad", "number", "of the odometry"},
+      {"stops[].interpolation_sigma_m", "number", "of the interpolation between odometry's rows; 0 = a row was met"},
+      {"stops[].way[]?", "numbers", "[x_m, y_m, yaw_rad] of odometry's rows since the stop before, thinned"},
+      {"stops[].velocity_m_per_s?", "numbers", "[forward, left] of a robot that moves"},
+      {"stops[].yaw_rate_rad_per_s?", "number", "of a robot that moves"},
+      {"board_views[]", "", "the board as a camera sees it from a stop; sorted by stop, then camera"},
+      {"board_views[].stop", "integer", "index into stops"},
+      {"board_views[].camera", "integer", "index into cameras"},
+      {"board_views[].stamp_s", "number", "of the image"},
+      {"board_views[].file", "text", "the image"},
+      {"board_views[].corners[]", "numbers", "[id, u_px, v_px, cov_uu, cov_uv, cov_vv] of an inner corner"},
+      {"exclusions[]", "", "what is not used, and why"},
+      {"exclusions[].camera", "integer", "index into cameras"}};
+  SchemaOptions options{kVersion, false, lists};
+  for (const KeyLine& line : exclusion_keys("exclusions")) options.more.push_back(line);
+  for (const std::string list : {"ground_planes[]", "board_planes[]"})
+    for (const KeyLine& line :
+         std::vector<KeyLine>{{"", "", "planes in depth images: 1/z = a . (x/z, y/z, 1); sorted by stop, then camera"},
+                              {".stop", "integer", "index into stops"},
+                              {".camera", "integer", "index into cameras"},
+                              {".file", "text", "the depth image"},
+                              {".inverse_depth_plane_per_m", "numbers", "a, three numbers"},
+                              {".covariance_per_m2", "numbers", "of a: the upper triangle, row by row"},
+                              {".effective_points", "number", "independent measurements"},
+                              {".inlier_points", "integer", "points on the plane"},
+                              {".residual_rms_sigma", "number", "of them, in the sensor's sigmas"}})
+      options.more.push_back({list + line.path, line.type, line.description});
+  return schema_of_fields(
+      "Rigproof observations: observations.json", [&o](FieldVisitor& visitor) { visit_head(visitor, o); }, options);
 }
 
 void save_observations(const Observations& observations, const std::filesystem::path& file) {

@@ -1,19 +1,10 @@
 #include "rigproof/core/pdf.h"
 
 #include <array>
-#include <cstdint>
 #include <cstdio>
 
 namespace rigproof {
 namespace {
-
-// Of ' ' to '~' in thousandths of the size, by Adobe's metrics of the base fonts.
-constexpr std::array<int, 95> kWidths = {
-    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333,  278, 278, 556, 556, 556,
-    556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667,
-    611, 778, 722, 278, 500, 667, 556, 833, 722, 778, 667, 778, 722, 667,  611, 722, 667, 944, 667,
-    667, 611, 278, 278, 278, 469, 556, 333, 556, 556, 500, 556, 556, 278,  556, 556, 222, 222, 500,
-    222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500,  500, 334, 260, 334, 584};
 
 bool is_printable(char c) { return c >= ' ' && c <= '~'; }
 
@@ -50,12 +41,6 @@ std::string pdf_string(const std::string& words) {
     escaped += is_printable(c) ? c : '?';
   }
   return "(" + escaped + ")";
-}
-
-double helvetica_width(const std::string& words) {
-  int width = 0;
-  for (const char c : words) width += kWidths[static_cast<std::size_t>((is_printable(c) ? c : '?') - ' ')];
-  return 1e-3 * width;
 }
 
 std::string pdf_document(const PdfPage& page) {

@@ -4,6 +4,7 @@
 
 #include "csv.h"
 #include "frame_list.h"
+#include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/odometry_csv.h"
 #include "rigproof/core/rig_yaml.h"
@@ -14,61 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void read_odometry_key(MapReader& map, Rig* rig) {
-  const YamlTree* odometry = map.find("odometry");
-  if (odometry == nullptr) return;
-  if (odometry->is_scalar()) {
-    rig->odometry_file = odometry->scalar;
-    return;
-  }
-  MapReader block(*odometry, "odometry", &map.problems());
-  rig->odometry_file = block.text("file").value_or(rig->odometry_file);
-  if (const YamlTree* noise = block.find("noise")) {
-    MapReader noise_map(*noise, "odometry.noise", &map.problems());
-    rig->odometry_noise = read_odometry_noise(noise_map);
-    noise_map.finish();
-  }
-  block.finish();
-}
-
-Rig read_rig(const YamlTree& tree, const fs::path& folder, Problems* problems) {
-  Rig rig;
-  MapReader map(tree, "", problems);
-  map.find("$schema");
-  rig.name = map.text("name").value_or("");
-  rig.robot_frame = map.text("robot_frame").value_or(rig.robot_frame);
-  map.require("board", "{squares: [columns, rows], square_mm: side}");
-  if (const YamlTree* board = map.find("board")) rig.board = read_board(*board, "board", problems);
-  read_odometry_key(map, &rig);
-  map.require("cameras", "a map of cameras by name");
-  RigReadOptions options;
-  options.folder = folder;
-  if (const YamlTree* cameras = map.find("cameras"))
-    rig.cameras = read_rig_cameras(*cameras, "cameras", options, problems);
-  if (const YamlTree* accept = map.find("accept")) {
-    MapReader accept_map(*accept, "accept", problems);
-    rig.accept = read_accept_limits(accept_map);
-    accept_map.finish();
-  }
-  for (const RigCamera& camera : rig.cameras)
-    if (camera.name == rig.robot_frame)
-      map.problem("robot_frame", "is the name of a camera, too; frames must have names of their own");
-  map.finish("x-");
-  return rig;
-}
-
-YamlTree tree_of(const Rig& rig) {
-  YamlTree tree = YamlTree::map();
-  if (!rig.name.empty()) tree.set("name", YamlTree::text(rig.name));
-  tree.set("robot_frame", YamlTree::text(rig.robot_frame));
-  tree.set("board", rigproof::tree_of(rig.board));
-  YamlTree& odometry = tree.set("odometry", YamlTree::map());
-  odometry.set("file", YamlTree::text(rig.odometry_file));
-  odometry.set("noise", rigproof::tree_of(rig.odometry_noise));
-  YamlTree& cameras = tree.set("cameras", YamlTree::map());
-  for (const RigCamera& camera : rig.cameras) cameras.set(camera.name, rigproof::tree_of(camera));
-  if (rig.accept) tree.set("accept", rigproof::tree_of(*rig.accept));
-  return tree;
+void visit_odometry(FieldVisitor& visitor, Rig& rig) {
+  const auto read_file = [&rig](const std::string& file) { rig.odometry_file = file; };
+  if (visitor.instead({{}, "the file alone", read_file})) return;
+  visitor.field("file", rig.odometry_file, TextChoices{}, "CSV file inside of the recording: stamp_s,x_m,y_m,yaw_rad");
+  visitor.nested("noise", rig.odometry_noise, "what is known of its noise; what is left out is estimated");
 }
 
 // ----------------------------------------------------------------------------------------------------- segments.csv
@@ -118,22 +69,49 @@ fs::path rig_file(const fs::path& folder) { return folder / "rig.yaml"; }
 
 }  // namespace
 
+void visit_rig(FieldVisitor& visitor, const fs::path& folder, Rig& rig) {
+  visitor.optional("name", rig.name, "for people");
+  visitor.field("robot_frame", rig.robot_frame, TextChoices{}, "name of the robot frame in results");
+  visitor.require("board", "{squares: [columns, rows], square_mm: side}");
+  visitor.nested("board", rig.board, "the calibration board");
+  visitor.section(
+      "odometry", [&rig](FieldVisitor& block) { visit_odometry(block, rig); }, "what the wheels told");
+  visitor.require("cameras", "a map of cameras by name");
+  RigReadOptions options;
+  options.folder = folder;
+  visit_rig_cameras(visitor, options, rig.cameras);
+  visitor.nested("accept", rig.accept,
+                 "one sigma that calibrate may state of each camera in the robot; beyond it the exit code is 1");
+  for (const RigCamera& camera : rig.cameras)
+    visitor.check(camera.name != rig.robot_frame, "robot_frame",
+                  "is the name of a camera, too; frames must have names of their own");
+  visitor.tolerate("x-");
+}
+
+std::string rig_schema() {
+  Rig rig;
+  return schema_of_fields("Rigproof rig: rig.yaml of a recording",
+                          [&rig](FieldVisitor& visitor) { visit_rig(visitor, {}, rig); }, {1, false, {}});
+}
+
 Rig load_rig(const fs::path& file) {
-  Problems problems;
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  Rig rig = read_rig(read_yaml_file(file), folder, &problems);
-  problems.sort();
-  problems.throw_if_any();
+  Rig rig;
+  read_fields_of_tree(read_yaml_file(file), [&](FieldVisitor& visitor) { visit_rig(visitor, folder, rig); });
   return rig;
 }
 
-void save_rig(const Rig& rig, const fs::path& file) { write_file_atomically(file, emit_yaml(tree_of(rig))); }
+void save_rig(const Rig& rig, const fs::path& file) {
+  Rig copy = rig;
+  write_file_atomically(file, write_fields([&copy](FieldVisitor& visitor) { visit_rig(visitor, {}, copy); }));
+}
 
 Recording load_recording(const fs::path& folder) {
   Recording recording;
   recording.folder = folder;
   Problems problems;
-  recording.rig = read_rig(read_yaml_file(rig_file(folder)), folder, &problems);
+  read_fields_of_block(read_yaml_file(rig_file(folder)), "", &problems,
+                       [&](FieldVisitor& visitor) { visit_rig(visitor, folder, recording.rig); });
   problems.sort();
   try {
     recording.odometry = read_odometry_csv(path_inside(folder, recording.rig.odometry_file), &problems);

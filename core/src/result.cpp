@@ -5,7 +5,9 @@
 #include <limits>
 #include <set>
 
+#include "finding_tree.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/yaml.h"
@@ -16,7 +18,7 @@ namespace {
 using Observable = std::array<bool, 6>;
 
 constexpr std::uintmax_t kMaxBytes = 16U << 20U;
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;  // 1: findings were sentences
 constexpr double kCmPerM = 100.0;
 constexpr double kDegPerRad = 180.0 / kPi;
 const char* const kFormat = "rigproof-result";
@@ -155,7 +157,8 @@ YamlTree tree_of(const EstimatedTransform& transform, bool parent_is_camera) {
   tree.set("parent", YamlTree::text(transform.parent));
   tree.set("child", YamlTree::text(transform.child));
   if (transform.fully_observable()) {
-    set_transform(transform.T_parent_child, &tree);
+    Rigid3 T = transform.T_parent_child;
+    for (const auto& [key, value] : tree_of(T).entries) tree.set(key, value);
     if (transform.covariance) add_covariance(*transform.covariance, transform.observable, &tree);
     return tree;
   }
@@ -166,13 +169,7 @@ YamlTree tree_of(const EstimatedTransform& transform, bool parent_is_camera) {
   return tree;
 }
 
-YamlTree texts_of(const std::vector<std::string>& texts) {
-  YamlTree tree = YamlTree::sequence();
-  for (const std::string& text : texts) tree.add(YamlTree::text(text));
-  return tree;
-}
-
-YamlTree tree_of(const CameraUse& use) {
+YamlTree tree_of(const CameraUse& use, const Wording& wording) {
   YamlTree tree = YamlTree::map();
   tree.set("camera", YamlTree::text(use.camera));
   tree.set("used", YamlTree::integer(use.used));
@@ -182,7 +179,7 @@ YamlTree tree_of(const CameraUse& use) {
     YamlTree& line = left_out.add(YamlTree::inline_map());
     line.set("stop", YamlTree::integer(exclusion.stop));
     line.set("file", YamlTree::text(exclusion.file));
-    line.set("reason", YamlTree::text(exclusion.reason));
+    set_exclusion(exclusion, wording, &line);
   }
   return tree;
 }
@@ -207,20 +204,20 @@ YamlTree tree_of(const EstimatedQuantity& quantity) {
 }
 
 template <typename Element, typename... Arguments>
-YamlTree list_of(const std::vector<Element>& elements, Arguments... arguments) {
+YamlTree list_of(const std::vector<Element>& elements, const Arguments&... arguments) {
   YamlTree tree = YamlTree::sequence();
   for (const Element& element : elements) tree.add(tree_of(element, arguments...));
   return tree;
 }
 
-YamlTree tree_of(const Result& result) {
+YamlTree tree_of(const Result& result, const Wording& wording) {
   YamlTree tree = YamlTree::map();
   tree.set("format", YamlTree::text(kFormat));
   tree.set("version", YamlTree::integer(kVersion));
   tree.set("method", YamlTree::text(result.method));
   tree.set("status", YamlTree::text(result_status_name(result.status)));
-  tree.set("reasons", texts_of(result.reasons));
-  tree.set("notes", texts_of(result.notes));
+  tree.set("reasons", tree_of(result.reasons, wording));
+  tree.set("notes", tree_of(result.notes, wording));
   tree.set("camera_to_robot", list_of(result.camera_to_robot, false));
   tree.set("camera_to_camera", list_of(result.camera_to_camera, true));
   const bool complete = std::all_of(result.camera_to_robot.begin(), result.camera_to_robot.end(),
@@ -229,7 +226,7 @@ YamlTree tree_of(const Result& result) {
   if (result.joint_covariance && complete)
     tree.set("joint_covariance_m_rad",
              upper_triangle(*result.joint_covariance, observable_rows(result.camera_to_robot)));
-  tree.set("use", list_of(result.use));
+  tree.set("use", list_of(result.use, wording));
   tree.set("residuals", list_of(result.residuals));
   if (!result.also_estimated.empty()) tree.set("also_estimated", list_of(result.also_estimated));
   return tree;
@@ -285,6 +282,18 @@ std::optional<Matrix6d> covariance_of_stddev(MapReader& map) {
   return covariance;
 }
 
+// The two keys of a pose among others.
+Rigid3 read_pose(MapReader& map) {
+  YamlTree pose = YamlTree::map();
+  pose.file = map.tree().file;
+  pose.line = map.tree().line;
+  for (const char* key : {"translation_m", "quaternion_xyzw"})
+    if (const YamlTree* value = map.find(key)) pose.set(key, *value);
+  Rigid3 T;
+  read_fields_of_block(pose, map.path_of(""), &map.problems(), [&T](FieldVisitor& visitor) { visit_pose(visitor, T); });
+  return T;
+}
+
 std::string read_frame(MapReader& map, const std::string& key, const std::string& otherwise) {
   const auto name = map.text(key);
   if (!name && otherwise.empty()) map.require(key, "a frame's name");
@@ -305,7 +314,7 @@ EstimatedTransform read_estimate(const YamlTree& tree, const std::string& path, 
     map.problem("sentence", "contradicts parent and child, which say \"" + sentence_of(estimate) + "\"");
   estimate.observable = read_observable(map);
   const bool full = estimate.fully_observable();
-  estimate.T_parent_child = full ? read_transform(map) : read_partial_pose(map, estimate.observable, parent_is_camera);
+  estimate.T_parent_child = full ? read_pose(map) : read_partial_pose(map, estimate.observable, parent_is_camera);
   read_stddev(map);
   const auto covariance = read_upper_triangle(map, "covariance_m_rad", 6, observable_rows({estimate}));
   if (covariance) estimate.covariance = *covariance;
@@ -366,7 +375,7 @@ CameraUse read_use(const YamlTree& tree, const std::string& path, int camera, Pr
       exclusion.camera = camera;
       exclusion.stop = static_cast<int>(line.integer("stop", {-1.0, 1e9}).value_or(-1));
       exclusion.file = line.text("file").value_or("");
-      exclusion.reason = line.text("reason").value_or("");
+      read_exclusion(&line, &exclusion);
       line.finish();
       use.left_out.push_back(exclusion);
     }
@@ -418,15 +427,15 @@ Result read_own(const YamlTree& tree, Problems* problems) {
   MapReader map(tree, "", problems);
   // Another kind of file is one problem; every key that it has is no further one.
   if (!map.text("format", {kFormat})) return result;
-  map.require("version", std::to_string(kVersion));
-  map.integer("version", {static_cast<double>(kVersion), static_cast<double>(kVersion)});
+  map.require("version", "1 to " + std::to_string(kVersion));
+  map.integer("version", {1.0, static_cast<double>(kVersion)});
   result.method = map.text("method").value_or("");
   map.require("status", "solved, partial or refused");
   const auto status = map.text("status", {"solved", "partial", "refused"});
   for (const ResultStatus candidate : kStatuses)
     if (status && *status == result_status_name(candidate)) result.status = candidate;
-  result.reasons = map.texts("reasons").value_or(std::vector<std::string>());
-  result.notes = map.texts("notes").value_or(std::vector<std::string>());
+  result.reasons = read_findings(&map, "reasons", Severity::kRefusal);
+  result.notes = read_findings(&map, "notes", Severity::kNote);
   if (const YamlTree* list = map.find("camera_to_robot"))
     result.camera_to_robot = read_estimates(*list, "camera_to_robot", false, problems);
   if (const YamlTree* list = map.find("camera_to_camera"))
@@ -501,8 +510,61 @@ Result load_result(const std::filesystem::path& file) {
   return result;
 }
 
-void save_result(const Result& result, const std::filesystem::path& file) {
-  write_file_atomically(file, emit_yaml(tree_of(result)));
+std::string result_schema() {
+  std::vector<KeyLine> keys = {{"format", "text", std::string("what kind of file this is: ") + kFormat},
+                               {"version", "integer", "of this format"},
+                               {"method", "text", "what estimated it"},
+                               {"status", "solved | partial | refused", "whether everything was answered"},
+                               {"reasons[]", "", "why it is partial or refused"},
+                               {"notes[]", "", "what the user should know"}};
+  for (const std::string list : {"reasons", "notes"})
+    for (const KeyLine& line : finding_keys(list)) keys.push_back(line);
+  for (const std::string list : {"camera_to_robot[]", "camera_to_camera[]"}) {
+    for (const KeyLine& line : std::vector<KeyLine>{
+             {"", "",
+              list[10] == 'r' ? "poses of the cameras in the robot" : "poses of each camera in each earlier one"},
+             {".sentence", "text", "what the transform is, in words"},
+             {".parent", "text", "frame that the pose is given in"},
+             {".child", "text", "frame whose pose it is"},
+             {".translation_m?", "numbers", "x, y, z; where all six degrees of freedom are determined"},
+             {".quaternion_xyzw?", "numbers", "the same"},
+             {".tx_m?", "number", "where some degrees of freedom are not determined: those that are"},
+             {".ty_m?", "number", "the same"},
+             {".tz_m?", "number", "the same"},
+             {".roll_rad?", "number", "the same, of the camera's body axes: R = Rz(yaw) Ry(pitch) Rx(roll)"},
+             {".pitch_rad?", "number", "the same"},
+             {".yaw_rad?", "number", "the same"},
+             {".unobservable?", "texts", "degrees of freedom that the data do not determine: tx ty tz rx ry rz"},
+             {".stddev?", "", "one sigma, for people"},
+             {".stddev.NAME", "number", "tx_cm ty_cm tz_cm rx_deg ry_deg rz_deg"},
+             {".covariance_m_rad[]?", "numbers", "upper triangle, row by row, of what is determined"}})
+      keys.push_back({list + line.path, line.type, line.description});
+  }
+  for (const KeyLine& line : std::vector<KeyLine>{
+           {"joint_covariance_m_rad[]?", "numbers", "upper triangle of all of camera_to_robot together"},
+           {"use[].camera", "text", "its name"},
+           {"use[].used", "integer", "images that were used"},
+           {"use[].reprojection_rms_px", "number", "over those images"},
+           {"use[].left_out[].stop", "integer", "index of the stop; -1 = none"},
+           {"use[].left_out[].file", "text", "the image"},
+           {"use[].left_out[].reason", "text", "for people"},
+           {"residuals[].name", "text", "what was measured"},
+           {"residuals[].unit", "text", "of the root mean square"},
+           {"residuals[].count", "integer", "numbers that were fitted"},
+           {"residuals[].rms", "number", "root mean square"},
+           {"also_estimated[]?", "", "what else was estimated"},
+           {"also_estimated[].camera", "text", "of which camera"},
+           {"also_estimated[].name", "text", "what, with its unit"},
+           {"also_estimated[].value", "number", "the estimate"},
+           {"also_estimated[].sigma", "number", "its standard deviation"},
+           {"also_estimated[].prior_sigma", "number", "what was believed before"}})
+    keys.push_back(line);
+  for (const KeyLine& line : exclusion_keys("use[].left_out")) keys.push_back(line);
+  return schema_of_keys("Rigproof result: results/METHOD.yaml", keys, kVersion);
+}
+
+void save_result(const Result& result, const std::filesystem::path& file, const Wording& wording) {
+  write_file_atomically(file, emit_yaml(tree_of(result, wording)));
 }
 
 std::string sentence_of(const EstimatedTransform& transform) {

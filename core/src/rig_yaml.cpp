@@ -17,88 +17,62 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxSize = 32768.0;
 constexpr double kMaxPixel = 1e6;
-constexpr std::size_t kMaxCameras = 64;
 constexpr double kMmPerM = 1000.0;
 constexpr double kDegPerRad = 180.0 / kPi;
 const NumberRange kPositive = {std::numeric_limits<double>::min(), 1e9};
 const NumberRange kNotNegative = {0.0, 1e9};
 
-const char* law_name(DepthNoise::Law law) { return law == DepthNoise::Law::kStereo ? "stereo" : "time_of_flight"; }
-
-double required_number(MapReader& map, const std::string& key, const NumberRange& range) {
-  map.require(key, "a number, " + range_text(range));
-  return map.number(key, range).value_or(0.0);
+// What the file says, or what the number of coefficients tells.
+void visit_lens(FieldVisitor& visitor, Camera& camera) {
+  visitor.choice(
+      "lens", camera.lens,
+      {{"pinhole", Lens::kPinhole}, {"brown_conrady", Lens::kBrownConrady}, {"kannala_brandt", Lens::kKannalaBrandt}},
+      "model of the distortion; without this key brown_conrady where coefficients are given, else pinhole");
+  std::vector<double> coefficients;
+  if (!visitor.is_reading())
+    coefficients.assign(camera.distortion.begin(), camera.distortion.begin() + coefficient_count(camera.lens));
+  if (visitor.takes("distortion", !coefficients.empty()))
+    visitor.field("distortion", coefficients, {-1e3, 1e3}, 0, 5,
+                  "brown_conrady: k1 k2 p1 p2 k3; kannala_brandt: k1 k2 k3 k4");
+  if (!visitor.is_reading()) return;
+  if (visitor.given("lens") == nullptr && !coefficients.empty()) camera.lens = Lens::kBrownConrady;
+  const auto expected = static_cast<std::size_t>(coefficient_count(camera.lens));
+  if (expected > 0) visitor.require("distortion", std::to_string(expected) + " coefficients");
+  const bool fits = coefficients.size() == expected;
+  visitor.check(fits || visitor.given("distortion") == nullptr, "distortion",
+                "the lens " + std::string(lens_name(camera.lens)) + " has " + std::to_string(expected) +
+                    " coefficients (brown_conrady: k1 k2 p1 p2 k3, kannala_brandt: k1 k2 k3 k4)");
+  if (fits) std::copy(coefficients.begin(), coefficients.end(), camera.distortion.begin());
 }
 
-std::optional<Lens> lens_of(const std::string& name) {
-  for (const Lens lens : {Lens::kPinhole, Lens::kBrownConrady, Lens::kKannalaBrandt})
-    if (name == lens_name(lens)) return lens;
-  return std::nullopt;
-}
-
-void read_lens(MapReader& map, Camera* camera) {
-  const auto name = map.text("lens", {"pinhole", "brown_conrady", "kannala_brandt"});
-  const auto coefficients = map.numbers("distortion", 0, 5, {-1e3, 1e3});
-  if (name) camera->lens = *lens_of(*name);
-  const bool any = coefficients && !coefficients->empty();
-  if (!map.tree().find("lens") && any) camera->lens = Lens::kBrownConrady;
-  const auto expected = static_cast<std::size_t>(coefficient_count(camera->lens));
-  if (!coefficients && expected > 0) map.require("distortion", std::to_string(expected) + " coefficients");
-  if (!coefficients) return;
-  if (coefficients->size() != expected) {
-    map.problem("distortion", "the lens " + std::string(lens_name(camera->lens)) + " has " + std::to_string(expected) +
-                                  " coefficients (brown_conrady: k1 k2 p1 p2 k3, kannala_brandt: k1 k2 k3 k4)");
-    return;
-  }
-  std::copy(coefficients->begin(), coefficients->end(), camera->distortion.begin());
-}
-
-DepthNoise read_depth_noise(MapReader& map, const DepthNoise& preset) {
-  DepthNoise noise = preset;
-  if (const auto law = map.text("law", {"stereo", "time_of_flight"}))
-    noise.law = *law == "stereo" ? DepthNoise::Law::kStereo : DepthNoise::Law::kTimeOfFlight;
-  const auto set = [&map](const char* key, double* value, const NumberRange& range) {
-    *value = map.number(key, range).value_or(*value);
-  };
-  set("inverse_depth_sigma_per_m", &noise.inverse_depth_sigma_per_m, kNotNegative);
-  set("constant_m", &noise.constant_m, {0.0, 10.0});
-  set("proportional", &noise.proportional, {0.0, 1.0});
-  set("correlation_px", &noise.correlation_px, {1.0, 1000.0});
-  set("scale_sigma", &noise.scale_sigma, {0.0, 1.0});
-  set("bias_inverse_depth_per_m", &noise.bias_inverse_depth_per_m, {0.0, 1.0});
-  set("bias_m", &noise.bias_m, {0.0, 1.0});
-  set("bias_cell_deg", &noise.bias_cell_deg, {1.0, 90.0});
-  const bool silent = noise.law == DepthNoise::Law::kStereo ? noise.inverse_depth_sigma_per_m <= 0.0
-                                                            : noise.constant_m <= 0.0 && noise.proportional <= 0.0;
-  if (silent) map.problem("", "this law has no noise at all; give what rounding alone does, at least");
-  return noise;
-}
-
-void read_own_camera(MapReader& map, DepthStream* depth) {
-  const YamlTree* camera = map.find("camera");
-  const YamlTree* transform = map.find("T_color_depth");
-  if ((camera == nullptr) != (transform == nullptr))
-    map.problem(camera ? "camera" : "T_color_depth", "camera and T_color_depth belong together; give both or none");
-  if (camera == nullptr || transform == nullptr) return;
-  MapReader camera_map(*camera, map.path_of("camera"), &map.problems());
-  MapReader transform_map(*transform, map.path_of("T_color_depth"), &map.problems());
-  depth->own_camera = DepthStream::OwnCamera{read_intrinsics(camera_map), read_transform(transform_map)};
-  camera_map.finish();
-  transform_map.finish();
+void visit_own_camera(FieldVisitor& visitor, DepthStream& depth) {
+  const bool has = depth.own_camera.has_value();
+  const bool camera = visitor.takes("camera", has), transform = visitor.takes("T_color_depth", has);
+  visitor.check(camera == transform, camera ? "camera" : "T_color_depth",
+                "camera and T_color_depth belong together; give both or none");
+  if (!camera || !transform) return;
+  DepthStream::OwnCamera own;
+  if (has && !visitor.is_reading()) own = *depth.own_camera;
+  visitor.nested("camera", own.camera, "where the device measures depth, if that is not registered to colour");
+  visitor.nested("T_color_depth", own.T_color_depth, "pose of that camera in the colour camera");
+  if (visitor.is_reading()) depth.own_camera = own;
 }
 
 // `depth: none`, a block that refines the preset's, or nothing: the preset's.
-std::optional<DepthStream> read_optional_depth(MapReader& map, const std::optional<DepthStream>& preset) {
-  const YamlTree* depth = map.find("depth");
-  if (depth == nullptr) return preset;
-  if (depth->is_scalar()) {
-    if (depth->scalar != "none") map.problem("depth", "must be none or a block");
-    return std::nullopt;
-  }
-  MapReader block(*depth, map.path_of("depth"), &map.problems());
-  const DepthStream stream = read_depth_stream(block, preset.value_or(DepthStream()));
-  block.finish();
-  return stream;
+void visit_optional_depth(FieldVisitor& visitor, std::optional<DepthStream>& depth) {
+  if (!visitor.takes("depth", true)) return;
+  const auto read_none = [&depth](const std::string& text) {
+    if (text != "none") throw Error("must be none or a block");
+    depth.reset();
+  };
+  const auto write_none = [&depth] { return depth ? std::nullopt : std::optional<std::string>("none"); };
+  const auto visit = [&](FieldVisitor& block) {
+    if (block.instead({{}, "none: no depth images", read_none, write_none})) return;
+    DepthStream stream = depth.value_or(DepthStream());
+    visit_fields(block, stream);
+    if (block.is_reading()) depth = stream;
+  };
+  visitor.section("depth", visit, "what differs from the depth stream of the sensor's preset");
 }
 
 // True if the block says all that a preset would: files that this program wrote need none.
@@ -118,52 +92,47 @@ bool is_told(const Problems& problems, const std::string& message) {
                      [&message](const Problem& problem) { return problem.message == message; });
 }
 
-std::optional<SensorPreset> read_sensor(MapReader& map, const std::string& name, const RigReadOptions& options) {
-  const bool told = describes_depth(map.tree().find("depth")) &&
-                    !(options.nominal_intrinsics && map.tree().find("intrinsics") == nullptr);
+std::optional<SensorPreset> read_sensor(FieldVisitor& visitor, const std::string& name, const RigReadOptions& options) {
+  const bool told = describes_depth(visitor.given("depth")) &&
+                    !(options.nominal_intrinsics && visitor.given("intrinsics") == nullptr);
   if (name.empty() || told) return std::nullopt;
+  bool is_unknown = false;
   try {
+    const std::vector<std::string> known = list_presets("sensors");
+    is_unknown = std::find(known.begin(), known.end(), name) == known.end();
     return load_sensor_preset(name);
   } catch (const Error& error) {
     const std::string reason = error.what();
-    const bool is_unknown = reason.rfind("there is no ", 0) == 0;
     // What is wrong in a preset is told for the first camera that names it; an unknown name is each line's own mistake.
-    if (!is_unknown && is_told(map.problems(), reason)) return std::nullopt;
-    map.problem("sensor", reason + (is_unknown ? "; a preset of your own goes beside these, into models/sensors of the "
-                                                 "data folder (RIGPROOF_DATA names another one)"
-                                               : ""));
+    if (!is_unknown && is_told(*visitor.problems(), reason)) return std::nullopt;
+    visitor.check(false, "sensor",
+                  reason + (is_unknown ? "; a preset of your own goes beside these, into models/sensors of the "
+                                         "data folder (RIGPROOF_DATA names another one)"
+                                       : ""));
     return std::nullopt;
   }
 }
 
-void read_camera_info_file(MapReader& map, const fs::path& file, Camera* camera) {
+void read_camera_info_file(FieldVisitor& visitor, const fs::path& file, Camera* camera) {
   try {
-    *camera = read_camera_info(read_yaml_file(file), &map.problems());
+    *camera = read_camera_info(read_yaml_file(file), visitor.problems());
   } catch (const Error& error) {
-    map.problem("", error.what());
+    visitor.check(false, "", error.what());
   }
 }
 
-// Inline, else the file that is named, else camera_info.yaml in the camera's folder, else the sensor's nominal ones.
-void read_camera_intrinsics(MapReader& map, const RigReadOptions& options, const std::optional<SensorPreset>& sensor,
-                            RigCamera* camera) {
-  const YamlTree* inline_block = map.find("intrinsics");
-  const auto named = map.text("camera_info");
-  if (inline_block != nullptr && named) map.problem("camera_info", "intrinsics are given twice; remove one of them");
-  if (inline_block != nullptr) {
-    MapReader block(*inline_block, map.path_of("intrinsics"), &map.problems());
-    camera->camera = read_intrinsics(block);
-    block.finish();
-    return;
-  }
-  const fs::path inside = fs::path(camera->folder) / named.value_or("camera_info.yaml");
+// Where the file has no block: the file that is named, else camera_info.yaml in the camera's folder, else the sensor's
+// nominal ones.
+void find_intrinsics(FieldVisitor& visitor, const RigReadOptions& options, const std::optional<SensorPreset>& sensor,
+                     const std::string& named, RigCamera* camera) {
+  const fs::path inside = fs::path(camera->folder) / (named.empty() ? "camera_info.yaml" : named);
   if (!options.folder.empty()) {
     try {
       const fs::path file = path_inside(options.folder, inside.generic_string());
       std::error_code ignored;
-      if (named || fs::exists(file, ignored)) return read_camera_info_file(map, file, &camera->camera);
+      if (!named.empty() || fs::exists(file, ignored)) return read_camera_info_file(visitor, file, &camera->camera);
     } catch (const Error& error) {
-      return map.problem("camera_info", error.what());
+      return visitor.check(false, "camera_info", error.what());
     }
   }
   if (sensor && options.nominal_intrinsics) {
@@ -172,10 +141,25 @@ void read_camera_intrinsics(MapReader& map, const RigReadOptions& options, const
   }
   // A sensor that cannot be read was told already.
   if (options.nominal_intrinsics && !camera->sensor.empty()) return;
-  map.problem("",
-              "has no intrinsics; give `intrinsics: {width_px, height_px, fx_px, fy_px, cx_px, cy_px, lens, "
-              "distortion}` or put a ROS camera_info.yaml at " +
-                  inside.generic_string());
+  visitor.check(false, "",
+                "has no intrinsics; give `intrinsics: {width_px, height_px, fx_px, fy_px, cx_px, cy_px, lens, "
+                "distortion}` or put a ROS camera_info.yaml at " +
+                    inside.generic_string());
+}
+
+void visit_intrinsics(FieldVisitor& visitor, const RigReadOptions& options, const std::optional<SensorPreset>& sensor,
+                      RigCamera& camera) {
+  std::string named;
+  const bool is_named = visitor.takes("camera_info", false);
+  if (is_named)
+    visitor.field("camera_info", named, TextChoices{},
+                  "ROS CameraInfo file below the camera's folder in place of intrinsics; default camera_info.yaml");
+  if (visitor.takes("intrinsics", true)) {
+    visitor.check(!is_named, "camera_info", "intrinsics are given twice; remove one of them");
+    visitor.nested("intrinsics", camera.camera, "the colour camera's");
+  } else {
+    find_intrinsics(visitor, options, sensor, named, &camera);
+  }
 }
 
 // However it is spelled or linked to.
@@ -187,19 +171,24 @@ fs::path place_of(const std::string& camera_folder, const fs::path& recording) {
 }
 
 // Two cameras with the same images would agree perfectly.
-void check_own_folder(const std::vector<RigCamera>& before, const RigCamera& camera, const RigReadOptions& options,
-                      MapReader* map) {
+void check_own_folder(const std::vector<RigCamera>& cameras, const RigCamera& camera, const RigReadOptions& options,
+                      FieldVisitor& visitor) {
   const fs::path place = place_of(camera.folder, options.folder);
-  for (const RigCamera& other : before)
-    if (place_of(other.folder, options.folder) == place)
-      map->problem("folder", "holds the images of " + other.name + " already (folder " + for_message(other.folder) +
-                                 "); every camera needs a folder of its own");
+  for (const RigCamera& other : cameras)
+    if (&other != &camera)
+      visitor.check(place_of(other.folder, options.folder) != place, "folder",
+                    "holds the images of " + other.name + " already (folder " + for_message(other.folder) +
+                        "); every camera needs a folder of its own");
 }
 
-double norm_of(const std::vector<double>& values) {
-  double squared = 0.0;
-  for (const double value : values) squared += value * value;
-  return std::sqrt(squared);
+// A simulated device is where its preset says; of a real one that has to be told.
+void take_raw_depth(FieldVisitor& visitor, const RigReadOptions& options, const SensorPreset& sensor,
+                    DepthStream* depth) {
+  if (!sensor.delivers_raw_depth || depth->own_camera) return;
+  if (options.nominal_intrinsics) depth->own_camera = sensor.raw_depth;
+  visitor.check(options.nominal_intrinsics, "depth",
+                "the sensor " + sensor.name +
+                    " delivers depth that is not registered to colour; give depth.camera and depth.T_color_depth");
 }
 
 }  // namespace
@@ -212,248 +201,163 @@ bool is_frame_name(const std::string& name) {
   return !name.empty() && name.size() <= 64 && name.front() != '.' && std::all_of(name.begin(), name.end(), allowed);
 }
 
-Board read_board(const YamlTree& tree, const std::string& path, Problems* problems) {
-  Board board;
-  if (tree.is_scalar()) {
-    try {
-      return load_board(find_preset("boards", tree.scalar).string());
-    } catch (const Error& error) {
-      problems->add({tree.file, tree.line, path, tree.shown(), error.what()});
-      return board;
-    }
-  }
-  MapReader map(tree, path, problems);
-  map.text("description");
-  if (const auto type = map.text("type", {"checkerboard", "charuco", "aprilgrid"})) board.type = *type;
-  map.require("squares", "[columns, rows], the number of squares");
-  map.require("square_mm", "the side of a square in millimetres");
-  const auto squares = map.numbers("squares", 2, 2, {3.0, 100.0});
-  const auto side = map.number("square_mm", {0.1, 1e5});
-  if (squares && ((*squares)[0] != std::floor((*squares)[0]) || (*squares)[1] != std::floor((*squares)[1])))
-    map.problem("squares", "must be whole numbers");
-  if (squares) board.squares_x = static_cast<int>((*squares)[0]);
-  if (squares) board.squares_y = static_cast<int>((*squares)[1]);
-  if (side) board.square_m = *side / kMmPerM;
-  if (map.has("inner_corners"))
-    map.problem("inner_corners", "give squares: one more than inner corners along each side");
-  if (squares && side && board.type == "checkerboard" && board.ambiguous_under_half_turn())
-    map.problem("squares",
+void visit_fields(FieldVisitor& visitor, Board& board) {
+  visitor.on_one_line();
+  const auto load = [&board](const std::string& name) { board = load_board(find_preset("boards", name).string()); };
+  if (!visitor.instead({{}, "name of a preset in models/boards", load})) visit_board(visitor, board);
+}
+
+void visit_board(FieldVisitor& visitor, Board& board) {
+  visitor.ignored("description", "for people");
+  visitor.field("type", board.type, TextChoices{{"checkerboard", "charuco", "aprilgrid"}}, "what is printed on it");
+  visitor.require("squares", "[columns, rows], the number of squares");
+  visitor.require("square_mm", "the side of a square in millimetres");
+  std::vector<double> squares = {static_cast<double>(board.squares_x), static_cast<double>(board.squares_y)};
+  visitor.field("squares", squares, {3.0, 100.0}, 2, 2,
+                "[columns, rows]: squares, one more than inner corners; of a checkerboard one even, the other odd");
+  visitor.scaled("square_mm", board.square_m, kMmPerM, {0.1, 1e5}, "side of a square");
+  visitor.check(squares[0] == std::floor(squares[0]) && squares[1] == std::floor(squares[1]), "squares",
+                "must be whole numbers");
+  board.squares_x = static_cast<int>(squares[0]);
+  board.squares_y = static_cast<int>(squares[1]);
+  visitor.check(visitor.given("inner_corners") == nullptr || !visitor.takes("inner_corners", false), "inner_corners",
+                "give squares: one more than inner corners along each side");
+  visitor.check(board.type != "checkerboard" || !board.ambiguous_under_half_turn(), "squares",
                 "the board looks the same when turned by 180 degrees, so its first corner cannot be told; "
                 "use one even and one odd number of squares");
-  map.finish();
-  return board;
 }
 
-Camera read_intrinsics(MapReader& map) {
-  Camera camera;
-  camera.width_px = static_cast<int>(map.integer("width_px", {1.0, kMaxSize}).value_or(0));
-  camera.height_px = static_cast<int>(map.integer("height_px", {1.0, kMaxSize}).value_or(0));
-  map.require("width_px", "the width of the image in pixels");
-  map.require("height_px", "the height of the image in pixels");
-  camera.fx_px = required_number(map, "fx_px", {1.0, kMaxPixel});
-  camera.fy_px = required_number(map, "fy_px", {1.0, kMaxPixel});
-  camera.cx_px = required_number(map, "cx_px", {-kMaxPixel, kMaxPixel});
-  camera.cy_px = required_number(map, "cy_px", {-kMaxPixel, kMaxPixel});
-  read_lens(map, &camera);
-  return camera;
+void visit_camera(FieldVisitor& visitor, Camera& camera) {
+  visitor.field("width_px", camera.width_px, {1.0, kMaxSize}, "width of the image");
+  visitor.field("height_px", camera.height_px, {1.0, kMaxSize}, "height of the image");
+  visitor.field("fx_px", camera.fx_px, {1.0, kMaxPixel}, "focal length along x");
+  visitor.field("fy_px", camera.fy_px, {1.0, kMaxPixel}, "focal length along y");
+  visitor.field("cx_px", camera.cx_px, {-kMaxPixel, kMaxPixel}, "principal point; pixel centres are whole numbers");
+  visitor.field("cy_px", camera.cy_px, {-kMaxPixel, kMaxPixel}, "principal point");
+  visit_lens(visitor, camera);
 }
 
-DepthStream read_depth_stream(MapReader& map, const DepthStream& preset) {
-  DepthStream depth = preset;
-  depth.unit_m = map.number("unit_m", {1e-6, 1.0}).value_or(depth.unit_m);
-  depth.min_m = map.number("min_m", {0.0, 1000.0}).value_or(depth.min_m);
-  depth.max_m = map.number("max_m", {0.0, 1000.0}).value_or(depth.max_m);
-  if (!(depth.min_m < depth.max_m)) map.problem("min_m", "must be less than max_m");
-  if (const YamlTree* noise = map.find("noise")) {
-    MapReader block(*noise, map.path_of("noise"), &map.problems());
-    depth.noise = read_depth_noise(block, depth.noise);
-    block.finish();
-  }
-  read_own_camera(map, &depth);
-  return depth;
+void visit_fields(FieldVisitor& visitor, Camera& camera) {
+  visitor.require("width_px", "the width of the image in pixels");
+  visitor.require("height_px", "the height of the image in pixels");
+  for (const char* key : {"fx_px", "fy_px"}) visitor.require(key, "a number, " + range_text({1.0, kMaxPixel}));
+  for (const char* key : {"cx_px", "cy_px"}) visitor.require(key, "a number, " + range_text({-kMaxPixel, kMaxPixel}));
+  visit_camera(visitor, camera);
 }
 
-// A simulated device is where its preset says; of a real one that has to be told.
-void take_raw_depth(MapReader& map, const RigReadOptions& options, const SensorPreset& sensor, DepthStream* depth) {
-  if (!sensor.delivers_raw_depth || depth->own_camera) return;
-  if (options.nominal_intrinsics) {
-    depth->own_camera = sensor.raw_depth;
-    return;
-  }
-  map.problem("depth", "the sensor " + sensor.name +
-                           " delivers depth that is not registered to colour; give depth.camera and "
-                           "depth.T_color_depth");
+void visit_fields(FieldVisitor& visitor, DepthNoise& noise) {
+  const bool stereo = noise.law == DepthNoise::Law::kStereo, biased = noise.has_bias();
+  visitor.choice("law", noise.law,
+                 {{"stereo", DepthNoise::Law::kStereo}, {"time_of_flight", DepthNoise::Law::kTimeOfFlight}},
+                 "stereo: sigma_z = z^2 inverse_depth_sigma_per_m; time_of_flight: constant_m + proportional z");
+  visitor.field("inverse_depth_sigma_per_m", noise.inverse_depth_sigma_per_m, kNotNegative, "stereo: one sigma of 1/z");
+  visitor.field("constant_m", noise.constant_m, {0.0, 10.0}, "time_of_flight: one sigma at the camera");
+  visitor.field("proportional", noise.proportional, {0.0, 1.0}, "time_of_flight: what is added a metre");
+  visitor.field("correlation_px", noise.correlation_px, {1.0, 1000.0},
+                "side of the square of pixels whose noise is one and the same");
+  visitor.field("scale_sigma", noise.scale_sigma, {0.0, 1.0}, "prior of the relative error of all depth, one sigma");
+  if (visitor.takes("bias_inverse_depth_per_m", biased && stereo))
+    visitor.field("bias_inverse_depth_per_m", noise.bias_inverse_depth_per_m, {0.0, 1.0},
+                  "stereo: the device's fixed, smooth error of 1/z over its view, one sigma; 0: none is known of");
+  if (visitor.takes("bias_m", biased && !stereo))
+    visitor.field("bias_m", noise.bias_m, {0.0, 1.0}, "time_of_flight: the same of z");
+  if (visitor.takes("bias_cell_deg", biased))
+    visitor.field("bias_cell_deg", noise.bias_cell_deg, {1.0, 90.0}, "angle over which the fixed error changes");
+  const bool silent = noise.law == DepthNoise::Law::kStereo ? noise.inverse_depth_sigma_per_m <= 0.0
+                                                            : noise.constant_m <= 0.0 && noise.proportional <= 0.0;
+  visitor.check(!silent, "", "this law has no noise at all; give what rounding alone does, at least");
 }
 
-RigCamera read_rig_camera(const std::string& name, MapReader& map, const RigReadOptions& options) {
-  RigCamera camera;
-  camera.name = name;
-  camera.sensor = map.text("sensor").value_or("");
-  const std::optional<SensorPreset> sensor = read_sensor(map, camera.sensor, options);
-  camera.link = map.text("link").value_or(name);
-  camera.folder = map.text("folder").value_or(name);
-  read_camera_intrinsics(map, options, sensor, &camera);
-  camera.depth = read_optional_depth(map, sensor ? sensor->depth : std::nullopt);
-  if (sensor && camera.depth) take_raw_depth(map, options, *sensor, &*camera.depth);
-  return camera;
+void visit_fields(FieldVisitor& visitor, DepthStream& depth) {
+  visitor.field("unit_m", depth.unit_m, {1e-6, 1.0}, "of one count of the 16-bit images");
+  visitor.field("min_m", depth.min_m, {0.0, 1000.0}, "nearest depth that is measured");
+  visitor.field("max_m", depth.max_m, {0.0, 1000.0}, "farthest depth that is measured");
+  visitor.check(depth.min_m < depth.max_m, "min_m", "must be less than max_m");
+  visitor.nested("noise", depth.noise, "how depth is measured");
+  visit_own_camera(visitor, depth);
 }
 
-std::vector<RigCamera> read_rig_cameras(const YamlTree& tree, const std::string& path, const RigReadOptions& options,
-                                        Problems* problems) {
-  std::vector<RigCamera> cameras;
-  MapReader all(tree, path, problems);
-  if (tree.entries.empty() || tree.entries.size() > kMaxCameras)
-    all.problem("", "must be a map of 1 to " + std::to_string(kMaxCameras) + " cameras by name");
-  if (tree.entries.size() > kMaxCameras) return cameras;
-  for (const auto& [name, value] : tree.entries) {
-    if (!is_frame_name(name))
-      all.problem(name, "a camera's name has letters, digits, \"_\", \"-\" and \".\", at most 64, and no leading dot");
-    MapReader map(value, all.path_of(name), problems);
-    if (!value.is_map()) continue;
-    RigCamera camera = read_rig_camera(name, map, options);
-    check_own_folder(cameras, camera, options, &map);
-    cameras.push_back(std::move(camera));
-    map.finish("x-");
-  }
-  return cameras;
+void visit_fields(FieldVisitor& visitor, DepthStream::OwnCamera& camera) {
+  visit_fields(visitor, camera.camera);
+  visitor.require("T_color_depth", "{translation_m, quaternion_xyzw}");
+  visitor.nested("T_color_depth", camera.T_color_depth, "pose of the depth camera in the colour camera");
 }
 
-OdometryNoise read_odometry_noise(MapReader& map) {
-  OdometryNoise noise;
-  const auto model = map.text("model", {"unknown", "per_pose", "per_increment"});
-  for (const OdometryModel candidate : {OdometryModel::kPerPose, OdometryModel::kPerIncrement})
-    if (model && *model == odometry_model_name(candidate)) noise.model = candidate;
-  if (const auto sigma = map.number("sigma_xy_mm", kNotNegative)) noise.sigma_xy_m = *sigma / kMmPerM;
-  if (const auto sigma = map.number("sigma_yaw_deg", {0.0, 360.0})) noise.sigma_yaw_rad = *sigma / kDegPerRad;
-  return noise;
+static void visit_rig_camera(FieldVisitor& visitor, const RigReadOptions& options, RigCamera& camera) {
+  visitor.optional("sensor", camera.sensor, "preset in models/sensors: d455, d435, l515, ..");
+  visitor.field("folder", camera.folder, TextChoices{}, "folder inside of the recording; default the camera's name");
+  visitor.field("link", camera.link, TextChoices{}, "TF link that results are exported for; default the camera's name");
+  std::optional<SensorPreset> sensor;
+  if (visitor.is_reading()) sensor = read_sensor(visitor, camera.sensor, options);
+  visit_intrinsics(visitor, options, sensor, camera);
+  if (sensor) camera.depth = sensor->depth;
+  visit_optional_depth(visitor, camera.depth);
+  if (sensor && camera.depth) take_raw_depth(visitor, options, *sensor, &*camera.depth);
 }
 
-AcceptLimits read_accept_limits(MapReader& map) {
-  AcceptLimits accept;
-  accept.xy_m = required_number(map, "xy_mm", kPositive) / kMmPerM;
-  accept.z_m = required_number(map, "z_mm", kPositive) / kMmPerM;
-  accept.angle_rad = required_number(map, "angle_deg", {kPositive.min, 180.0}) / kDegPerRad;
-  return accept;
+void visit_rig_cameras(FieldVisitor& visitor, const RigReadOptions& options, std::vector<RigCamera>& cameras,
+                       const VisitMount& visit_mount) {
+  FieldMap map = map_by_name(cameras, [&](FieldVisitor& block, RigCamera& camera) {
+    if (block.is_reading()) camera.link = camera.folder = camera.name;
+    if (visit_mount) visit_mount(block);
+    visit_rig_camera(block, options, camera);
+    if (block.is_reading()) check_own_folder(cameras, camera, options, block);
+    block.tolerate("x-");
+  });
+  map.size_min = 1;
+  map.size_max = options.max_cameras;
+  map.size_rule = "must be a map of 1 to " + std::to_string(map.size_max) + " cameras by name";
+  map.is_name = is_frame_name;
+  map.name_rule = "a camera's name has letters, digits, \"_\", \"-\" and \".\", at most 64, and no leading dot";
+  map.name_pattern = "^[A-Za-z0-9_-][A-Za-z0-9_.-]{0,63}$";
+  visitor.map("cameras", map, "cameras by name, in the order of all results");
 }
 
-Rigid3 read_transform(MapReader& map) {
-  Rigid3 T;
-  map.require("translation_m", "[x, y, z]");
-  map.require("quaternion_xyzw", "[x, y, z, w]");
-  if (const auto t = map.numbers("translation_m", 3, 3, {-1e6, 1e6})) T.translation << (*t)[0], (*t)[1], (*t)[2];
-  const auto q = map.numbers("quaternion_xyzw", 4, 4, {-2.0, 2.0});
-  if (!q) return T;
-  const double norm = norm_of(*q);
-  if (std::abs(norm - 1.0) > 1e-3) {
-    map.problem("quaternion_xyzw", "has the norm " + number_text(norm) + "; it must be 1 within 0.001, order x y z w");
-    return T;
-  }
-  // What this program wrote is a unit to rounding, and reads back to the same bits.
-  const double scale = std::abs(norm - 1.0) < 1e-14 ? 1.0 : 1.0 / norm;
-  T.rotation.coeffs() << (*q)[0] * scale, (*q)[1] * scale, (*q)[2] * scale, (*q)[3] * scale;
-  return T;
+void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
+  visitor.on_one_line();
+  visitor.choice("model", noise.model,
+                 {{"unknown", OdometryModel::kUnknown},
+                  {"per_pose", OdometryModel::kPerPose},
+                  {"per_increment", OdometryModel::kPerIncrement}},
+                 "per_pose: independent on every absolute pose; per_increment: on every increment, so that it drifts; "
+                 "unknown: decided from the data");
+  visitor.scaled("sigma_xy_mm", noise.sigma_xy_m, kMmPerM, kNotNegative, "one sigma of x and of y; default estimated");
+  visitor.scaled("sigma_yaw_deg", noise.sigma_yaw_rad, kDegPerRad, {0.0, 360.0}, "one sigma; default estimated");
 }
 
-double value_in_unit(double value, double units_per_si) {
-  const double exact = value * units_per_si;
-  if (!std::isfinite(exact)) return exact;
-  const double inf = std::numeric_limits<double>::infinity();
-  std::vector<double> candidates;
-  for (const int digits : {12, 15, 16}) candidates.push_back(parse_number(short_text(exact, digits)).value_or(exact));
-  candidates.push_back(exact);
-  candidates.push_back(std::nextafter(exact, -inf));
-  candidates.push_back(std::nextafter(exact, inf));
-  const auto distance = [&](double candidate) { return std::abs(candidate / units_per_si - value); };
-  return *std::min_element(candidates.begin(), candidates.end(),
-                           [&](double a, double b) { return distance(a) < distance(b); });
+void visit_fields(FieldVisitor& visitor, AcceptLimits& accept) {
+  visitor.on_one_line();
+  const NumberRange angle{kPositive.min, 180.0};
+  visitor.require("xy_mm", "a number, " + range_text(kPositive));
+  visitor.scaled("xy_mm", accept.xy_m, kMmPerM, kPositive, "along the robot's x and y");
+  visitor.require("z_mm", "a number, " + range_text(kPositive));
+  visitor.scaled("z_mm", accept.z_m, kMmPerM, kPositive, "of the height");
+  visitor.require("angle_deg", "a number, " + range_text(angle));
+  visitor.scaled("angle_deg", accept.angle_rad, kDegPerRad, angle, "about each axis of the robot");
 }
 
-YamlTree tree_of(const Board& board) {
-  YamlTree tree = YamlTree::inline_map();
-  tree.set("type", YamlTree::text(board.type));
-  tree.set("squares", YamlTree::numbers({static_cast<double>(board.squares_x), static_cast<double>(board.squares_y)}));
-  tree.set("square_mm", YamlTree::number(value_in_unit(board.square_m, kMmPerM)));
-  return tree;
-}
-
-YamlTree tree_of(const Camera& camera) {
-  YamlTree tree = YamlTree::map();
-  tree.set("width_px", YamlTree::integer(camera.width_px));
-  tree.set("height_px", YamlTree::integer(camera.height_px));
-  tree.set("fx_px", YamlTree::number(camera.fx_px));
-  tree.set("fy_px", YamlTree::number(camera.fy_px));
-  tree.set("cx_px", YamlTree::number(camera.cx_px));
-  tree.set("cy_px", YamlTree::number(camera.cy_px));
-  tree.set("lens", YamlTree::text(lens_name(camera.lens)));
-  const auto count = static_cast<std::ptrdiff_t>(coefficient_count(camera.lens));
-  if (count > 0)
-    tree.set("distortion", YamlTree::numbers({camera.distortion.begin(), camera.distortion.begin() + count}));
-  return tree;
-}
-
-YamlTree tree_of(const DepthStream& depth) {
-  YamlTree tree = YamlTree::map();
-  tree.set("unit_m", YamlTree::number(depth.unit_m));
-  tree.set("min_m", YamlTree::number(depth.min_m));
-  tree.set("max_m", YamlTree::number(depth.max_m));
-  YamlTree& noise = tree.set("noise", YamlTree::map());
-  noise.set("law", YamlTree::text(law_name(depth.noise.law)));
-  noise.set("inverse_depth_sigma_per_m", YamlTree::number(depth.noise.inverse_depth_sigma_per_m));
-  noise.set("constant_m", YamlTree::number(depth.noise.constant_m));
-  noise.set("proportional", YamlTree::number(depth.noise.proportional));
-  noise.set("correlation_px", YamlTree::number(depth.noise.correlation_px));
-  noise.set("scale_sigma", YamlTree::number(depth.noise.scale_sigma));
-  if (depth.noise.has_bias()) {
-    const bool stereo = depth.noise.law == DepthNoise::Law::kStereo;
-    noise.set(stereo ? "bias_inverse_depth_per_m" : "bias_m",
-              YamlTree::number(stereo ? depth.noise.bias_inverse_depth_per_m : depth.noise.bias_m));
-    noise.set("bias_cell_deg", YamlTree::number(depth.noise.bias_cell_deg));
-  }
-  if (depth.own_camera) {
-    tree.set("camera", tree_of(depth.own_camera->camera));
-    tree.set("T_color_depth", tree_of(depth.own_camera->T_color_depth));
-  }
-  return tree;
-}
-
-YamlTree tree_of(const RigCamera& camera) {
-  YamlTree tree = YamlTree::map();
-  if (!camera.sensor.empty()) tree.set("sensor", YamlTree::text(camera.sensor));
-  tree.set("folder", YamlTree::text(camera.folder));
-  tree.set("link", YamlTree::text(camera.link));
-  tree.set("intrinsics", tree_of(camera.camera));
-  tree.set("depth", camera.depth ? tree_of(*camera.depth) : YamlTree::text("none"));
-  return tree;
-}
-
-YamlTree tree_of(const OdometryNoise& noise) {
-  YamlTree tree = YamlTree::inline_map();
-  tree.set("model", YamlTree::text(odometry_model_name(noise.model)));
-  if (noise.sigma_xy_m) tree.set("sigma_xy_mm", YamlTree::number(value_in_unit(*noise.sigma_xy_m, kMmPerM)));
-  if (noise.sigma_yaw_rad) tree.set("sigma_yaw_deg", YamlTree::number(value_in_unit(*noise.sigma_yaw_rad, kDegPerRad)));
-  return tree;
-}
-
-YamlTree tree_of(const AcceptLimits& accept) {
-  YamlTree tree = YamlTree::inline_map();
-  tree.set("xy_mm", YamlTree::number(value_in_unit(accept.xy_m, kMmPerM)));
-  tree.set("z_mm", YamlTree::number(value_in_unit(accept.z_m, kMmPerM)));
-  tree.set("angle_deg", YamlTree::number(value_in_unit(accept.angle_rad, kDegPerRad)));
-  return tree;
-}
-
-void set_transform(const Rigid3& T, YamlTree* map) {
-  const Eigen::Vector3d& t = T.translation;
+void visit_pose(FieldVisitor& visitor, Rigid3& T) {
   // q and -q are one rotation: the file holds the one with w >= 0.
-  const Eigen::Vector4d q = T.rotation.w() < 0.0 ? Eigen::Vector4d(-T.rotation.coeffs()) : T.rotation.coeffs();
-  map->set("translation_m", YamlTree::numbers({t.x(), t.y(), t.z()}));
-  map->set("quaternion_xyzw", YamlTree::numbers({q[0], q[1], q[2], q[3]}));
+  const Eigen::Vector4d c = T.rotation.w() < 0.0 ? Eigen::Vector4d(-T.rotation.coeffs()) : T.rotation.coeffs();
+  std::vector<double> t = {T.translation.x(), T.translation.y(), T.translation.z()}, q = {c[0], c[1], c[2], c[3]};
+  visitor.require("translation_m", "[x, y, z]");
+  visitor.require("quaternion_xyzw", "[x, y, z, w]");
+  visitor.field("translation_m", t, {-1e6, 1e6}, 3, 3, "x, y, z of the child's origin in the parent");
+  visitor.field("quaternion_xyzw", q, {-2.0, 2.0}, 4, 4, "rotation from child to parent, norm 1");
+  if (!visitor.is_reading()) return;
+  const Eigen::Vector4d read(q[0], q[1], q[2], q[3]);
+  const double norm = read.norm();
+  visitor.check(std::abs(norm - 1.0) <= 1e-3, "quaternion_xyzw",
+                "has the norm " + number_text(norm) + "; it must be 1 within 0.001, order x y z w");
+  T.translation << t[0], t[1], t[2];
+  // What this program wrote is a unit to rounding, and reads back to the same bits.
+  if (std::abs(norm - 1.0) <= 1e-3)
+    T.rotation.coeffs() = std::abs(norm - 1.0) < 1e-14 ? read : Eigen::Vector4d(read * (1.0 / norm));
 }
 
-YamlTree tree_of(const Rigid3& T) {
-  YamlTree tree = YamlTree::inline_map();
-  set_transform(T, &tree);
-  return tree;
+void visit_fields(FieldVisitor& visitor, Rigid3& T) {
+  visitor.on_one_line();
+  visit_pose(visitor, T);
 }
 
 }  // namespace rigproof

@@ -217,6 +217,12 @@ YamlTree YamlTree::numbers(const std::vector<double>& values) {
   return tree;
 }
 
+YamlTree YamlTree::texts(const std::vector<std::string>& values) {
+  YamlTree tree = sequence();
+  for (const std::string& value : values) tree.add(text(value));
+  return tree;
+}
+
 YamlTree YamlTree::sequence() {
   YamlTree tree;
   tree.kind = Kind::kSequence;
@@ -264,6 +270,8 @@ YamlTree parse_yaml(const std::string& text, const std::filesystem::path& file) 
 YamlTree read_yaml_file(const std::filesystem::path& file, std::uintmax_t max_bytes) {
   return parse_yaml(read_text_file(file, max_bytes), file);
 }
+
+std::string emit_yaml_line(const YamlTree& tree) { return emit_flow(tree); }
 
 std::string emit_yaml(const YamlTree& tree) {
   if (on_one_line(tree)) return emit_flow(tree) + "\n";
@@ -343,6 +351,18 @@ std::optional<std::vector<double>> read_numbers(const YamlTree& tree, const std:
   return values;
 }
 
+std::optional<std::vector<std::string>> read_texts(const YamlTree& tree, const std::string& path, Problems* problems) {
+  if (!tree.is_sequence()) {
+    add_problem(tree, path, "must be a list of texts", problems);
+    return std::nullopt;
+  }
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < tree.items.size(); ++i)
+    if (const auto text = read_text(tree.items[i], path + "[" + std::to_string(i) + "]", {}, problems))
+      texts.push_back(*text);
+  return texts;
+}
+
 MapReader::MapReader(const YamlTree& tree, std::string path, Problems* problems)
     : tree_(&tree), path_(std::move(path)), problems_(problems) {
   if (!tree.is_map() && !tree.is_null()) problem("", "must be a block of keys");
@@ -394,17 +414,7 @@ std::optional<std::vector<double>> MapReader::numbers(const std::string& key, st
 
 std::optional<std::vector<std::string>> MapReader::texts(const std::string& key) {
   const YamlTree* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  if (!value->is_sequence()) {
-    problem(key, "must be a list of texts");
-    return std::nullopt;
-  }
-  std::vector<std::string> texts;
-  for (std::size_t i = 0; i < value->items.size(); ++i) {
-    const auto text = read_text(value->items[i], path_of(key) + "[" + std::to_string(i) + "]", {}, problems_);
-    if (text) texts.push_back(*text);
-  }
-  return texts;
+  return value ? read_texts(*value, path_of(key), problems_) : std::nullopt;
 }
 
 void MapReader::require(const std::string& key, const std::string& allowed) {

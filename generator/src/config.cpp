@@ -1,95 +1,11 @@
 #include "rigproof/generator/config.h"
 
 #include <cmath>
-#include <map>
-#include <sstream>
 
 namespace rigproof {
 namespace {
 
 constexpr double kMaxDistanceM = 100.0;
-
-// Writes every field as (dotted path, text) so that two configurations can be compared field by field.
-class FlatFields : public FieldVisitor {
- public:
-  std::map<std::string, std::string> values;
-
-  void field(const char* key, double& value, const NumberRange&, const char*) override { put(key, number(value)); }
-  void field(const char* key, std::int64_t& value, const NumberRange&, const char*) override {
-    put(key, std::to_string(value));
-  }
-  void field(const char* key, bool& value, const char*) override { put(key, value ? "true" : "false"); }
-  void field(const char* key, std::string& value, const TextChoices&, const char*) override {
-    put(key, value.empty() ? "''" : value);
-  }
-  void field(const char* key, Distribution& value, const NumberRange&, const char*) override { put(key, text(value)); }
-  void field(const char* key, std::vector<double>& value, const NumberRange&, std::size_t, std::size_t,
-             const char*) override {
-    put(key, sequence(value));
-  }
-  void field(const char* key, std::vector<std::string>& value, const char*) override {
-    std::string text = "[";
-    for (const std::string& part : value) text += (text.size() > 1 ? ", " : "") + part;
-    put(key, text + "]");
-  }
-  void section(const char* key, const std::function<void(FieldVisitor&)>& visit, const char*) override {
-    const std::string outer = path_;
-    path_ += std::string(key) + ".";
-    visit(*this);
-    path_ = outer;
-  }
-  void list(const char* key, const std::function<std::size_t()>& size, const std::function<void(std::size_t)>&,
-            const std::function<void(std::size_t, FieldVisitor&)>& visit, const char*) override {
-    const std::string outer = path_;
-    put(key, std::to_string(size()) + " entries");
-    for (std::size_t i = 0; i < size(); ++i) {
-      path_ = outer + key + "[" + std::to_string(i) + "].";
-      visit(i, *this);
-    }
-    path_ = outer;
-  }
-  void check(bool, const char*, const std::string&) override {}
-
- private:
-  static std::string number(double value) {
-    std::ostringstream out;
-    out.precision(17);
-    out << value;
-    const std::string exact = out.str();
-    out.str("");
-    out.precision(6);
-    out << value;
-    return std::stod(out.str()) == value ? out.str() : exact;
-  }
-
-  static std::string sequence(const std::vector<double>& values) {
-    std::string text = "[";
-    for (const double value : values) text += (text.size() > 1 ? ", " : "") + number(value);
-    return text + "]";
-  }
-
-  static std::string text(const Distribution& distribution) {
-    const Distribution::Kind& kind = distribution.kind();
-    if (const double* constant = std::get_if<double>(&kind)) return number(*constant);
-    if (const auto* uniform = std::get_if<Distribution::Uniform>(&kind)) {
-      return "{uniform: " + sequence({uniform->low, uniform->high}) + "}";
-    }
-    if (const auto* normal = std::get_if<Distribution::Normal>(&kind)) {
-      return "{normal: {mean: " + number(normal->mean) + ", stddev: " + number(normal->standard_deviation) + "}}";
-    }
-    return "{choice: " + sequence(std::get<Distribution::Choice>(kind).values) + "}";
-  }
-
-  void put(const std::string& key, const std::string& value) { values[path_ + key] = value; }
-
-  std::string path_;
-};
-
-std::map<std::string, std::string> flatten(GenerateConfig config) {
-  FlatFields fields;
-  config.visit(fields);
-  return fields.values;
-}
 
 bool is_board_size(const std::vector<double>& squares) {
   if (squares.empty()) return true;
@@ -239,9 +155,7 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
   visitor.nested("render", render, "how the clean picture is drawn");
   visitor.field("clouds", clouds, TextChoices{{"none", "pcd"}}, "point cloud files beside the depth images");
   visitor.field("cloud_stride_px", cloud_stride_px, {1.0, 64.0}, "every how many pixels a cloud has a point");
-  visitor.field(
-      "png_level", png_level, {0.0, 3.0},
-      "search for repetitions in PNG images: 0 none, the fastest; 1 to 3 slower and a little smaller; all lossless");
+  visitor.field("png_level", png_level, {0.0, 3.0}, "of before, without effect: how PNG images were compressed");
 }
 
 GenerateConfig load_generate_config(const std::filesystem::path& file) {
@@ -258,28 +172,14 @@ GenerateConfig parse_generate_config(const std::string& text, const std::filesys
   return config;
 }
 
-std::string resolved_text(const GenerateConfig& config) {
-  GenerateConfig copy = config;
-  return write_fields([&copy](FieldVisitor& visitor) { copy.visit(visitor); });
-}
+std::string resolved_text(const GenerateConfig& config) { return emit_yaml(tree_of(config)); }
 
-std::string generate_config_schema() {
-  GenerateConfig config;
-  return schema_of_fields("Rigproof run", [&config](FieldVisitor& visitor) { config.visit(visitor); });
-}
+std::string generate_config_schema() { return schema_of<GenerateConfig>("Rigproof run"); }
 
 std::vector<std::string> differences(const GenerateConfig& there, const GenerateConfig& here) {
-  std::map<std::string, std::string> a = flatten(there), b = flatten(here);
   std::vector<std::string> result;
-  for (const auto& [key, value] : a) {
-    const auto other = b.find(key);
-    if (other == b.end() || other->second != value) {
-      result.push_back(key + ": " + value + " there, " + (other == b.end() ? "nothing" : other->second) + " here");
-    }
-  }
-  for (const auto& [key, value] : b) {
-    if (a.find(key) == a.end()) result.push_back(key + ": nothing there, " + value + " here");
-  }
+  for (const FieldDifference& difference : field_differences(tree_of(there), tree_of(here)))
+    result.push_back(difference.path + ": " + difference.there + " there, " + difference.here + " here");
   return result;
 }
 

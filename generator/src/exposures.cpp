@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigproof/core/rig_yaml.h"
+#include "rigproof/generator/sensor_device.h"
 
 namespace rigproof {
 namespace {
@@ -14,8 +14,7 @@ constexpr double kStep_px = 0.5;
 constexpr int kColumns = 8, kRows = 6, kTimes = 4;
 
 CameraShutter shutter_of(const GenerateConfig& config, const RigCamera& camera, std::int32_t index) {
-  const SensorSimulation device =
-      camera.sensor.empty() ? SensorSimulation() : load_sensor_preset(camera.sensor).simulation;
+  const SensorDevice device = load_sensor_device(camera.sensor);
   RandomStream random(static_cast<std::uint64_t>(config.seed), "shutter", -1, index);
   const double exposure_ms = config.render.exposure_ms.sample(random),
                readout_ms = config.render.readout_ms.sample(random);

@@ -41,7 +41,6 @@ FrameMaker::FrameMaker(const Scenario& scenario, const std::filesystem::path& ru
       source_(source),
       run_{run},
       seed_(sensing_seed(scenario.config)),
-      png_(static_cast<int>(scenario.config.png_level)),
       jpeg_(static_cast<int>(scenario.config.sensing.image.jpeg_quality)) {
   if (source.may_render)
     renderer_ = std::make_unique<Renderer>(*scenario.world, render_options(scenario, source.device));

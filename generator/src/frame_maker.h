@@ -10,9 +10,9 @@
 #include "clean_cache.h"
 #include "jpeg_encoder.h"
 #include "rigproof/core/run_folder.h"
-#include "rigproof/generator/png_encoder.h"
 #include "rigproof/generator/point_cloud.h"
 #include "rigproof/generator/sensors.h"
+#include "rigproof/png/png_encoder.h"
 #include "rigproof/sim/renderer.h"
 #include "scenario.h"
 

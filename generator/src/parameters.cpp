@@ -21,63 +21,6 @@ bool is_sense_key(const std::string& path) {
   });
 }
 
-std::string text_of(const Distribution& distribution) {
-  const double* constant = std::get_if<double>(&distribution.kind());
-  if (constant != nullptr) return number_text(*constant);
-  return "drawn, " + number_text(distribution.lowest()) + " to " + number_text(distribution.highest());
-}
-
-class Collector : public FieldVisitor {
- public:
-  std::vector<Parameter> parameters;
-
-  void field(const char* key, double& value, const NumberRange&, const char* description) override {
-    add(key, number_text(value), description);
-  }
-  void field(const char* key, std::int64_t& value, const NumberRange&, const char* description) override {
-    add(key, std::to_string(value), description);
-  }
-  void field(const char* key, bool& value, const char* description) override {
-    add(key, value ? "true" : "false", description);
-  }
-  void field(const char* key, std::string& value, const TextChoices&, const char* description) override {
-    add(key, value.empty() ? "empty" : value, description);
-  }
-  void field(const char* key, Distribution& value, const NumberRange&, const char* description) override {
-    add(key, text_of(value), description);
-  }
-  void field(const char* key, std::vector<double>& value, const NumberRange&, std::size_t, std::size_t,
-             const char* description) override {
-    std::vector<std::string> words;
-    for (const double number : value) words.push_back(number_text(number));
-    add(key, "[" + joined(words) + "]", description);
-  }
-  void field(const char* key, std::vector<std::string>& value, const char* description) override {
-    add(key, "[" + joined(value) + "]", description);
-  }
-  void section(const char* key, const std::function<void(FieldVisitor&)>& visit, const char*) override {
-    const std::string outer = path_;
-    path_ += std::string(key) + ".";
-    visit(*this);
-    path_ = outer;
-  }
-  // One row for a list: its elements have no defaults.
-  void list(const char* key, const std::function<std::size_t()>&, const std::function<void(std::size_t)>&,
-            const std::function<void(std::size_t, FieldVisitor&)>&, const char* description) override {
-    add(key, "none", description);
-  }
-  void check(bool, const char*, const std::string&) override {}
-
- private:
-  void add(const char* key, const std::string& value, const char* description) {
-    const std::string path = path_ + key;
-    parameters.push_back(
-        {path, is_sense_key(path) ? ParameterKind::kSense : ParameterKind::kRender, value, description});
-  }
-
-  std::string path_;
-};
-
 std::string table_of(const std::vector<Parameter>& parameters, ParameterKind kind) {
   std::string text = "| key | default | meaning |\n|---|---|---|\n";
   for (const Parameter& parameter : parameters) {
@@ -91,9 +34,14 @@ std::string table_of(const std::vector<Parameter>& parameters, ParameterKind kin
 
 std::vector<Parameter> all_parameters() {
   GenerateConfig config;
-  Collector collector;
-  config.visit(collector);
-  return collector.parameters;
+  const YamlTree schema = schema_of_block([&config](FieldVisitor& visitor) { config.visit(visitor); });
+  std::vector<Parameter> parameters;
+  // One row for a list: its elements have no defaults.
+  for (const FieldSummary& field : fields_of_schema(schema, false))
+    if (!field.is_block)
+      parameters.push_back({field.path, is_sense_key(field.path) ? ParameterKind::kSense : ParameterKind::kRender,
+                            field.default_text.empty() ? "none" : field.default_text, field.description});
+  return parameters;
 }
 
 std::string parameter_tables() {

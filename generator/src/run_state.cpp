@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -101,6 +102,16 @@ void remove_own(const RunFolder& run) {
   }
 }
 
+// Syncs the files, then writes the manifest, beside whatever else goes on; gives the seconds that it took.
+std::future<double> write_aside(const RunFolder& run, const Manifest& manifest, std::vector<fs::path> files) {
+  return std::async(std::launch::async, [run, manifest, files = std::move(files)] {
+    const auto start = Clock::now();
+    sync_files(files);
+    save_manifest(manifest, run.manifest_file());
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  });
+}
+
 }  // namespace
 
 std::string config_file_text(const Scenario& scenario) {
@@ -162,30 +173,20 @@ void ManifestKeeper::add(const FileEntries& entries) {
   }
 }
 
-void ManifestKeeper::start_write() {
-  write_ = std::async(std::launch::async, [manifest = manifest_, files = std::move(unsynced_), run = run_] {
-    const auto start = Clock::now();
-    sync_files(files);
-    save_manifest(manifest, run.manifest_file());
-    return std::chrono::duration<double>(Clock::now() - start).count();
-  });
-  unsynced_.clear();
-}
-
 void ManifestKeeper::tick() {
   if (write_.valid()) {
     if (write_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     const double period_s = std::max(kWritePeriodS, write_.get() / kWriteShare);
     next_write_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s));
   }
-  if (!unsynced_.empty() && Clock::now() >= next_write_) start_write();
+  if (!unsynced_.empty() && Clock::now() >= next_write_)
+    write_ = write_aside(run_, manifest_, std::exchange(unsynced_, {}));
 }
 
 void ManifestKeeper::finish(bool complete) {
   if (write_.valid()) write_.get();
   manifest_.complete = complete;
-  start_write();
-  write_.get();
+  write_aside(run_, manifest_, std::exchange(unsynced_, {})).get();
 }
 
 }  // namespace rigproof

@@ -43,8 +43,6 @@ class ManifestKeeper {
   void finish(bool complete);
 
  private:
-  void start_write();
-
   RunFolder run_;
   Manifest manifest_;
   std::vector<std::filesystem::path> unsynced_;

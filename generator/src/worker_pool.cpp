@@ -1,15 +1,13 @@
 #include "worker_pool.h"
 
 #include <poll.h>
-#include <signal.h>
-#include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <system_error>
 
@@ -52,13 +50,8 @@ void send_message(int socket, const std::string& message) {
   ::_exit(1);
 }
 
-std::string how_it_ended(int status) {
-  if (WIFSIGNALED(status)) {
-    const int number = WTERMSIG(status);
-    return "was ended by signal " + std::to_string(number) + " (" + ::strsignal(number) + ")" +
-           (number == SIGKILL ? "; the machine may be out of memory" : "");
-  }
-  return "ended with exit code " + std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : -1);
+std::string how_it_ended(const ProcessEnd& end) {
+  return end.in_words() + (end.signal == SIGKILL ? "; the machine may be out of memory" : "");
 }
 
 }  // namespace
@@ -73,28 +66,13 @@ void WorkerPool::start(const Prepare& prepare) {
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets.data()) != 0) {
     throw Error("cannot start a render process: " + cause(errno), ExitCode::kTryAgain);
   }
-  const pid_t owner = ::getpid();
-  const pid_t pid = ::fork();
-  if (pid == 0) {
-    // An interrupt from the terminal reaches the whole group; the owner decides what it means.
-    ::signal(SIGINT, SIG_IGN);
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != owner) ::_exit(1);
+  ChildProcess process([&]() -> int {
     ::close(sockets[0]);
     for (const Worker& other : workers_) ::close(other.socket);
     serve(sockets[1], prepare);
-  }
+  });
   ::close(sockets[1]);
-  if (pid < 0) {
-    const int error_number = errno;
-    ::close(sockets[0]);
-    throw Error("cannot start a render process: " + cause(error_number), ExitCode::kTryAgain);
-  }
-  Worker worker;
-  worker.pid = pid;
-  worker.socket = sockets[0];
-  worker.last_heard = std::chrono::steady_clock::now();
-  workers_.push_back(std::move(worker));
+  workers_.push_back({std::move(process), sockets[0], {}, std::chrono::steady_clock::now()});
 }
 
 WorkerPool::~WorkerPool() {
@@ -102,13 +80,10 @@ WorkerPool::~WorkerPool() {
     if (worker.socket < 0) continue;
     // An idle process ends at the end of its input; one that works is not waited for.
     ::close(worker.socket);
-    if (!worker.queue.empty()) ::kill(worker.pid, SIGKILL);
+    if (!worker.queue.empty()) worker.process.kill_all();
   }
-  for (const Worker& worker : workers_) {
-    if (worker.socket < 0) continue;
-    while (::waitpid(worker.pid, nullptr, 0) < 0 && errno == EINTR) {
-    }
-  }
+  for (Worker& worker : workers_)
+    if (worker.process.is_running()) worker.process.wait();
 }
 
 std::size_t WorkerPool::least_busy() const {
@@ -145,14 +120,12 @@ WorkerEvent WorkerPool::bury(std::size_t index, const std::string& how) {
   Worker& worker = workers_[index];
   ::close(worker.socket);
   worker.socket = -1;
-  int status = 0;
-  while (::waitpid(worker.pid, &status, 0) < 0 && errno == EINTR) {
-  }
+  const ProcessEnd end = worker.process.wait();
   WorkerEvent event;
   event.kind = WorkerEvent::Kind::kDied;
   event.worker = static_cast<int>(index);
   event.job = worker.queue.empty() ? WorkerEvent::kNoJob : worker.queue.front();
-  event.text = how.empty() ? how_it_ended(status) : how;
+  event.text = how.empty() ? how_it_ended(end) : how;
   worker.queue.clear();
   return event;
 }
@@ -200,7 +173,7 @@ std::vector<WorkerEvent> WorkerPool::wait(int timeout_ms) {
     if (ready > 0 && polled[i].revents != 0) {
       events.push_back(read_event(indices[i]));
     } else if (!worker.queue.empty() && std::chrono::duration<double>(now - worker.last_heard).count() > patience_s_) {
-      ::kill(worker.pid, SIGKILL);
+      worker.process.kill_all();
       events.push_back(bury(indices[i], "did not answer for " + std::to_string(static_cast<int>(patience_s_)) + " s"));
     }
   }

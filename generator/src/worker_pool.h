@@ -2,13 +2,13 @@
 // takes nobody with it.
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "rigproof/core/child_process.h"
 
 namespace rigproof {
 
@@ -54,7 +54,7 @@ class WorkerPool {
 
  private:
   struct Worker {
-    pid_t pid = -1;
+    ChildProcess process;
     int socket = -1;  ///< -1 once it has ended
     std::vector<std::uint32_t> queue;
     std::chrono::steady_clock::time_point last_heard;

@@ -151,6 +151,15 @@ struct EglContext::Handles {
   EGLContext context = EGL_NO_CONTEXT;
 };
 
+namespace {
+
+std::string driver_text(const GlFunctions& gl, GLenum name) {
+  const GLubyte* value = gl.GetString(name);
+  return value != nullptr ? std::string(reinterpret_cast<const char*>(value)) : std::string();
+}
+
+}  // namespace
+
 EglContext::EglContext(int device) : handles_(std::make_unique<Handles>()) {
   // Many processes with one thread each beat one process with many threads.
   setenv("LP_NUM_THREADS", "1", 0);
@@ -168,10 +177,12 @@ EglContext::EglContext(int device) : handles_(std::make_unique<Handles>()) {
     known = true;
     std::string why_not;
     if (open(candidate.index, &why_not)) {
-      load_functions();
+      gl_ = load_functions(*handles_);
+      renderer_ = driver_text(gl_, GL_RENDERER);
+      version_ = driver_text(gl_, GL_VERSION);
       return;
     }
-    close();
+    close(handles_.get());
     failures += (failures.empty() ? "" : "; ") + device_label(candidate.index) + ": " + why_not;
   }
   if (!known) {
@@ -183,7 +194,7 @@ EglContext::EglContext(int device) : handles_(std::make_unique<Handles>()) {
   throw Error("cannot make an OpenGL context (" + failures + "); the driver is missing or too old, " + kInstallEgl);
 }
 
-EglContext::~EglContext() { close(); }
+EglContext::~EglContext() { close(handles_.get()); }
 
 bool EglContext::open(int device, std::string* why_not) {
   const EglLibrary& egl = *handles_->egl;
@@ -214,58 +225,54 @@ bool EglContext::open(int device, std::string* why_not) {
   return true;
 }
 
-void EglContext::close() {
-  if (handles_->display == EGL_NO_DISPLAY) return;
-  const EglLibrary& egl = *handles_->egl;
-  if (handles_->context != EGL_NO_CONTEXT) {
-    egl.MakeCurrent(handles_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    egl.DestroyContext(handles_->display, handles_->context);
+void EglContext::close(Handles* handles) {
+  if (handles->display == EGL_NO_DISPLAY) return;
+  const EglLibrary& egl = *handles->egl;
+  if (handles->context != EGL_NO_CONTEXT) {
+    egl.MakeCurrent(handles->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    egl.DestroyContext(handles->display, handles->context);
   }
   // The display stays initialised: EGL shares it among all contexts of the process.
-  handles_->context = EGL_NO_CONTEXT;
-  handles_->display = EGL_NO_DISPLAY;
+  handles->context = EGL_NO_CONTEXT;
+  handles->display = EGL_NO_DISPLAY;
 }
 
-void EglContext::make_current() {
+void EglContext::make_current() const {
   const EglLibrary& egl = *handles_->egl;
   if (egl.GetCurrentContext() == handles_->context) return;
   if (egl.MakeCurrent(handles_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, handles_->context) != EGL_TRUE)
     throw Error("cannot make the OpenGL context current: a renderer must stay in the thread that made it");
 }
 
-void EglContext::load_functions() {
-  const EglLibrary& egl = *handles_->egl;
+GlFunctions EglContext::load_functions(const Handles& handles) {
+  const EglLibrary& egl = *handles.egl;
+  GlFunctions gl{};
   const auto load = [&egl](const char* name, auto* function) {
     load_extension(egl, name, function);
     if (*function == nullptr) throw Error(std::string("the OpenGL driver lacks ") + name + "; " + kInstallEgl);
   };
-  load("glGetString", &gl_.GetString);
-  load("glGetError", &gl_.GetError);
-  load("glGetIntegerv", &gl_.GetIntegerv);
-  load("glFinish", &gl_.Finish);
-  load("glReadPixels", &gl_.ReadPixels);
-  load("glPixelStorei", &gl_.PixelStorei);
-  load("glReadBuffer", &gl_.ReadBuffer);
-  load("glBindTexture", &gl_.BindTexture);
-  load("glTexParameteri", &gl_.TexParameteri);
-  load("glTexParameterf", &gl_.TexParameterf);
-  load("glGetFloatv", &gl_.GetFloatv);
-  load("glGenerateMipmap", &gl_.GenerateMipmap);
-  load("glGenFramebuffers", &gl_.GenFramebuffers);
-  load("glDeleteFramebuffers", &gl_.DeleteFramebuffers);
-  load("glBindFramebuffer", &gl_.BindFramebuffer);
-  load("glGenRenderbuffers", &gl_.GenRenderbuffers);
-  load("glDeleteRenderbuffers", &gl_.DeleteRenderbuffers);
-  load("glBindRenderbuffer", &gl_.BindRenderbuffer);
-  load("glRenderbufferStorage", &gl_.RenderbufferStorage);
-  load("glFramebufferRenderbuffer", &gl_.FramebufferRenderbuffer);
-  load("glCheckFramebufferStatus", &gl_.CheckFramebufferStatus);
-  const auto text = [this](GLenum name) {
-    const GLubyte* value = gl_.GetString(name);
-    return value != nullptr ? std::string(reinterpret_cast<const char*>(value)) : std::string();
-  };
-  renderer_ = text(GL_RENDERER);
-  version_ = text(GL_VERSION);
+  load("glGetString", &gl.GetString);
+  load("glGetError", &gl.GetError);
+  load("glGetIntegerv", &gl.GetIntegerv);
+  load("glFinish", &gl.Finish);
+  load("glReadPixels", &gl.ReadPixels);
+  load("glPixelStorei", &gl.PixelStorei);
+  load("glReadBuffer", &gl.ReadBuffer);
+  load("glBindTexture", &gl.BindTexture);
+  load("glTexParameteri", &gl.TexParameteri);
+  load("glTexParameterf", &gl.TexParameterf);
+  load("glGetFloatv", &gl.GetFloatv);
+  load("glGenerateMipmap", &gl.GenerateMipmap);
+  load("glGenFramebuffers", &gl.GenFramebuffers);
+  load("glDeleteFramebuffers", &gl.DeleteFramebuffers);
+  load("glBindFramebuffer", &gl.BindFramebuffer);
+  load("glGenRenderbuffers", &gl.GenRenderbuffers);
+  load("glDeleteRenderbuffers", &gl.DeleteRenderbuffers);
+  load("glBindRenderbuffer", &gl.BindRenderbuffer);
+  load("glRenderbufferStorage", &gl.RenderbufferStorage);
+  load("glFramebufferRenderbuffer", &gl.FramebufferRenderbuffer);
+  load("glCheckFramebufferStatus", &gl.CheckFramebufferStatus);
+  return gl;
 }
 
 }  // namespace rigproof

@@ -49,17 +49,17 @@ class EglContext {
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  void make_current();
+  void make_current() const;
   const GlFunctions& gl() const { return gl_; }
   const std::string& renderer() const { return renderer_; }
   const std::string& version() const { return version_; }
 
  private:
   bool open(int device, std::string* why_not);
-  void close();
-  void load_functions();
 
   struct Handles;
+  static void close(Handles* handles);
+  static GlFunctions load_functions(const Handles& handles);
   std::unique_ptr<Handles> handles_;
   GlFunctions gl_{};
   std::string renderer_;

@@ -23,6 +23,43 @@ void shift_by(const Eigen::Vector3d& camera, float* position) {
 
 int rounded_up(int size) { return (size + kSizeStep - 1) / kSizeStep * kSizeStep; }
 
+// Anisotropic filtering keeps the board's edges where they are when it is seen obliquely. On the floor it would only
+// cost time.
+void tune_textures(const GlFunctions& gl, const mjModel* model, const mjrContext& buffers) {
+  const int board = mj_name2id(model, mjOBJ_TEXTURE, kBoardName);
+  GLfloat most = 1.0F;
+  gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &most);
+  gl.GetError();  // a driver without the extension says "invalid enum"
+  for (int i = 0; i < model->ntex; ++i) {
+    if (model->tex_type[i] != mjTEXTURE_2D) continue;
+    gl.BindTexture(GL_TEXTURE_2D, buffers.texture[i]);
+    gl.GenerateMipmap(GL_TEXTURE_2D);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    if (i != board) continue;
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    if (most > 1.0F) gl.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, std::min(most, 16.0F));
+  }
+  gl.BindTexture(GL_TEXTURE_2D, 0);
+}
+
+void release(const GlFunctions& gl, const RenderTarget& target) {
+  if (target.framebuffer != 0) gl.DeleteFramebuffers(1, &target.framebuffer);
+  if (target.color != 0) gl.DeleteRenderbuffers(1, &target.color);
+  if (target.depth != 0) gl.DeleteRenderbuffers(1, &target.depth);
+}
+
+std::vector<std::uint16_t> objects_of_segments(const mjvScene& scene) {
+  std::vector<std::uint16_t> objects(static_cast<std::size_t>(scene.ngeom) + 1, 0);
+  for (int i = 0; i < scene.ngeom; ++i) {
+    const mjvGeom& geom = scene.geoms[i];
+    if (geom.segid < 0 || geom.segid >= scene.ngeom || geom.objtype != mjOBJ_GEOM) continue;
+    objects[static_cast<std::size_t>(geom.segid) + 1] = static_cast<std::uint16_t>(geom.objid + 1);
+  }
+  return objects;
+}
+
 }  // namespace
 
 GlScene::GlScene(World& world, int device)
@@ -45,46 +82,15 @@ GlScene::GlScene(World& world, int device)
   context_.gl().GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &max_size_);
   std::fill(std::begin(scene_.flags), std::end(scene_.flags), mjtByte{0});
   scene_.flags[mjRND_CULL_FACE] = 1;
-  tune_textures();
+  tune_textures(context_.gl(), model, buffers_);
 }
 
 GlScene::~GlScene() {
   context_.make_current();
-  release_targets();
+  release(context_.gl(), target_);
   buffers_.offFBO = own_framebuffer_;
   mjr_freeContext(&buffers_);
   mjv_freeScene(&scene_);
-}
-
-// Anisotropic filtering keeps the board's edges where they are when it is seen obliquely. On the floor it would only
-// cost time.
-void GlScene::tune_textures() {
-  const GlFunctions& gl = context_.gl();
-  const mjModel* model = world_.impl().model.get();
-  const int board = mj_name2id(model, mjOBJ_TEXTURE, kBoardName);
-  GLfloat most = 1.0F;
-  gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &most);
-  gl.GetError();  // a driver without the extension says "invalid enum"
-  for (int i = 0; i < model->ntex; ++i) {
-    if (model->tex_type[i] != mjTEXTURE_2D) continue;
-    gl.BindTexture(GL_TEXTURE_2D, buffers_.texture[i]);
-    gl.GenerateMipmap(GL_TEXTURE_2D);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    if (i != board) continue;
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    if (most > 1.0F) gl.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, std::min(most, 16.0F));
-  }
-  gl.BindTexture(GL_TEXTURE_2D, 0);
-}
-
-void GlScene::release_targets() {
-  const GlFunctions& gl = context_.gl();
-  if (target_.framebuffer != 0) gl.DeleteFramebuffers(1, &target_.framebuffer);
-  if (target_.color != 0) gl.DeleteRenderbuffers(1, &target_.color);
-  if (target_.depth != 0) gl.DeleteRenderbuffers(1, &target_.depth);
-  target_ = Target();
 }
 
 void GlScene::make_targets(int width, int height) {
@@ -94,8 +100,9 @@ void GlScene::make_targets(int width, int height) {
   if (new_width > max_size_ || new_height > max_size_)
     throw Error("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                 " px is larger than the OpenGL driver allows (" + std::to_string(max_size_) + " px a side)");
-  release_targets();
   const GlFunctions& gl = context_.gl();
+  release(gl, target_);
+  target_ = RenderTarget();
   gl.GenFramebuffers(1, &target_.framebuffer);
   gl.GenRenderbuffers(1, &target_.color);
   gl.GenRenderbuffers(1, &target_.depth);
@@ -127,22 +134,13 @@ void GlScene::look_from(const Rigid3& T_world_camera, bool with_ceiling) {
     set_vector(eye.forward, R.col(2));
     set_vector(eye.up, -R.col(1));
   }
-  index_segments();
+  object_of_segment_ = objects_of_segments(scene_);
 }
 
 // Puts the camera into the origin: single precision is finest there, and GL's matrices are single.
 void GlScene::centre_on(const Eigen::Vector3d& camera) {
   for (int i = 0; i < scene_.ngeom; ++i) shift_by(camera, scene_.geoms[i].pos);
   for (int i = 0; i < scene_.nlight; ++i) shift_by(camera, scene_.lights[i].pos);
-}
-
-void GlScene::index_segments() {
-  object_of_segment_.assign(static_cast<std::size_t>(scene_.ngeom) + 1, 0);
-  for (int i = 0; i < scene_.ngeom; ++i) {
-    const mjvGeom& geom = scene_.geoms[i];
-    if (geom.segid < 0 || geom.segid >= scene_.ngeom || geom.objtype != mjOBJ_GEOM) continue;
-    object_of_segment_[static_cast<std::size_t>(geom.segid) + 1] = static_cast<std::uint16_t>(geom.objid + 1);
-  }
 }
 
 void GlScene::draw(const Frustum& frustum, Pass pass) {
@@ -183,6 +181,6 @@ const std::uint32_t* GlScene::read_depth() {
   return depth_pixels_.data();
 }
 
-void GlScene::finish() { context_.gl().Finish(); }
+void GlScene::finish() const { context_.gl().Finish(); }
 
 }  // namespace rigproof

@@ -18,6 +18,12 @@ struct Frustum {
   int width = 0, height = 0;
 };
 
+/// Where a picture is drawn.
+struct RenderTarget {
+  unsigned int framebuffer = 0, color = 0, depth = 0;
+  int width = 0, height = 0;
+};
+
 /// What a pass shows.
 enum class Pass { kColor, kObjectIds };
 
@@ -46,18 +52,11 @@ class GlScene {
   const mujoco::DepthLaw& depth_law() const { return depth_law_; }
   const EglContext& context() const { return context_; }
   /// Waits for the driver; for benchmarks.
-  void finish();
+  void finish() const;
 
  private:
-  struct Target {
-    unsigned int framebuffer = 0, color = 0, depth = 0;
-    int width = 0, height = 0;
-  };
   void make_targets(int width, int height);
-  void release_targets();
-  void tune_textures();
   void centre_on(const Eigen::Vector3d& camera);
-  void index_segments();
 
   EglContext context_;
   World& world_;
@@ -65,7 +64,7 @@ class GlScene {
   mjrContext buffers_{};
   mjvOption visible_{};
   unsigned int own_framebuffer_ = 0;  // the one that MuJoCo made and frees
-  Target target_;
+  RenderTarget target_;
   int max_size_ = 0;
   Frustum last_;
   mujoco::DepthLaw depth_law_;

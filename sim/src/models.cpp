@@ -8,6 +8,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/fields.h"
 #include "rigproof/core/rig_yaml.h"
+#include "rigproof/sim/model_schemas.h"
 #include "scene_objects.h"
 #include "textures.h"
 
@@ -23,37 +24,36 @@ std::filesystem::path beside(const std::filesystem::path& yaml_file, const std::
 // Optical axes (x right, y down, z forward) in body axes (x forward, y left, z up).
 Eigen::Quaterniond optical_in_body() { return Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5); }
 
-Rigid3 read_mount(MapReader& camera) {
-  const YamlTree* tree = camera.find("mount");
-  if (tree == nullptr) {
-    camera.require("mount", "a block {x_m, y_m, z_m, roll_deg, pitch_deg, yaw_deg}");
-    return {};
-  }
-  MapReader map(*tree, camera.path_of("mount"), &camera.problems());
-  const auto distance = [&map](const char* key) {
-    map.require(key, "a place in the robot frame in metres, -10 to 10");
-    return map.number(key, {-10.0, 10.0}).value_or(0.0);
+Rigid3 visit_mount(FieldVisitor& visitor) {
+  double x_m = 0.0, y_m = 0.0, z_m = 0.0, roll_deg = 0.0, pitch_deg = 0.0, yaw_deg = 0.0;
+  const auto visit = [&](FieldVisitor& mount) {
+    const NumberRange place{-10.0, 10.0}, angle{-180.0, 180.0};
+    for (const char* key : {"x_m", "y_m", "z_m"}) mount.require(key, "a place in the robot frame in metres, -10 to 10");
+    mount.field("x_m", x_m, place, "in the robot frame, forward");
+    mount.field("y_m", y_m, place, "in the robot frame, left");
+    mount.field("z_m", z_m, place, "in the robot frame, up");
+    mount.field("roll_deg", roll_deg, angle, "about the optical axis");
+    mount.field("pitch_deg", pitch_deg, angle, "positive looks down");
+    mount.field("yaw_deg", yaw_deg, angle, "positive looks left");
   };
-  const auto angle = [&map](const char* key) { return map.number(key, {-180.0, 180.0}).value_or(0.0); };
-  const double x = distance("x_m"), y = distance("y_m"), z = distance("z_m");
-  const Rigid3 T_robot_camera = mount_pose(x, y, z, angle("roll_deg"), angle("pitch_deg"), angle("yaw_deg"));
-  map.finish();
-  return T_robot_camera;
+  visitor.require("mount", "a block {x_m, y_m, z_m, roll_deg, pitch_deg, yaw_deg}");
+  visitor.section("mount", visit, "where the camera is: R = Rz(yaw) Ry(pitch) Rx(roll) of its body axes");
+  return mount_pose(x_m, y_m, z_m, roll_deg, pitch_deg, yaw_deg);
 }
 
-void read_mounted_cameras(const YamlTree& cameras, RigModel* rig, Problems* problems) {
-  const RigReadOptions options{{}, true};
-  for (const auto& [name, tree] : cameras.entries) {
-    const std::string path = "cameras." + name;
-    MapReader map(tree, path, problems);
-    if (!is_frame_name(name))
-      map.problem("", "a camera's name is made of letters, digits, _ - . and is at most 64 characters long");
-    rig->T_robot_camera.push_back(read_mount(map));
-    RigCamera camera = read_rig_camera(name, map, options);
-    if (camera.folder.empty()) camera.folder = name;
-    map.finish();
-    rig->rig.cameras.push_back(std::move(camera));
-  }
+void visit_rig_model(FieldVisitor& visitor, RigModel& rig, std::string& robot) {
+  visitor.field("description", rig.description, {}, "one sentence");
+  visitor.field("robot_frame", rig.rig.robot_frame, {}, "name of the robot frame in results");
+  visitor.require("robot", "the name of a robot in models/robots");
+  visitor.field("robot", robot, {}, "robot in models/robots, or a YAML file");
+  visitor.nested("board", rig.rig.board, "the calibration board");
+  const RigReadOptions options{{}, true, kMaxCameras};
+  visitor.require("cameras", "a block of 1 to 8 cameras by name");
+  visit_rig_cameras(visitor, options, rig.rig.cameras, [&rig](FieldVisitor& camera) {
+    const Rigid3 T_robot_camera = visit_mount(camera);
+    if (camera.is_reading()) rig.T_robot_camera.push_back(T_robot_camera);
+  });
+  visitor.tolerate("x-");
 }
 
 void visit_color(FieldVisitor& visitor, const char* key, std::array<double, 3>& color, const char* description) {
@@ -70,10 +70,8 @@ void visit_texture(FieldVisitor& visitor, SceneTexture& texture) {
   std::string file = texture.file.string();
   visitor.field("file", file, {}, "image for type `file`, relative to this scene");
   texture.file = file;
-  std::int64_t size_px = texture.size_px;
-  visitor.field("size_px", size_px, {16.0, 4096.0}, "side of the texture, a power of two");
-  texture.size_px = static_cast<int>(size_px);
-  visitor.check(is_power_of_two(size_px), "size_px", "must be a power of two");
+  visitor.field("size_px", texture.size_px, {16.0, 4096.0}, "side of the texture, a power of two");
+  visitor.check(is_power_of_two(texture.size_px), "size_px", "must be a power of two");
   visitor.field("cube", texture.cube, "wrapped around boxes and cylinders instead of laid flat");
   visitor.field("scale", texture.scale, {0.05, 20.0}, "size of the features relative to the type's default");
   visitor.field("contrast", texture.contrast, {0.0, 4.0}, "strength of the pattern relative to the type's default");
@@ -155,6 +153,21 @@ void visit_placement(FieldVisitor& visitor, BoardPlacementRange& board) {
   visitor.field("roll_deg", board.roll_deg, {-180.0, 180.0}, "turn about the board's normal");
 }
 
+void visit_robot(FieldVisitor& visitor, RobotModel& robot, std::string& mjcf) {
+  const NumberRange length{0.01, 10.0};
+  visitor.field("description", robot.description, {}, "one sentence");
+  visitor.field("mjcf", mjcf, {}, "the robot's body, relative to this file");
+  visitor.check(!mjcf.empty(), "mjcf", "is missing: the MJCF file of the robot");
+  visitor.field("mass_kg", robot.mass_kg, {0.1, 10000.0}, "whole mass");
+  visitor.field("wheel_radius_m", robot.wheel_radius_m, length, "nominal, for odometry");
+  visitor.field("track_m", robot.track_m, length, "between the middles of left and right wheels");
+  visitor.field("wheelbase_m", robot.wheelbase_m, length, "between front and rear axles");
+  visitor.field("slip_factor", robot.slip_factor, {1.0, 10.0}, "effective track over track; 1 for no slip");
+  visitor.field("encoder_ticks_per_turn", robot.encoder_ticks_per_turn, {0.0, 1e9}, "of a wheel; 0 = continuous");
+  visitor.field("footprint_length_m", robot.footprint_length_m, length, "along x");
+  visitor.field("footprint_width_m", robot.footprint_width_m, length, "along y");
+}
+
 void visit_scene(FieldVisitor& visitor, SceneModel& scene, std::string& mjcf) {
   SceneDescription& world = scene.world;
   visitor.field("description", scene.description, {}, "one sentence");
@@ -173,18 +186,12 @@ void visit_scene(FieldVisitor& visitor, SceneModel& scene, std::string& mjcf) {
   visitor.field("cloud_cover", world.cloud_cover, {0.0, 1.0}, "share of the sky, roughly");
   visit_color(visitor, "cloud_color", world.cloud_color, "red green blue, 0 to 1");
   visitor.field("shadows", world.shadows, "lights cast shadows; rendering takes longer");
-  visitor.list(
-      "textures", [&] { return world.textures.size(); }, [&](std::size_t size) { world.textures.resize(size); },
-      [&](std::size_t i, FieldVisitor& texture) { visit_texture(texture, world.textures[i]); },
-      "procedural textures and image files");
-  visitor.list(
-      "objects", [&] { return world.objects.size(); }, [&](std::size_t size) { world.objects.resize(size); },
-      [&](std::size_t i, FieldVisitor& object) { visit_object(object, scene, world.objects[i]); },
-      "furniture, plants, machines, cars: things that stand in the scene");
-  visitor.list(
-      "scatter", [&] { return scene.scatter.size(); }, [&](std::size_t size) { scene.scatter.resize(size); },
-      [&](std::size_t i, FieldVisitor& scatter) { visit_scatter(scatter, scene, scene.scatter[i]); },
-      "things strewn at random around the drivable area, other ones for each seed");
+  visitor.nested_list("textures", world.textures, "procedural textures and image files", visit_texture);
+  visitor.nested_list("objects", world.objects, "furniture, plants, machines, cars: things that stand in the scene",
+                      [&scene](FieldVisitor& object, SceneObject& value) { visit_object(object, scene, value); });
+  visitor.nested_list("scatter", scene.scatter,
+                      "things strewn at random around the drivable area, other ones for each seed",
+                      [&scene](FieldVisitor& scatter, SceneScatter& value) { visit_scatter(scatter, scene, value); });
   visitor.section(
       "straight_path", [&](FieldVisitor& path) { visit_straight_path(path, scene.world.straight_path); },
       "where a robot can drive straight ahead without the board in view");
@@ -233,43 +240,38 @@ RobotModel load_robot_model(const std::string& name_or_file) {
   robot.file = file;
   robot.name = file.stem().string();
   std::string mjcf;
-  const NumberRange length{0.01, 10.0};
-  read_fields(file, [&](FieldVisitor& visitor) {
-    visitor.field("description", robot.description, {}, "one sentence");
-    visitor.field("mjcf", mjcf, {}, "the robot's body, relative to this file");
-    visitor.check(!mjcf.empty(), "mjcf", "is missing: the MJCF file of the robot");
-    visitor.field("mass_kg", robot.mass_kg, {0.1, 10000.0}, "whole mass");
-    visitor.field("wheel_radius_m", robot.wheel_radius_m, length, "nominal, for odometry");
-    visitor.field("track_m", robot.track_m, length, "between the middles of left and right wheels");
-    visitor.field("wheelbase_m", robot.wheelbase_m, length, "between front and rear axles");
-    visitor.field("slip_factor", robot.slip_factor, {1.0, 10.0}, "effective track over track; 1 for no slip");
-    visitor.field("encoder_ticks_per_turn", robot.encoder_ticks_per_turn, {0.0, 1e9}, "of a wheel; 0 = continuous");
-    visitor.field("footprint_length_m", robot.footprint_length_m, length, "along x");
-    visitor.field("footprint_width_m", robot.footprint_width_m, length, "along y");
-  });
+  read_fields(file, [&](FieldVisitor& visitor) { visit_robot(visitor, robot, mjcf); });
   robot.mjcf = beside(file, mjcf);
   return robot;
 }
 
+std::string robot_schema() {
+  RobotModel robot;
+  std::string mjcf;
+  return schema_of_fields("Rigproof robot", [&](FieldVisitor& visitor) { visit_robot(visitor, robot, mjcf); });
+}
+
+std::string rig_model_schema() {
+  RigModel rig;
+  std::string robot;
+  return schema_of_fields("Rigproof simulated rig",
+                          [&](FieldVisitor& visitor) { visit_rig_model(visitor, rig, robot); }, {1, false, {}});
+}
+
+std::string scene_schema() {
+  SceneModel scene;
+  std::string mjcf;
+  return schema_of_fields("Rigproof scene", [&](FieldVisitor& visitor) { visit_scene(visitor, scene, mjcf); });
+}
+
 RigModel load_rig_model(const std::string& name_or_file) {
   const std::filesystem::path file = find_data_file("rigs", name_or_file);
-  const YamlTree tree = read_yaml_file(file);
-  Problems problems;
-  MapReader map(tree, "", &problems);
   RigModel rig;
   rig.name = rig.rig.name = file.stem().string();
-  rig.description = map.text("description").value_or("");
-  rig.rig.robot_frame = map.text("robot_frame").value_or(rig.rig.robot_frame);
-  map.require("robot", "the name of a robot in models/robots");
-  const std::string robot = map.text("robot").value_or("");
-  if (const YamlTree* board = map.find("board")) rig.rig.board = read_board(*board, "board", &problems);
-  const YamlTree* cameras = map.find("cameras");
-  if (cameras == nullptr || !cameras->is_map() || cameras->entries.empty() || cameras->entries.size() > kMaxCameras)
-    map.problem("cameras", "must be a block of 1 to 8 cameras by name");
-  else
-    read_mounted_cameras(*cameras, &rig, &problems);
-  map.finish("x-");
-  problems.throw_if_any();
+  std::string robot;
+  read_fields_of_tree(read_yaml_file(file), [&](FieldVisitor& visitor) { visit_rig_model(visitor, rig, robot); });
+  for (RigCamera& camera : rig.rig.cameras)
+    if (camera.folder.empty()) camera.folder = camera.name;
   rig.robot = load_robot_model(robot);
   return rig;
 }

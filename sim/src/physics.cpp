@@ -110,6 +110,86 @@ struct Side {
   }
 };
 
+/// The wheels of both sides.
+struct Wheels {
+  Side left, right;
+};
+
+Wheels wheels_of(const mjModel& model, int robot_body, const std::string& robot_file) {
+  Wheels wheels;
+  for (int i = 0; i < model.nu; ++i) {
+    if (model.actuator_trntype[i] != mjTRN_JOINT) continue;
+    const int joint = model.actuator_trnid[2 * i];
+    const int body = model.jnt_bodyid[joint];
+    // A velocity actuator feeds its speed back.
+    const bool is_velocity = model.actuator_biasprm[i * mjNBIAS + 2] < 0.0;
+    if (!is_velocity || model.jnt_type[joint] != mjJNT_HINGE || model.body_parentid[body] != robot_body) continue;
+    Side& side = model.body_pos[3 * body + 1] > 0.0 ? wheels.left : wheels.right;
+    side.actuators.push_back(i);
+    side.joint_positions.push_back(model.jnt_qposadr[joint]);
+  }
+  if (wheels.left.actuators.empty() || wheels.right.actuators.empty())
+    throw Error(robot_file +
+                ": cannot drive: needs <velocity> actuators on hinges of wheels to the left and to the "
+                "right of the body `robot`");
+  return wheels;
+}
+
+/// @param position where the pose of the body stands among a state's coordinates
+void set_pose(mjData* state, int position, const Rigid3& T_world_body) {
+  mjtNum* q = state->qpos + position;
+  for (int i = 0; i < 3; ++i) q[i] = T_world_body.translation[i];
+  q[3] = T_world_body.rotation.w();
+  for (int i = 0; i < 3; ++i) q[4 + i] = T_world_body.rotation.vec()[i];
+}
+
+Rigid3 pose_in(const mjData& state, int position) {
+  const mjtNum* q = state.qpos + position;
+  return Rigid3(Eigen::Quaterniond(q[3], q[4], q[5], q[6]), Eigen::Vector3d(q[0], q[1], q[2]));
+}
+
+// The chassis sinks into its contacts by a hair: where it comes to rest on flat ground defines the robot frame. Returns
+// T_body_robot; leaves the model as it was and the state reset.
+Rigid3 settle_on_flat_ground(const std::vector<ObjectKind>& kinds, int position, mjModel* model, mjData* state) {
+  const std::vector<int> contype(model->geom_contype, model->geom_contype + model->ngeom);
+  const std::vector<int> conaffinity(model->geom_conaffinity, model->geom_conaffinity + model->ngeom);
+  for (int geom = 0; geom < model->ngeom; ++geom) {
+    const ObjectKind kind = kinds[static_cast<std::size_t>(geom)];
+    if (kind == ObjectKind::kRobot || kind == ObjectKind::kFloor) continue;
+    model->geom_contype[geom] = model->geom_conaffinity[geom] = 0;
+  }
+  set_pose(state, position, Rigid3());
+  while (state->time < kSettle_s) mj_step(model, state);
+  const Rigid3 T = pose_in(*state, position);
+  mj_resetData(model, state);
+  std::copy(contype.begin(), contype.end(), model->geom_contype);
+  std::copy(conaffinity.begin(), conaffinity.end(), model->geom_conaffinity);
+  return T.inverse() * planar_pose(T.translation.x(), T.translation.y(), yaw_of(T));
+}
+
+/// A plane under a part that stands on the ground, both geoms.
+struct GroundPlane {
+  int plane, part;
+};
+
+// Lays every plane against the ground under its part.
+void follow_ground(const GroundRelief& ground, const std::vector<GroundPlane>& planes, const mjData& state,
+                   mjModel* model) {
+  for (const GroundPlane& entry : planes) {
+    const mjtNum* centre = state.geom_xpos + 3 * entry.part;
+    const Eigen::Vector2d below(centre[0], centre[1]);
+    const GroundRelief::Surface surface = ground.at(below);
+    const Eigen::Vector3d normal = Eigen::Vector3d(-surface.slope.x(), -surface.slope.y(), 1.0).normalized();
+    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+    mjtNum* position = model->geom_pos + 3 * entry.plane;
+    position[0] = below.x();
+    position[1] = below.y();
+    position[2] = surface.height_m;
+    const std::array<double, 4> quat = {q.w(), q.x(), q.y(), q.z()};
+    std::copy(quat.begin(), quat.end(), model->geom_quat + 4 * entry.plane);
+  }
+}
+
 }  // namespace
 
 class DrivePhysics::Snapshot {
@@ -132,10 +212,7 @@ struct DrivePhysics::Impl {
   int robot_body = -1, robot_position = -1, robot_velocity = -1, probe_position = -1;
   std::vector<ObjectKind> kinds, scene_kinds;  ///< by geom
   std::unique_ptr<Surroundings> surroundings;
-  Side left, right;
-  struct GroundPlane {
-    int plane, part;  ///< geoms
-  };
+  Wheels wheels;
   std::vector<GroundPlane> ground_planes;
   Rigid3 T_body_robot;
 
@@ -143,14 +220,9 @@ struct DrivePhysics::Impl {
   void compile_scene(const WorldDescription& description);
   void compile_robot(const WorldDescription& description, const GroundRelief& relief);
   bool floor_is_plane(const FloorArea& area) const;
-  void find_wheels();
   void change_robot(const PhysicsOptions& options);
   void add_payload(double mass_kg, const Eigen::Vector3d& at);
-  void follow_ground();
-  void settle_on_flat_ground();
-  static void set_pose(mjData* state, int position, const Rigid3& T_world_body);
-  void set_pose(const Rigid3& T_world_body) { set_pose(data.get(), robot_position, T_world_body); }
-  Rigid3 T_world_body() const;
+  Rigid3 T_world_body() const { return pose_in(*data, robot_position); }
   std::string obstacle(const Rigid3& T_world_body, double clearance_m) const;
   void use_ground(const GroundRelief& relief);
 };
@@ -159,14 +231,14 @@ DrivePhysics::Impl::Impl(const WorldDescription& description, const PhysicsOptio
     : robot_file(description.robot_mjcf.string()) {
   compile_scene(description);
   compile_robot(description, description.ground);
-  find_wheels();
+  wheels = wheels_of(*model, robot_body, robot_file);
   data.reset(mj_makeData(model.get()));
   probe.reset(mj_makeData(scene_model.get()));
   if (!data || !probe) throw Error("MuJoCo could not allocate the state of the world");
   mj_kinematics(scene_model.get(), probe.get());
   surroundings = std::make_unique<Surroundings>(*scene_model, *probe, scene_kinds,
                                                 mj_name2id(scene_model.get(), mjOBJ_BODY, "robot"));
-  settle_on_flat_ground();
+  T_body_robot = settle_on_flat_ground(kinds, robot_position, model.get(), data.get());
   change_robot(options);
   use_ground(description.ground);
 }
@@ -228,54 +300,6 @@ void DrivePhysics::Impl::compile_robot(const WorldDescription& description, cons
   for (int geom = 0; geom < model->ngeom; ++geom) kinds.push_back(kind_of_geom(model.get(), geom, robot_body));
 }
 
-void DrivePhysics::Impl::find_wheels() {
-  for (int i = 0; i < model->nu; ++i) {
-    if (model->actuator_trntype[i] != mjTRN_JOINT) continue;
-    const int joint = model->actuator_trnid[2 * i];
-    const int body = model->jnt_bodyid[joint];
-    // A velocity actuator feeds its speed back.
-    const bool is_velocity = model->actuator_biasprm[i * mjNBIAS + 2] < 0.0;
-    if (!is_velocity || model->jnt_type[joint] != mjJNT_HINGE || model->body_parentid[body] != robot_body) continue;
-    Side& side = model->body_pos[3 * body + 1] > 0.0 ? left : right;
-    side.actuators.push_back(i);
-    side.joint_positions.push_back(model->jnt_qposadr[joint]);
-  }
-  if (left.actuators.empty() || right.actuators.empty())
-    throw Error(robot_file +
-                ": cannot drive: needs <velocity> actuators on hinges of wheels to the left and to the "
-                "right of the body `robot`");
-}
-
-void DrivePhysics::Impl::set_pose(mjData* state, int position, const Rigid3& T_world_body) {
-  mjtNum* q = state->qpos + position;
-  for (int i = 0; i < 3; ++i) q[i] = T_world_body.translation[i];
-  q[3] = T_world_body.rotation.w();
-  for (int i = 0; i < 3; ++i) q[4 + i] = T_world_body.rotation.vec()[i];
-}
-
-Rigid3 DrivePhysics::Impl::T_world_body() const {
-  const mjtNum* q = data->qpos + robot_position;
-  return Rigid3(Eigen::Quaterniond(q[3], q[4], q[5], q[6]), Eigen::Vector3d(q[0], q[1], q[2]));
-}
-
-// The chassis sinks into its contacts by a hair: where it comes to rest on flat ground defines the robot frame.
-void DrivePhysics::Impl::settle_on_flat_ground() {
-  std::vector<int> contype(model->geom_contype, model->geom_contype + model->ngeom);
-  std::vector<int> conaffinity(model->geom_conaffinity, model->geom_conaffinity + model->ngeom);
-  for (int geom = 0; geom < model->ngeom; ++geom) {
-    const ObjectKind kind = kinds[static_cast<std::size_t>(geom)];
-    if (kind == ObjectKind::kRobot || kind == ObjectKind::kFloor) continue;
-    model->geom_contype[geom] = model->geom_conaffinity[geom] = 0;
-  }
-  set_pose(Rigid3());
-  while (data->time < kSettle_s) mj_step(model.get(), data.get());
-  const Rigid3 T = T_world_body();
-  T_body_robot = T.inverse() * planar_pose(T.translation.x(), T.translation.y(), yaw_of(T));
-  mj_resetData(model.get(), data.get());
-  std::copy(contype.begin(), contype.end(), model->geom_contype);
-  std::copy(conaffinity.begin(), conaffinity.end(), model->geom_conaffinity);
-}
-
 void DrivePhysics::Impl::add_payload(double mass_kg, const Eigen::Vector3d& at) {
   // The body's centre of mass moves; both inertias about it follow from the parallel axis theorem. MuJoCo keeps the
   // principal moments and their axes.
@@ -300,8 +324,8 @@ void DrivePhysics::Impl::add_payload(double mass_kg, const Eigen::Vector3d& at) 
 }
 
 void DrivePhysics::Impl::change_robot(const PhysicsOptions& options) {
-  for (const Side* side : {&left, &right}) {
-    const double factor = 1.0 + (side == &right ? 0.5 : -0.5) * (options.wheel_diameter_ratio - 1.0);
+  for (const Side* side : {&wheels.left, &wheels.right}) {
+    const double factor = 1.0 + (side == &wheels.right ? 0.5 : -0.5) * (options.wheel_diameter_ratio - 1.0);
     for (const int actuator : side->actuators) {
       const int body = model->jnt_bodyid[model->actuator_trnid[2 * actuator]];
       for (int i = 0; i < model->body_geomnum[body]; ++i) {
@@ -348,22 +372,6 @@ void DrivePhysics::Impl::use_ground(const GroundRelief& relief) {
   }
 }
 
-void DrivePhysics::Impl::follow_ground() {
-  for (const GroundPlane& entry : ground_planes) {
-    const mjtNum* centre = data->geom_xpos + 3 * entry.part;
-    const Eigen::Vector2d below(centre[0], centre[1]);
-    const GroundRelief::Surface surface = ground.at(below);
-    const Eigen::Vector3d normal = Eigen::Vector3d(-surface.slope.x(), -surface.slope.y(), 1.0).normalized();
-    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
-    mjtNum* position = model->geom_pos + 3 * entry.plane;
-    position[0] = below.x();
-    position[1] = below.y();
-    position[2] = surface.height_m;
-    const std::array<double, 4> quat = {q.w(), q.x(), q.y(), q.z()};
-    std::copy(quat.begin(), quat.end(), model->geom_quat + 4 * entry.plane);
-  }
-}
-
 std::string DrivePhysics::Impl::obstacle(const Rigid3& T_world_body, double clearance_m) const {
   if (!surroundings->may_be_near(T_world_body.translation, clearance_m)) return {};
   set_pose(probe.get(), probe_position, T_world_body);
@@ -392,31 +400,31 @@ void DrivePhysics::place(double x_m, double y_m, double yaw_rad) {
   if (!impl_->ground.flat()) {
     // High enough that no wheel starts within the ground.
     double top = -1e9;
-    impl_->set_pose(T);
+    set_pose(impl_->data.get(), impl_->robot_position, T);
     mj_kinematics(impl_->model.get(), impl_->data.get());
-    for (const Impl::GroundPlane& entry : impl_->ground_planes) {
+    for (const GroundPlane& entry : impl_->ground_planes) {
       const mjtNum* centre = impl_->data->geom_xpos + 3 * entry.part;
       top = std::max(top, impl_->ground.height({centre[0], centre[1]}));
     }
     T.translation.z() += top;
   }
-  impl_->set_pose(T);
+  set_pose(impl_->data.get(), impl_->robot_position, T);
   mj_kinematics(impl_->model.get(), impl_->data.get());
 }
 
 void DrivePhysics::step(double left_rad_s, double right_rad_s) {
   const auto command = impl_->ground.flat() ? &Side::command : &Side::command_together;
-  (impl_->left.*command)(left_rad_s, impl_->data.get());
-  (impl_->right.*command)(right_rad_s, impl_->data.get());
-  impl_->follow_ground();
+  (impl_->wheels.left.*command)(left_rad_s, impl_->data.get());
+  (impl_->wheels.right.*command)(right_rad_s, impl_->data.get());
+  follow_ground(impl_->ground, impl_->ground_planes, *impl_->data, impl_->model.get());
   mj_step(impl_->model.get(), impl_->data.get());
 }
 
 double DrivePhysics::step_s() const { return impl_->model->opt.timestep; }
 double DrivePhysics::time_s() const { return impl_->data->time; }
 Rigid3 DrivePhysics::T_world_robot() const { return impl_->T_world_body() * impl_->T_body_robot; }
-double DrivePhysics::left_wheels_rad() const { return impl_->left.angle(impl_->data.get()); }
-double DrivePhysics::right_wheels_rad() const { return impl_->right.angle(impl_->data.get()); }
+double DrivePhysics::left_wheels_rad() const { return impl_->wheels.left.angle(impl_->data.get()); }
+double DrivePhysics::right_wheels_rad() const { return impl_->wheels.right.angle(impl_->data.get()); }
 
 double DrivePhysics::speed_m_s() const {
   const mjtNum* v = impl_->data->qvel + impl_->robot_velocity;

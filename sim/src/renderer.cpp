@@ -95,10 +95,10 @@ class RayTable {
     return true;
   }
 
-  // Turns rays into pixel positions of the source picture.
-  void locate() {
-    const Frustum frustum = source_.frustum();
-    const double f = source_.focal_px;
+  // Turns rays into pixel positions of a source picture.
+  void locate_in(const Source& source) {
+    const Frustum frustum = source.frustum();
+    const double f = source.focal_px;
     const double shift_x = -frustum.x_min * f - 0.5, shift_y = -frustum.y_min * f - 0.5;
     for (float& x : xs_) x = static_cast<float>(static_cast<double>(x) * f + shift_x);
     for (float& y : ys_) y = static_cast<float>(static_cast<double>(y) * f + shift_y);
@@ -155,7 +155,7 @@ CameraPlan plan_camera(const Camera& camera, const std::string& name) {
     throw Error("camera " + name + ": " + error.what());
   }
   plan.table.fill(*plan.lens, {0, 0, camera.width_px, camera.height_px}, 1);
-  plan.table.locate();
+  plan.table.locate_in(plan.table.source());
   return plan;
 }
 
@@ -334,7 +334,7 @@ void Renderer::Impl::refine(const CameraPlan& plan, const PixelRect& rect, Image
   const int margin = reduction.margin_px();
   const PixelRect wide = {rect.x0 - margin, rect.y0 - margin, rect.width + 2 * margin, rect.height + 2 * margin};
   if (plan.lens && !region_table.fill(*plan.lens, wide, 2)) return;
-  if (plan.lens) region_table.locate();
+  if (plan.lens) region_table.locate_in(region_table.source());
   const Frustum frustum = plan.lens ? region_table.source().frustum() : frustum_of(plan.camera, wide, 2);
   gl.draw(frustum, Pass::kColor);
   const RgbaView picture = read_picture(frustum);

@@ -90,8 +90,8 @@ void SunShadows::Map::clear(const Eigen::Vector2d& centre, double side_m) {
   corner = centre - Eigen::Vector2d::Constant(0.5 * side_m);
 }
 
-void SunShadows::Map::finish() {
-  cv::GaussianBlur(mask, mask, {}, kPenumbraM / kPixelM);
+void SunShadows::Map::blur(double sigma_m) {
+  cv::GaussianBlur(mask, mask, {}, sigma_m / kPixelM);
   const int cells = mask.cols * static_cast<int>(std::lround(kPixelM * 1000.0)) / static_cast<int>(kCellM * 1000.0);
   cv::Mat shares;
   mask.convertTo(shares, CV_32F);
@@ -140,7 +140,7 @@ SunShadows::SunShadows(const World& world) {
                     (corner + Eigen::Vector3d(std::copysign(margin, out.x()), std::copysign(margin, out.y()), 0.0)));
   }
   add_points(sheet, &standing_);
-  standing_.finish();
+  standing_.blur(kPenumbraM);
 }
 
 void SunShadows::measure_light(const mjModel& model, int sun) {
@@ -194,7 +194,7 @@ void SunShadows::follow_robot(const World& world) {
   robot_.clear(impl.T_world_robot.translation.head<2>(), kRobotSideM);
   for (int geom = 0; geom < impl.model->ngeom; ++geom)
     if (impl.geom_kinds[static_cast<std::size_t>(geom)] == ObjectKind::kRobot) add_geom(impl, geom, &robot_);
-  robot_.finish();
+  robot_.blur(kPenumbraM);
 }
 
 // One row of a picture. Its rays, scaled to a depth of 1, are first + column * step.

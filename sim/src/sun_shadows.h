@@ -34,8 +34,8 @@ class SunShadows {
     Eigen::Vector2d corner = Eigen::Vector2d::Zero();
 
     void clear(const Eigen::Vector2d& centre, double side_m);
-    /// Blurs the edges, once all shadows are drawn.
-    void finish();
+    /// Blurs the edges over a penumbra of this width, once all shadows are drawn.
+    void blur(double sigma_m);
     int at(const Eigen::Vector2f& floor_m) const;
     bool may_be_near(const Eigen::Vector2f& floor_m) const;
   };

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "cli_fixture.h"
+#include "paths.h"
 
 namespace rigproof {
 namespace {
@@ -171,10 +172,9 @@ TEST(BadInput, UnwritableOutput) {
 TEST(BadInput, FullDisk) {
   const TempFolder scratch;
   const fs::path run = scratch / "run";
-  const ProcessOutput output =
-      run_process({"sh", "-c",
-                   std::string("trap '' XFSZ; ulimit -f 20; exec ") + RIGPROOF_BINARY_DIR +
-                       "/app/rigproof generate --set poses=3 --set image_scale=0.5 -o " + run.string()});
+  const ProcessOutput output = run_process({"sh", "-c",
+                                            "trap '' XFSZ; ulimit -f 20; exec " + program_path() +
+                                                " generate --set poses=3 --set image_scale=0.5 -o " + run.string()});
   expect_error(output, HasSubstr(run.string()));
   for (const auto& entry : fs::recursive_directory_iterator(scratch.path()))
     EXPECT_LE(entry.is_regular_file() ? entry.file_size() : 0U, 20U * 1024U) << entry.path();
@@ -182,9 +182,8 @@ TEST(BadInput, FullDisk) {
 
 TEST(BadInput, NoEgl) {
   const TempFolder scratch;
-  const ProcessOutput output =
-      run_process({"env", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json", RIGPROOF_BINARY_DIR "/app/rigproof",
-                   "generate", "--set", "poses=3", "-o", (scratch / "run").string()});
+  const ProcessOutput output = run_process({"env", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json", program_path(),
+                                            "generate", "--set", "poses=3", "-o", (scratch / "run").string()});
   expect_error(output, AllOf(HasSubstr("EGL"), HasSubstr("libgl1-mesa-dri")));
 }
 
@@ -256,8 +255,7 @@ TEST(BadInput, HostileFiles) {
 }
 
 TEST(BadInput, FullStandardOutput) {
-  const ProcessOutput output =
-      run_process({"sh", "-c", std::string(RIGPROOF_BINARY_DIR) + "/app/rigproof methods > /dev/full"});
+  const ProcessOutput output = run_process({"sh", "-c", program_path() + " methods > /dev/full"});
   expect_error(output, HasSubstr("standard output"));
 }
 
@@ -273,8 +271,7 @@ TEST(BadInput, AFolderOfSomethingElseIsLeftAlone) {
 // ---- interrupted ---------------------------------------------------------------------------------------------------
 
 std::string generate_line(const fs::path& run) {
-  return std::string(RIGPROOF_BINARY_DIR) +
-         "/app/rigproof generate --set poses=24 --set image_scale=0.5 --set sensor_noise=none -o " + run.string();
+  return program_path() + " generate --set poses=24 --set image_scale=0.5 --set sensor_noise=none -o " + run.string();
 }
 
 // Starts a generation, waits until it has begun to write, sends the signal and returns the exit code.
@@ -305,10 +302,9 @@ TEST(Interrupt, WhileDrivingItEndsSoonAndNothingIsWritten) {
   const TempFolder scratch;
   const fs::path run = scratch / "run";
   // A drive of ten seconds and more, and time enough to begin with it.
-  const ProcessOutput interrupted =
-      run_process({"sh", "-c",
-                   std::string(RIGPROOF_BINARY_DIR) + "/app/rigproof generate --set motion=drive --set poses=100 -o " +
-                       run.string() + " & pid=$!; sleep 2; kill -TERM $pid; wait $pid"});
+  const ProcessOutput interrupted = run_process({"sh", "-c",
+                                                 program_path() + " generate --set motion=drive --set poses=100 -o " +
+                                                     run.string() + " & pid=$!; sleep 2; kill -TERM $pid; wait $pid"});
   EXPECT_EQ(interrupted.exit_code, 75) << interrupted.out << interrupted.err;
   EXPECT_THAT(interrupted.err, HasSubstr("interrupted while driving; the same command starts the drive again"));
   EXPECT_FALSE(fs::exists(run));

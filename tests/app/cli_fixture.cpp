@@ -4,6 +4,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "paths.h"
+
 namespace rigproof {
 namespace {
 
@@ -12,7 +14,7 @@ namespace fs = std::filesystem;
 }  // namespace
 
 ProcessOutput rigproof_command(const std::vector<std::string>& arguments, const std::string& folder) {
-  std::vector<std::string> argv = {RIGPROOF_BINARY_DIR "/app/rigproof"};
+  std::vector<std::string> argv = {program_path()};
   argv.insert(argv.end(), arguments.begin(), arguments.end());
   return run_process(argv, folder);
 }

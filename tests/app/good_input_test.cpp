@@ -72,6 +72,10 @@ TEST(Command, BudgetsThatComeAlongGoByTheirNames) {
   const std::string result = (scratch / "joint_memroc.yaml").string();
   const ProcessOutput output = rigproof_command({"validate", small_run().string(), result, "--budget", "ci"});
   EXPECT_THAT(output.out, HasSubstr("budget ci.yaml")) << output.err;
+  fs::create_directory(scratch / "ci");  // `rigproof paper` makes a folder `paper`
+  const ProcessOutput beside =
+      rigproof_command({"validate", small_run().string(), result, "--budget", "ci"}, scratch.path().string());
+  EXPECT_EQ(beside.out, output.out) << beside.err;
 }
 
 TEST(Command, DryRunRendersNothing) {

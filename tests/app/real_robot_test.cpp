@@ -1,5 +1,5 @@
-// A recording as a robot makes it, written from docs/data-format.md alone: no frames.csv, other names, JPEGs, stamps in
-// file names, odometry at 50 Hz with a standstill at each view, one camera without depth, intrinsics of ROS.
+// A recording as a robot makes it, written from docs/reference/data-format.md alone: no frames.csv, other names, JPEGs,
+// stamps in file names, odometry at 50 Hz with a standstill at each view, one camera without depth, intrinsics of ROS.
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 

@@ -3,6 +3,7 @@
 
 #include "cli_fixture.h"
 #include "onnx_bytes.h"
+#include "paths.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/result.h"
 
@@ -78,7 +79,7 @@ TEST(ImageGround, MistakesAreNamed) {
 TEST(External, ADescriptionStandsWhereAMethodDoes) {
   const TempFolder scratch;
   const std::string results = (scratch / "results").string(), run = small_run().string();
-  const std::string example = std::string(RIGPROOF_SOURCE_DIR) + "/docs/examples/ground_only.yaml";
+  const std::string example = source_path("docs/examples/ground_only.yaml");
   const ProcessOutput output =
       rigproof_command({"calibrate", run, "-m", "memroc", "-m", "external:" + example, "-o", results});
   EXPECT_EQ(output.exit_code, 0) << output.out << output.err;

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// The world of docs/worlds.md: two files and a picture.
+// The world of docs/guides/worlds.md: two files and a picture.
 constexpr const char* kYaml = R"(description: "Our hall"
 mjcf: my_hall.xml
 drivable_area: {x_min_m: -4, x_max_m: 4, y_min_m: -3, y_max_m: 3}

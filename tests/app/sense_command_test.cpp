@@ -48,6 +48,7 @@ TEST(SensorsCommand, DrawsTheNoiseOfAPreset) {
   const ProcessOutput output = rigproof_command({"sensors", "--plot", "D455", "-o", file.string(), "--json"});
   ASSERT_EQ(output.exit_code, 0) << output.err;
   EXPECT_TRUE(is_png(file));
+  EXPECT_TRUE(fs::exists(folder / "curve.csv"));
   const nlohmann::json points = nlohmann::json::parse(output.out)["points"];
   ASSERT_EQ(points.size(), 12U);
   // The goal for realised noise against the law, rounding included.

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli_fixture.h"
+#include "paths.h"
 
 namespace rigproof {
 namespace {
@@ -30,7 +31,7 @@ class SweepCommand : public testing::Test {
     std::string text = kSweep;
     text.replace(text.find("seeds: 2"), 8, "seeds: 3000");
     folder_.write("long.yaml", text);
-    const std::string program = RIGPROOF_BINARY_DIR "/app/rigproof";
+    const std::string program = program_path();
     return run_process({"sh", "-c",
                         program +
                             " sweep start long.yaml -j 1 & pid=$!; "
@@ -60,7 +61,7 @@ TEST_F(SweepCommand, SetsFieldsFromTheCommandLine) {
 // Files may not grow beyond 4 KiB, as on a full disk: one error, no half-written file, and the same tables afterwards.
 TEST_F(SweepCommand, AFullDiskIsOneErrorAndTheSweepGoesOn) {
   folder_.write("small.yaml", kSweep);
-  const std::string program = RIGPROOF_BINARY_DIR "/app/rigproof";
+  const std::string program = program_path();
   const ProcessOutput full = run_process(
       {"sh", "-c", "ulimit -f 8; exec " + program + " sweep start small.yaml -q -o full"}, folder_.path().string());
   EXPECT_EQ(full.exit_code, 2);
@@ -126,7 +127,7 @@ TEST_F(SweepCommand, AnInterruptKeepsWhatIsFinished) {
 }
 
 TEST_F(SweepCommand, ASecondOneInTheFolderIsRefused) {
-  const std::string program = RIGPROOF_BINARY_DIR "/app/rigproof";
+  const std::string program = program_path();
   const ProcessOutput output = beside_a_long_sweep(program + " sweep start long.yaml; echo second ended with $?; " +
                                                    program + " sweep status sweeps/long; kill -TERM $pid");
   EXPECT_THAT(output.out, AllOf(HasSubstr("second ended with 75"), HasSubstr("running")));

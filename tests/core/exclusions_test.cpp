@@ -2,39 +2,55 @@
 
 #include <gtest/gtest.h>
 
+#include "worded.h"
+
 namespace rigproof {
 namespace {
 
+Finding gap(double from_s) {
+  return Finding("odometry.gap", {{"gap_s", 2.0}, {"from_s", from_s}, {"to_s", from_s + 2.0}});
+}
+Finding unreadable(const char* text) { return Finding("depth.unreadable", {{"text", text}}); }
+Finding residual(double px) { return Finding("view.residual", {{"residual_px", px}}); }
+
+std::string lack_of_views(const std::vector<Exclusion>& all, int camera) {
+  return worded(with_lack_of_views(Finding("camera.no_pose"), all, camera));
+}
+
 TEST(Exclusions, StampsWithoutOdometryAreNoMissingBoard) {
-  const std::vector<Exclusion> all = {{0, -1, "left/0.png", "odometry gap of 2.00 s (0.000 to 2.000 s)"},
-                                      {0, -1, "left/1.png", "odometry gap of 2.00 s (2.000 to 4.000 s)"},
-                                      {0, -1, "left/2.png", "no odometry (at 4.500 s; it covers 0.000 to 4.000 s)"},
-                                      {0, 1, "left/depth/1.png", "depth: truncated PNG"},
-                                      {1, 2, "right/2.png", "no board"}};
-  EXPECT_EQ(why_no_view(all, 0),
-            "none of its 3 images is used (2: odometry gap of 2.00 s, 1: no odometry); give stamps in seconds of the "
-            "odometry's clock, and odometry beside them");
-  EXPECT_EQ(why_no_view(all, 1), "none of its 1 images is used (1: no board); let it see the whole board");
-  EXPECT_EQ(why_no_view(all, 2), "the board is in none of its images");
+  const Finding outside("odometry.not_covering", {{"stamp_s", 4.5}, {"first_s", 0.0}, {"last_s", 4.0}});
+  const std::vector<Exclusion> all = {{0, -1, "left/0.png", gap(0.0)},
+                                      {0, -1, "left/1.png", gap(2.0)},
+                                      {0, -1, "left/2.png", outside},
+                                      {0, 1, "left/depth/1.png", unreadable("truncated PNG"), true},
+                                      {1, 2, "right/2.png", Finding("board.not_found")}};
+  EXPECT_EQ(lack_of_views(all, 0),
+            "it has no pose: none of its 3 images is used (2: odometry gap, 1: no odometry); give stamps in seconds of "
+            "the odometry's clock, and odometry beside them");
+  EXPECT_EQ(lack_of_views(all, 1),
+            "it has no pose: none of its 1 images is used (1: no board); let it see the whole board");
+  EXPECT_EQ(lack_of_views(all, 2), "it has no pose: the board is in none of its images");
+}
+
+TEST(Exclusions, ReasonsAreCountedByCodeAndTextWithoutFiguresThatDiffer) {
+  const std::vector<Finding> reasons = counted({unreadable("truncated PNG"), residual(2.0), residual(3.0), gap(0.0),
+                                                unreadable("file is empty"), residual(2.0), gap(0.0)});
+  ASSERT_EQ(reasons.size(), 4U);
+  EXPECT_EQ(reasons[0], Finding("view.residual", {{"count", 3}}));
+  EXPECT_EQ(reasons[1], gap(0.0).with({{"count", 2}}));
 }
 
 TEST(Exclusions, TheMostFrequentReasonOfDepthIsGivenInFull) {
-  const std::vector<Exclusion> all = {{0, 0, "d/0.png", "depth: truncated PNG"},
-                                      {0, 1, "d/1.png", "depth: too far (8.0 m)"},
-                                      {0, 2, "d/2.png", "depth: too far (9.0 m)"},
-                                      {0, 3, "c/3.png", "no board"}};
-  EXPECT_EQ(why_no_depth(all, 0), ": depth of 3 images is left out, as of d/1.png: too far (8.0 m)");
-  EXPECT_EQ(why_no_depth(all, 1), "");
-}
-
-TEST(Exclusions, ReasonsThatDifferInBracketsAreOne) {
-  const std::vector<ReasonGroup> groups = by_reason(
-      {{0, 4, "", "no board"}, {0, 5, "", "residual (2 px)"}, {0, 6, "", "residual (3 px)"}, {0, 7, "", "cut (1)"}});
-  ASSERT_EQ(groups.size(), 3U);
-  EXPECT_EQ(groups[0].reason, "residual");
-  EXPECT_EQ(groups[0].stops, (std::vector<int>{5, 6}));
-  EXPECT_EQ(groups[1].reason, "cut (1)");
-  EXPECT_EQ(groups[2].reason, "no board");
+  const auto far_away = [](int points) { return Finding("plane.too_few_points", {{"points", points}}); };
+  const std::vector<Exclusion> all = {{0, 0, "d/0.png", unreadable("truncated PNG"), true},
+                                      {0, 1, "d/1.png", far_away(8), true},
+                                      {0, 2, "d/2.png", far_away(9), true},
+                                      {0, 3, "c/3.png", Finding("board.not_found")}};
+  const Finding unseen = Finding("ground.unseen").along({"z"});
+  EXPECT_EQ(worded(with_lack_of_depth(unseen, all, 0)),
+            "z unobservable: no ground seen: depth of 3 images is left out, as of d/1.png: only 8 points in the "
+            "sensor's range; add depth images that show the floor");
+  EXPECT_EQ(with_lack_of_depth(unseen, all, 1), unseen);
 }
 
 }  // namespace

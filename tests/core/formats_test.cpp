@@ -4,8 +4,7 @@
 #include "error_text.h"
 #include "memroc_sample.h"
 #include "rigproof/core/conventions.h"
-#include "rigproof/formats/memroc_layout.h"
-#include "rigproof/formats/open_input.h"
+#include "rigproof/formats/format.h"
 #include "sample_data.h"
 
 namespace rigproof {
@@ -15,13 +14,13 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 std::string problems_of(const MemrocFolder& folder) {
-  return error_text([&] { load_memroc_layout(folder.path()); });
+  return error_text([&] { open_input(folder.path()); });
 }
 
 TEST(MemrocLayout, IsReadAsARecording) {
   const MemrocFolder folder;
-  ASSERT_TRUE(is_memroc_layout(folder.path()));
-  const Recording recording = load_memroc_layout(folder.path());
+  ASSERT_EQ(detect_format(folder.path()).name, "memroc");
+  const Recording recording = *open_input(folder.path()).recording;
   EXPECT_EQ(recording.rig.board.inner_corners_x(), 3) << "rows count along the board's x axis";
   EXPECT_EQ(recording.rig.board.inner_corners_y(), 4);
   EXPECT_EQ(recording.rig.board.square_m, 0.1);
@@ -44,12 +43,12 @@ TEST(MemrocLayout, IsReadAsARecording) {
 TEST(MemrocLayout, PosesMayHaveThreeRowsAndAPoseMayComeFromAnyCamera) {
   const MemrocFolder folder;
   folder.write("camera1/pose/0001.csv", "1 0 0 7\n0 1 0 8\n0 0 1 0\n");
-  EXPECT_EQ(load_memroc_layout(folder.path()).odometry[1].x_m, 7.0);
+  EXPECT_EQ(open_input(folder.path()).recording->odometry[1].x_m, 7.0);
   for (const char* name : {"image/0001.png", "clouds/0001.txt", "pose/0001.csv"}) {
     fs::create_directories((folder / "camera2" / name).parent_path());
     fs::rename(folder / "camera1" / name, folder / "camera2" / name);
   }
-  EXPECT_EQ(load_memroc_layout(folder.path()).odometry[1].x_m, 7.0);
+  EXPECT_EQ(open_input(folder.path()).recording->odometry[1].x_m, 7.0);
 }
 
 TEST(MemrocLayout, ContradictingPosesAreNamed) {
@@ -102,10 +101,49 @@ TEST(MemrocLayout, PosesOffTheGroundAreRefused) {
 
 TEST(MemrocLayout, BecomesARecordingOfOurs) {
   const MemrocFolder folder;
-  save_recording(load_memroc_layout(folder.path()));
+  save_recording(*open_input(folder.path()).recording);
   const Recording again = load_recording(folder.path());
   EXPECT_EQ(again.frames[1][1].cloud_file, "camera2/clouds/0002.txt");
   EXPECT_EQ(again.odometry.size(), 3U);
+}
+
+TEST(Formats, InputsAreToldByTheirShape) {
+  const TempFolder folder;
+  folder.write("run/run.yaml", "");
+  folder.write("bare/recording/rig.yaml", "");
+  folder.write("monday/rig.yaml", "");
+  folder.write("memroc/CalibrationInfo.yaml", "");
+  folder.write("o/observations.json", "");
+  EXPECT_EQ(detect_format(folder / "run").name, "run");
+  EXPECT_EQ(detect_format(folder / "bare").name, "run") << "a run whose manifest is lost";
+  EXPECT_EQ(detect_format(folder / "monday").name, "recording");
+  EXPECT_EQ(detect_format(folder / "memroc").name, "memroc");
+  EXPECT_EQ(detect_format(folder / "o").name, "observations");
+  EXPECT_EQ(detect_format(folder / "o/observations.json").name, "observations");
+}
+
+TEST(Formats, WhatIsNoInputSaysWhatWasLookedForAndFound) {
+  const TempFolder folder;
+  folder.write("photos/a.png", "");
+  folder.write("photos/b.png", "");
+  const std::string text = error_text([&] { detect_format(folder / "photos"); });
+  EXPECT_THAT(text, HasSubstr("run.yaml (a run), rig.yaml (a recording), CalibrationInfo.yaml (the MEMROC layout) and "
+                              "observations.json were looked for; the folder holds a.png, b.png"));
+  std::filesystem::create_directory(folder / "empty");
+  EXPECT_THAT(error_text([&] { detect_format(folder / "empty"); }), HasSubstr("the folder is empty"));
+  EXPECT_THAT(error_text([&] { detect_format(folder / "none"); }), HasSubstr("none: no such file or folder"));
+  EXPECT_THAT(error_text([&] { detect_format(folder / "photos/a.png"); }), HasSubstr("observations (.json)"));
+  folder.write("monday/rig.yaml", "");
+  EXPECT_THAT(error_text([&] { detect_format(folder / "monday/rig.yaml"); }),
+              HasSubstr("give the folder that holds this file"));
+}
+
+// What a command says that it takes, and what it can be asked to write, come from the registry.
+TEST(Formats, TellWhatTheyAre) {
+  EXPECT_EQ(inputs_in_words(true), "a run, a recording, or a folder in the MEMROC layout");
+  EXPECT_EQ(inputs_in_words(false), "a run, a recording, a folder in the MEMROC layout, or an observations.json");
+  EXPECT_THAT(writable_formats(), testing::ElementsAre("recording", "memroc"));
+  EXPECT_THAT(error_text([] { writable_format("memrok"); }), HasSubstr("memroc"));
 }
 
 TEST(OpenInput, ReadsEveryKind) {
@@ -123,7 +161,7 @@ TEST(OpenInput, ReadsEveryKind) {
   save_observations(sample_observations(), folder / "o/observations.json");
   EXPECT_EQ(open_input(folder / "monday").recording->rig.name, "monday");
   const Input run = open_input(folder / "run");
-  EXPECT_EQ(run.kind, InputKind::kRun);
+  EXPECT_TRUE(run.run);
   EXPECT_EQ(run.recording->folder, folder / "run/recording");
   EXPECT_FALSE(run.observations);
   EXPECT_EQ(open_input(folder / "o").observations->stops.size(), 2U);
@@ -139,7 +177,7 @@ TEST(OpenInput, ObservationsMayReplaceTheRecordingOfARun) {
   const Input input = open_input(folder.path());
   EXPECT_FALSE(input.recording);
   ASSERT_TRUE(input.observations);
-  EXPECT_EQ(input.kind, InputKind::kRun);
+  EXPECT_EQ(input.format->name, "run");
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include "memroc_sample.h"
 #include "rigproof/core/fields.h"
 #include "rigproof/core/odometry_csv.h"
-#include "rigproof/formats/memroc_layout.h"
+#include "rigproof/formats/format.h"
 #include "sample_data.h"
 #include "sample_truth.h"
 
@@ -120,13 +120,13 @@ TEST(HostileInput, DamagedMemrocFolders) {
     for (int i = 0; i < 200; ++i) {
       folder.write(name, mutated(content, random));
       try {
-        load_memroc_layout(folder.path());
+        open_input(folder.path());
       } catch (const Error&) {
       }
     }
     folder.write(name, content);
   }
-  EXPECT_NO_THROW(load_memroc_layout(folder.path()));
+  EXPECT_NO_THROW(open_input(folder.path()));
 }
 
 TEST(HostileInput, LargeCountsAreRefusedBeforeTheyAreAllocated) {

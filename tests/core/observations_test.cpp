@@ -6,6 +6,7 @@
 #include "error_text.h"
 #include "sample_data.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -50,7 +51,7 @@ TEST(Observations, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(a.stops[1].way, b.stops[1].way);
   EXPECT_TRUE(b.stops[0].velocity.isZero(0.0));
   EXPECT_EQ(a.stops[1].velocity, b.stops[1].velocity);
-  EXPECT_EQ(a.exclusions[1].reason, b.exclusions[1].reason);
+  EXPECT_EQ(a.exclusions[1].why, b.exclusions[1].why);
   EXPECT_EQ(b.exclusions[1].stop, -1);
   save_observations(b, folder / "again.json");
   EXPECT_EQ(folder.read("o.json"), folder.read("again.json"));
@@ -75,7 +76,7 @@ TEST(Observations, EveryKindOfProblemIsNamed) {
   EXPECT_THAT(f.problems_with("\"effective_points\": ", "\"effective_points\": -"),
               HasSubstr("ground_planes[0].effective_points: -"));
   EXPECT_THAT(f.problems_with("\"effective_points\"", "\"efective_points\""), HasSubstr("is missing"));
-  EXPECT_THAT(f.problems_with("\"reason\"", "\"x\": 1, \"reason\""), HasSubstr("exclusions[0].x: unknown key"));
+  EXPECT_THAT(f.problems_with("\"code\"", "\"x\": 1, \"code\""), HasSubstr("exclusions[0].x: unknown key"));
   EXPECT_THAT(f.problems_with("\"x_m\": ", "\"x_m\": 1e999, \"_\": "), HasSubstr("not valid JSON"));
   EXPECT_THAT(f.problems_with("\"x_m\": ", "\"x_m\": null, \"_\": "),
               HasSubstr("stops[0].x_m: null: must be a finite"));
@@ -84,7 +85,7 @@ TEST(Observations, EveryKindOfProblemIsNamed) {
   EXPECT_THAT(f.problems_with("\"way\": [", "\"way\": 7, \"x\": ["), HasSubstr("stops[1].way: 7: must be a list"));
   EXPECT_THAT(f.problems_with("rigproof-observations", "rigproof-result"),
               HasSubstr("must be one of rigproof-observations"));
-  EXPECT_THAT(f.problems_with("\"version\": 1", "\"version\": 2"), HasSubstr("version: 2: allowed is 1 to 1"));
+  EXPECT_THAT(f.problems_with("\"version\": 2", "\"version\": 3"), HasSubstr("version: 3: allowed is 1 to 2"));
   EXPECT_THAT(f.problems_with("\"accept\"", "\"acept\""), HasSubstr("did you mean \"accept\"?"));
   EXPECT_THAT(f.problems_with("\"fx_px\"", "\"fx\""), HasSubstr("cameras.left.intrinsics.fx_px: is missing"));
 }

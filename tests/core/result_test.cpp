@@ -7,6 +7,7 @@
 #include "pose_near.h"
 #include "sample_data.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -42,7 +43,7 @@ TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_FALSE(b.camera_to_camera[0].covariance);
   EXPECT_EQ(a.joint_covariance->triangularView<Eigen::Upper>().toDenseMatrix(),
             b.joint_covariance->triangularView<Eigen::Upper>().toDenseMatrix());
-  EXPECT_EQ(b.use[0].left_out[0].reason, "board cut off");
+  EXPECT_EQ(b.use[0].left_out[0].why, Finding("board.cut_off"));
   EXPECT_EQ(b.residuals[1].rms, 1.01);
   ASSERT_EQ(b.also_estimated.size(), 2U);
   EXPECT_EQ(b.also_estimated[1].camera, "center");
@@ -54,6 +55,44 @@ TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(b.find("left", "right"), nullptr);
   save_result(b, folder / "b.yaml");
   EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
+}
+
+// Files of before, and what other programs write, hold sentences.
+TEST(Result, SentencesAreFindingsThatSomebodyStated) {
+  const ResultFile loader;
+  const Result result = loader.load(
+      "format: rigproof-result\nversion: 1\nmethod: old\nstatus: refused\nreasons: [\"left: too dark.\"]\n"
+      "notes:\n  - 42\nuse:\n  - {camera: left, used: 0, left_out: [{stop: 3, file: a.png, reason: board cut off}, "
+      "{stop: 4, file: b.png, reason: \"depth: too far\"}]}\n");
+  EXPECT_EQ(result.reasons, std::vector<Finding>{stated("left: too dark.", Severity::kRefusal)});
+  EXPECT_EQ(result.notes, std::vector<Finding>{stated("42", Severity::kNote)});
+  ASSERT_EQ(result.use[0].left_out.size(), 2U);
+  EXPECT_EQ(result.use[0].left_out[0].why, stated("board cut off", Severity::kLeftOut));
+  EXPECT_FALSE(result.use[0].left_out[0].depth);
+  EXPECT_EQ(result.use[0].left_out[1].why, stated("too far", Severity::kLeftOut));
+  EXPECT_TRUE(result.use[0].left_out[1].depth);
+}
+
+// The sentence is for people: whatever it says, the code counts.
+TEST(Result, SentencesOfFindingsAreWrittenAndNeverRead) {
+  const TempFolder folder;
+  const Result written = sample_result();
+  save_result(written, folder / "a.yaml", [](const Finding& finding) { return "words of " + finding.code; });
+  EXPECT_THAT(folder.read("a.yaml"),
+              HasSubstr("  - sentence: words of odometry.unit\n    code: odometry.unit\n    severity: cause\n"));
+  const Result read = load_result(folder / "a.yaml");
+  EXPECT_EQ(read.reasons, written.reasons);
+  EXPECT_EQ(read.notes, written.notes);
+}
+
+TEST(Result, BadFindingsAreNamed) {
+  const ResultFile loader;
+  const std::string head = "format: rigproof-result\nversion: 2\nstatus: refused\n";
+  EXPECT_THAT(loader.problems(head + "reasons: [{severity: refusal}]\n"), HasSubstr("reasons[0].code: is missing"));
+  EXPECT_THAT(loader.problems(head + "reasons: [{code: A b}]\n"), HasSubstr("must be the code of a finding"));
+  EXPECT_THAT(loader.problems(head + "notes: [{code: a, severity: bad}]\n"), HasSubstr("notes[0].severity"));
+  EXPECT_THAT(loader.problems(head + "notes: [{code: a, values: {x: [1]}}]\n"), HasSubstr("notes[0].values.x"));
+  EXPECT_THAT(loader.problems(head + "notes: {code: a}\n"), HasSubstr("must be a list of findings"));
 }
 
 TEST(Result, IsReadable) {

@@ -12,37 +12,6 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(RunFolder, InputsAreToldByTheirShape) {
-  const TempFolder folder;
-  folder.write("run/run.yaml", "");
-  folder.write("bare/recording/rig.yaml", "");
-  folder.write("monday/rig.yaml", "");
-  folder.write("memroc/CalibrationInfo.yaml", "");
-  folder.write("o/observations.json", "");
-  EXPECT_EQ(classify_input(folder / "run"), InputKind::kRun);
-  EXPECT_EQ(classify_input(folder / "bare"), InputKind::kRun) << "a run whose manifest is lost";
-  EXPECT_EQ(classify_input(folder / "monday"), InputKind::kRecording);
-  EXPECT_EQ(classify_input(folder / "memroc"), InputKind::kMemrocLayout);
-  EXPECT_EQ(classify_input(folder / "o"), InputKind::kObservations);
-  EXPECT_EQ(classify_input(folder / "o/observations.json"), InputKind::kObservations);
-}
-
-TEST(RunFolder, WhatIsNoInputSaysWhatWasLookedForAndFound) {
-  const TempFolder folder;
-  folder.write("photos/a.png", "");
-  folder.write("photos/b.png", "");
-  const std::string text = error_text([&] { classify_input(folder / "photos"); });
-  EXPECT_THAT(text, HasSubstr("run.yaml (a run), rig.yaml (a recording), CalibrationInfo.yaml (the MEMROC layout) and "
-                              "observations.json were looked for; the folder holds a.png, b.png"));
-  std::filesystem::create_directory(folder / "empty");
-  EXPECT_THAT(error_text([&] { classify_input(folder / "empty"); }), HasSubstr("the folder is empty"));
-  EXPECT_THAT(error_text([&] { classify_input(folder / "none"); }), HasSubstr("none: no such file or folder"));
-  EXPECT_THAT(error_text([&] { classify_input(folder / "photos/a.png"); }), HasSubstr("observations (.json)"));
-  folder.write("monday/rig.yaml", "");
-  EXPECT_THAT(error_text([&] { classify_input(folder / "monday/rig.yaml"); }),
-              HasSubstr("give the folder that holds this file"));
-}
-
 TEST(Manifest, RoundTripKeepsEveryValueAndEveryByte) {
   const TempFolder folder;
   Manifest manifest = sample_manifest();

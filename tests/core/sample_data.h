@@ -117,8 +117,9 @@ inline Observations sample_observations() {
     }
     o.board_planes.push_back(sample_plane(random, stop, 0));
   }
-  o.exclusions.push_back({1, 0, "center/color/000003.png", "board cut off"});
-  o.exclusions.push_back({2, -1, "right/color/000004.png", "belongs to no stop"});
+  o.exclusions.push_back({1, 0, "center/color/000003.png", Finding("board.cut_off")});
+  o.exclusions.push_back(
+      {2, -1, "right/color/000004.png", Finding("odometry.gap", {{"gap_s", 2.5}, {"from_s", 1.0}, {"to_s", 3.5}})});
   return o;
 }
 
@@ -127,8 +128,12 @@ inline Result sample_result() {
   Result result;
   result.method = "ml";
   result.status = ResultStatus::kSolved;
-  result.reasons = {"x, y: all motions turn about one centre, (-0.02, 1.79) m in robot."};
-  result.notes = {"right: aim it at the board more often (5 stops)."};
+  result.reasons = {Finding("odometry.unit", {{"unit", "feet"}, {"undone_mm", 0.1}}),
+                    Finding("camera.no_pose", {{"images", 2}, {"remedy", "aim"}})
+                        .of("right")
+                        .by({Finding("board.not_found", {{"count", 2}})})};
+  result.notes = {Finding("odometry.row_contradicts", {{"stamp_s", 14.0}, {"off_cm", 1.0 / 3.0}}).at({7}),
+                  Finding("moved.open_motions").along({"x", "yaw"}), stated("3.5", Severity::kNote)};
   for (const char* child : {"left", "center"}) {
     EstimatedTransform transform{"base_footprint", child, random_transform(random), {}, {}};
     transform.observable.fill(true);
@@ -139,7 +144,8 @@ inline Result sample_result() {
   pair.observable.fill(true);
   result.camera_to_camera.push_back(pair);
   result.joint_covariance = random_covariance(random, 12, 1e-3);
-  result.use = {{"left", 22, {{0, 3, "left/color/000003.png", "board cut off"}}, 0.0321}, {"center", 23, {}, 0.0456}};
+  result.use = {{"left", 22, {{0, 3, "left/color/000003.png", Finding("board.cut_off")}}, 0.0321},
+                {"center", 23, {}, 0.0456}};
   result.residuals = {{"corners", "px", 1234, 0.05}, {"odometry", "sigma", 69, 1.01}};
   result.also_estimated = {{"left", "focal_length_percent", -0.31, 0.02, 0.5},
                            {"center", "clock_offset_ms", 4.5, 0.7, 10.0}};

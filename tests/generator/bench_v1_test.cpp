@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "paths.h"
 #include "rigproof/core/files.h"
 #include "rigproof/generator/config.h"
 
@@ -13,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kSource = RIGPROOF_SOURCE_DIR;
+const fs::path kSource = source_path();
 const fs::path kBench = kSource / "config/bench-v1";
 
 // Name and pinned sum of every configuration.

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "rigproof/calib/stops.h"
+#include "rigproof/calib/vision/stops.h"
 #include "rigproof/generator/odometry.h"
 #include "sensing/resolve.h"
 
@@ -58,8 +58,8 @@ void expect_matched(const ClockedRun& run) {
   std::size_t used = 0;
   for (const Exclusion& exclusion : plan.exclusions) {
     const int number = std::stoi(exclusion.file.substr(exclusion.file.find('/') + 1));
-    EXPECT_TRUE(number == 0 || number + 1 == static_cast<int>(kStops)) << exclusion.file << ": " << exclusion.reason;
-    EXPECT_THAT(exclusion.reason, testing::HasSubstr("no odometry"));
+    EXPECT_TRUE(number == 0 || number + 1 == static_cast<int>(kStops)) << exclusion.file << ": " << exclusion.why.code;
+    EXPECT_TRUE(exclusion.why.is("odometry.gap")) << exclusion.why.code;
   }
   for (const detection::PlannedStop& planned : plan.stops) {
     int stop = -1;
@@ -116,7 +116,7 @@ TEST(Clocks, WhatCannotBeMatchedIsLeftOutWithTheReason) {
   ASSERT_GT(late, 0U);
   ASSERT_LT(late, kCameras);
   EXPECT_EQ(plan.exclusions.size(), late * kStops);
-  EXPECT_THAT(plan.exclusions.front().reason, testing::HasSubstr("odometry"));
+  EXPECT_TRUE(plan.exclusions.front().why.is("odometry.gap")) << plan.exclusions.front().why.code;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "paths.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 
@@ -79,9 +80,9 @@ TEST(GenerateConfig, FieldsThatContradictEachOtherAreNamed) {
   EXPECT_NO_THROW(parse_generate_config("sensing: {time: {camera_delay_ms: -5}}", "standing"));
 }
 
-// What ships in config/ must stay readable, and the schema that editors use must be the one of this program.
-TEST(GenerateConfig, ShippedFilesAreValidAndTheSchemaIsCurrent) {
-  const std::filesystem::path folder = std::filesystem::path(RIGPROOF_SOURCE_DIR) / "config";
+// What ships in config/ must stay readable.
+TEST(GenerateConfig, ShippedFilesAreValid) {
+  const std::filesystem::path folder = source_path("config");
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".yaml") continue;
@@ -89,10 +90,6 @@ TEST(GenerateConfig, ShippedFilesAreValidAndTheSchemaIsCurrent) {
     ++count;
   }
   EXPECT_GE(count, 1);
-  const std::string schema = generate_config_schema();
-  const std::filesystem::path file = folder / "schema" / "run.json";
-  if (std::getenv("RIGPROOF_UPDATE_SCHEMA") != nullptr) write_file_atomically(file, schema);
-  EXPECT_EQ(read_text_file(file), schema) << "write it anew: RIGPROOF_UPDATE_SCHEMA=1 test_generator";
 }
 
 }  // namespace

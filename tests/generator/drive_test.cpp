@@ -303,7 +303,7 @@ TEST(Drive, AWayThatEndsBadlyIsTakenBackAndAnotherOneTried) {
   const Drive drive = simulate_drive(physics, floor.request({{{-0.5, 0.0}, 0.0}, {{3.7, 0.6}, 0.0}}));
   ASSERT_FALSE(drive.troubles.empty());
   EXPECT_LT(drive.troubles.size(), 4U) << "fewer than the plans that are allowed";
-  EXPECT_THAT(drive.troubles[0].reason, testing::AnyOf(HasSubstr("tipped over"), HasSubstr("stuck")));
+  EXPECT_THAT(drive.troubles[0].text(), testing::AnyOf(HasSubstr("tipped over"), HasSubstr("stuck")));
   EXPECT_EQ(drive.ways_tried_again, drive.troubles.size());
   ASSERT_EQ(drive.captures.size(), 2U);
   for (std::size_t i = 1; i < drive.odometry.size(); ++i)

@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "error_text.h"
-#include "rigproof/calib/checkerboard.h"
+#include "rigproof/calib/vision/checkerboard.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/random.h"

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "paths.h"
 #include "process.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/version.h"
@@ -22,7 +23,7 @@ TEST(GeneratorVersion, IsTheVersionAndAHash) {
 std::string hash_of(const TempFolder& root) {
   const fs::path header = root / "hash.h";
   const ProcessOutput run = run_process({"cmake", "-DROOT=" + root.path().string(), "-DOUTPUT=" + header.string(), "-P",
-                                         RIGPROOF_SOURCE_DIR "/cmake/HashOfSources.cmake"});
+                                         source_path("cmake/HashOfSources.cmake")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   return read_text_file(header);
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "effects_of.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/files.h"
 
@@ -54,7 +55,7 @@ TEST(Parameters, KindsAreAsTheyShould) {
 
 TEST(Parameters, ChangedRenderKeysAreNamed) {
   GenerateConfig there, here;
-  here.sensing.depth.edges = true;
+  change(&here, "sensing: {depth: {edges: true}}");
   here.odometry.lambda = 3.0;
   EXPECT_TRUE(changed_render_keys(there, here).empty());
   here.poses = 7;
@@ -87,7 +88,7 @@ TEST(Parameters, WithoutSenseKeysNoneIsLeft) {
   changed.odometry.lambda += 3.0;
   changed.sensor_noise = "none";
   changed.depth_scale_bias_percent = 1.0;
-  changed.sensing.depth.edges = !changed.sensing.depth.edges;
+  change(&changed, "sensing: {depth: {edges: true}}");
   changed.clouds = "pcd";
   changed.cloud_stride_px += 1;
   changed.png_level += 1;
@@ -103,7 +104,7 @@ TEST(Parameters, WithoutSenseKeysNoneIsLeft) {
 }
 
 TEST(Parameters, DocumentationListsThemAsTheyAre) {
-  const std::filesystem::path file = data_folder() / "docs" / "sensors.md";
+  const std::filesystem::path file = data_folder() / "docs" / "reference" / "parameters.md";
   const std::string text = read_text_file(file);
   const std::size_t begin = text.find(kBegin), end = text.find(kEnd);
   ASSERT_NE(begin, std::string::npos);

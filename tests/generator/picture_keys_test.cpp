@@ -13,7 +13,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/generator/dataset.h"
 #include "rigproof/generator/parameters.h"
-#include "rigproof/study/overrides.h"
+#include "rigproof/study/workflow/overrides.h"
 #include "scenario.h"
 #include "tiny_world.h"
 

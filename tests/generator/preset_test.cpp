@@ -12,6 +12,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/recording.h"
 #include "rigproof/core/rig_yaml.h"
+#include "rigproof/generator/sensor_device.h"
 #include "temp_folder.h"
 
 namespace rigproof {
@@ -66,10 +67,18 @@ TEST(SensorPresets, EveryNumberOfARealDeviceSaysWhereItIsFrom) {
   }
 }
 
+// As the preset's file has them.
+std::vector<double> imagers_x_m(const std::string& name) {
+  const YamlTree tree = read_yaml_file(find_preset("sensors", name));
+  Problems problems;
+  return read_numbers(*tree.find("simulation")->find("depth")->find("imagers_x_m"), "imagers_x_m", 0, 2, {}, &problems)
+      .value();
+}
+
 TEST(SensorPresets, TwoImagersAreABaselineApart) {
   for (const char* name : {"d455", "d435"}) {
     const SensorPreset preset = load_sensor_preset(name);
-    const std::vector<double>& imagers = preset.simulation.depth.imagers_x_m;
+    const std::vector<double> imagers = imagers_x_m(name);
     ASSERT_EQ(imagers.size(), 2U);
     EXPECT_NEAR(imagers[1] - imagers[0], preset.stereo->baseline_m, 1e-12) << name;
   }
@@ -87,7 +96,7 @@ simulation:
   color: {full_well_electrons: -5, gama: 2.2}
   depth: {patchy_share: 0.7, ripple_share: 0.6, flying_share: 1.5}
 )");
-  const std::string error = error_text([] { load_sensor_preset("broken"); });
+  const std::string error = error_text([] { load_sensor_device("broken"); });
   for (const char* part :
        {"broken.yaml:2: color.hfov_deg: 190", "depth.min_m: 3: must be less than max_m",
         "depth.stereo.baseline_m: -0.1", "simulation.color.full_well_electrons: -5", "simulation.color.gama", "gamma",
@@ -101,10 +110,11 @@ TEST(SensorPresets, WhatIsWrongInOneIsToldOnceForAllCamerasOfARig) {
   folder.write("models/sensors/broken.yaml", "color: {width_px: 640, height_px: 480, hfov_deg: 190}\ndepth: none\n");
   const auto error_of = [](const std::string& sensor) {
     Problems problems;
-    const YamlTree tree = parse_yaml("a: {sensor: " + sensor + "}\nb: {sensor: " + sensor + "}\n", "rig.yaml");
-    RigReadOptions options;
-    options.nominal_intrinsics = true;
-    read_rig_cameras(tree, "cameras", options, &problems);
+    const std::string text = "cameras: {a: {sensor: " + sensor + "},\n  b: {sensor: " + sensor + "}}\n";
+    std::vector<RigCamera> cameras;
+    read_fields_of_block(parse_yaml(text, "rig.yaml"), "", &problems, [&cameras](FieldVisitor& visitor) {
+      visit_rig_cameras(visitor, {{}, true}, cameras);
+    });
     return problems.text();
   };
   const std::string error = error_of("broken"), reason = "color.hfov_deg: 190";
@@ -122,7 +132,7 @@ TEST(SensorPresets, RawDepthIsAPropertyOfTheDeviceThatARecordingHasToTell) {
     const SensorPreset preset = load_sensor_preset(name);
     EXPECT_FALSE(preset.delivers_raw_depth) << name;
     ASSERT_TRUE(preset.raw_depth.has_value()) << name;
-    EXPECT_NEAR(preset.raw_depth->T_color_depth.translation.x(), preset.simulation.depth.imagers_x_m[0], 1e-12) << name;
+    EXPECT_NEAR(preset.raw_depth->T_color_depth.translation.x(), imagers_x_m(name)[0], 1e-12) << name;
   }
   const OwnData folder;
   const std::string registered = "depth_frame: registered";
@@ -138,13 +148,11 @@ TEST(SensorPresets, RawDepthIsAPropertyOfTheDeviceThatARecordingHasToTell) {
                    "    intrinsics: {width_px: 64, height_px: 48, fx_px: 50, fy_px: 50, cx_px: 31, cy_px: 23}\n");
   EXPECT_THAT(error_text([&] { load_rig(folder / "rig.yaml"); }),
               HasSubstr("give depth.camera and depth.T_color_depth"));
-  Problems problems;
-  const YamlTree tree = parse_yaml("sensor: own", "simulated.yaml");
-  MapReader map(tree, "a", &problems);
-  RigReadOptions simulated;
-  simulated.nominal_intrinsics = true;
-  const RigCamera read = read_rig_camera("a", map, simulated);
-  problems.throw_if_any();
+  std::vector<RigCamera> cameras;
+  read_fields_of_tree(parse_yaml("cameras: {a: {sensor: own}}", "simulated.yaml"), [&cameras](FieldVisitor& visitor) {
+    visit_rig_cameras(visitor, {{}, true}, cameras);
+  });
+  const RigCamera& read = cameras.at(0);
   ASSERT_TRUE(read.depth && read.depth->own_camera);
   EXPECT_EQ(read.depth->own_camera->camera.width_px, 848);
 }

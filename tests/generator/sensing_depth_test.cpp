@@ -1,13 +1,12 @@
-// Depth models, each against its formula, over many samples. docs/sensors.md has the formulas.
+// Depth models, each against its formula, over many samples. docs/theory/sensors.md has the formulas.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "effects_of.h"
 #include "error_text.h"
 #include "rigproof/core/error.h"
-#include "rigproof/generator/sensors.h"
-#include "sensing/depth_scene.h"
 #include "sensing/normals.h"
 
 namespace rigproof {
@@ -65,7 +64,7 @@ Walls measure(const DepthSensing& model, double z_m) {
 // coarse as the unit are rounded to it unevenly.
 TEST(SensingDepth, EveryPresetFollowsItsLawWithRounding) {
   for (const char* name : {"d455", "d435", "l515", "ideal"}) {
-    const DepthSensing model = depth_sensing_of(load_sensor_preset(name));
+    const DepthSensing model = depth_sensing_of(load_sensor_device(name));
     for (const double z_m : {0.8, 1.0, 2.0, 4.0}) {
       const Walls walls = measure(model, z_m);
       if (z_m > model.stream.max_m) {
@@ -81,7 +80,7 @@ TEST(SensingDepth, EveryPresetFollowsItsLawWithRounding) {
 }
 
 TEST(SensingDepth, RoundingIsPartOfTheLaw) {
-  const DepthSensing model = depth_sensing_of(load_sensor_preset("d455"));
+  const DepthSensing model = depth_sensing_of(load_sensor_device("d455"));
   // 0.5 m: 0.47 mm by the law; steps of 0.19 mm and units of 1 mm, over sqrt(12), make it 0.56 mm.
   EXPECT_NEAR(model.stream.noise.sigma_m(0.5), 0.000473, 2e-6);
   EXPECT_NEAR(model.recorded_sigma_m(0.5), 0.000556, 3e-6);
@@ -90,7 +89,7 @@ TEST(SensingDepth, RoundingIsPartOfTheLaw) {
 
 // Without noise a wall has one disparity, a multiple of the step.
 TEST(SensingDepth, DisparityIsRoundedToItsSteps) {
-  DepthSensing model = depth_sensing_of(load_sensor_preset("d455"));
+  DepthSensing model = depth_sensing_of(load_sensor_device("d455"));
   model.noise = false;
   model.stream.unit_m = 0.0001;
   for (const double z_m : {0.8, 1.7, 3.3, 5.1}) {
@@ -124,12 +123,12 @@ TEST(SensingDepth, SmoothFieldsAreStandardNormalEverywhereAndSmooth) {
 }
 
 TEST(SensingDepth, BiasFieldIsFixedForADeviceSmoothAndOfItsSize) {
-  DepthSensing model = depth_sensing_of(load_sensor_preset("d455"));
+  DepthSensing model = depth_sensing_of(load_sensor_device("d455"));
   model.noise = false;
   model.disparity_step_px = 0.0;
   model.stream.unit_m = 0.0001;
-  model.bias = 0.05;
-  model.bias_cell_px = 40.0;
+  // 40 pixels of the focal length's 640.
+  add_effects(&model, "bias_field: true", "{bias_px: 0.05, bias_cell_deg: 3.576334375}");
   const ImageF wall(kWidth, kHeight, 1, 2.0F);
   const Image16 first = sense(model, wall, 0), second = sense(model, wall, 1);
   EXPECT_EQ(first.pixels, second.pixels);
@@ -143,8 +142,8 @@ TEST(SensingDepth, BiasFieldIsFixedForADeviceSmoothAndOfItsSize) {
 }
 
 TEST(SensingDepth, CoarseNoiseKeepsTheLawAndAddsPatches) {
-  const SensorPreset preset = load_sensor_preset("l515");
-  DepthSensing model = depth_sensing_of(preset);
+  SensorDevice device = load_sensor_device("l515");
+  DepthSensing model = depth_sensing_of(device);
   const auto block_variance = [&](const DepthSensing& of) {
     // Means of 12 x 12 pixels: fine noise averages out, patches and slow ripples stay.
     double sum = 0.0;
@@ -165,19 +164,22 @@ TEST(SensingDepth, CoarseNoiseKeepsTheLawAndAddsPatches) {
   const double law = std::pow(model.stream.noise.sigma_m(2.0), 2);
   const double fine = block_variance(model) / law;
   EXPECT_NEAR(fine, 4.0 / 144.0, 0.01);  // correlated over 2 x 2 pixels
-  model.patchy_share = preset.simulation.depth.patchy_share;
-  model.ripple_share = preset.simulation.depth.ripple_share;
-  model.ripple_px = 12.0;  // averages out over a block
+  // Ripples of 12 pixels average out over a block.
+  DeviceDraws draws;
+  add_effects(switched(device.depth.effects, "coarse_noise: true", "ripple_px: 12"), false, &draws, &model);
+  SensorModel sensor;
+  sensor.depth = model;
+  const double patchy_share = sensor.labels().at("depth_patchy_share");
+  EXPECT_EQ(sensor.labels().count("depth_ripple_share"), 1U);
   EXPECT_NEAR(measure(model, 2.0).sigma_m / model.recorded_sigma_m(2.0), 1.0, 0.05);
   // A patch of 24 px keeps most of its variance in a block of 12.
-  EXPECT_GT(block_variance(model) / law, 0.6 * model.patchy_share);
-  EXPECT_LT(block_variance(model) / law, 1.2 * model.patchy_share);
+  EXPECT_GT(block_variance(model) / law, 0.6 * patchy_share);
+  EXPECT_LT(block_variance(model) / law, 1.2 * patchy_share);
 }
 
 TEST(SensingDepth, RipplesRunAlongTheRowsWithTheirLengthAndShare) {
-  DepthSensing model = depth_sensing_of(load_sensor_preset("l515"));
-  model.ripple_share = 0.5;
-  model.ripple_px = 16.0;
+  DepthSensing model = depth_sensing_of(load_sensor_device("l515"));
+  add_effects(&model, "coarse_noise: true", "{ripple_share: 0.5, ripple_px: 16}");
   const Image16 counts = sense(model, ImageF(kWidth, kHeight, 1, 2.0F));
   double power = 0.0;
   for (int y = 0; y < kHeight; ++y) {
@@ -200,8 +202,10 @@ TEST(SensingDepth, OcclusionShadowHasTheWidthOfItsFormula) {
   for (int y = 0; y < 4; ++y)
     for (int x = 300; x < 400; ++x) depth.at(x, y) = static_cast<float>(kNear);
   for (const double offset_m : {0.095, -0.095, 0.05, -0.02}) {
-    ImageF seen = depth;
-    remove_hidden(depth, kFocal, offset_m, &seen);
+    DepthSensing model;
+    model.focal_px = kFocal;
+    add_effects(&model, "occlusion: true", "imagers_x_m: [" + std::to_string(offset_m) + "]");
+    const ImageF seen = scene_of(model, depth);
     const double width = kFocal * std::abs(offset_m) * (1.0 / kNear - 1.0 / kFar);
     int hidden = 0;
     for (int x = 0; x < kWidth; ++x) {
@@ -222,14 +226,11 @@ TEST(SensingDepth, ObliquePlanesHaveNeitherShadowsNorEdges) {
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
       depth.at(x, y) = 1.0F / (0.2F + 0.8F * static_cast<float>(y) / kHeight + 0.3F * static_cast<float>(x) / kWidth);
-  ImageF seen = depth;
-  remove_hidden(depth, 640.0, 0.036, &seen);
-  remove_hidden(depth, 640.0, -0.059, &seen);
-  EXPECT_EQ(seen.pixels, depth.pixels);
   DepthSensing model;
-  model.edge_step_per_m = 0.02;
-  blur_edges(depth, model, RandomStream(0, "edges"), &seen);
-  EXPECT_EQ(seen.pixels, depth.pixels);
+  add_effects(&model, "occlusion: true", "imagers_x_m: [0.036, -0.059]");
+  EXPECT_EQ(scene_of(model, depth).pixels, depth.pixels);
+  add_effects(&model, "edges: true", "edge_step_per_m: 0.02");
+  EXPECT_EQ(scene_of(model, depth).pixels, depth.pixels);
 }
 
 TEST(SensingDepth, EdgesFrayAndTheirShareOfPixelsFloatsInBetween) {
@@ -238,11 +239,9 @@ TEST(SensingDepth, EdgesFrayAndTheirShareOfPixelsFloatsInBetween) {
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kEdge; ++x) depth.at(x, y) = 1.0F;
   DepthSensing model;
-  model.edge_step_per_m = 0.02;
-  model.edge_jitter_px = 1.0;
-  model.flying_share = 0.4;
-  ImageF frayed = depth;
-  blur_edges(depth, model, RandomStream(0, "edges"), &frayed);
+  constexpr double kFlyingShare = 0.4;
+  add_effects(&model, "edges: true", "{edge_step_per_m: 0.02, edge_jitter_px: 1, flying_share: 0.4}");
+  ImageF frayed = scene_of(model, depth);
   int floating = 0, near_at_far_side = 0;
   for (int y = 10; y < kHeight - 10; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -257,14 +256,12 @@ TEST(SensingDepth, EdgesFrayAndTheirShareOfPixelsFloatsInBetween) {
   // The zone is six pixels wide: two on either side of the two pixels where 1/z bends. Of the pixels that could float,
   // those whose two partners lie on one side stay on it: all but a quarter, over the six.
   const double share = floating / (6.0 * (kHeight - 20));
-  EXPECT_GT(share, 0.15 * model.flying_share);
-  EXPECT_LT(share, 0.4 * model.flying_share);
+  EXPECT_GT(share, 0.15 * kFlyingShare);
+  EXPECT_LT(share, 0.4 * kFlyingShare);
   // Lateral jitter of one pixel brings the near side a pixel or two across.
   EXPECT_GT(near_at_far_side, kHeight / 4);
-  model.flying_share = 0.0;
-  model.edge_jitter_px = 0.0;
-  frayed = depth;
-  blur_edges(depth, model, RandomStream(0, "edges"), &frayed);
+  add_effects(&model, "edges: true", "{edge_step_per_m: 0.02, edge_jitter_px: 0, flying_share: 0}");
+  frayed = scene_of(model, depth);
   EXPECT_EQ(frayed.pixels, depth.pixels);
 }
 
@@ -275,11 +272,9 @@ TEST(SensingDepth, PlainAndSaturatedBlocksHaveNoDepthBeyondTheProjector) {
     for (int x = 48; x < 64; ++x) color.at(x, y, 1) = 255;                                           // saturated
   }
   DepthSensing model;
-  model.min_contrast_levels = 6.0;
-  model.projector_reach_m = 2.0;
+  add_effects(&model, "texture_holes: true", "{min_contrast_levels: 6, projector_reach_m: 2}");
   for (const float z_m : {1.0F, 3.0F}) {
-    ImageF depth(64, 16, 1, z_m);
-    remove_textureless(color, model, &depth);
+    const ImageF depth = scene_of(model, ImageF(64, 16, 1, z_m), color);
     EXPECT_EQ(depth.at(8, 8), z_m);
     EXPECT_EQ(depth.at(30, 8), z_m < 2.0F ? z_m : 0.0F);
     EXPECT_EQ(depth.at(56, 8), 0.0F);
@@ -287,8 +282,8 @@ TEST(SensingDepth, PlainAndSaturatedBlocksHaveNoDepthBeyondTheProjector) {
 }
 
 TEST(SensingDepth, DaylightLeavesAShareOfTheTimeOfFlight) {
-  DepthSensing model = depth_sensing_of(load_sensor_preset("l515"));
-  model.valid_share = 0.1;
+  DepthSensing model = depth_sensing_of(load_sensor_device("l515"));
+  add_effects(&model, "daylight: true", "outdoor_valid_share: 0.1", true);
   double share = 0.0;
   for (int frame = 0; frame < 10; ++frame) {
     const ImageF wall(kWidth, kHeight, 1, 1.5F);
@@ -299,39 +294,41 @@ TEST(SensingDepth, DaylightLeavesAShareOfTheTimeOfFlight) {
 }
 
 TEST(SensingDepth, MisregistrationShiftsByWholePixels) {
-  DepthSensing model = depth_sensing_of(load_sensor_preset("ideal"));
+  DepthSensing model = depth_sensing_of(load_sensor_device("ideal"));
   model.noise = false;
-  model.shift_x_px = 3;
-  model.shift_y_px = -2;
+  // One of two values for each axis: the shift is drawn, and the label says what came out.
+  add_effects(&model, "misregistration_px: {choice: [3, -2]}");
+  SensorModel sensor;
+  sensor.depth = model;
+  const int x_px = static_cast<int>(sensor.labels().at("depth_shift_x_px"));
+  const int y_px = static_cast<int>(sensor.labels().at("depth_shift_y_px"));
   ImageF depth(32, 24, 1, 1.0F);
   depth.at(10, 10) = 2.0F;
   const Image16 counts = sense(model, depth);
-  EXPECT_EQ(counts.at(13, 8), 20000);
+  EXPECT_EQ(counts.at(10 + x_px, 10 + y_px), 20000);
   EXPECT_EQ(counts.at(10, 10), 10000);
-  EXPECT_EQ(counts.at(1, 5), 0);  // came from outside
-  EXPECT_EQ(counts.at(20, 23), 0);
+  EXPECT_EQ(counts.at(x_px > 0 ? 1 : 30, 12), 0);  // came from outside
+  EXPECT_EQ(counts.at(16, y_px > 0 ? 1 : 22), 0);
 }
 
 TEST(SensingDepth, SwitchesAreLabelledAndNothingElse) {
   SensorModel model;
   EXPECT_TRUE(model.labels().empty());
   model.image = ImageSensing{};
-  model.depth = depth_sensing_of(load_sensor_preset("d455"));
+  model.depth = depth_sensing_of(load_sensor_device("d455"));
   EXPECT_THAT(model.labels(), testing::UnorderedElementsAre(
                                   testing::Pair("image_noise", 1.0), testing::Pair("full_well_electrons", 6300.0),
                                   testing::Pair("read_noise_electrons", 2.5), testing::Pair("image_gamma", 2.2),
                                   testing::Pair("depth_noise", 1.0), testing::Pair("disparity_step_px", 1.0 / 32.0)));
-  model.depth->bias = 0.05;
-  model.depth->imagers_x_m = {0.1};
-  model.depth->edge_step_per_m = 0.02;
-  model.image->pixel_gain = 0.01;
+  add_effects(&*model.depth, "{bias_field: true, occlusion: true, edges: true}", "{bias_px: 0.05, imagers_x_m: [0.1]}");
+  model.image = image_sensing("pixel_pattern: true", "pixel_gain_percent: 1");
   EXPECT_THAT(model.labels(),
               testing::IsSupersetOf({testing::Pair("depth_bias_sigma_px", 0.05), testing::Pair("occlusion", 1.0),
                                      testing::Pair("flying_share", 0.3), testing::Pair("pixel_gain_percent", 1.0)}));
 }
 
 TEST(SensingDepth, SensorWithoutDepthHasNoNoiseCurve) {
-  EXPECT_THAT(error_text([] { depth_sensing_of(load_sensor_preset("fisheye")); }), testing::HasSubstr("no depth"));
+  EXPECT_THAT(error_text([] { depth_sensing_of(load_sensor_device("fisheye")); }), testing::HasSubstr("no depth"));
 }
 
 }  // namespace

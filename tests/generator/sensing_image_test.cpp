@@ -1,11 +1,9 @@
-// Image formation against its formulas, over many samples. docs/sensors.md has the formulas.
+// Image formation against its formulas, over many samples. docs/theory/sensors.md has the formulas.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "rigproof/generator/sensors.h"
-#include "sensing/image_chain.h"
-#include "sensing/normals.h"
+#include "effects_of.h"
 
 namespace rigproof {
 namespace {
@@ -21,9 +19,7 @@ Image8 sense(const ImageSensing& model, Image8 image, std::int64_t frame = 0) {
 
 // A model that takes the whole chain, with one effect that changes nothing to speak of.
 ImageSensing whole_chain() {
-  ImageSensing model;
-  model.pixel_gain = 1e-9;
-  return model;
+  return image_sensing("pixel_pattern: true", "{dark_offset_electrons: 0, pixel_gain_percent: 1e-7}");
 }
 
 double electrons_of(const ImageSensing& model, int level) {
@@ -100,9 +96,7 @@ TEST(SensingImage, WithoutNoiseTheChainLeavesLevelsAsTheyAre) {
 
 // Mean over frames leaves the fixed pattern: DSNU in the dark, PRNU in bright light.
 TEST(SensingImage, FixedPatternHasItsSizeAndIsTheSameInEveryFrame) {
-  ImageSensing model;
-  model.dark_offset_electrons = 30.0;
-  model.pixel_gain = 0.02;
+  ImageSensing model = image_sensing("pixel_pattern: true", "{dark_offset_electrons: 30, pixel_gain_percent: 2}");
   model.noise = false;
   for (const int level : {60, 200}) {
     const Image8 flat(kWidth, kHeight, 3, static_cast<std::uint8_t>(level));
@@ -116,9 +110,8 @@ TEST(SensingImage, FixedPatternHasItsSizeAndIsTheSameInEveryFrame) {
 
 TEST(SensingImage, DevicesHaveTheirOwnPattern) {
   SensorModel model;
-  model.image = ImageSensing{};
+  model.image = image_sensing("pixel_pattern: true", "{dark_offset_electrons: 0, pixel_gain_percent: 5}");
   model.image->noise = false;
-  model.image->pixel_gain = 0.05;
   Image8 a(64, 64, 3, 150), b = a;
   Sensor(model, 64, 64, {0, -1, 0}).sense_color({0, 0, 0}, &a);
   Sensor(model, 64, 64, {0, -1, 1}).sense_color({0, 0, 0}, &b);
@@ -126,9 +119,8 @@ TEST(SensingImage, DevicesHaveTheirOwnPattern) {
 }
 
 TEST(SensingImage, VignettingReachesItsValueInTheCorner) {
-  ImageSensing model;
+  ImageSensing model = image_sensing("vignetting: true", "corner_light_percent: 50");
   model.noise = false;
-  model.corner_light = 0.5;
   const Image8 image = sense(model, Image8(kWidth + 1, kHeight + 1, 3, 200));
   const double centre = electrons_of(model, image.at(kWidth / 2, kHeight / 2));
   EXPECT_EQ(image.at(kWidth / 2, kHeight / 2), 200);
@@ -140,8 +132,7 @@ TEST(SensingImage, VignettingReachesItsValueInTheCorner) {
 }
 
 TEST(SensingImage, ExposureScalesLightAndItsNoiseFollows) {
-  ImageSensing model;
-  model.exposure = 0.25;
+  const ImageSensing model = image_sensing("exposure: 0.25");
   const Light light = light_of(model, sense(model, Image8(kWidth, kHeight, 3, 200)));
   const double expected = 0.25 * electrons_of(model, 200);
   EXPECT_NEAR(light.mean / expected, 1.0, 0.005);
@@ -150,8 +141,7 @@ TEST(SensingImage, ExposureScalesLightAndItsNoiseFollows) {
 }
 
 TEST(SensingImage, ExposureJitterDiffersFromFrameToFrame) {
-  ImageSensing model;
-  model.exposure_jitter = 0.05;
+  const ImageSensing model = image_sensing("exposure_jitter_percent: 5");
   const Image8 flat(32, 32, 3, 128);
   double sum = 0.0, squares = 0.0;
   constexpr int kFrames = 300;
@@ -172,7 +162,8 @@ TEST(SensingImage, DefocusBlursLightWithItsSigma) {
   for (int y = 0; y < 8; ++y)
     for (int x = 32; x < 64; ++x)
       for (int c = 0; c < 3; ++c) image.at(x, y, c) = 1.0F;
-  blur_samples(2.0, &image);
+  const ImageSensing defocused = image_sensing("defocus_sigma_px: 2");
+  (*defocused.effects.begin())->change_image(&image);
   for (int c = 0; c < 3; ++c) {
     // The edge lies at 31.5; a step blurred by a sampled Gaussian is its distribution at whole pixels.
     for (const int x : {28, 30, 31, 32, 34, 36})

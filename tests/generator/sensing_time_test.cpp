@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "effects_of.h"
 #include "sensing/resolve.h"
 
 namespace rigproof {
@@ -134,7 +135,7 @@ TEST(SensingSeed, IsTheRunsUnlessItHasItsOwn) {
 TEST(SensingSwitches, NoneLeavesTheSensorsClean) {
   GenerateConfig config;
   config.sensor_noise = "none";
-  config.sensing.depth.edges = config.sensing.image.vignetting = true;
+  change(&config, "sensing: {depth: {edges: true}, image: {vignetting: true}}");
   Rig rig;
   rig.cameras.emplace_back().sensor = "d455";
   rig.cameras[0].depth = load_sensor_preset("d455").depth;
@@ -151,11 +152,11 @@ TEST(SensingSwitches, TimeOfFlightIsNearlyBlindOutdoors) {
   Rig rig;
   rig.cameras.emplace_back().sensor = "l515";
   rig.cameras[0].depth = load_sensor_preset("l515").depth;
-  EXPECT_EQ(resolve_sensors(config, rig, false)[0].depth->valid_share, 1.0);
+  EXPECT_EQ(resolve_sensors(config, rig, false)[0].labels().count("depth_valid_share"), 0U);
   const SensorModel outdoors = resolve_sensors(config, rig, true)[0];
-  EXPECT_EQ(outdoors.depth->valid_share, 0.1);
+  EXPECT_EQ(outdoors.labels().at("depth_valid_share"), 0.1);
   EXPECT_EQ(outdoors.depth->stream.max_m, 2.0);
-  config.sensing.depth.daylight = false;
+  change(&config, "sensing: {depth: {daylight: false}}");
   EXPECT_EQ(resolve_sensors(config, rig, true)[0].depth->stream.max_m, 9.0);
 }
 

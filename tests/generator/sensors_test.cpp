@@ -1,4 +1,4 @@
-// Realised noise against the formulas of docs/generation.md, over many samples.
+// Realised noise against the formulas of docs/theory/sensors.md, over many samples.
 #include "rigproof/generator/sensors.h"
 
 #include <gtest/gtest.h>

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "driven.h"
-#include "rigproof/calib/image_io.h"
-#include "rigproof/calib/observe.h"
+#include "rigproof/calib/vision/image_io.h"
+#include "rigproof/calib/vision/observe.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/generator/generate.h"
 #include "scenario.h"

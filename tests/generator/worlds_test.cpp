@@ -10,10 +10,10 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "driven.h"
-#include "rigproof/calib/ground_plane.h"
-#include "rigproof/calib/image_io.h"
-#include "rigproof/calib/observe.h"
-#include "rigproof/calib/trajectory_alignment.h"
+#include "rigproof/calib/geometry/trajectory_alignment.h"
+#include "rigproof/calib/vision/ground_plane.h"
+#include "rigproof/calib/vision/image_io.h"
+#include "rigproof/calib/vision/observe.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/generator/dataset.h"

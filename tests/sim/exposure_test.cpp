@@ -9,7 +9,7 @@
 
 #include "light_sum.h"
 #include "render_truth.h"
-#include "rigproof/calib/checkerboard.h"
+#include "rigproof/calib/vision/checkerboard.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof {
@@ -195,7 +195,7 @@ TEST(MovingRobot, CornersOfABlurredPictureAreWhereTheyWereAtMidExposure) {
   const RenderedView view = scene.shoot(scene.moving(1.0, 16, 0.012, 0.0));
   const BoardDetection detection = detect_checkerboard(view.color, scene.board());
   const auto* corners = std::get_if<std::vector<CornerObservation>>(&detection);
-  ASSERT_NE(corners, nullptr) << std::get<BoardNotFound>(detection).reason;
+  ASSERT_NE(corners, nullptr) << std::get<BoardNotFound>(detection).why.code;
   Eigen::Vector2d bias = Eigen::Vector2d::Zero();
   for (const CornerObservation& corner : *corners) {
     const Eigen::Vector2d error = corner.pixel - scene.corner_px(corner.id);

@@ -1,13 +1,13 @@
-#include "rigproof/study/convert.h"
+#include "rigproof/study/workflow/convert.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "error_text.h"
-#include "rigproof/calib/ground_plane.h"
-#include "rigproof/calib/image_io.h"
+#include "rigproof/calib/vision/ground_plane.h"
+#include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/files.h"
-#include "rigproof/formats/memroc_layout.h"
+#include "rigproof/formats/format.h"
 #include "small_recording.h"
 #include "temp_folder.h"
 
@@ -49,16 +49,16 @@ std::string bytes(const Recording& recording, std::size_t camera, std::size_t fr
 TEST(Convert, ToTheMemrocLayoutAndBackIsExact) {
   const TempFolder scratch;
   const Recording original = small_recording(scratch / "original");
-  const ConvertReport report = write_memroc_layout(original, scratch / "memroc");
+  const ConvertReport report = convert(original, "memroc", scratch / "memroc/");  // as a shell completes it
   EXPECT_EQ(report.images, 6U);
   EXPECT_EQ(report.clouds, 3U);
-  const Recording there = load_memroc_layout(scratch / "memroc");
+  const Recording there = *open_input(scratch / "memroc").recording;
   EXPECT_EQ(there.rig.board, original.rig.board);
   expect_same_cameras(original, there);
   expect_same_odometry(original, there);
   for (std::size_t k = 0; k < 2; ++k)
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(bytes(there, k, i), bytes(original, k, i));
-  copy_recording(there, scratch / "back");
+  convert(there, "recording", scratch / "back");
   const Recording back = load_recording(scratch / "back");
   EXPECT_EQ(back.rig.board, original.rig.board);
   expect_same_cameras(original, back);
@@ -70,8 +70,8 @@ TEST(Convert, ToTheMemrocLayoutAndBackIsExact) {
 TEST(Convert, CloudsHoldEveryPointOfTheDepthImage) {
   const TempFolder scratch;
   const Recording original = small_recording(scratch / "original");
-  write_memroc_layout(original, scratch / "memroc");
-  const Recording there = load_memroc_layout(scratch / "memroc");
+  convert(original, "memroc", scratch / "memroc");
+  const Recording there = *open_input(scratch / "memroc").recording;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto depth = read_depth_image(original.folder / original.frames[0][i].depth_file);
     const auto expected = points_from_depth(std::get<Image16>(depth), original.rig.cameras[0], 1).points;
@@ -87,7 +87,7 @@ TEST(Convert, ThinsCloudsToTheirLimit) {
   const Recording original = small_recording(scratch / "original");
   ConvertOptions options;
   options.max_cloud_points = 800;
-  write_memroc_layout(original, scratch / "memroc", options);
+  convert(original, "memroc", scratch / "memroc", options);
   const auto cloud = read_point_cloud(scratch / "memroc/camera1/clouds/0000.txt");
   const std::size_t points = std::get<std::vector<Eigen::Vector3f>>(cloud).size();
   EXPECT_GT(points, 300U);
@@ -97,7 +97,7 @@ TEST(Convert, ThinsCloudsToTheirLimit) {
 // What the authors' program reads, written out: a change of any digit or separator is a change of the format.
 TEST(Convert, WritesTheTextsOfTheLayout) {
   const TempFolder scratch;
-  write_memroc_layout(small_recording(scratch / "original"), scratch / "memroc");
+  convert(small_recording(scratch / "original"), "memroc", scratch / "memroc");
   EXPECT_EQ(scratch.read("memroc/CalibrationInfo.yaml"),
             "number_of_cameras: 2\ncamera_folder_prefix: camera\npattern_type: checkerboard\nnumber_of_rows: 4\n"
             "number_of_columns: 3\nsize: 0.1\nresize_factor: 1\n");
@@ -115,11 +115,11 @@ TEST(Convert, RefusesWhatIsInTheWayOrCannotBeSaid) {
   const TempFolder scratch;
   Recording recording = small_recording(scratch / "original");
   scratch.write("taken/file", "x");
-  EXPECT_THAT(error_text([&] { write_memroc_layout(recording, scratch / "taken"); }), HasSubstr("something already"));
-  EXPECT_THAT(error_text([&] { copy_recording(recording, scratch / "taken"); }), HasSubstr("something already"));
+  EXPECT_THAT(error_text([&] { convert(recording, "memroc", scratch / "taken"); }), HasSubstr("something already"));
+  EXPECT_THAT(error_text([&] { convert(recording, "recording", scratch / "taken"); }), HasSubstr("something already"));
   recording.rig.cameras[1].camera.lens = Lens::kKannalaBrandt;
   recording.rig.board.squares_x = 6;
-  const std::string error = error_text([&] { write_memroc_layout(recording, scratch / "new"); });
+  const std::string error = error_text([&] { convert(recording, "memroc", scratch / "new"); });
   EXPECT_THAT(error, HasSubstr("cameras.right.lens"));
   EXPECT_THAT(error, HasSubstr("180 degrees"));
   EXPECT_FALSE(fs::exists(scratch / "new"));
@@ -130,9 +130,9 @@ TEST(Convert, AnInterruptedOneLeavesNothing) {
   const Recording recording = small_recording(scratch / "original");
   ConvertOptions options;
   options.progress = [](std::size_t done, std::size_t) { return done < 2; };
-  for (const auto convert : {&copy_recording, &write_memroc_layout}) {
+  for (const std::string& format : writable_formats()) {
     try {
-      convert(recording, scratch / "new", options);
+      convert(recording, format, scratch / "new", options);
       FAIL() << "went on";
     } catch (const Error& error) {
       EXPECT_EQ(error.exit_code(), ExitCode::kTryAgain);

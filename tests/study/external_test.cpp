@@ -1,5 +1,5 @@
 // Methods from outside: what they are given, what becomes of their answers, and of those that misbehave.
-#include "rigproof/study/external.h"
+#include "rigproof/study/workflow/external.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,13 +7,15 @@
 #include <chrono>
 
 #include "error_text.h"
+#include "paths.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/files.h"
-#include "rigproof/formats/memroc_layout.h"
+#include "rigproof/formats/format.h"
 #include "rigproof/geometric/geometric.h"
 #include "rigproof/validate/validate.h"
 #include "small_recording.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -52,7 +54,7 @@ class External : public testing::Test {
   ExternalOptions options_;
 };
 
-std::string text(const std::vector<std::string>& lines) { return testing::PrintToString(lines); }
+std::string text(const std::vector<Finding>& findings) { return testing::PrintToString(worded(findings)); }
 
 TEST_F(External, AnAnswerIsAResultUnderTheMethodsName) {
   const Result result = run("cp \"$3/answer.yaml\" \"$2\"");
@@ -93,12 +95,12 @@ TEST_F(External, GetsObservationsThatNameNoFolder) {
 TEST_F(External, GetsTheMemrocLayout) {
   const Result result = run("cp -r \"$1\" \"$3/copy\"; cp \"$3/answer.yaml\" \"$2\"", "input: memroc\n");
   EXPECT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons);
-  EXPECT_EQ(load_memroc_layout(scratch_ / "copy").frames[1].size(), 3U);
+  EXPECT_EQ(open_input(scratch_ / "copy").recording->frames[1].size(), 3U);
 }
 
 TEST_F(External, NeedsARecordingUnlessItWantsObservations) {
   const auto wants_images = script("true");
-  EXPECT_THAT(wants_images->why_not({observations_}), HasSubstr("It wants the images"));
+  EXPECT_THAT(worded(wants_images->why_not({observations_})), HasSubstr("It wants the images"));
   EXPECT_EQ(run_method(*wants_images, {observations_}).status, ResultStatus::kRefused);
   const auto wants_none = script("cp \"$3/answer.yaml\" \"$2\"", "input: observations\n");
   EXPECT_EQ(run_method(*wants_none, {observations_}).status, ResultStatus::kSolved);
@@ -202,12 +204,12 @@ TEST_F(External, StandsBesideMethodsOfOurOwn) {
   EXPECT_THAT(error_text([] { methods_by_name({"external:/no/such.yaml"}); }), HasSubstr("/no/such.yaml"));
 }
 
-// The example of docs/external.md, as it stands there.
+// The example of docs/guides/external-methods.md, as it stands there.
 TEST(ExternalExample, TwentyLinesOfPythonFindHeightAndTilt) {
   GeometricConfig config;
   config.stops = 20;
   const GeometricRun drawn = draw_geometric_run(config);
-  const fs::path example = fs::path(RIGPROOF_SOURCE_DIR) / "docs/examples/ground_only.yaml";
+  const fs::path example = source_path("docs/examples/ground_only.yaml");
   const Result result = run_method(*make_external_method(example, {}), {drawn.observations});
   ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
   EXPECT_EQ(result.method, "ground_only");

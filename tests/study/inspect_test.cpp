@@ -1,4 +1,4 @@
-#include "rigproof/study/inspect.h"
+#include "rigproof/study/report/inspect.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -75,8 +75,8 @@ class Inspect : public testing::Test {
     for (int stop = 0; stop < 7; ++stop)
       observations_.exclusions.push_back(
           {stop % 3, stop, observations_.board_views[static_cast<std::size_t>(stop)].file,
-           stop % 2 == 0 ? "board cut off" : "residual " + std::to_string(stop) + ".4 px"});
-    observations_.exclusions.push_back({1, -1, "center_missing.png", "no board"});
+           stop % 2 == 0 ? Finding("board.cut_off") : Finding("view.residual", {{"residual_px", stop + 0.4}})});
+    observations_.exclusions.push_back({1, -1, "center_missing.png", Finding("board.not_found")});
   }
 
   std::vector<std::string> write() {

@@ -1,5 +1,5 @@
 // The statistics of a sweep's summary against values worked out by hand.
-#include "sweep/paired_test.h"
+#include "paired_test.h"
 
 #include <gtest/gtest.h>
 

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "paths.h"
 #include "rigproof/core/error.h"
-#include "rigproof/study/paper.h"
-#include "rigproof/study/sweep_config.h"
+#include "rigproof/study/report/paper.h"
+#include "rigproof/study/sweep/config.h"
 
 namespace rigproof {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kConfig = fs::path(RIGPROOF_SOURCE_DIR) / "config";
+const fs::path kConfig = source_path("config");
 
 SweepPlan plan_of(const fs::path& file) { return plan_sweep(load_sweep_config(file)); }
 

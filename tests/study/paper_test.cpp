@@ -1,16 +1,20 @@
 // Tables and figures of the paper's experiments, from rows whose errors are known.
-#include "rigproof/study/paper.h"
+#include "rigproof/study/report/paper.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <sstream>
 
 #include "error_text.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/text.h"
 #include "temp_folder.h"
 
 namespace rigproof {
@@ -148,20 +152,102 @@ TEST(Paper, CurvesTellTheGoal) {
   EXPECT_THAT(tables[0].notes, testing::Contains(HasSubstr("per_pose 1.5 cm .25 deg")));
 }
 
+std::vector<std::string> names_of(const std::vector<std::filesystem::path>& files) {
+  std::vector<std::string> names;
+  for (const auto& file : files) names.push_back(file.filename().string());
+  return names;
+}
+
+std::vector<std::string> lines_with(const std::string& text, const std::string& part) {
+  std::vector<std::string> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(part) != std::string::npos) found.push_back(line);
+  return found;
+}
+
+/// Sets a variable of the environment for a while.
+class Environment {
+ public:
+  Environment(std::string name, const std::string& value) : name_(std::move(name)) {
+    if (const char* before = std::getenv(name_.c_str())) before_ = before;
+    setenv(name_.c_str(), value.c_str(), 1);
+  }
+  ~Environment() {
+    if (before_)
+      setenv(name_.c_str(), before_->c_str(), 1);
+    else
+      unsetenv(name_.c_str());
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  std::string name_;
+  std::optional<std::string> before_;
+};
+
 TEST(Paper, DrawsFiguresAsPixelsAndVectors) {
   const TempFolder folder;
   const std::vector<std::filesystem::path> files =
       write_paper(find_paper_experiment("table1"), table1_rows(), folder / "out");
-  std::vector<std::string> names;
-  for (const auto& file : files) names.push_back(file.filename().string());
-  EXPECT_THAT(names, ElementsAre("table1.png", "table1.pdf", "table1.md"));
-  const cv::Mat picture = cv::imread(files[0].string());
-  ASSERT_FALSE(picture.empty());
-  const std::string pdf = read_text_file(files[1]);
-  EXPECT_THAT(pdf, HasSubstr("%PDF-"));
-  EXPECT_THAT(pdf, HasSubstr("(memroc) Tj"));
-  // 3/4 of a point for each pixel.
-  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 " + std::to_string(picture.cols * 3 / 4)));
+  EXPECT_THAT(names_of(files), ElementsAre("table1.png", "table1.pdf", "table1.svg", "table1.csv", "table1.md"));
+  EXPECT_FALSE(cv::imread(files[0].string()).empty());
+  EXPECT_THAT(read_text_file(files[1]), HasSubstr("%PDF-"));
+  const std::string svg = read_text_file(files[2]);
+  for (const char* text : {"camera to robot, images clean", "memroc", "yaw [deg]"}) EXPECT_THAT(svg, HasSubstr(text));
+  // The same again: nothing of the hour is in a figure.
+  write_paper(find_paper_experiment("table1"), table1_rows(), folder / "again");
+  for (const char* name : {"table1.png", "table1.pdf", "table1.svg"})
+    EXPECT_EQ(sha256_hex_of_file(folder / "out" / name), sha256_hex_of_file(folder / "again" / name)) << name;
+}
+
+TEST(Paper, FiguresHaveTheirNumbersBesideThem) {
+  const TempFolder folder;
+  write_paper(find_paper_experiment("table1"), table1_rows(), folder.path());
+  const std::string csv = read_text_file(folder / "table1.csv");
+  EXPECT_EQ(csv.rfind("figure,panel,quantity,unit,method,source,task,camera,x,x_title,error\n", 0), 0U);
+  EXPECT_THAT(lines_with(csv, "camera to robot, images clean\",tz,cm,ml,"),
+              ElementsAre("dots,\"camera to robot, images clean\",tz,cm,ml,measured,a,left,,,0.001",
+                          "dots,\"camera to robot, images clean\",tz,cm,ml,measured,b,left,,,-0.003"));
+  EXPECT_THAT(lines_with(csv, "camera to robot, images clean\",yaw,deg,memroc,"),
+              ElementsAre("dots,\"camera to robot, images clean\",yaw,deg,memroc,measured,a,left,,,0.1",
+                          "dots,\"camera to robot, images clean\",yaw,deg,memroc,published,,,,,0.16"));
+  EXPECT_THAT(lines_with(csv, "camera to robot, images clean\",tz,cm,li,measured"), testing::IsEmpty());
+}
+
+TEST(Paper, CurvesHaveLengthsOverTheLevel) {
+  SweepRows rows = frame_of({"stops"}, {{"5", "100"}}, {"ml"});
+  rows.level_values = {{5.0, 100.0}};
+  rows.axis_titles = {"images"};
+  add_answers("a", {"5"}, "ml", 1.0, 2.0, &rows);
+  add_answers("b", {"100"}, "ml", -2.0, 0.0, &rows);
+  const TempFolder folder;
+  EXPECT_THAT(names_of(write_paper(find_paper_experiment("quantity"), rows, folder.path())),
+              ElementsAre("quantity.png", "quantity.pdf", "quantity.svg", "quantity.csv", "quantity.md"));
+  const std::vector<std::string> lines =
+      lines_with(read_text_file(folder / "quantity.csv"), "camera to robot,translation,cm,ml,");
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_EQ(lines[1],
+            "curves,camera to robot,translation,cm,ml,measured,b,left,100,images," + number_text(std::sqrt(12.0)));
+}
+
+TEST(Paper, WithoutMatplotlibSaysWhatToInstallAndKeepsTheNumbers) {
+  const TempFolder folder;
+  write_file_atomically(folder / "hidden" / "matplotlib.py", "raise ImportError('hidden')\n");
+  const auto draw = [&](const char* name) {
+    return error_text([&] { write_paper(find_paper_experiment("table1"), table1_rows(), folder / name); });
+  };
+  {
+    const Environment hidden("PYTHONPATH", (folder / "hidden").string());
+    const std::string text = draw("out");
+    EXPECT_THAT(text, HasSubstr("table1.csv is written, its figures are not: python3-matplotlib is missing"));
+    EXPECT_THAT(text, HasSubstr("apt-get install python3-matplotlib"));
+    EXPECT_THAT(text, HasSubstr("plot.py paper"));
+  }
+  for (const char* name : {"table1.csv", "table1.md"}) EXPECT_TRUE(std::filesystem::exists(folder / "out" / name));
+  const Environment nowhere("PATH", (folder / "hidden").string());
+  EXPECT_THAT(draw("none"), HasSubstr("apt-get install python3 python3-matplotlib"));
 }
 
 TEST(Paper, EveryExperimentDrawsFromUnfinishedRows) {

@@ -1,11 +1,10 @@
 // The file of a sweep: what it makes of fields, axes and seeds, and what it says of mistakes.
-#include "rigproof/study/sweep_config.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "error_text.h"
 #include "rigproof/core/yaml.h"
+#include "rigproof/study/sweep/config.h"
 #include "temp_folder.h"
 
 namespace rigproof {

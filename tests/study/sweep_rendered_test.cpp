@@ -8,17 +8,17 @@
 #include <cmath>
 #include <map>
 
+#include "cache.h"
 #include "error_text.h"
 #include "onnx_bytes.h"
-#include "rigproof/calib/ground_source.h"
-#include "rigproof/calib/method.h"
-#include "rigproof/calib/observe.h"
+#include "rigproof/calib/methods/registry.h"
+#include "rigproof/calib/vision/ground_source.h"
+#include "rigproof/calib/vision/observe.h"
 #include "rigproof/core/files.h"
 #include "rigproof/generator/generate.h"
 #include "rigproof/generator/plan_run.h"
-#include "rigproof/study/sweep.h"
+#include "rigproof/study/sweep/sweep.h"
 #include "rigproof/validate/validate.h"
-#include "sweep/cache.h"
 #include "temp_folder.h"
 
 namespace rigproof {

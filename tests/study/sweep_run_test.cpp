@@ -10,7 +10,7 @@
 
 #include "error_text.h"
 #include "rigproof/core/folder_lock.h"
-#include "rigproof/study/sweep.h"
+#include "rigproof/study/sweep/sweep.h"
 #include "temp_folder.h"
 
 namespace rigproof {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "rigproof/study/sweep_rows.h"
+#include "rigproof/study/sweep/rows.h"
 
 namespace rigproof {
 namespace {

@@ -4,8 +4,8 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "rigproof/calib/information.h"
-#include "rigproof/calib/ml.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/information.h"
 #include "rigproof/core/result.h"
 #include "rigproof/truth/truth.h"
 

@@ -8,6 +8,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/validate/published.h"
 #include "synthetic.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -131,9 +132,9 @@ TEST(Format, RefusedAndPartialResultsAreReadable) {
   Result refused;
   refused.method = "ml";
   refused.status = ResultStatus::kRefused;
-  refused.reasons = {"All motions turn about one centre."};
+  refused.reasons = {stated("All motions turn about one centre.", Severity::kRefusal)};
   const Comparison comparison = compare(refused, truth);
-  EXPECT_EQ(format_errors(comparison),
+  EXPECT_EQ(format_errors(comparison, nullptr, words::sentence_of),
             "REFUSED\n All motions turn about one centre.\n No pose of left, center, right.\n");
   Result partial = shared_error_result(truth);
   partial.status = ResultStatus::kPartial;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigproof/calib/information.h"
+#include "rigproof/calib/estimate/information.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/truth/stop_at.h"
 #include "rigproof/validate/figures.h"

@@ -63,67 +63,48 @@ struct BudgetFields {
 double in_unit(double value, int axis) { return axis < 3 ? 100.0 * value : rad_to_deg(value); }
 const char* unit_of(int axis) { return axis < 3 ? "cm" : "deg"; }
 
-class GateBuilder {
- public:
-  explicit GateBuilder(const Budget& budget) : budget_(budget) {}
+Check missing_pose(const std::string& camera) {
+  Check check;
+  check.subject = camera + " in robot";
+  check.name = check.subject + ": pose";
+  check.reason = Finding("gate.no_pose");
+  return check;
+}
 
-  void add_missing(const std::string& camera) {
-    Check check;
-    check.subject = camera + " in robot";
-    check.name = check.subject + ": pose";
-    check.reason = "the result gives no pose of it";
-    gate_.checks.push_back(check);
+Check check_of(const TransformError& error, int axis, const std::string& unit, double value, double limit) {
+  Check check;
+  check.subject = error.name();
+  check.name = check.subject + ": " + kDegreeOfFreedomNames[static_cast<std::size_t>(axis)];
+  check.axis = axis;
+  check.between_cameras = error.between_cameras;
+  check.unit = unit;
+  check.value = value;
+  check.limit = limit;
+  return check;
+}
+
+Check absolute_check(const TransformError& error, int axis, double limit) {
+  const double size = std::abs(error.error[axis]);
+  Check check = check_of(error, axis, unit_of(axis), in_unit(size, axis), in_unit(limit, axis));
+  check.passed = size <= limit;
+  if (!error.observable[static_cast<std::size_t>(axis)]) {
+    check.passed = false;
+    check.reason = Finding("gate.unanswered");
   }
+  return check;
+}
 
-  void note(const std::string& sentence) { gate_.notes.push_back(sentence); }
-
-  void add(const TransformError& error, const std::optional<Vector6d>& limits) {
-    for (int axis = 0; axis < 6; ++axis) {
-      if (limits && std::isfinite((*limits)[axis])) add_absolute(error, axis, (*limits)[axis]);
-      if (budget_.max_z) add_relative(error, axis);
-    }
-    if (budget_.max_z && !error.sigma) gate_.notes.push_back(error.name() + " states no uncertainty.");
+void add_checks(const TransformError& error, const std::optional<Vector6d>& limits, const std::optional<double>& max_z,
+                Gate* gate) {
+  for (int axis = 0; axis < 6; ++axis) {
+    if (limits && std::isfinite((*limits)[axis])) gate->checks.push_back(absolute_check(error, axis, (*limits)[axis]));
+    const std::optional<double> z = max_z ? error.z(axis) : std::nullopt;
+    if (!z) continue;
+    gate->checks.push_back(check_of(error, axis, "sigma", std::abs(*z), *max_z));
+    gate->checks.back().passed = std::abs(*z) <= *max_z;
   }
-
-  Gate take() { return std::move(gate_); }
-
- private:
-  Check start(const TransformError& error, int axis) const {
-    Check check;
-    check.subject = error.name();
-    check.name = check.subject + ": " + kDegreeOfFreedomNames[static_cast<std::size_t>(axis)];
-    check.axis = axis;
-    check.between_cameras = error.between_cameras;
-    return check;
-  }
-
-  void add_absolute(const TransformError& error, int axis, double limit) {
-    Check check = start(error, axis);
-    check.unit = unit_of(axis);
-    check.value = in_unit(std::abs(error.error[axis]), axis);
-    check.limit = in_unit(limit, axis);
-    check.passed = std::abs(error.error[axis]) <= limit;
-    if (!error.observable[static_cast<std::size_t>(axis)]) {
-      check.passed = false;
-      check.reason = "the result does not answer it: the data do not determine it";
-    }
-    gate_.checks.push_back(check);
-  }
-
-  void add_relative(const TransformError& error, int axis) {
-    const std::optional<double> z = error.z(axis);
-    if (!z) return;
-    Check check = start(error, axis);
-    check.unit = "sigma";
-    check.value = std::abs(*z);
-    check.limit = *budget_.max_z;
-    check.passed = check.value <= check.limit;
-    gate_.checks.push_back(check);
-  }
-
-  const Budget& budget_;
-  Gate gate_;
-};
+  if (max_z && !error.sigma) gate->notes.push_back(Finding("gate.no_sigma", {{"subject", error.name()}}));
+}
 
 std::string describe_limits(const Vector6d& limits) {
   const bool same_distance = limits.head<3>().isConstant(limits[0]),
@@ -166,13 +147,10 @@ std::string describe(const Budget& budget) {
   return text;
 }
 
-std::string budget_schema() {
-  BudgetFields fields;
-  return schema_of_fields("Rigproof budget", [&fields](FieldVisitor& visitor) { fields.visit(visitor); });
-}
+std::string budget_schema() { return schema_of<BudgetFields>("Rigproof budget"); }
 
-std::string Check::message() const {
-  if (!reason.empty()) return reason;
+std::string Check::message(const Wording& wording) const {
+  if (reason) return wording ? wording(*reason) : reason->code;
   return plain_figure(value) + " " + unit + ", allowed " + plain_figure(limit) + " " + unit;
 }
 
@@ -184,17 +162,19 @@ std::size_t Gate::failures() const {
 }
 
 Gate apply_budget(const Comparison& comparison, const Budget& budget) {
-  GateBuilder builder(budget);
+  Gate gate;
   // A method for camera to camera alone owes no pose in the robot, unless the budget limits those.
   const bool pairs_only = comparison.status == ResultStatus::kSolved && comparison.camera_to_robot.empty() &&
                           !comparison.camera_to_camera.empty() && !budget.camera_to_robot;
   if (pairs_only)
-    builder.note("The result is camera to camera only.");
+    gate.notes.emplace_back("gate.pairs_only");
   else
-    for (const std::string& camera : comparison.missing_cameras) builder.add_missing(camera);
-  for (const TransformError& error : comparison.camera_to_robot) builder.add(error, budget.camera_to_robot);
-  for (const TransformError& error : comparison.camera_to_camera) builder.add(error, budget.camera_to_camera);
-  return builder.take();
+    for (const std::string& camera : comparison.missing_cameras) gate.checks.push_back(missing_pose(camera));
+  for (const TransformError& error : comparison.camera_to_robot)
+    add_checks(error, budget.camera_to_robot, budget.max_z, &gate);
+  for (const TransformError& error : comparison.camera_to_camera)
+    add_checks(error, budget.camera_to_camera, budget.max_z, &gate);
+  return gate;
 }
 
 }  // namespace rigproof

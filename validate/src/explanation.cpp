@@ -47,10 +47,10 @@ class Search {
   Search(const Comparison& comparison, const Budget& budget)
       : comparison_(comparison), budget_(budget), gate_(apply_budget(comparison, budget)) {}
 
-  std::optional<Explanation> run() {
+  std::optional<Explanation> run() const {
     if (gate_.failures() == 0) return std::nullopt;
     for (const Check& check : gate_.checks)
-      if (!check.passed && !check.reason.empty()) return std::nullopt;
+      if (!check.passed && check.reason) return std::nullopt;
     for (const auto step :
          {&Search::one_axis, &Search::shared_axis, &Search::scale, &Search::one_camera, &Search::shared_motion})
       if (auto found = (this->*step)()) {
@@ -71,11 +71,11 @@ class Search {
   std::string describe_axes(const Vector6d& error) const;
   bool failed(const std::string& subject, int axis) const;
 
-  std::optional<Explanation> one_axis();
-  std::optional<Explanation> shared_axis();
-  std::optional<Explanation> scale();
-  std::optional<Explanation> one_camera();
-  std::optional<Explanation> shared_motion();
+  std::optional<Explanation> one_axis() const;
+  std::optional<Explanation> shared_axis() const;
+  std::optional<Explanation> scale() const;
+  std::optional<Explanation> one_camera() const;
+  std::optional<Explanation> shared_motion() const;
 
   const Comparison& comparison_;
   const Budget& budget_;
@@ -124,7 +124,7 @@ std::string Search::describe_axes(const Vector6d& error) const {
   return text;
 }
 
-std::optional<Explanation> Search::one_axis() {
+std::optional<Explanation> Search::one_axis() const {
   std::optional<Explanation> best;
   double best_size = 0.0;
   for (std::size_t i = 0; i < count(); ++i) {
@@ -148,7 +148,7 @@ std::optional<Explanation> Search::one_axis() {
   return best;
 }
 
-std::optional<Explanation> Search::shared_axis() {
+std::optional<Explanation> Search::shared_axis() const {
   if (count() < 2) return std::nullopt;
   for (int axis = 0; axis < 3; ++axis) {
     const double value = mean_error(axis);
@@ -166,7 +166,7 @@ std::optional<Explanation> Search::shared_axis() {
   return std::nullopt;
 }
 
-std::optional<Explanation> Search::scale() {
+std::optional<Explanation> Search::scale() const {
   double product = 0.0, squares = 0.0;
   for (const TransformError& error : comparison_.camera_to_robot) {
     product += error.T_estimate.translation.dot(error.T_true.translation);
@@ -187,7 +187,7 @@ std::optional<Explanation> Search::scale() {
                          (percent > 0.0 ? "long" : "short") + " (board size, odometry scale or unit)"};
 }
 
-std::optional<Explanation> Search::one_camera() {
+std::optional<Explanation> Search::one_camera() const {
   if (count() < 2) return std::nullopt;  // a single camera is always its own cause
   for (std::size_t i = 0; i < count(); ++i) {
     Poses corrected = estimates_of(comparison_);
@@ -207,7 +207,7 @@ std::optional<Explanation> Search::one_camera() {
   return std::nullopt;
 }
 
-std::optional<Explanation> Search::shared_motion() {
+std::optional<Explanation> Search::shared_motion() const {
   if (count() < 2) return std::nullopt;
   Vector6d mean = Vector6d::Zero();
   for (const TransformError& error : comparison_.camera_to_robot)

@@ -154,18 +154,18 @@ std::string between_cameras(const Comparison& comparison) {
          short_figure(rad_to_deg(comparison.worst_between_rad())) + " deg" + which + ".\n";
 }
 
-std::string reasons_of(const Comparison& comparison) {
+std::string reasons_of(const Comparison& comparison, const Wording& wording) {
   std::string text;
-  for (const std::string& reason : comparison.reasons) text += " " + reason + "\n";
+  for (const Finding& reason : comparison.reasons) text += " " + (wording ? wording(reason) : reason.code) + "\n";
   return text;
 }
 
 }  // namespace
 
-std::string format_errors(const Comparison& comparison, const Gate* gate) {
+std::string format_errors(const Comparison& comparison, const Gate* gate, const Wording& wording) {
   std::string text;
-  if (comparison.status == ResultStatus::kRefused) text += "REFUSED\n" + reasons_of(comparison);
-  if (comparison.status == ResultStatus::kPartial) text += "PARTIAL\n" + reasons_of(comparison);
+  if (comparison.status == ResultStatus::kRefused) text += "REFUSED\n" + reasons_of(comparison, wording);
+  if (comparison.status == ResultStatus::kPartial) text += "PARTIAL\n" + reasons_of(comparison, wording);
   if (!comparison.camera_to_robot.empty()) text += table_of_errors(comparison.camera_to_robot, gate);
   if (!comparison.missing_cameras.empty()) text += " No pose of " + joined(comparison.missing_cameras) + ".\n";
   return text + between_cameras(comparison);

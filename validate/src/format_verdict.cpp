@@ -115,9 +115,9 @@ std::string explanation_line(const Comparison& comparison, const Budget& budget)
   return "  One cause" + count + ": " + explanation->sentence + ".\n";
 }
 
-std::string notes_of(const Gate& gate) {
+std::string notes_of(const Gate& gate, const Wording& wording) {
   std::string text;
-  for (const std::string& note : gate.notes) text += "  " + note + "\n";
+  for (const Finding& note : gate.notes) text += "  " + (wording ? wording(note) : note.code) + "\n";
   return text;
 }
 
@@ -131,12 +131,14 @@ std::string format_nees(const Comparison& comparison) {
   return comparison.camera_nees.empty() ? "" : nees_of_cameras(comparison);
 }
 
-std::string format_verdict(const Comparison& comparison, const Gate& gate, const Budget& budget) {
+std::string format_verdict(const Comparison& comparison, const Gate& gate, const Budget& budget,
+                           const Wording& wording) {
   const std::string nees = format_nees(comparison);
   const std::string honesty = nees.empty() ? "" : "; " + nees;
   const std::size_t count = gate.checks.size(), failures = gate.failures();
   if (count == 0)
-    return "NOT JUDGED  nothing could be checked against the budget (" + describe(budget) + ")\n" + notes_of(gate);
+    return "NOT JUDGED  nothing could be checked against the budget (" + describe(budget) + ")\n" +
+           notes_of(gate, wording);
   if (failures == 0)
     return "PASS  " + std::to_string(count) + "/" + std::to_string(count) + " within " + describe(budget) + honesty +
            "\n";
@@ -182,12 +184,12 @@ std::string format_suspicion(const Comparison& comparison) {
 }
 
 std::string format_validation(const Comparison& comparison, const Gate& gate, const Budget& budget,
-                              const std::string& subject) {
+                              const std::string& subject, const Wording& wording) {
   const std::string named = budget.name.empty() ? "" : ", budget " + budget.name + " (" + describe(budget) + ")";
   const std::string head = subject.empty() ? "" : subject + " against truth" + named + "\n";
   const bool mark_rows = !budget.name.empty() || gate.failures() > 0;
-  return head + format_errors(comparison, mark_rows ? &gate : nullptr) + format_suspicion(comparison) +
-         format_verdict(comparison, gate, budget);
+  return head + format_errors(comparison, mark_rows ? &gate : nullptr, wording) + format_suspicion(comparison) +
+         format_verdict(comparison, gate, budget, wording);
 }
 
 }  // namespace rigproof

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -25,65 +26,44 @@ std::string grouped(std::uint64_t value) {
   return text;
 }
 
-class Verifier {
- public:
-  explicit Verifier(const RunFolder& run) : run_(run), manifest_(load_manifest(run.manifest_file())) {}
+std::string size_message(std::uint64_t size, std::uint64_t expected) {
+  const std::string what = size == 0 ? "empty" : size < expected ? "truncated or replaced" : "altered";
+  return what + ": " + grouped(size) + " bytes, " + grouped(expected) + " in the manifest";
+}
 
-  IntegrityReport verify() {
-    report_.files = manifest_.files.size();
-    report_.gl_renderer = manifest_.gl_renderer;
-    report_.tool_version = manifest_.tool_version;
-    if (!manifest_.complete) add(Kind::kUnfinished, "", "the run is not complete: generate resumes it");
-    for (const auto& [file, entry] : manifest_.files) check(file, entry);
-    for (const fs::path& folder : {run_.recording(), run_.truth()}) look_for_extras(folder);
-    std::stable_sort(report_.problems.begin(), report_.problems.end(),
-                     [](const IntegrityProblem& a, const IntegrityProblem& b) { return a.file < b.file; });
-    return std::move(report_);
-  }
-
- private:
-  void add(Kind kind, const std::string& file, const std::string& message) {
-    report_.problems.push_back({kind, file, message});
-  }
-
-  void check(const std::string& file, const Manifest::Entry& entry) {
-    try {
-      const fs::path path = path_inside(run_.root, file);
-      std::error_code error;
-      const fs::file_status status = fs::status(path, error);
-      if (!fs::exists(status)) return add(Kind::kMissing, file, "missing");
-      if (!fs::is_regular_file(status)) return add(Kind::kAltered, file, "altered: no longer a file");
-      const std::uintmax_t size = fs::file_size(path);
-      if (size != entry.size_bytes) return add(Kind::kAltered, file, size_message(size, entry.size_bytes));
-      report_.bytes += size;
-      if (sha256_hex_of_file(path) != entry.sha256)
-        add(Kind::kAltered, file, "altered: same size, other content (SHA-256 differs)");
-    } catch (const Error& error) {
-      add(Kind::kUnreadable, file, error.what());
-    } catch (const fs::filesystem_error& error) {
-      add(Kind::kUnreadable, file, error.what());
-    }
-  }
-
-  static std::string size_message(std::uint64_t size, std::uint64_t expected) {
-    const std::string what = size == 0 ? "empty" : size < expected ? "truncated or replaced" : "altered";
-    return what + ": " + grouped(size) + " bytes, " + grouped(expected) + " in the manifest";
-  }
-
-  void look_for_extras(const fs::path& folder) {
+// Nothing where the file is as the manifest has it. What is read is added to `bytes`.
+std::optional<IntegrityProblem> problem_of(const RunFolder& run, const std::string& file, const Manifest::Entry& entry,
+                                           std::uint64_t* bytes) {
+  try {
+    const fs::path path = path_inside(run.root, file);
     std::error_code error;
-    for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-      if (it->is_directory(error) && !it->is_symlink(error)) continue;
-      const std::string file = it->path().lexically_relative(run_.root).generic_string();
-      if (it->path() == run_.proof_file() || manifest_.files.count(file) > 0) continue;
-      add(Kind::kExtra, file, "extra: not in the manifest");
-    }
+    const fs::file_status status = fs::status(path, error);
+    if (!fs::exists(status)) return IntegrityProblem{Kind::kMissing, file, "missing"};
+    if (!fs::is_regular_file(status)) return IntegrityProblem{Kind::kAltered, file, "altered: no longer a file"};
+    const std::uintmax_t size = fs::file_size(path);
+    if (size != entry.size_bytes) return IntegrityProblem{Kind::kAltered, file, size_message(size, entry.size_bytes)};
+    *bytes += size;
+    if (sha256_hex_of_file(path) != entry.sha256)
+      return IntegrityProblem{Kind::kAltered, file, "altered: same size, other content (SHA-256 differs)"};
+    return std::nullopt;
+  } catch (const Error& error) {
+    return IntegrityProblem{Kind::kUnreadable, file, error.what()};
+  } catch (const fs::filesystem_error& error) {
+    return IntegrityProblem{Kind::kUnreadable, file, error.what()};
   }
+}
 
-  const RunFolder& run_;
-  const Manifest manifest_;
-  IntegrityReport report_;
-};
+std::vector<IntegrityProblem> extras(const RunFolder& run, const Manifest& manifest, const fs::path& folder) {
+  std::vector<IntegrityProblem> problems;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->is_directory(error) && !it->is_symlink(error)) continue;
+    const std::string file = it->path().lexically_relative(run.root).generic_string();
+    if (it->path() == run.proof_file() || manifest.files.count(file) > 0) continue;
+    problems.push_back({Kind::kExtra, file, "extra: not in the manifest"});
+  }
+  return problems;
+}
 
 }  // namespace
 
@@ -104,6 +84,23 @@ std::string IntegrityReport::text() const {
   return grouped(files) + " files in the manifest: " + summary + "\n" + text;
 }
 
-IntegrityReport verify_manifest(const RunFolder& run) { return Verifier(run).verify(); }
+IntegrityReport verify_manifest(const RunFolder& run) {
+  const Manifest manifest = load_manifest(run.manifest_file());
+  IntegrityReport report;
+  report.files = manifest.files.size();
+  report.gl_renderer = manifest.gl_renderer;
+  report.tool_version = manifest.tool_version;
+  if (!manifest.complete)
+    report.problems.push_back({Kind::kUnfinished, "", "the run is not complete: generate resumes it"});
+  for (const auto& [file, entry] : manifest.files) {
+    std::optional<IntegrityProblem> problem = problem_of(run, file, entry, &report.bytes);
+    if (problem) report.problems.push_back(std::move(*problem));
+  }
+  for (const fs::path& folder : {run.recording(), run.truth()})
+    for (IntegrityProblem& extra : extras(run, manifest, folder)) report.problems.push_back(std::move(extra));
+  std::stable_sort(report.problems.begin(), report.problems.end(),
+                   [](const IntegrityProblem& a, const IntegrityProblem& b) { return a.file < b.file; });
+  return report;
+}
 
 }  // namespace rigproof

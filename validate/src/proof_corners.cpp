@@ -62,7 +62,7 @@ class CornerProof {
  public:
   CornerProof(const Observations& observations, const Truth& truth, std::size_t observed_camera, std::size_t camera,
               const ProofOptions& options, CameraProof* proof);
-  Findings run();
+  Findings run() const;
 
  private:
   Setup as_stated() const;
@@ -330,7 +330,7 @@ std::string CornerProof::explain(const Residuals& now) const {
          short_figure(proof_->corner_rms_limit_px) + "), and no known slip of convention explains it";
 }
 
-Findings CornerProof::run() {
+Findings CornerProof::run() const {
   Findings findings;
   if (without_stop_ > 0)
     findings.problems.push_back(std::to_string(without_stop_) + " views have stamps at which the truth has no stop");

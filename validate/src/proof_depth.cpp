@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "proof_parts.h"
-#include "rigproof/calib/image_io.h"
+#include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -21,6 +21,11 @@ struct Sample {
   double measured = 0.0;
   double mirrored_x = 0.0, mirrored_y = 0.0;  // measured at the mirrored pixels, 0 = no measurement
   double sigma = 0.0;                         // stated noise and rounding at z
+};
+
+// Pixels whose ray meets the board, or else the ground.
+struct Samples {
+  std::vector<Sample> board, ground;
 };
 
 struct Frame {
@@ -63,20 +68,18 @@ class DepthProof {
  public:
   DepthProof(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
              const ProofOptions& options, CameraProof* proof);
-  Findings run();
+  Findings run() const;
 
  private:
   bool read_frame(const CameraFrame& recorded, Frame* frame) const;
   void place(double dt_s, Frame* frame) const;
-  void collect(Frame* frame);
+  void collect(Frame* frame, Samples* samples) const;
   std::string compare_frames() const;
-  void collect_pixel(const Frame& frame, int u, int v);
+  void collect_pixel(const Frame& frame, int u, int v, Samples* samples) const;
   Sample sample_at(const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) const;
-  std::vector<double> whitened(const std::vector<Sample>& samples, const Hypothesis& hypothesis) const;
-  std::vector<Hypothesis> hypotheses() const;
-  std::string explain(double rms_now) const;
-  void summarise() const;
-  void summarise_noise(const std::vector<const Sample*>& ground) const;
+  std::string explain(const std::vector<Sample>& board, double rms_now) const;
+  void summarise(const Samples& samples) const;
+  void summarise_noise(const std::vector<const Sample*>& samples) const;
   // What stands on the ground hides it: only pixels near the expected depth (2 % and 5 sigma) show the ground.
   static bool shows_ground(const Sample& s) {
     return s.measured > 0.0 && std::abs(s.measured - s.z) < 0.02 * s.z + 5.0 * s.sigma;
@@ -86,8 +89,8 @@ class DepthProof {
     const auto found = true_camera_.sensing.find(name);
     return found == true_camera_.sensing.end() ? 0.0 : found->second;
   }
-  void judge_ground(Findings* findings) const;
-  std::vector<const Sample*> on_ground() const;
+  void judge_ground(const std::vector<Sample>& ground, Findings* findings) const;
+  std::vector<const Sample*> on_ground(const std::vector<Sample>& ground) const;
 
   const Recording& recording_;
   const Truth& truth_;
@@ -102,7 +105,6 @@ class DepthProof {
   double scale_ = 1.0;
   int shift_x_ = 0, shift_y_ = 0;  // of the depth image, as the truth labels it
   double max_bias_sigmas_, max_rms_sigmas_;
-  std::vector<Sample> board_, ground_;
 };
 
 DepthProof::DepthProof(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
@@ -179,7 +181,7 @@ Sample DepthProof::sample_at(const Frame& frame, int u, int v, const Eigen::Vect
   return sample;
 }
 
-void DepthProof::collect_pixel(const Frame& frame, int u, int v) {
+void DepthProof::collect_pixel(const Frame& frame, int u, int v, Samples* samples) const {
   Eigen::Vector3d ray;
   if (!camera_.unproject({u, v}, &ray)) return;
   const DepthStream& stream = *rig_camera_.depth;
@@ -193,24 +195,24 @@ void DepthProof::collect_pixel(const Frame& frame, int u, int v) {
       return p.x() >= -board.square_m - grow && p.x() <= board.square_m * board.inner_corners_x() + grow &&
              p.y() >= -board.square_m - grow && p.y() <= board.square_m * board.inner_corners_y() + grow;
     };
-    if (inside(-margin) && in_range(*board_z)) board_.push_back(sample_at(frame, u, v, ray, *board_z));
+    if (inside(-margin) && in_range(*board_z)) samples->board.push_back(sample_at(frame, u, v, ray, *board_z));
     // The board hides what is behind it; its border and rim are left out on both sides.
     if (inside(board.square_m)) return;
   }
   const std::optional<double> ground_z = depth_of_plane(frame.T_world_camera, ray);
-  if (ground_z && in_range(*ground_z)) ground_.push_back(sample_at(frame, u, v, ray, *ground_z));
+  if (ground_z && in_range(*ground_z)) samples->ground.push_back(sample_at(frame, u, v, ray, *ground_z));
 }
 
-void DepthProof::collect(Frame* frame) {
+void DepthProof::collect(Frame* frame, Samples* samples) const {
   const int stride = std::max(1, options_.depth_stride_px);
   const double readout_s = label("depth_readout_ms") / 1000.0;
   for (int v = stride / 2; v < frame->depth.height; v += stride) {
     if (readout_s > 0.0) place(row_delay_s(v, frame->depth.height, readout_s), frame);
-    for (int u = stride / 2; u < frame->depth.width; u += stride) collect_pixel(*frame, u, v);
+    for (int u = stride / 2; u < frame->depth.width; u += stride) collect_pixel(*frame, u, v, samples);
   }
 }
 
-std::vector<double> DepthProof::whitened(const std::vector<Sample>& samples, const Hypothesis& hypothesis) const {
+std::vector<double> whitened(const std::vector<Sample>& samples, const Hypothesis& hypothesis) {
   std::vector<double> values;
   for (const Sample& sample : samples) {
     const double measured = hypothesis.measured(sample);
@@ -234,7 +236,7 @@ std::string factor_in_words(double factor) {
   return short_figure(size) + " times " + direction;
 }
 
-std::vector<Hypothesis> DepthProof::hypotheses() const {
+std::vector<Hypothesis> hypotheses(const std::vector<Sample>& board) {
   std::vector<Hypothesis> list;
   Hypothesis along_ray = as_stated();
   along_ray.explanation = "depth is the distance along the ray, not z along the optical axis";
@@ -249,7 +251,7 @@ std::vector<Hypothesis> DepthProof::hypotheses() const {
   mirrored_y.measured = [](const Sample& s) { return s.mirrored_y; };
   list.push_back(mirrored_y);
   std::vector<double> ratios, ray_ratios;
-  for (const Sample& sample : board_) {
+  for (const Sample& sample : board) {
     if (!(sample.measured > 0.0)) continue;
     ratios.push_back(sample.measured / sample.z);
     ray_ratios.push_back(sample.measured / (sample.z * sample.ray));
@@ -265,14 +267,14 @@ std::vector<Hypothesis> DepthProof::hypotheses() const {
   return list;
 }
 
-std::string DepthProof::explain(double rms_now) const {
+std::string DepthProof::explain(const std::vector<Sample>& board, double rms_now) const {
   const Hypothesis* best = nullptr;
   double best_rms = 0.0;
-  const std::vector<Hypothesis> all = hypotheses();
+  const std::vector<Hypothesis> all = hypotheses(board);
   for (const Hypothesis& hypothesis : all) {
-    const std::vector<double> residuals = whitened(board_, hypothesis);
+    const std::vector<double> residuals = whitened(board, hypothesis);
     // A mirrored image must have measurements where the original has them.
-    if (2 * residuals.size() < board_.size()) continue;
+    if (2 * residuals.size() < board.size()) continue;
     const double rms = trimmed_rms(residuals);
     // The list goes from simple to compound: a later one has to be clearly better.
     if (best != nullptr && 1.5 * rms >= best_rms) continue;
@@ -287,11 +289,11 @@ std::string DepthProof::explain(double rms_now) const {
 // The ground itself. Near the feet of what stands on it depth differs by less than the stated noise, so the spread that
 // the data have is the measure: five of it and the rounding about the median. Whether the median is where the truth
 // says is for judge_ground() to tell.
-std::vector<const Sample*> DepthProof::on_ground() const {
+std::vector<const Sample*> DepthProof::on_ground(const std::vector<Sample>& ground) const {
   constexpr double kMadOfNormal = 0.6745;
   std::vector<const Sample*> chosen;
   std::vector<double> residuals;
-  for (const Sample& s : ground_) {
+  for (const Sample& s : ground) {
     if (!shows_ground(s)) continue;
     chosen.push_back(&s);
     residuals.push_back((s.measured - s.z) / s.sigma);
@@ -312,16 +314,13 @@ std::vector<const Sample*> DepthProof::on_ground() const {
 
 // Near a few distances, as far as they occur. Residuals in sigmas, so that a tenth of the distance more or less does
 // not widen them.
-void DepthProof::summarise_noise(const std::vector<const Sample*>& ground) const {
+void DepthProof::summarise_noise(const std::vector<const Sample*>& samples) const {
   constexpr double kMadOfNormal = 0.6745, kTolerance = 0.1;
   constexpr std::size_t kEnough = 200;
-  std::vector<const Sample*> all = ground;
-  for (const Sample& s : board_)
-    if (s.measured > 0.0) all.push_back(&s);
   const DepthStream& stream = *rig_camera_.depth;
   for (const double z_m : {0.8, 1.0, 2.0, 4.0}) {
     std::vector<double> residuals;
-    for (const Sample* s : all)
+    for (const Sample* s : samples)
       if (std::abs(s->z - z_m) <= kTolerance * z_m) residuals.push_back((s->measured - s->z) / s->sigma);
     if (residuals.size() < kEnough) continue;
     RealisedDepthNoise noise;
@@ -336,21 +335,20 @@ void DepthProof::summarise_noise(const std::vector<const Sample*>& ground) const
   }
 }
 
-void DepthProof::summarise() const {
+void DepthProof::summarise(const Samples& samples) const {
+  std::vector<const Sample*> measured;
+  for (const Sample& s : samples.board)
+    if (s.measured > 0.0) measured.push_back(&s);
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(whole);
+  };
+  if (!samples.board.empty()) proof_->depth_valid_share = share(measured.size(), samples.board.size());
+  const std::vector<const Sample*> ground = on_ground(samples.ground);
+  if (!samples.ground.empty()) proof_->depth_ground_share = share(ground.size(), samples.ground.size());
+  measured.insert(measured.end(), ground.begin(), ground.end());
+  summarise_noise(measured);
   std::vector<double> all;
-  const auto add = [&all](const Sample& s) { all.push_back(1e3 * (s.measured - s.z)); };
-  for (const Sample& s : board_)
-    if (s.measured > 0.0) add(s);
-  const std::vector<const Sample*> ground = on_ground();
-  for (const Sample* s : ground) add(*s);
-  if (!ground_.empty())
-    proof_->depth_ground_share = static_cast<double>(ground.size()) / static_cast<double>(ground_.size());
-  if (!board_.empty()) {
-    const auto measured = [](const Sample& s) { return s.measured > 0.0; };
-    proof_->depth_valid_share =
-        static_cast<double>(std::count_if(board_.begin(), board_.end(), measured)) / static_cast<double>(board_.size());
-  }
-  summarise_noise(ground);
+  for (const Sample* s : measured) all.push_back(1e3 * (s->measured - s->z));
   proof_->depth_pixels = all.size();
   proof_->depth_bias_mm = mean_of(all);
   double squares = 0.0;
@@ -361,10 +359,10 @@ void DepthProof::summarise() const {
   if (!all.empty()) proof_->depth_rms_mm = std::sqrt(squares / static_cast<double>(all.size()));
 }
 
-void DepthProof::judge_ground(Findings* findings) const {
+void DepthProof::judge_ground(const std::vector<Sample>& ground, Findings* findings) const {
   constexpr std::size_t kEnough = 100;
   std::vector<double> residuals;
-  for (const Sample& s : ground_)
+  for (const Sample& s : ground)
     if (shows_ground(s)) residuals.push_back((s.measured - s.z) / s.sigma);
   if (residuals.size() < kEnough) return findings->notes.push_back("no depth on the ground to compare");
   // The median, since what stands on the ground is always nearer.
@@ -401,7 +399,7 @@ std::string DepthProof::compare_frames() const {
   return off;
 }
 
-Findings DepthProof::run() {
+Findings DepthProof::run() const {
   Findings findings;
   if (!rig_camera_.depth || options_.max_depth_frames < 0) return findings;
   const std::string frames_differ = compare_frames();
@@ -412,14 +410,15 @@ Findings DepthProof::run() {
   const std::size_t count = options_.max_depth_frames == 0
                                 ? with_depth.size()
                                 : std::min(with_depth.size(), static_cast<std::size_t>(options_.max_depth_frames));
+  Samples samples;
   for (std::size_t i = 0; i < count; ++i) {
     Frame frame;
     if (!read_frame(*with_depth[i * with_depth.size() / count], &frame)) continue;
     ++proof_->depth_frames;
-    collect(&frame);
+    collect(&frame, &samples);
   }
-  summarise();
-  const std::vector<double> residuals = whitened(board_, as_stated());
+  summarise(samples);
+  const std::vector<double> residuals = whitened(samples.board, as_stated());
   if (proof_->depth_frames == 0) return findings;
   if (residuals.empty()) {
     findings.notes.push_back("no depth on the board to compare");
@@ -427,13 +426,13 @@ Findings DepthProof::run() {
   }
   proof_->depth_rms_sigmas = trimmed_rms(residuals);
   if (proof_->depth_rms_sigmas > max_rms_sigmas_)
-    findings.problems.push_back(explain(proof_->depth_rms_sigmas));
+    findings.problems.push_back(explain(samples.board, proof_->depth_rms_sigmas));
   else if (std::abs(mean_of(residuals)) > max_bias_sigmas_)
     findings.problems.push_back("depth on the board is " + short_figure(std::abs(mean_of(residuals))) +
                                 " times the stated noise too " + (mean_of(residuals) > 0.0 ? "long" : "short") +
                                 " on average");
   else
-    judge_ground(&findings);
+    judge_ground(samples.ground, &findings);
   return findings;
 }
 

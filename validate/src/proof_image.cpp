@@ -87,7 +87,7 @@ class ImageProof {
     law_.pixel_gain = 0.01 * label("pixel_gain_percent");
   }
 
-  Findings run() {
+  Findings run() const {
     Findings findings;
     const bool simulated = label("image_noise") > 0.0 && law_.full_well > 0.0 && law_.gamma > 0.0;
     if (!simulated || options_.max_depth_frames < 0 || frames_.empty() || truth_.board.type != "checkerboard")
@@ -99,8 +99,9 @@ class ImageProof {
     const std::size_t count = options_.max_depth_frames == 0
                                   ? frames_.size()
                                   : std::min(frames_.size(), static_cast<std::size_t>(options_.max_depth_frames));
-    for (std::size_t i = 0; i < count; ++i) look_at(frames_[i * frames_.size() / count]);
-    summarise();
+    std::vector<Patch> patches;
+    for (std::size_t i = 0; i < count; ++i) look_at(frames_[i * frames_.size() / count], &patches);
+    summarise(patches);
     return findings;
   }
 
@@ -110,7 +111,7 @@ class ImageProof {
     return found == true_camera_.sensing.end() ? 0.0 : found->second;
   }
 
-  void look_at(const CameraFrame& frame) {
+  void look_at(const CameraFrame& frame, std::vector<Patch>* patches) const {
     const std::optional<std::size_t> stop = stop_at(stops_, frame.stamp_s);
     if (!stop) return;
     const Rigid3 T_camera_board =
@@ -122,7 +123,7 @@ class ImageProof {
         const std::vector<Eigen::Vector2d> places = inside_of(T_camera_board, ix, iy);
         if (places.size() < kLeastPixels) continue;
         if (image.empty()) image = read(frame);
-        for (int channel = 0; channel < image.channels(); ++channel) add_patch(image, places, channel);
+        for (int channel = 0; channel < image.channels(); ++channel) add_patch(image, places, channel, patches);
       }
   }
 
@@ -166,7 +167,8 @@ class ImageProof {
     return places;
   }
 
-  void add_patch(const cv::Mat& image, const std::vector<Eigen::Vector2d>& places, int channel) {
+  void add_patch(const cv::Mat& image, const std::vector<Eigen::Vector2d>& places, int channel,
+                 std::vector<Patch>* patches) const {
     std::vector<double> values;
     double levels = 0.0;
     for (const Eigen::Vector2d& place : places) {
@@ -179,18 +181,18 @@ class ImageProof {
     if (level < kDarkest || level > kBrightest) return;
     const Plane plane = fit_plane(places, values);
     const double stated = law_.variance(plane.mean);
-    patches_.push_back(
+    patches->push_back(
         {plane.mean, plane.variance / stated / median_share(static_cast<double>(places.size() - 3)), places.size()});
   }
 
   // The median of the squares of a band: a few may be dirty or covered.
-  void summarise() const {
+  void summarise(const std::vector<Patch>& patches) const {
     double from = 0.0;
     for (const double share : kBands) {
       const double to = share * law_.full_well;
       std::vector<double> ratios, light;
       RealisedImageNoise noise;
-      for (const Patch& patch : patches_) {
+      for (const Patch& patch : patches) {
         if (patch.electrons <= from || patch.electrons > to) continue;
         ratios.push_back(patch.variance_ratio);
         light.push_back(patch.electrons);
@@ -213,7 +215,6 @@ class ImageProof {
   const ProofOptions& options_;
   CameraProof* proof_;
   ImageLaw law_;
-  std::vector<Patch> patches_;
 };
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <nlohmann/json.hpp>
 
 #include "rigproof/core/conventions.h"
-#include "rigproof/core/files.h"
 #include "rigproof/core/version.h"
 #include "rigproof/validate/body_angles.h"
 #include "rigproof/validate/report_files.h"
@@ -39,21 +38,22 @@ Json json_of(const TransformError& error) {
   return json;
 }
 
-Json json_of(const Check& check) {
+Json json_of(const Check& check, const Wording& wording) {
   Json json;
   json["name"] = check.name;
   json["passed"] = check.passed;
   json["value"] = check.unit.empty() ? Json(nullptr) : Json(check.value);
   json["limit"] = check.unit.empty() ? Json(nullptr) : Json(check.limit);
   json["unit"] = check.unit;
-  json["reason"] = check.reason;
+  json["code"] = check.reason ? check.reason->code : "";
+  json["reason"] = check.reason ? check.message(wording) : "";
   return json;
 }
 
-template <typename T>
-Json json_of(const std::vector<T>& values) {
+template <typename T, typename... More>
+Json json_of(const std::vector<T>& values, const More&... more) {
   Json list = Json::array();
-  for (const T& value : values) list.push_back(json_of(value));
+  for (const T& value : values) list.push_back(json_of(value, more...));
   return list;
 }
 
@@ -81,14 +81,14 @@ Json suspicion_of(const Comparison& comparison) {
   return json;
 }
 
-Json json_of(const ValidationRecord& record) {
+Json json_of(const ValidationRecord& record, const Wording& wording) {
   const Comparison& comparison = record.comparison;
   const std::optional<Explanation> explanation = explain_failures(comparison, record.budget);
   Json json;
   json["subject"] = record.subject;
   json["method"] = comparison.method;
   json["status"] = result_status_name(comparison.status);
-  json["reasons"] = comparison.reasons;
+  json["reasons"] = Json::parse(findings_json(comparison.reasons, wording));
   json["passed"] = record.gate.passed();
   json["budget"] = {{"name", record.budget.name}, {"limits", describe(record.budget)}};
   json["degrees_of_freedom"] = kDegreeOfFreedomNames;
@@ -98,26 +98,22 @@ Json json_of(const ValidationRecord& record) {
   json["nees"] = nees_of(comparison);
   json["convention_suspicion"] = suspicion_of(comparison);
   json["explanation"] = explanation ? Json(explanation->sentence) : Json(nullptr);
-  json["checks"] = json_of(record.gate.checks);
-  json["notes"] = record.gate.notes;
+  json["checks"] = json_of(record.gate.checks, wording);
+  json["notes"] = Json::parse(findings_json(record.gate.notes, wording));
   return json;
 }
 
 }  // namespace
 
-std::string to_json(const std::vector<ValidationRecord>& records) {
+std::string to_json(const std::vector<ValidationRecord>& records, const Wording& wording) {
   Json json;
   json["tool"] = "rigproof";
   json["version"] = version();
   json["passed"] = std::all_of(records.begin(), records.end(), [](const auto& r) { return r.gate.passed(); });
   json["results"] = Json::array();
-  for (const ValidationRecord& record : records) json["results"].push_back(json_of(record));
+  for (const ValidationRecord& record : records) json["results"].push_back(json_of(record, wording));
   // Names come from files: bytes that are no UTF-8 are replaced, not thrown on.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-void save_json(const std::vector<ValidationRecord>& records, const std::filesystem::path& file) {
-  write_file_atomically(file, to_json(records));
 }
 
 }  // namespace rigproof

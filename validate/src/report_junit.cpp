@@ -75,7 +75,7 @@ std::string property(const char* name, const std::string& value) {
                        : std::string("      <property") + attribute("name", name) + attribute("value", value) + "/>\n";
 }
 
-std::string properties_of(const ValidationRecord& record) {
+std::string properties_of(const ValidationRecord& record, const Wording& wording) {
   const Comparison& comparison = record.comparison;
   std::string text = "    <properties>\n";
   text += property("tool", std::string("rigproof ") + version());
@@ -86,7 +86,10 @@ std::string properties_of(const ValidationRecord& record) {
   text += property("uncertainty", format_nees(comparison));
   if (comparison.suspicion) text += property("convention", comparison.suspicion->explanation);
   if (const auto cause = explain_failures(comparison, record.budget)) text += property("cause", cause->sentence);
-  for (const std::string& reason : comparison.reasons) text += property("reason", reason);
+  for (const Finding& reason : comparison.reasons) {
+    text += property("code", reason.code);
+    if (wording) text += property("reason", wording(reason));
+  }
   return text + "    </properties>\n";
 }
 
@@ -95,15 +98,15 @@ std::string failing_case(const std::string& start, const std::string& message) {
          "/>\n    </testcase>\n";
 }
 
-std::string testcase_of(const Check& check, const std::string& classname) {
+std::string testcase_of(const Check& check, const std::string& classname, const Wording& wording) {
   const std::string name = check.unit == "sigma" ? check.name + " in sigmas" : check.name;
   const std::string start = "    <testcase" + attribute("classname", classname) + attribute("name", name);
-  return check.passed ? start + "/>\n" : failing_case(start, check.message());
+  return check.passed ? start + "/>\n" : failing_case(start, check.message(wording));
 }
 
-std::string nothing_checked(const ValidationRecord& record, const std::string& classname) {
+std::string nothing_checked(const ValidationRecord& record, const std::string& classname, const Wording& wording) {
   std::string message = "nothing could be checked against the budget";
-  for (const std::string& note : record.gate.notes) message += "; " + note;
+  for (const Finding& note : record.gate.notes) message += "; " + (wording ? wording(note) : note.code);
   return failing_case("    <testcase" + attribute("classname", classname) + attribute("name", "budget"), message);
 }
 
@@ -113,34 +116,35 @@ std::size_t failures_of(const ValidationRecord& record) {
   return record.gate.checks.empty() ? 1 : record.gate.failures();
 }
 
-std::string testsuite_of(const ValidationRecord& record) {
+std::string testsuite_of(const ValidationRecord& record, const Wording& wording) {
   const std::string name = record.subject.empty() ? record.comparison.method : record.subject;
   const std::string classname = "rigproof." + name;
   std::string text = "  <testsuite" + attribute("name", name) + attribute("tests", std::to_string(tests_of(record))) +
                      attribute("failures", std::to_string(failures_of(record))) + attribute("errors", "0") + ">\n" +
-                     properties_of(record);
-  for (const Check& check : record.gate.checks) text += testcase_of(check, classname);
-  if (record.gate.checks.empty()) text += nothing_checked(record, classname);
+                     properties_of(record, wording);
+  for (const Check& check : record.gate.checks) text += testcase_of(check, classname, wording);
+  if (record.gate.checks.empty()) text += nothing_checked(record, classname, wording);
   return text + "  </testsuite>\n";
 }
 
 }  // namespace
 
-std::string to_junit(const std::vector<ValidationRecord>& records) {
+std::string to_junit(const std::vector<ValidationRecord>& records, const Wording& wording) {
   std::size_t tests = 0, failures = 0;
   std::string suites;
   for (const ValidationRecord& record : records) {
     tests += tests_of(record);
     failures += failures_of(record);
-    suites += testsuite_of(record);
+    suites += testsuite_of(record, wording);
   }
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + attribute("name", "rigproof validate") +
          attribute("tests", std::to_string(tests)) + attribute("failures", std::to_string(failures)) + ">\n" + suites +
          "</testsuites>\n";
 }
 
-void save_junit(const std::vector<ValidationRecord>& records, const std::filesystem::path& file) {
-  write_file_atomically(file, to_junit(records));
+void save_junit(const std::vector<ValidationRecord>& records, const std::filesystem::path& file,
+                const Wording& wording) {
+  write_file_atomically(file, to_junit(records, wording));
 }
 
 }  // namespace rigproof

@@ -47,245 +47,266 @@ double inside_board(int i, int pieces, int squares) {
   return kBoardEdge + (squares - 2.0 * kBoardEdge) * (i + 0.5) / pieces - 1.0;
 }
 
-class Drawer {
- public:
-  Drawer(const GeometricConfig& config, GeometricScene scene) : config_(config), scene_(std::move(scene)) {}
+double stamp_of(std::size_t stop) { return kStopInterval_s * static_cast<double>(stop); }
 
-  GeometricRun draw() {
-    describe();
-    for (std::size_t i = 0; i < scene_.T_world_robot.size(); ++i) {
-      run_.truth.stops.push_back({kStopInterval_s * static_cast<double>(i), scene_.T_world_robot[i]});
-      for (std::size_t c = 0; c < config_.rig.cameras.size(); ++c) draw_frame(static_cast<int>(i), static_cast<int>(c));
-    }
-    draw_odometry();
-    return std::move(run_);
+double depth_scale_of(const GeometricConfig& config, std::size_t camera) {
+  if (!config.depth_scales.empty()) return config.depth_scales[camera];
+  RandomStream random(config.seed, "geometric depth scale", -1, static_cast<std::int32_t>(camera));
+  return 1.0 + random.normal(0.0, config.depth_scale_sigma);
+}
+
+Truth truth_of(const GeometricConfig& config, const GeometricScene& scene) {
+  Truth truth;
+  truth.scene = "geometric";
+  truth.seed = config.seed;
+  truth.board = config.rig.board;
+  truth.T_world_board = scene.T_world_board;
+  truth.odometry_noise = paper_odometry_noise(config.odometry_model, config.lambda);
+  truth.odometry_scale = config.odometry_scale;
+  truth.odometry_yaw_factor = config.odometry_yaw_factor;
+  for (std::size_t c = 0; c < config.rig.cameras.size(); ++c) {
+    const RigCamera& camera = config.rig.cameras[c];
+    truth.cameras.push_back({camera.name, config.rig.T_robot_camera[c], camera.camera, depth_scale_of(config, c), {}});
   }
+  for (std::size_t i = 0; i < scene.T_world_robot.size(); ++i)
+    truth.stops.push_back({stamp_of(i), scene.T_world_robot[i]});
+  return truth;
+}
 
- private:
-  void describe() {
-    Observations& observations = run_.observations;
-    observations.source = "geometric mode, seed " + std::to_string(config_.seed);
-    observations.board = config_.rig.board;
-    observations.cameras = config_.rig.cameras;
-    Truth& truth = run_.truth;
-    truth.scene = "geometric";
-    truth.seed = config_.seed;
-    truth.board = config_.rig.board;
-    truth.T_world_board = scene_.T_world_board;
-    truth.odometry_noise = paper_odometry_noise(config_.odometry_model, config_.lambda);
-    truth.odometry_scale = config_.odometry_scale;
-    truth.odometry_yaw_factor = config_.odometry_yaw_factor;
-    for (std::size_t c = 0; c < config_.rig.cameras.size(); ++c) {
-      RigCamera& camera = observations.cameras[c];
-      truth.cameras.push_back({camera.name, config_.rig.T_robot_camera[c], camera.camera, depth_scale_of(c), {}});
-      if (!camera.depth) continue;
-      camera.depth->noise.bias_inverse_depth_per_m = camera.depth->noise.bias_m = 0.0;  // none is drawn
-      if (config_.measured.empty()) camera.depth->noise.inverse_depth_sigma_per_m = config_.inverse_depth_sigma_per_m;
-      if (config_.depth_scales.empty())
-        camera.depth->noise.scale_sigma = config_.depth_scale_sigma;  // what is true is declared
-    }
-    if (config_.declare_odometry_model) observations.odometry_noise.model = config_.odometry_model;
-    if (config_.declare_odometry_sigmas) {
-      observations.odometry_noise.sigma_xy_m = truth.odometry_noise.sigma_xy_m;
-      observations.odometry_noise.sigma_yaw_rad = truth.odometry_noise.sigma_yaw_rad;
-    }
+// What a recording's reader is told, before anything is measured.
+Observations told_part(const GeometricConfig& config, const OdometryNoise& odometry) {
+  Observations observations;
+  observations.source = "geometric mode, seed " + std::to_string(config.seed);
+  observations.board = config.rig.board;
+  observations.cameras = config.rig.cameras;
+  for (RigCamera& camera : observations.cameras) {
+    if (!camera.depth) continue;
+    camera.depth->noise.bias_inverse_depth_per_m = camera.depth->noise.bias_m = 0.0;  // none is drawn
+    if (config.measured.empty()) camera.depth->noise.inverse_depth_sigma_per_m = config.inverse_depth_sigma_per_m;
+    if (config.depth_scales.empty()) camera.depth->noise.scale_sigma = config.depth_scale_sigma;  // what is true
   }
-
-  double depth_scale_of(std::size_t camera) const {
-    if (!config_.depth_scales.empty()) return config_.depth_scales[camera];
-    RandomStream random(config_.seed, "geometric depth scale", -1, static_cast<std::int32_t>(camera));
-    return 1.0 + random.normal(0.0, config_.depth_scale_sigma);
+  if (config.declare_odometry_model) observations.odometry_noise.model = config.odometry_model;
+  if (config.declare_odometry_sigmas) {
+    observations.odometry_noise.sigma_xy_m = odometry.sigma_xy_m;
+    observations.odometry_noise.sigma_yaw_rad = odometry.sigma_yaw_rad;
   }
+  return observations;
+}
 
-  // The configuration's figures for all cameras, or what was measured of this one.
-  GeometricNoise noise_of(int camera) const {
-    if (!config_.measured.empty()) return config_.measured[static_cast<std::size_t>(camera)];
-    GeometricNoise noise;
-    noise.corner_sigma_px = config_.corner_sigma_px;
-    const double sigma = config_.inverse_depth_sigma_per_m;
-    if (config_.ground) noise.ground_sigma_per_m = sigma;
-    if (config_.board_planes) noise.board_sigma_per_m = sigma;
-    noise.ground_points = config_.ground_points;
-    noise.board_points = config_.board_points;
-    return noise;
-  }
+// ----------------------------------------------------------------------------------------------------------- frames
 
-  Rigid3 T_world_camera(int stop, int camera) const {
-    return scene_.T_world_robot[static_cast<std::size_t>(stop)] *
-           config_.rig.T_robot_camera[static_cast<std::size_t>(camera)];
-  }
+/// One frame: a camera at a stop.
+struct Frame {
+  const GeometricConfig& config;
+  int stop, camera;
+  Rigid3 T_camera_world, T_camera_board;
+  double depth_scale;
 
-  void draw_frame(int stop, int camera) {
-    const Rigid3 T_camera_world = T_world_camera(stop, camera).inverse();
-    const Rigid3 T_camera_board = T_camera_world * scene_.T_world_board;
-    const bool seen = draw_corners(stop, camera, T_camera_board);
-    if (!config_.rig.cameras[static_cast<std::size_t>(camera)].depth) return;
-    const GeometricNoise noise = noise_of(camera);
-    if (noise.ground_sigma_per_m) draw_ground(stop, camera, T_camera_world, noise);
-    if (seen && noise.board_sigma_per_m) draw_board_plane(stop, camera, T_camera_board, noise);
-  }
-
-  bool draw_corners(int stop, int camera, const Rigid3& T_camera_board) {
-    const Camera& lens = config_.rig.cameras[static_cast<std::size_t>(camera)].camera;
-    if ((T_camera_board.rotation * Eigen::Vector3d::UnitZ()).dot(T_camera_board * config_.rig.board.centre()) <= 0.0)
-      return false;
-    RandomStream random(config_.seed, "geometric corners", stop, camera);
-    BoardView view;
-    view.stop = stop;
-    view.camera = camera;
-    view.stamp_s = kStopInterval_s * stop;
-    const double floor_px = 1e-3;  // a covariance must be positive, even where no noise is drawn
-    const double sigma_px = noise_of(camera).corner_sigma_px, stated_px = std::max(sigma_px, floor_px);
-    for (int id = 0; id < config_.rig.board.corner_count(); ++id) {
-      CornerObservation corner;
-      corner.id = id;
-      if (!lens.project(T_camera_board * config_.rig.board.corner(id), &corner.pixel)) return false;
-      if (!lens.contains(corner.pixel)) return false;
-      corner.pixel += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
-      corner.covariance_px2 = stated_px * stated_px * Eigen::Matrix2d::Identity();
-      if (random.uniform() < config_.corner_outlier_fraction)
-        corner.pixel += Eigen::Vector2d(random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0));
-      view.corners.push_back(corner);
-    }
-    run_.observations.board_views.push_back(std::move(view));
-    return true;
-  }
-
-  void draw_ground(int stop, int camera, const Rigid3& T_camera_world, const GeometricNoise& noise) {
-    const Eigen::Vector3d up = T_camera_world.rotation * Eigen::Vector3d::UnitZ();
-    const double height = -up.dot(T_camera_world.translation);
-    const Camera& lens = config_.rig.cameras[static_cast<std::size_t>(camera)].camera;
-    const std::optional<RayMoments> moments = ground_ray_moments(lens, -up / height);
-    if (!moments) return;
-    run_.observations.ground_planes.push_back(plane("geometric ground", stop, camera, -up / height, *moments,
-                                                    *noise.ground_sigma_per_m, noise.ground_points));
-  }
-
-  void draw_board_plane(int stop, int camera, const Rigid3& T_camera_board, const GeometricNoise& noise) {
-    const Eigen::Vector3d normal = T_camera_board.rotation * Eigen::Vector3d::UnitZ();
-    const double distance = normal.dot(T_camera_board.translation);
-    const Camera& lens = config_.rig.cameras[static_cast<std::size_t>(camera)].camera;
-    const RayMoments moments = board_ray_moments(lens, config_.rig.board, T_camera_board);
-    run_.observations.board_planes.push_back(plane("geometric board plane", stop, camera, normal / distance, moments,
-                                                   *noise.board_sigma_per_m, noise.board_points));
-  }
-
-  PlaneObservation plane(const char* purpose, int stop, int camera, const Eigen::Vector3d& a, const RayMoments& moments,
-                         double sigma, double points) {
-    RandomStream random(config_.seed, purpose, stop, camera);
-    PlaneObservation observation;
-    observation.stop = stop;
-    observation.camera = camera;
-    const double stated = std::max(sigma, 1e-6), effective = points > 0.0 ? points : moments.pixels;
-    observation.covariance_per_m2 = stated * stated * (moments.mean * effective).inverse();
-    const Eigen::Matrix3d L = observation.covariance_per_m2.llt().matrixL();
-    const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-    const double depth_scale = *run_.truth.cameras[static_cast<std::size_t>(camera)].depth_scale;
-    observation.inverse_depth_plane = a / depth_scale + (sigma > 0.0 ? 1.0 : 0.0) * (L * noise);
-    if (random.uniform() < config_.plane_outlier_fraction) {
-      const Eigen::Vector3d tilt(random.normal(0.0, 0.1), random.normal(0.0, 0.1), random.normal(0.0, 0.1));
-      observation.inverse_depth_plane = random.uniform(0.7, 1.4) * (so3_exp(tilt) * observation.inverse_depth_plane);
-    }
-    observation.effective_points = effective;
-    observation.inlier_points = static_cast<int>(effective);
-    observation.residual_rms = 1.0;
-    return observation;
-  }
-
-  void draw_odometry() {
-    if (config_.odometry_model == OdometryModel::kPerPose)
-      draw_odometry_per_pose();
-    else if (config_.along_way)
-      draw_odometry_along_way();
-    else
-      draw_odometry_per_increment();
-  }
-
-  Eigen::Vector3d odometry_noise(std::size_t stop) const {
-    RandomStream random(config_.seed, "geometric odometry", static_cast<std::int64_t>(stop));
-    const double sigma_xy = config_.lambda * kPaperTranslationSigma_m, sigma_yaw = config_.lambda * kPaperYawSigma_rad;
-    Eigen::Vector3d noise(random.normal(0.0, sigma_xy), random.normal(0.0, sigma_xy), random.normal(0.0, sigma_yaw));
-    if (random.uniform() < config_.odometry_outlier_fraction)
-      noise += Eigen::Vector3d(random.normal(0.0, 0.2), random.normal(0.0, 0.2), random.normal(0.0, 0.2));
-    return noise;
-  }
-
-  Eigen::Vector3d planar(std::size_t stop) const {
-    const Rigid3& T = scene_.T_world_robot[stop];
-    return {T.translation.x(), T.translation.y(), heading(T)};
-  }
-
-  // Yaw of T = Rz(yaw) Exp(roll, pitch, 0): the rotation about z that leaves a rotation vector without z part.
-  static double heading(const Rigid3& T) { return 2.0 * std::atan2(T.rotation.z(), T.rotation.w()); }
-
-  void push_stop(std::size_t i, const Eigen::Vector3d& pose) {
-    Stop stop;
-    stop.stamp_s = kStopInterval_s * static_cast<double>(i);
-    stop.x_m = pose.x();
-    stop.y_m = pose.y();
-    stop.yaw_rad = wrap_angle(pose.z());
-    run_.observations.stops.push_back(stop);
-  }
-
-  void draw_odometry_per_pose() {
-    for (std::size_t i = 0; i < scene_.T_world_robot.size(); ++i) push_stop(i, planar(i) + odometry_noise(i));
-  }
-
-  void draw_odometry_per_increment() {
-    Eigen::Vector3d odometry = planar(0);
-    push_stop(0, odometry);
-    for (std::size_t i = 1; i < scene_.T_world_robot.size(); ++i) {
-      const Eigen::Vector3d from = planar(i - 1), to = planar(i), noise = odometry_noise(i);
-      const Eigen::Vector2d step = Eigen::Rotation2Dd(-from.z()) * Eigen::Vector2d(to.head<2>() - from.head<2>());
-      const Eigen::Vector2d measured = config_.odometry_scale * step + noise.head<2>();
-      odometry.head<2>() += Eigen::Rotation2Dd(odometry.z()) * measured;
-      odometry.z() += config_.odometry_yaw_factor * wrap_angle(to.z() - from.z()) + noise.z();
-      push_stop(i, odometry);
-    }
-  }
-
-  // Turn, way, turn in small pieces, each of them measured with its own noise.
-  void draw_odometry_along_way() {
-    Eigen::Vector3d odometry = planar(0);
-    push_stop(0, odometry);
-    for (std::size_t i = 1; i < scene_.T_world_robot.size(); ++i) {
-      const Eigen::Vector3d from = planar(i - 1), to = planar(i);
-      const Eigen::Vector2d step = Eigen::Rotation2Dd(-from.z()) * Eigen::Vector2d(to.head<2>() - from.head<2>());
-      const bool backwards = step.x() < 0.0;
-      const double first = std::atan2(backwards ? -step.y() : step.y(), std::abs(step.x()));
-      const double way = backwards ? -step.norm() : step.norm();
-      RandomStream random(config_.seed, "geometric odometry", static_cast<std::int64_t>(i));
-      std::vector<Eigen::Vector3d> passed;
-      drive_piece(0.0, first, &random, &odometry, &passed);
-      drive_piece(way, 0.0, &random, &odometry, &passed);
-      drive_piece(0.0, wrap_angle(to.z() - from.z() - first), &random, &odometry, &passed);
-      passed.pop_back();  // the stop itself
-      push_stop(i, odometry);
-      run_.observations.stops.back().way = std::move(passed);
-    }
-  }
-
-  void drive_piece(double way, double turn, RandomStream* random, Eigen::Vector3d* odometry,
-                   std::vector<Eigen::Vector3d>* passed) const {
-    constexpr int kSteps = 8;
-    constexpr double kTurnOfAMetre_rad = 0.1;
-    const double along_m = std::abs(way) / kSteps, turning = std::abs(turn) / kSteps + kTurnOfAMetre_rad * along_m;
-    const double sigma_xy = config_.lambda * kPaperTranslationSigma_m * std::sqrt(along_m);
-    const double sigma_yaw = config_.lambda * kPaperYawSigma_rad * std::sqrt(turning);
-    for (int k = 0; k < kSteps; ++k) {
-      const Eigen::Vector2d noise(random->normal(0.0, sigma_xy), random->normal(0.0, sigma_xy));
-      const double turned = config_.odometry_yaw_factor * turn / kSteps + random->normal(0.0, sigma_yaw);
-      odometry->head<2>() += Eigen::Rotation2Dd(odometry->z() + 0.5 * turned) *
-                             Eigen::Vector2d(Eigen::Vector2d(config_.odometry_scale * way / kSteps, 0.0) + noise);
-      odometry->z() += turned;
-      passed->push_back(*odometry);
-    }
-  }
-
-  const GeometricConfig& config_;
-  GeometricScene scene_;
-  GeometricRun run_;
+  const RigCamera& rig_camera() const { return config.rig.cameras[static_cast<std::size_t>(camera)]; }
+  RandomStream random(const char* purpose) const { return {config.seed, purpose, stop, camera}; }
 };
+
+// The configuration's figures for all cameras, or what was measured of this one.
+GeometricNoise noise_of(const GeometricConfig& config, int camera) {
+  if (!config.measured.empty()) return config.measured[static_cast<std::size_t>(camera)];
+  GeometricNoise noise;
+  noise.corner_sigma_px = config.corner_sigma_px;
+  const double sigma = config.inverse_depth_sigma_per_m;
+  if (config.ground) noise.ground_sigma_per_m = sigma;
+  if (config.board_planes) noise.board_sigma_per_m = sigma;
+  noise.ground_points = config.ground_points;
+  noise.board_points = config.board_points;
+  return noise;
+}
+
+// Nothing where the camera does not see the whole front of the board.
+std::optional<BoardView> draw_corners(const Frame& frame, double sigma_px) {
+  const Board& board = frame.config.rig.board;
+  const Camera& lens = frame.rig_camera().camera;
+  const Rigid3& T = frame.T_camera_board;
+  if ((T.rotation * Eigen::Vector3d::UnitZ()).dot(T * board.centre()) <= 0.0) return std::nullopt;
+  RandomStream random = frame.random("geometric corners");
+  BoardView view;
+  view.stop = frame.stop;
+  view.camera = frame.camera;
+  view.stamp_s = kStopInterval_s * frame.stop;
+  const double floor_px = 1e-3;  // a covariance must be positive, even where no noise is drawn
+  const double stated_px = std::max(sigma_px, floor_px);
+  for (int id = 0; id < board.corner_count(); ++id) {
+    CornerObservation corner;
+    corner.id = id;
+    if (!lens.project(T * board.corner(id), &corner.pixel) || !lens.contains(corner.pixel)) return std::nullopt;
+    corner.pixel += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
+    corner.covariance_px2 = stated_px * stated_px * Eigen::Matrix2d::Identity();
+    if (random.uniform() < frame.config.corner_outlier_fraction)
+      corner.pixel += Eigen::Vector2d(random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0));
+    view.corners.push_back(corner);
+  }
+  return view;
+}
+
+/// A plane n.x = d as a = n / d, and how the rays that meet it lie.
+PlaneObservation draw_plane(const Frame& frame, const char* purpose, const Eigen::Vector3d& a,
+                            const RayMoments& moments, double sigma, double points) {
+  RandomStream random = frame.random(purpose);
+  PlaneObservation observation;
+  observation.stop = frame.stop;
+  observation.camera = frame.camera;
+  const double stated = std::max(sigma, 1e-6), effective = points > 0.0 ? points : moments.pixels;
+  observation.covariance_per_m2 = stated * stated * (moments.mean * effective).inverse();
+  const Eigen::Matrix3d L = observation.covariance_per_m2.llt().matrixL();
+  const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+  observation.inverse_depth_plane = a / frame.depth_scale + (sigma > 0.0 ? 1.0 : 0.0) * (L * noise);
+  if (random.uniform() < frame.config.plane_outlier_fraction) {
+    const Eigen::Vector3d tilt(random.normal(0.0, 0.1), random.normal(0.0, 0.1), random.normal(0.0, 0.1));
+    observation.inverse_depth_plane = random.uniform(0.7, 1.4) * (so3_exp(tilt) * observation.inverse_depth_plane);
+  }
+  observation.effective_points = effective;
+  observation.inlier_points = static_cast<int>(effective);
+  observation.residual_rms = 1.0;
+  return observation;
+}
+
+std::optional<PlaneObservation> draw_ground(const Frame& frame, const GeometricNoise& noise) {
+  const Eigen::Vector3d up = frame.T_camera_world.rotation * Eigen::Vector3d::UnitZ();
+  const double height = -up.dot(frame.T_camera_world.translation);
+  const std::optional<RayMoments> moments = ground_ray_moments(frame.rig_camera().camera, -up / height);
+  if (!moments) return std::nullopt;
+  return draw_plane(frame, "geometric ground", -up / height, *moments, *noise.ground_sigma_per_m, noise.ground_points);
+}
+
+PlaneObservation draw_board_plane(const Frame& frame, const GeometricNoise& noise) {
+  const Eigen::Vector3d normal = frame.T_camera_board.rotation * Eigen::Vector3d::UnitZ();
+  const double distance = normal.dot(frame.T_camera_board.translation);
+  const RayMoments moments = board_ray_moments(frame.rig_camera().camera, frame.config.rig.board, frame.T_camera_board);
+  return draw_plane(frame, "geometric board plane", normal / distance, moments, *noise.board_sigma_per_m,
+                    noise.board_points);
+}
+
+void add_frame(const Frame& frame, Observations* observations) {
+  const GeometricNoise noise = noise_of(frame.config, frame.camera);
+  std::optional<BoardView> view = draw_corners(frame, noise.corner_sigma_px);
+  const bool seen = view.has_value();
+  if (seen) observations->board_views.push_back(*std::move(view));
+  if (!frame.rig_camera().depth) return;
+  if (noise.ground_sigma_per_m)
+    if (const std::optional<PlaneObservation> ground = draw_ground(frame, noise))
+      observations->ground_planes.push_back(*ground);
+  if (seen && noise.board_sigma_per_m) observations->board_planes.push_back(draw_board_plane(frame, noise));
+}
+
+// --------------------------------------------------------------------------------------------------------- odometry
+
+Eigen::Vector3d odometry_noise(const GeometricConfig& config, std::size_t stop) {
+  RandomStream random(config.seed, "geometric odometry", static_cast<std::int64_t>(stop));
+  const double sigma_xy = config.lambda * kPaperTranslationSigma_m, sigma_yaw = config.lambda * kPaperYawSigma_rad;
+  Eigen::Vector3d noise(random.normal(0.0, sigma_xy), random.normal(0.0, sigma_xy), random.normal(0.0, sigma_yaw));
+  if (random.uniform() < config.odometry_outlier_fraction)
+    noise += Eigen::Vector3d(random.normal(0.0, 0.2), random.normal(0.0, 0.2), random.normal(0.0, 0.2));
+  return noise;
+}
+
+// x, y, and the yaw of T = Rz(yaw) Exp(roll, pitch, 0): the rotation about z that leaves a rotation vector without z
+// part.
+Eigen::Vector3d planar(const Rigid3& T) {
+  return {T.translation.x(), T.translation.y(), 2.0 * std::atan2(T.rotation.z(), T.rotation.w())};
+}
+
+Stop stop_at(std::size_t i, const Eigen::Vector3d& pose) {
+  Stop stop;
+  stop.stamp_s = stamp_of(i);
+  stop.x_m = pose.x();
+  stop.y_m = pose.y();
+  stop.yaw_rad = wrap_angle(pose.z());
+  return stop;
+}
+
+/// The way from one stop to the next as the robot at the first one sees it.
+struct Step {
+  Eigen::Vector2d way;
+  double turn_rad;  ///< not wrapped
+};
+
+Step step_between(const Rigid3& T_world_from, const Rigid3& T_world_to) {
+  const Eigen::Vector3d from = planar(T_world_from), to = planar(T_world_to);
+  return {Eigen::Rotation2Dd(-from.z()) * Eigen::Vector2d(to.head<2>() - from.head<2>()), to.z() - from.z()};
+}
+
+void add_increment(const GeometricConfig& config, const Step& step, const Eigen::Vector3d& noise,
+                   Eigen::Vector3d* odometry) {
+  const Eigen::Vector2d measured = config.odometry_scale * step.way + noise.head<2>();
+  odometry->head<2>() += Eigen::Rotation2Dd(odometry->z()) * measured;
+  odometry->z() += config.odometry_yaw_factor * wrap_angle(step.turn_rad) + noise.z();
+}
+
+void drive_piece(const GeometricConfig& config, double way, double turn, RandomStream* random,
+                 Eigen::Vector3d* odometry, std::vector<Eigen::Vector3d>* passed) {
+  constexpr int kSteps = 8;
+  constexpr double kTurnOfAMetre_rad = 0.1;
+  const double along_m = std::abs(way) / kSteps, turning = std::abs(turn) / kSteps + kTurnOfAMetre_rad * along_m;
+  const double sigma_xy = config.lambda * kPaperTranslationSigma_m * std::sqrt(along_m);
+  const double sigma_yaw = config.lambda * kPaperYawSigma_rad * std::sqrt(turning);
+  for (int k = 0; k < kSteps; ++k) {
+    const Eigen::Vector2d noise(random->normal(0.0, sigma_xy), random->normal(0.0, sigma_xy));
+    const double turned = config.odometry_yaw_factor * turn / kSteps + random->normal(0.0, sigma_yaw);
+    odometry->head<2>() += Eigen::Rotation2Dd(odometry->z() + 0.5 * turned) *
+                           Eigen::Vector2d(Eigen::Vector2d(config.odometry_scale * way / kSteps, 0.0) + noise);
+    odometry->z() += turned;
+    passed->push_back(*odometry);
+  }
+}
+
+// Turn, way, turn in small pieces, each of them measured with its own noise. Returns the poses passed.
+std::vector<Eigen::Vector3d> drive_way(const GeometricConfig& config, const Step& step, std::size_t stop,
+                                       Eigen::Vector3d* odometry) {
+  const bool backwards = step.way.x() < 0.0;
+  const double first = std::atan2(backwards ? -step.way.y() : step.way.y(), std::abs(step.way.x()));
+  const double way = backwards ? -step.way.norm() : step.way.norm();
+  RandomStream random(config.seed, "geometric odometry", static_cast<std::int64_t>(stop));
+  std::vector<Eigen::Vector3d> passed;
+  drive_piece(config, 0.0, first, &random, odometry, &passed);
+  drive_piece(config, way, 0.0, &random, odometry, &passed);
+  drive_piece(config, 0.0, wrap_angle(step.turn_rad - first), &random, odometry, &passed);
+  passed.pop_back();  // the stop itself
+  return passed;
+}
+
+std::vector<Stop> draw_odometry(const GeometricConfig& config, const std::vector<Rigid3>& T_world_robot) {
+  std::vector<Stop> stops;
+  const bool per_pose = config.odometry_model == OdometryModel::kPerPose;
+  for (std::size_t i = 0; i < T_world_robot.size() && per_pose; ++i)
+    stops.push_back(stop_at(i, planar(T_world_robot[i]) + odometry_noise(config, i)));
+  if (per_pose) return stops;
+  Eigen::Vector3d odometry = planar(T_world_robot.front());
+  stops.push_back(stop_at(0, odometry));
+  for (std::size_t i = 1; i < T_world_robot.size(); ++i) {
+    const Step step = step_between(T_world_robot[i - 1], T_world_robot[i]);
+    std::vector<Eigen::Vector3d> way;
+    if (config.along_way)
+      way = drive_way(config, step, i, &odometry);
+    else
+      add_increment(config, step, odometry_noise(config, i), &odometry);
+    stops.push_back(stop_at(i, odometry));
+    stops.back().way = std::move(way);
+  }
+  return stops;
+}
+
+GeometricRun draw(const GeometricConfig& config, const GeometricScene& scene) {
+  GeometricRun run;
+  run.truth = truth_of(config, scene);
+  run.observations = told_part(config, run.truth.odometry_noise);
+  for (std::size_t i = 0; i < scene.T_world_robot.size(); ++i) {
+    for (std::size_t c = 0; c < config.rig.cameras.size(); ++c) {
+      const Rigid3 T_camera_world = (scene.T_world_robot[i] * config.rig.T_robot_camera[c]).inverse();
+      add_frame({config, static_cast<int>(i), static_cast<int>(c), T_camera_world, T_camera_world * scene.T_world_board,
+                 *run.truth.cameras[c].depth_scale},
+                &run.observations);
+    }
+  }
+  run.observations.stops = draw_odometry(config, scene.T_world_robot);
+  return run;
+}
 
 }  // namespace
 
@@ -339,12 +360,12 @@ OdometryNoise paper_odometry_noise(OdometryModel model, double lambda) {
 
 GeometricRun draw_geometric_run(const GeometricConfig& config) {
   check(config);
-  return Drawer(config, draw_scene(config)).draw();
+  return draw(config, draw_scene(config));
 }
 
 GeometricRun draw_geometric_run(const GeometricConfig& config, const GeometricScene& scene) {
   check(config);
-  return Drawer(config, scene).draw();
+  return draw(config, scene);
 }
 
 }  // namespace rigproof

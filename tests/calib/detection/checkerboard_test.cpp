@@ -1,4 +1,4 @@
-#include "rigproof/calib/checkerboard.h"
+#include "rigproof/calib/vision/checkerboard.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 #include "saddle_fit.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -62,7 +63,7 @@ std::vector<CornerObservation> corners_of(const BoardDetection& detection) {
 }
 
 std::string reason_of(const BoardDetection& detection) {
-  if (const auto* missing = std::get_if<BoardNotFound>(&detection)) return missing->reason;
+  if (const auto* missing = std::get_if<BoardNotFound>(&detection)) return worded(missing->why);
   return "found";
 }
 

@@ -1,4 +1,4 @@
-#include "rigproof/calib/image_io.h"
+#include "rigproof/calib/vision/image_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "rigproof/calib/observe.h"
+#include "rigproof/calib/vision/observe.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,9 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
+#include "rigproof/words/sentences.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -126,14 +128,14 @@ class ObserveTest : public testing::Test {
     try {
       observe(recording);
     } catch (const Error& error) {
-      return error.what();
+      return words::message_of(error);
     }
     return "no error";
   }
 
   static std::set<std::string> reasons(const Observations& observations) {
     std::set<std::string> all;
-    for (const Exclusion& exclusion : observations.exclusions) all.insert(exclusion.reason);
+    for (const Exclusion& exclusion : observations.exclusions) all.insert(worded(exclusion.why));
     return all;
   }
 
@@ -147,7 +149,7 @@ TEST_F(ObserveTest, SeesBoardsFloorAndOdometry) {
   EXPECT_NEAR(seen.stops[3].x_m, T_world_robot(3).translation.x(), 1e-12);
   EXPECT_EQ(seen.stops[3].interpolation_sigma_m, 0.0);
   ASSERT_EQ(seen.board_views.size(), 2U * kStops);
-  for (const Exclusion& exclusion : seen.exclusions) EXPECT_THAT(exclusion.reason, testing::HasSubstr("ground plane"));
+  for (const Exclusion& exclusion : seen.exclusions) EXPECT_THAT(exclusion.why.code, testing::HasSubstr("plane."));
   for (const BoardView& view : seen.board_views) {
     const auto camera = static_cast<std::size_t>(view.camera);
     const auto truth = true_corners(seen.cameras[camera].camera, kBoard, T_camera_board(view.stop, camera));
@@ -214,7 +216,7 @@ TEST_F(ObserveTest, BadFilesAreExclusions) {
   EXPECT_GE(seen.exclusions.size(), 6U);
   const std::set<std::string> why = reasons(seen);
   EXPECT_THAT(why, testing::IsSupersetOf({"file is missing", "truncated PNG", "not a PNG or JPEG image",
-                                          "image is 200x100, the rig says 640x360"}));
+                                          "image of another size (200x100, the rig says 640x360)"}));
 }
 
 TEST_F(ObserveTest, IntrinsicsOfAnotherSizeAreAnError) {
@@ -249,7 +251,7 @@ TEST_F(ObserveTest, WithoutDepthThereAreNoPlanes) {
   EXPECT_TRUE(seen.board_planes.empty());
   EXPECT_FALSE(seen.exclusions.empty());
   for (const Exclusion& exclusion : seen.exclusions)
-    EXPECT_EQ(exclusion.reason, std::string(kDepthReason) + "no depth image of this name");
+    EXPECT_TRUE(exclusion.depth && exclusion.why.is("depth.missing")) << exclusion.why.code;
 }
 
 TEST_F(ObserveTest, ProgressCountsAndInterrupts) {

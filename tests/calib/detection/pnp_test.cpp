@@ -1,4 +1,4 @@
-#include "rigproof/calib/pnp.h"
+#include "rigproof/calib/geometry/pnp.h"
 
 #include <gtest/gtest.h>
 

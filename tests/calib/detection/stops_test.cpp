@@ -9,6 +9,7 @@
 #include "odometry_track.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "worded.h"
 
 namespace rigproof::detection {
 namespace {
@@ -43,16 +44,16 @@ Recording recording_with(std::vector<std::vector<double>> stamps, std::vector<Od
 TEST(OdometryTrack, FollowsArcsBetweenSamples) {
   const std::vector<OdometrySample> samples = circle(10.0);
   const OdometryTrack track(samples, 0.5, 0.02);
-  std::string reason;
+  Finding why_not;
   for (const double t : {0.0, 0.017, 3.333, 9.99}) {
-    const auto reading = track.at(t, &reason);
+    const auto reading = track.at(t, &why_not);
     ASSERT_TRUE(reading.has_value());
     // Constant twist: the interpolation is exact up to rounding.
     EXPECT_NEAR(reading->x_m, 2.0 * std::sin(0.25 * t), 1e-12);
     EXPECT_NEAR(reading->y_m, 2.0 - 2.0 * std::cos(0.25 * t), 1e-12);
     EXPECT_NEAR(reading->yaw_rad, 0.25 * t, 1e-12);
   }
-  EXPECT_EQ(track.at(samples[7].stamp_s, &reason)->sigma_m, 0.0);
+  EXPECT_EQ(track.at(samples[7].stamp_s, &why_not)->sigma_m, 0.0);
 }
 
 Stop stop_at(const OdometrySample& sample) { return {sample.stamp_s, sample.x_m, sample.y_m, sample.yaw_rad, 0.0}; }
@@ -111,9 +112,9 @@ TEST(OdometryTrack, StatesItsInterpolationError) {
   std::vector<OdometrySample> samples;
   for (int i = 0; i < 20; ++i) samples.push_back({0.2 * i, 0.5 * 0.04 * i * i, 0.0, 0.0});
   const OdometryTrack track(samples, 0.5, 0.02);
-  std::string reason;
+  Finding why_not;
   const double t = 2.1;
-  const auto reading = track.at(t, &reason);
+  const auto reading = track.at(t, &why_not);
   ASSERT_TRUE(reading.has_value());
   const double error = std::abs(reading->x_m - 0.5 * t * t);
   EXPECT_NEAR(error, 0.005, 1e-9);
@@ -124,22 +125,22 @@ TEST(OdometryTrack, NamesGapsAndEnds) {
   std::vector<OdometrySample> samples = circle(10.0);
   samples.erase(samples.begin() + 41, samples.begin() + 80);  // 2.00 to 4.00 s
   const OdometryTrack track(samples, 0.5, 0.02);
-  std::string reason;
-  EXPECT_FALSE(track.at(3.0, &reason));
-  EXPECT_EQ(reason, "odometry gap of 2.00 s (2.000 to 4.000 s)");
-  EXPECT_FALSE(track.at(11.0, &reason));
-  EXPECT_EQ(reason, "no odometry (at 11.000 s; it covers 0.000 to 10.000 s)");
+  Finding why_not;
+  EXPECT_FALSE(track.at(3.0, &why_not));
+  EXPECT_EQ(worded(why_not), "odometry gap of 2.00 s (2.000 to 4.000 s)");
+  EXPECT_FALSE(track.at(11.0, &why_not));
+  EXPECT_EQ(worded(why_not), "no odometry (at 11.000 s; it covers 0.000 to 10.000 s)");
   // A sample 15 ms away serves, with the way covered in that time as its uncertainty.
-  const auto near = track.at(10.015, &reason);
+  const auto near = track.at(10.015, &why_not);
   ASSERT_TRUE(near.has_value());
   EXPECT_NEAR(near->sigma_m, 0.5 * 0.015, 1e-4);
-  EXPECT_FALSE(OdometryTrack({}, 0.5, 0.02).at(0.0, &reason));
+  EXPECT_FALSE(OdometryTrack({}, 0.5, 0.02).at(0.0, &why_not));
 }
 
 TEST(OdometryTrack, YawWrapsTheShortWay) {
   const std::vector<OdometrySample> samples = {{0.0, 0.0, 0.0, 3.1}, {0.1, 0.0, 0.0, -3.1}};
-  std::string reason;
-  const auto reading = OdometryTrack(samples, 0.5, 0.02).at(0.05, &reason);
+  Finding why_not;
+  const auto reading = OdometryTrack(samples, 0.5, 0.02).at(0.05, &why_not);
   EXPECT_NEAR(std::abs(std::remainder(reading->yaw_rad, 2.0 * M_PI)), M_PI, 1e-9);
 }
 
@@ -171,7 +172,7 @@ TEST(Stops, AStandstillIsOneStop) {
   EXPECT_EQ(plan.stops.back().frames[0], (std::vector<int>{40, 50, 60}));
   EXPECT_NEAR(plan.stops.back().stop.x_m, 1.0, 1e-12);
   EXPECT_EQ(plan.exclusions.size(), 36U);
-  EXPECT_EQ(plan.exclusions.front().reason, "another frame of the same standstill");
+  EXPECT_EQ(plan.exclusions.front().why, Finding("frame.surplus"));
 }
 
 TEST(Stops, FramesWithoutOdometryAreNamed) {

@@ -1,4 +1,4 @@
-#include "rigproof/calib/ground_plane.h"
+#include "rigproof/calib/vision/ground_plane.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,12 @@
 #include <cmath>
 #include <functional>
 
-#include "rigproof/calib/trajectory_alignment.h"
+#include "rigproof/calib/geometry/trajectory_alignment.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
+#include "trials.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -80,41 +82,41 @@ TEST(GroundPlane, IsExactButForTheRoundingOfDepth) {
   Scene scene(0);
   const Plane truth = floor_plane();
   const GroundPlaneFit result = fit(scene, scene.render({{truth, nullptr}}, 0.0));
-  ASSERT_TRUE(result.plane) << result.reason;
+  ASSERT_TRUE(result.plane) << worded(result.why_not);
   // 1 mm rounding of some 5,000 points: 0.3 mm / 70, and ten times that for what rounding has in common along rows.
   EXPECT_NEAR(height_above(*result.plane).height_m, truth.distance_m, 4e-5);
   EXPECT_LT(angle_between(*result.plane, truth), 1e-4);
 }
 
-TEST(GroundPlane, StatesAnHonestCovariance) {
+TEST(GroundPlane, StatesAnHonestCovarianceOverTrials) {
   const Plane truth = floor_plane();
   const Vector3d a_true = -truth.up_camera / truth.distance_m;
   Vector3d bias = Vector3d::Zero();
   double nees = 0.0;
-  constexpr int kRuns = 150;
-  for (int run = 0; run < kRuns; ++run) {
+  const Trials runs(40, 150);
+  for (int run = 0; run < runs.count(); ++run) {
     Scene scene(static_cast<std::uint64_t>(run));
     scene.stream().max_m = 3.0;  // cuts through the floor: the bias of the cut must not show
     const GroundPlaneFit result =
         fit(scene, scene.render({{truth, nullptr}}, scene.stream().noise.inverse_depth_sigma_per_m));
-    ASSERT_TRUE(result.plane) << result.reason;
+    ASSERT_TRUE(result.plane) << worded(result.why_not);
     const Vector3d error = result.plane->inverse_depth_plane - a_true;
-    nees += error.dot(result.plane->covariance_per_m2.ldlt().solve(error)) / kRuns;
-    bias += error.cwiseQuotient(result.plane->covariance_per_m2.diagonal().cwiseSqrt()) / kRuns;
+    nees += error.dot(result.plane->covariance_per_m2.ldlt().solve(error)) / runs.count();
+    bias += error.cwiseQuotient(result.plane->covariance_per_m2.diagonal().cwiseSqrt()) / runs.count();
     EXPECT_NEAR(result.plane->residual_rms, 1.0, 0.05);
   }
   // Mean of 150 chi-squares of 3 degrees: 3 +- 0.2; five of those.
-  EXPECT_NEAR(nees, 3.0, 1.0);
+  EXPECT_NEAR(nees, 3.0, runs.tolerance(1.0));
   // A mean of 150 unit normals: 0.08; four of those.
-  EXPECT_LT(bias.cwiseAbs().maxCoeff(), 0.33) << bias.transpose();
+  EXPECT_LT(bias.cwiseAbs().maxCoeff(), runs.tolerance(0.33)) << bias.transpose();
 }
 
-TEST(GroundPlane, CountsCorrelatedNoiseOnce) {
+TEST(GroundPlane, CountsCorrelatedNoiseOnceOverTrials) {
   const Plane truth = floor_plane();
   constexpr int kBlock = 20, kStride = 5;
   double nees = 0.0;
-  constexpr int kRuns = 60;
-  for (int run = 0; run < kRuns; ++run) {
+  const Trials runs(20, 60);
+  for (int run = 0; run < runs.count(); ++run) {
     Scene scene(0);
     RandomStream random(static_cast<std::uint64_t>(run), "blocks");
     Image16 depth(640, 360);
@@ -131,9 +133,9 @@ TEST(GroundPlane, CountsCorrelatedNoiseOnce) {
     }
     const GroundPlaneFit result =
         fit_ground_plane(points_from_depth(depth, scene.camera(), kStride), scene.camera().depth->noise, std::nullopt);
-    ASSERT_TRUE(result.plane) << result.reason;
+    ASSERT_TRUE(result.plane) << worded(result.why_not);
     const Vector3d error = result.plane->inverse_depth_plane + truth.up_camera / truth.distance_m;
-    nees += error.dot(result.plane->covariance_per_m2.ldlt().solve(error)) / kRuns;
+    nees += error.dot(result.plane->covariance_per_m2.ldlt().solve(error)) / runs.count();
     // 4 x 4 points of the grid share one value.
     EXPECT_LT(result.plane->effective_points, result.plane->inlier_points / 8.0);
   }
@@ -148,7 +150,7 @@ TEST(GroundPlane, PrefersTheFloorToALargerWall) {
   const Image16 depth = scene.render({{floor, nullptr}, {wall, nullptr}}, 0.0019);
   for (const std::optional<Vector3d>& up : {std::optional<Vector3d>(), std::optional<Vector3d>(floor.up_camera)}) {
     const GroundPlaneFit result = fit(scene, depth, up);
-    ASSERT_TRUE(result.plane) << result.reason;
+    ASSERT_TRUE(result.plane) << worded(result.why_not);
     EXPECT_LT(angle_between(*result.plane, floor), deg_to_rad(0.3));
     EXPECT_NEAR(height_above(*result.plane).height_m, 0.7, 0.005);
   }
@@ -159,7 +161,7 @@ TEST(GroundPlane, TakesTheFloorBelowALargerTable) {
   const Plane floor = floor_plane(1.2), table = floor_plane(0.5);
   const Image16 depth = scene.render({{floor, nullptr}, {table, [](int x, int) { return x < 420; }}}, 0.0019);
   const GroundPlaneFit result = fit(scene, depth, floor.up_camera);
-  ASSERT_TRUE(result.plane) << result.reason;
+  ASSERT_TRUE(result.plane) << worded(result.why_not);
   EXPECT_NEAR(height_above(*result.plane).height_m, 1.2, 0.01);
 }
 
@@ -170,7 +172,7 @@ TEST(GroundPlane, FindsTheFloorOfACameraThatHangsUpsideDown) {
   const Plane ceiling{-floor.up_camera, 1.8};
   const GroundPlaneFit result =
       fit(scene, scene.render({{floor, nullptr}, {ceiling, nullptr}}, 0.0019), floor.up_camera);
-  ASSERT_TRUE(result.plane) << result.reason;
+  ASSERT_TRUE(result.plane) << worded(result.why_not);
   EXPECT_LT(angle_between(*result.plane, floor), deg_to_rad(0.3));
 }
 
@@ -178,14 +180,14 @@ TEST(GroundPlane, SaysWhyThereIsNone) {
   Scene scene(4);
   const GroundPlaneFit empty = fit(scene, Image16(640, 360));
   EXPECT_FALSE(empty.plane);
-  EXPECT_THAT(empty.reason, HasSubstr("only 0 points"));
+  EXPECT_THAT(worded(empty.why_not), HasSubstr("only 0 points"));
   const Plane far{Vector3d(0.0, 0.0, -1.0), 20.0};
   const GroundPlaneFit far_away = fit(scene, scene.render({{far, nullptr}}, 0.0));
-  EXPECT_THAT(far_away.reason, HasSubstr("m; the image holds 20.00 to 20.00 m)"));
+  EXPECT_THAT(worded(far_away.why_not), HasSubstr("m; the image holds 20.00 to 20.00 m)"));
   const Plane wall{Vector3d(0.0, 0.0, -1.0), 1.5};
   const GroundPlaneFit only_wall = fit(scene, scene.render({{wall, nullptr}}, 0.0019), Vector3d(0.0, -1.0, 0.0));
   EXPECT_FALSE(only_wall.plane);
-  EXPECT_THAT(only_wall.reason, HasSubstr("no plane is level"));
+  EXPECT_THAT(worded(only_wall.why_not), HasSubstr("no plane is level"));
 }
 
 TEST(GroundPlane, GivesTheSameBytesTwice) {
@@ -235,7 +237,7 @@ TEST(GroundPlane, RoundingAloneIsStatedAsLargeAsItIs) {
       Plane floor = floor_plane(0.65 + 0.0037 * i);
       floor.up_camera = Vector3d(roll, -std::cos(0.35), -std::sin(0.35)).normalized();
       const GroundPlaneFit found = fit(scene, scene.render({{floor, nullptr}}, 0.0), floor.up_camera);
-      ASSERT_TRUE(found.plane) << found.reason;
+      ASSERT_TRUE(found.plane) << worded(found.why_not);
       sum += squared_sigmas(*found.plane, floor) / kHeights;
     }
     // One is expected; 90 dimensions, of which neighbouring heights share some.

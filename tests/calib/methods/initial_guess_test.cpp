@@ -1,9 +1,10 @@
-#include "rigproof/calib/initial_guess.h"
+#include "rigproof/calib/geometry/initial_guess.h"
 
 #include <gtest/gtest.h>
 
 #include "pose_near.h"
 #include "synthetic_drive.h"
+#include "trials.h"
 
 namespace rigproof {
 namespace {
@@ -24,8 +25,9 @@ void expect_near_truth(const SyntheticDrive& drive, const InitialGuess& guess, d
     EXPECT_TRUE(IsPoseNear(drive.T_world_robot[i], guess.T_world_robot[i], 2.0 * distance_m, 2.0 * angle_rad));
 }
 
-TEST(InitialGuess, FindsAnyMountingFromExactData) {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+TEST(InitialGuess, FindsAnyMountingFromExactDataOverTrials) {
+  const auto seeds = static_cast<std::uint64_t>(Trials(40, 200).count());
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     SCOPED_TRACE(seed);
     DriveOptions options = any_mounting(seed, 8);
     options.stops = 24;
@@ -36,8 +38,9 @@ TEST(InitialGuess, FindsAnyMountingFromExactData) {
   }
 }
 
-TEST(InitialGuess, FindsAnyMountingFromNoisyData) {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+TEST(InitialGuess, FindsAnyMountingFromNoisyDataOverTrials) {
+  const auto seeds = static_cast<std::uint64_t>(Trials(40, 200).count());
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     SCOPED_TRACE(seed);
     DriveOptions options = any_mounting(seed, 4);
     options.stops = 24;

@@ -1,4 +1,4 @@
-#include "rigproof/calib/memroc.h"
+#include "rigproof/calib/methods/memroc.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,11 @@
 #include <utility>
 
 #include "pose_near.h"
+#include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/error.h"
 #include "synthetic_drive.h"
+#include "trials.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -21,9 +24,9 @@ Result solve(const SyntheticDrive& drive, bool joint) {
   return solve_memroc(drive.observations, {drive.views, {}}, {joint});
 }
 
-std::string text(const std::vector<std::string>& sentences) {
+std::string text(const std::vector<Finding>& findings) {
   std::string all;
-  for (const std::string& sentence : sentences) all += sentence + "\n";
+  for (const std::string& sentence : worded(findings)) all += sentence + "\n";
   return all;
 }
 
@@ -33,10 +36,12 @@ Rigid3 true_pair(const SyntheticDrive& drive, const EstimatedTransform& pair) {
   return drive.T_robot_camera[j].inverse() * drive.T_robot_camera[k];
 }
 
+std::uint64_t seeds(int few, int all) { return static_cast<std::uint64_t>(Trials(few, all).count()); }
+
 class BothMemrocs : public testing::TestWithParam<bool> {};
 
-TEST_P(BothMemrocs, RecoverExactGeometryForAnyMounting) {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+TEST_P(BothMemrocs, RecoverExactGeometryForAnyMountingOverTrials) {
+  for (std::uint64_t seed = 0; seed < seeds(15, 60); ++seed) {
     SCOPED_TRACE(seed);
     DriveOptions options = any_mounting(seed, 4);
     options.plane_sigma_per_m = 0.0;
@@ -117,7 +122,7 @@ struct Honesty {
   }
 };
 
-TEST_P(BothMemrocs, StateHonestUncertainty) {
+TEST_P(BothMemrocs, StateHonestUncertaintyOverTrials) {
   Honesty cameras, pairs;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const SyntheticDrive drive = make_drive(noisy(seed, 40));
@@ -130,8 +135,8 @@ TEST_P(BothMemrocs, StateHonestUncertainty) {
   pairs.expect_honest();
 }
 
-TEST_P(BothMemrocs, NeverRefuseAHealthyDrive) {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+TEST_P(BothMemrocs, NeverRefuseAHealthyDriveOverTrials) {
+  for (std::uint64_t seed = 0; seed < seeds(60, 300); ++seed) {
     SCOPED_TRACE(seed);
     DriveOptions options = noisy(seed, 5 + static_cast<int>(seed % 20));
     options.cameras = 1;
@@ -164,7 +169,7 @@ void expect_honest(const EstimatedTransform& estimate, const Rigid3& truth) {
   EXPECT_LT(std::abs(transform_error(estimate.T_parent_child, truth)(5)), 5.0 * std::sqrt(covariance(5, 5)));
 }
 
-TEST_P(BothMemrocs, RefuseDegenerateDrivesInWords) {
+TEST_P(BothMemrocs, RefuseDegenerateDrivesInWordsOverTrials) {
   const Degenerate kinds[] = {
       {DriveKind::kStraight, "x, y unobservable: the robot drove straight", true},
       {DriveKind::kInPlace, "x, y, yaw unobservable: the robot only turned in place", false},
@@ -172,7 +177,7 @@ TEST_P(BothMemrocs, RefuseDegenerateDrivesInWords) {
       {DriveKind::kStandstill, "x, y, yaw unobservable: the robot stood still", false},
   };
   for (const Degenerate& degenerate : kinds) {
-    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    for (std::uint64_t seed = 0; seed < seeds(20, 100); ++seed) {
       SCOPED_TRACE(std::string(degenerate.words) + ", seed " + std::to_string(seed));
       DriveOptions options;
       options.seed = seed;
@@ -252,7 +257,8 @@ TEST_P(BothMemrocs, SolveTheOthersWhenOneCameraNeverSawTheBoard) {
     if (drive.views[i].camera == 1) drive.views.erase(drive.views.begin() + static_cast<std::ptrdiff_t>(i--));
   const Result result = solve(drive, GetParam());
   EXPECT_EQ(result.status, ResultStatus::kPartial);
-  EXPECT_THAT(result.reasons, testing::ElementsAre(HasSubstr("camera1: x, y, yaw unobservable: the board is in none")));
+  EXPECT_THAT(worded(result.reasons),
+              testing::ElementsAre(HasSubstr("camera1: x, y, yaw unobservable: the board is in none")));
   ASSERT_NE(result.find("base_footprint", "camera0"), nullptr);
   EXPECT_TRUE(result.find("base_footprint", "camera0")->fully_observable());
   // Its ground planes still tell height and tilt.
@@ -353,7 +359,7 @@ TEST(JointMemroc, SolvesFromCornersAlone) {
   options.corner_sigma_px = 0.02;
   const SyntheticDrive drive = make_drive(options);
   const Result from_poses = solve(drive, true);
-  const Result from_corners = joint_memroc_method().solve(drive.observations);
+  const Result from_corners = find_method("joint_memroc").solve(drive.observations);
   ASSERT_EQ(from_corners.status, ResultStatus::kSolved) << text(from_corners.reasons);
   for (std::size_t k = 0; k < 3; ++k) {
     const Vector6d shift =

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rigproof/calib/view_poses.h"
+#include "rigproof/calib/geometry/view_poses.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/rigid3.h"
 

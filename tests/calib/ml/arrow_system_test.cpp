@@ -1,4 +1,4 @@
-#include "ml/arrow_system.h"
+#include "rigproof/calib/estimate/arrow_system.h"
 
 #include <gtest/gtest.h>
 

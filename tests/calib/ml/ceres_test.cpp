@@ -8,7 +8,7 @@
 
 #include "calibration_truth.h"
 #include "pose_near.h"
-#include "rigproof/calib/ml.h"
+#include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/geometric/geometric.h"
 
 namespace rigproof {

@@ -1,5 +1,5 @@
 // A depth sensor's fixed, smooth error over its view: drawn, given to floors and boards, and told or not.
-#include "methods/depth_bias.h"
+#include "rigproof/calib/estimate/depth_bias.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "calibration_truth.h"
-#include "rigproof/calib/memroc.h"
-#include "rigproof/calib/ml.h"
-#include "rigproof/calib/view_poses.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/geometry/view_poses.h"
+#include "rigproof/calib/methods/memroc.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"

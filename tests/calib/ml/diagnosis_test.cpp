@@ -4,17 +4,18 @@
 #include <cmath>
 
 #include "broken_runs.h"
-#include "ml/board_scale.h"
-#include "ml/faults.h"
-#include "ml/odometry_rows.h"
-#include "rigproof/calib/ml.h"
+#include "faults.h"
+#include "rigproof/calib/diagnose/board_scale.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/odometry_rows.h"
 #include "rigproof/core/conventions.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
 
-bool mentioned(const std::vector<std::string>& sentences, const std::string& words) {
-  for (const std::string& sentence : sentences)
+bool mentioned(const std::vector<Finding>& findings, const std::string& words) {
+  for (const std::string& sentence : worded(findings))
     if (sentence.find(words) != std::string::npos) return true;
   return false;
 }
@@ -34,7 +35,7 @@ TEST_P(Broken, IsRefusedAndTheCauseNamedFirst) {
   }
   EXPECT_NE(result.status, ResultStatus::kSolved);
   ASSERT_FALSE(result.reasons.empty());
-  EXPECT_NE(result.reasons.front().find(words), std::string::npos) << testing::PrintToString(result.reasons);
+  EXPECT_NE(worded(result.reasons).front().find(words), std::string::npos) << testing::PrintToString(result.reasons);
   EXPECT_FALSE(result.joint_covariance.has_value());
   for (const EstimatedTransform& transform : result.camera_to_robot)
     EXPECT_FALSE(transform.observable[0] || transform.observable[1] || transform.observable[5]);
@@ -59,7 +60,8 @@ TEST(Lenses, AHalfPixelIsJudgedByTheLevelsWithoutIt) {
     const std::string words = slip->apply(seed, &observations);
     const Result result = estimate_maximum_likelihood(observations).result;
     ASSERT_FALSE(result.reasons.empty()) << seed;
-    EXPECT_NE(result.reasons.front().find(words), std::string::npos) << seed << ": " << result.reasons.front();
+    EXPECT_NE(worded(result.reasons).front().find(words), std::string::npos)
+        << seed << ": " << worded(result.reasons).front();
   }
 }
 
@@ -81,7 +83,8 @@ TEST(Diagnosis, CamerasThatOnlyContradictedOdometryConnectsAreWithheld) {
     const Result result = estimate_maximum_likelihood(observations).result;
     ASSERT_EQ(result.camera_to_camera.size(), 1U);
     for (const bool observable : result.camera_to_camera[0].observable) EXPECT_FALSE(observable);
-    EXPECT_EQ(std::count(result.reasons.begin(), result.reasons.end(),
+    const std::vector<std::string> reasons = worded(result.reasons);
+    EXPECT_EQ(std::count(reasons.begin(), reasons.end(),
                          "camera2 in camera1: too few stops show the board to both, and the odometry that connects "
                          "them is contradicted."),
               1);
@@ -97,9 +100,10 @@ TEST(BoardScale, SaysHowLargeTheSquaresAre) {
   EXPECT_EQ(result.status, ResultStatus::kRefused);
   ASSERT_FALSE(result.reasons.empty());
   // 36 boards of 60 points: 0.01 %. PnP of 0.1 px adds less than 0.1 %.
-  EXPECT_NE(result.reasons.front().find("measure about 100.0 mm by depth, the rig says 108.0 mm"), std::string::npos)
-      << result.reasons.front();
-  EXPECT_NE(result.reasons.front().find("by the odometry"), std::string::npos);
+  EXPECT_NE(worded(result.reasons).front().find("measure about 100.0 mm by depth, the rig says 108.0 mm"),
+            std::string::npos)
+      << worded(result.reasons).front();
+  EXPECT_NE(worded(result.reasons).front().find("by the odometry"), std::string::npos);
 }
 
 // Real depth sensors are off by 1 %: no reason to refuse, and none to blame the board.
@@ -107,7 +111,7 @@ TEST(BoardScale, ForgivesWhatDepthSensorsAreOffBy) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const Result result = estimate_maximum_likelihood(run_with_depth(seed, 0.01)).result;
     EXPECT_EQ(result.status, ResultStatus::kSolved)
-        << seed << ": " << (result.reasons.empty() ? "" : result.reasons.front());
+        << seed << ": " << (result.reasons.empty() ? "" : worded(result.reasons).front());
   }
 }
 
@@ -160,20 +164,23 @@ double farthest(const Observations& a, const Observations& b, std::size_t first,
 }
 
 TEST(Faults, AreUndone) {
+  const std::vector<std::pair<const char*, double>> units = {
+      {"millimetres", 1e-3}, {"centimetres", 1e-2}, {"inches", 0.0254}, {"feet", 0.3048}};
   const Observations right = healthy();
   for (const ml::Fault& fault : ml::odometry_faults(right)) {
     if (fault.kind == ml::FaultKind::kStamps) continue;
     Observations wrong = right;
     for (Stop& stop : wrong.stops) {
-      if (fault.cause.find("milli") != std::string::npos) stop.x_m *= 1e3, stop.y_m *= 1e3;
-      if (fault.cause.find("centi") != std::string::npos) stop.x_m *= 1e2, stop.y_m *= 1e2;
-      if (fault.cause.find("inches") != std::string::npos) stop.x_m /= 0.0254, stop.y_m /= 0.0254;
-      if (fault.cause.find("feet") != std::string::npos) stop.x_m /= 0.3048, stop.y_m /= 0.3048;
-      if (fault.cause.find("degrees") != std::string::npos) stop.yaw_rad = rad_to_deg(stop.yaw_rad);
+      for (const auto& [unit, metres] : units) {
+        if (!(fault.cause == Finding("odometry.unit", {{"unit", unit}}))) continue;
+        stop.x_m /= metres;
+        stop.y_m /= metres;
+      }
+      if (fault.cause.is("odometry.yaw_in_degrees")) stop.yaw_rad = rad_to_deg(stop.yaw_rad);
     }
     if (fault.kind == ml::FaultKind::kSign) fault.undo(&wrong);  // these undo themselves
     fault.undo(&wrong);
-    EXPECT_LT(farthest(right, wrong, 0, right.stops.size()), 1e-9) << fault.cause;
+    EXPECT_LT(farthest(right, wrong, 0, right.stops.size()), 1e-9) << worded(fault.cause);
   }
 }
 

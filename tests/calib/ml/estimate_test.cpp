@@ -6,9 +6,10 @@
 
 #include "calibration_truth.h"
 #include "pose_near.h"
-#include "rigproof/calib/ml.h"
+#include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -106,7 +107,7 @@ TEST(MlUncertainty, IsTrueAlongTheWay) {
   config.odometry_yaw_factor = 1.05;
   MlOptions options = told();
   options.along_way = true;
-  options.rotation_centre_sigma_m = 0.0;  // the drawn robot turns about its origin
+  options.priors.rotation_centre_m = 0.0;  // the drawn robot turns about its origin
   EXPECT_NEAR(mean_nees(config, options, 150), 18.0, 1.5);
 }
 
@@ -258,7 +259,7 @@ TEST(MlRobustness, WrongCornersOdometryAndPlanesCostLittle) {
     config.seed = seed;
     const GeometricRun run = draw_geometric_run(config);
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
-    ASSERT_EQ(estimate.result.status, ResultStatus::kSolved) << estimate.result.reasons.front();
+    ASSERT_EQ(estimate.result.status, ResultStatus::kSolved) << worded(estimate.result.reasons).front();
     const InformationBound bound = cramer_rao_bound(run.observations, state_of(run.truth), noise_of(run.truth));
     for (std::size_t c = 0; c < 3; ++c) {
       const Vector6d error = transform_error(estimate.state.T_robot_camera[c], run.truth.cameras[c].T_robot_camera);
@@ -350,7 +351,7 @@ TEST(MlRig, ACameraThatSawNothingHasNoPose) {
   EXPECT_EQ(result.camera_to_robot.size(), 2U);
   EXPECT_EQ(result.find("base_footprint", "center"), nullptr);
   ASSERT_FALSE(result.reasons.empty());
-  EXPECT_NE(result.reasons.back().find("center: it has no pose: the board is in none of its images"),
+  EXPECT_NE(worded(result.reasons).back().find("center: it has no pose: the board is in none of its images"),
             std::string::npos);
 }
 
@@ -363,7 +364,7 @@ TEST(MlRig, ASwappedViewIsLeftOutAndNamed) {
   const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
   int left_out = 0;
   for (const CameraUse& use : estimate.result.use)
-    for (const Exclusion& exclusion : use.left_out) left_out += exclusion.reason.rfind("residual ", 0) == 0 ? 1 : 0;
+    for (const Exclusion& exclusion : use.left_out) left_out += exclusion.why.is("view.residual") ? 1 : 0;
   EXPECT_EQ(left_out, 2);
   EXPECT_LT(nees(estimate, poses_of(run.truth)), 45.0);
 }

@@ -1,4 +1,4 @@
-#include "ml/noise.h"
+#include "rigproof/calib/estimate/noise.h"
 
 #include <gtest/gtest.h>
 

@@ -8,10 +8,11 @@
 #include <tuple>
 
 #include "calibration_truth.h"
-#include "ml/problem.h"
-#include "rigproof/calib/ml.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/problem.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -72,8 +73,8 @@ GeometricRun run_with_wrong_lenses(int seed) {
 
 TEST(MlLenses, AreEstimatedAndTheUncertaintyIsTrue) {
   MlOptions options = told();
-  options.focal_relative_sigma = kFocal;
-  options.principal_point_sigma_px = kPrincipal_px;
+  options.priors.focal_relative = kFocal;
+  options.priors.principal_point_px = kPrincipal_px;
   double mean = 0.0;
   MeanSquare focal, principal;
   for (int seed = 0; seed < kTrials; ++seed) {
@@ -148,7 +149,7 @@ ClockRun run_with_wrong_clocks(int seed, bool moving = true) {
 
 TEST(MlClocks, AreEstimatedWhileMovingAndTheUncertaintyIsTrue) {
   MlOptions options = told();
-  options.clock_offset_sigma_s = kClock_s;
+  options.priors.clock_offset_s = kClock_s;
   double with = 0.0, without = 0.0;
   bool contradicted = false;
   MeanSquare offset, of_rigid;
@@ -165,7 +166,7 @@ TEST(MlClocks, AreEstimatedWhileMovingAndTheUncertaintyIsTrue) {
     }
     if (seed >= kBelieving) continue;
     MlOptions no_lag = options;
-    no_lag.turn_lag_sigma_s = 0.0;
+    no_lag.priors.turn_lag_s = 0.0;
     const MlEstimate rigid = estimate_maximum_likelihood(made.run.observations, no_lag);
     ASSERT_TRUE(rigid.result.joint_covariance) << seed;
     for (std::size_t c = 0; c < truth.size(); ++c)
@@ -184,7 +185,7 @@ TEST(MlClocks, OfARobotThatStandsKeepTheirPrior) {
   const ClockRun made = run_with_wrong_clocks(3, false);
   MlOptions options = told();
   const MlEstimate believing = estimate_maximum_likelihood(made.run.observations, options);
-  options.clock_offset_sigma_s = kClock_s;
+  options.priors.clock_offset_s = kClock_s;
   const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
   ASSERT_EQ(estimate.result.status, ResultStatus::kSolved);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -194,9 +195,10 @@ TEST(MlClocks, OfARobotThatStandsKeepTheirPrior) {
     EXPECT_NEAR(value_of(estimate.result, name, "clock_offset_ms", &EstimatedQuantity::value), 0.0, 1e-9);
     EXPECT_NEAR(value_of(estimate.result, name, "clock_offset_ms", &EstimatedQuantity::sigma), 1e3 * kClock_s, 1e-9);
   }
-  EXPECT_TRUE(std::any_of(estimate.result.notes.begin(), estimate.result.notes.end(), [](const std::string& note) {
-    return note.find("not observable: by the odometry the robot stood") != std::string::npos;
-  }));
+  const auto note = std::find_if(estimate.result.notes.begin(), estimate.result.notes.end(),
+                                 [](const Finding& finding) { return finding.is("clock.offsets_unknown"); });
+  ASSERT_NE(note, estimate.result.notes.end());
+  EXPECT_NE(worded(*note).find("not observable: by the odometry the robot stood"), std::string::npos);
 }
 
 // The gradient of the cost by every global unknown, by central differences, with everything estimated at once.
@@ -210,27 +212,32 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   observations.board_planes.back().file = "left/depth/000000.png";
   for (std::size_t i = 0; i < observations.ground_planes.size(); i += 2)
     observations.ground_planes[i].file = "depth/000000.png";
-  ml::Priors priors;
-  priors.depth_bias.assign(3, 0.01);
+  PriorSigmas sigmas;
   if (lenses) {
-    priors.focal_relative = kFocal;
-    priors.principal_point_px = kPrincipal_px;
+    sigmas.focal_relative = kFocal;
+    sigmas.principal_point_px = kPrincipal_px;
   }
-  priors.clock_offset_s = clock_sigma_s;
-  priors.turn_lag_s = kTurnLag_s;
+  sigmas.clock_offset_s = clock_sigma_s;
+  sigmas.turn_lag_s = kTurnLag_s;
+  ml::Priors priors = ml::Priors::of({observations, sigmas, false});
+  for (int c = 0; c < 3; ++c) {
+    priors.covariance(ml::Nuisance::kDepthScale, c)(0, 0) = 1e-4;
+    priors.covariance(ml::Nuisance::kGroundOffset, c) = 1e-6 * Eigen::Matrix3d::Identity();
+  }
   ml::NoiseLevels levels;
   levels.corner_scale = levels.ground_scale = levels.board_plane_scale = {1.0, 1.0, 1.0};
   const ml::Problem problem(observations, priors, levels);
   CalibrationState values = state_of(made.run.truth);
   ml::State state = ml::state_from(values);
-  state.odometry_scale = 1.02;
-  state.odometry_yaw_factor = 0.97;
+  state.nuisances.of(ml::Nuisance::kOdometryFactors) << 0.02, -0.03;
   if (clock_sigma_s > 0.0) {
-    state.clock_offset_s = {0.012, -0.02, 0.004};
-    state.turn_lag_s = 0.015;
+    for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kClockOffset, c)[0] = 0.012 - 0.016 * c;
+    state.nuisances.of(ml::Nuisance::kTurnLag)[0] = 0.015;
   }
-  if (lenses) state.intrinsics[0] << 0.002, 0.7, -0.4;
+  if (lenses) state.nuisances.of(ml::Nuisance::kLens, 0) << 0.002, 0.7, -0.4;
   const ml::Layout& layout = problem.layout();
+  for (std::size_t n = 0; clock_sigma_s > 0.0 && lenses && n < ml::kNuisances; ++n)
+    EXPECT_TRUE(layout.has(static_cast<ml::Nuisance>(n))) << n;
   const ml::ArrowSystem system = problem.linearise(state, ml::Weighting::kRobust, nullptr, nullptr);
   const auto cost_at = [&](const Eigen::VectorXd& poses, const Eigen::VectorXd& globals) {
     double cost = 0.0;
@@ -321,9 +328,9 @@ TEST(MlClocks, TrueStampsOfCamerasWithoutATriggerAreBelieved) {
 TEST(MlRotationCentre, OffTheOriginIsInTheUncertainty) {
   MlOptions options = told();
   options.along_way = true;
-  options.rotation_centre_sigma_m = 0.02;
+  options.priors.rotation_centre_m = 0.02;
   MlOptions believing = options;
-  believing.rotation_centre_sigma_m = 0.0;
+  believing.priors.rotation_centre_m = 0.0;
   double with = 0.0, without = 0.0;
   for (int seed = 0; seed < kTrials; ++seed) {
     GeometricConfig config;
@@ -333,7 +340,7 @@ TEST(MlRotationCentre, OffTheOriginIsInTheUncertainty) {
     const GeometricRun run = draw_geometric_run(config);
     RandomStream random(config.seed, "rotation centre");
     std::vector<Rigid3> truth = poses_of(run.truth);
-    const double centre_x_m = random.normal(0.0, options.rotation_centre_sigma_m);
+    const double centre_x_m = random.normal(0.0, options.priors.rotation_centre_m);
     for (Rigid3& T : truth) T.translation.x() += centre_x_m;
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
@@ -351,7 +358,7 @@ TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
   const GeometricRun run = draw_geometric_run(config);
   MlOptions options = told();
   const MlEstimate with = estimate_maximum_likelihood(run.observations, options);
-  options.rotation_centre_sigma_m = 0.0;
+  options.priors.rotation_centre_m = 0.0;
   const MlEstimate without = estimate_maximum_likelihood(run.observations, options);
   EXPECT_EQ(with.result.joint_covariance.value(), without.result.joint_covariance.value());
 }
@@ -359,14 +366,14 @@ TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
 // A robot that rides higher while it moves carries its cameras along: no view and no plane shows it.
 TEST(MlRidingHeight, WhileMovingIsInTheUncertainty) {
   MlOptions options = told();
-  options.clock_offset_sigma_s = kClock_s;
-  options.riding_height_sigma_m = 0.002;
+  options.priors.clock_offset_s = kClock_s;
+  options.priors.riding_height_m = 0.002;
   double with = 0.0;
   for (int seed = 0; seed < kTrials; ++seed) {
     const ClockRun made = run_with_wrong_clocks(seed);
     RandomStream random(static_cast<std::uint64_t>(seed), "riding height");
     std::vector<Rigid3> truth = poses_of(made.run.truth);
-    const double height_m = random.normal(0.0, options.riding_height_sigma_m);
+    const double height_m = random.normal(0.0, options.priors.riding_height_m);
     for (Rigid3& T : truth) T.translation.z() += height_m;
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
@@ -377,10 +384,10 @@ TEST(MlRidingHeight, WhileMovingIsInTheUncertainty) {
 
 TEST(MlRidingHeight, OfARobotThatStandsIsNone) {
   MlOptions options = told();
-  options.riding_height_sigma_m = 0.002;
+  options.priors.riding_height_m = 0.002;
   const Observations observations = run_with_wrong_clocks(3, false).run.observations;
   const MlEstimate with = estimate_maximum_likelihood(observations, options);
-  options.riding_height_sigma_m = 0.0;
+  options.priors.riding_height_m = 0.0;
   const MlEstimate without = estimate_maximum_likelihood(observations, options);
   EXPECT_EQ(with.result.joint_covariance.value(), without.result.joint_covariance.value());
 }

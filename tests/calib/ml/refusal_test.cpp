@@ -5,8 +5,9 @@
 
 #include "calibration_truth.h"
 #include "pose_near.h"
-#include "rigproof/calib/ml.h"
+#include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/geometric/geometric.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -41,7 +42,7 @@ TEST_P(Degenerate, IsRefusedWithTheReasonAndKeepsWhatHolds) {
     EXPECT_NE(result.status, ResultStatus::kSolved);
     EXPECT_FALSE(result.joint_covariance.has_value());
     ASSERT_FALSE(result.reasons.empty());
-    EXPECT_NE(result.reasons.front().find(c.words), std::string::npos) << result.reasons.front();
+    EXPECT_NE(worded(result.reasons).front().find(c.words), std::string::npos) << worded(result.reasons).front();
     for (const EstimatedTransform& transform : result.camera_to_robot)
       for (std::size_t axis = 0; axis < 6; ++axis)
         EXPECT_FALSE(c.unknown[axis] && transform.observable[axis]) << transform.child << " axis " << axis;
@@ -137,7 +138,7 @@ TEST(Refusal, FarViewsHideNoVerticalAndBlameNobody) {
         const Result result = estimate_maximum_likelihood(run.observations).result;
         SCOPED_TRACE("drive " + std::to_string(static_cast<int>(drive)) + ", seed " + std::to_string(seed) + ", " +
                      std::to_string(stops) + " stops");
-        for (const std::string& reason : result.reasons) {
+        for (const std::string& reason : worded(result.reasons)) {
           EXPECT_EQ(reason.find("cause"), std::string::npos) << reason;
           EXPECT_EQ(reason.find("odometry"), std::string::npos) << reason;
         }
@@ -162,7 +163,7 @@ TEST(Refusal, WildRowsAreNoSwappedFrames) {
     options.estimate_corner_level = options.estimate_plane_level = false;
     const Result result = estimate_maximum_likelihood(draw_geometric_run(config).observations, options).result;
     EXPECT_EQ(result.status, ResultStatus::kSolved)
-        << "seed " << seed << ": " << (result.reasons.empty() ? "" : result.reasons.front());
+        << "seed " << seed << ": " << (result.reasons.empty() ? "" : worded(result.reasons).front());
   }
 }
 
@@ -177,7 +178,8 @@ TEST(Refusal, ExactDataAreSolved) {
       config.declare_odometry_model = config.declare_odometry_sigmas = declared;
       const Result result = estimate_maximum_likelihood(draw_geometric_run(config).observations).result;
       EXPECT_EQ(result.status, ResultStatus::kSolved)
-          << odometry_model_name(model) << ": " << (result.reasons.empty() ? "no reason" : result.reasons.front());
+          << odometry_model_name(model) << ": "
+          << (result.reasons.empty() ? "no reason" : worded(result.reasons).front());
     }
   }
 }
@@ -206,12 +208,12 @@ TEST(Refusal, HealthyDrivesAreNot) {
     config.lambda = seed % 2 == 0 ? 0.0 : 1.0;
     const Result result = estimate_maximum_likelihood(draw_geometric_run(config).observations).result;
     EXPECT_EQ(result.status, ResultStatus::kSolved)
-        << "seed " << seed << ": " << (result.reasons.empty() ? "" : result.reasons.front());
+        << "seed " << seed << ": " << (result.reasons.empty() ? "" : worded(result.reasons).front());
   }
 }
 
 bool mentions(const Result& result, const std::string& words) {
-  for (const std::string& reason : result.reasons)
+  for (const std::string& reason : worded(result.reasons))
     if (reason.find(words) != std::string::npos) return true;
   return false;
 }

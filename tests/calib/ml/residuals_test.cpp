@@ -1,4 +1,4 @@
-#include "ml/residuals.h"
+#include "rigproof/calib/estimate/residuals.h"
 
 #include <gtest/gtest.h>
 
@@ -149,7 +149,7 @@ TEST_P(Residuals, IncrementByEveryUnknown) {
   };
   const IncrementResidual value = increment_residual(pose, to, 1.02, 0.97, measured);
   Eigen::MatrixXd J(3, 8);
-  J << value.by_from, value.by_to, value.by_scale, value.by_yaw_factor;
+  J << value.by_from, value.by_to, value.by_factors;
   expect_near(differences(8, residual), J);
 }
 
@@ -185,7 +185,7 @@ TEST_P(Residuals, WayByEveryUnknown) {
     return way_residual(moved(pose, a), moved(to, b), scale + step[6], factor + step[7], way).value;
   });
   Eigen::MatrixXd expected(3, 8);
-  expected << analytic.by_from, analytic.by_to, analytic.by_scale, analytic.by_yaw_factor;
+  expected << analytic.by_from, analytic.by_to, analytic.by_factors;
   expect_near(J, expected);
 }
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "error_text.h"
-#include "rigproof/calib/ml_settings.h"
+#include "rigproof/calib/diagnose/ml_settings.h"
 #include "temp_folder.h"
 
 namespace rigproof {
@@ -15,10 +15,10 @@ TEST(MlSettings, AreReadFromTheMethodsName) {
   const MlSettings settings = read_ml_settings("clock_offset_sigma_ms=5,focal_sigma_percent=0.4,name=ml_lens");
   EXPECT_EQ(settings.name, "ml_lens");
   const MlOptions options = settings.options();
-  EXPECT_DOUBLE_EQ(options.clock_offset_sigma_s, 0.005);
-  EXPECT_DOUBLE_EQ(options.focal_relative_sigma, 0.004);
-  EXPECT_DOUBLE_EQ(options.principal_point_sigma_px, 0.0);
-  EXPECT_DOUBLE_EQ(options.rotation_centre_sigma_m, MlOptions().rotation_centre_sigma_m);
+  EXPECT_DOUBLE_EQ(options.priors.clock_offset_s, 0.005);
+  EXPECT_DOUBLE_EQ(options.priors.focal_relative, 0.004);
+  EXPECT_DOUBLE_EQ(options.priors.principal_point_px, 0.0);
+  EXPECT_DOUBLE_EQ(options.priors.rotation_centre_m, MlOptions().priors.rotation_centre_m);
   EXPECT_EQ(MlMethod(settings).traits().name, "ml_lens");
 }
 
@@ -28,8 +28,8 @@ TEST(MlSettings, AreReadFromAFileWhoseNameTheyTake) {
       folder.write("my_lens.yaml", "principal_point_sigma_px: 2\nrotation_centre_sigma_mm: 0\n");
   const MlSettings settings = read_ml_settings(file.string());
   EXPECT_EQ(settings.name, "my_lens");
-  EXPECT_DOUBLE_EQ(settings.options().principal_point_sigma_px, 2.0);
-  EXPECT_DOUBLE_EQ(settings.options().rotation_centre_sigma_m, 0.0);
+  EXPECT_DOUBLE_EQ(settings.options().priors.principal_point_px, 2.0);
+  EXPECT_DOUBLE_EQ(settings.options().priors.rotation_centre_m, 0.0);
 }
 
 TEST(MlSettings, AreRefusedWithEveryProblemAtOnce) {

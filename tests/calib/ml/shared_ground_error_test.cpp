@@ -1,4 +1,4 @@
-#include "ml/shared_ground_error.h"
+#include "shared_ground_error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "rigproof/calib/moved.h"
+#include "rigproof/calib/plan/moved.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,12 @@
 #include <cmath>
 
 #include "error_text.h"
-#include "rigproof/calib/method.h"
-#include "rigproof/calib/ml.h"
+#include "rigproof/calib/diagnose/method.h"
+#include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
+#include "trials.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -48,29 +50,29 @@ MovedOptions rigid_robot() {
 
 Vector6d shift_of(int axis, double size) { return size * Vector6d::Unit(axis); }
 
-TEST(Moved, FalseAlarmsAreAsRareAsStated) {
+TEST(Moved, FalseAlarmsAreAsRareAsStatedOverTrials) {
   MovedOptions options = rigid_robot();
   options.significance = 0.05;
-  constexpr int kTrials = 300;
+  const int count = Trials(60, 300).count();
   for (const int stops : {1, 2}) {
     int alarms = 0, rare = 0;
     double statistic = 0.0, dof = 0.0;
-    for (int trial = 0; trial < kTrials; ++trial) {
+    for (int trial = 0; trial < count; ++trial) {
       // A previous calibration of its own each time: its error is part of what the test allows for.
       const std::uint64_t seed = 100 + static_cast<std::uint64_t>(trial);
       const MovedReport report = detect_movement(calibrated(20000 + seed, 12), another_day(seed, stops), options);
       alarms += report.outcome == MovedOutcome::kMoved ? 1 : 0;
       rare += report.p_value < 0.01 ? 1 : 0;
-      statistic += report.statistic / kTrials;
-      dof += static_cast<double>(report.degrees_of_freedom) / kTrials;
+      statistic += report.statistic / count;
+      dof += static_cast<double>(report.degrees_of_freedom) / count;
     }
-    // 15 expected of 300, standard deviation 3.8; four of them.
-    EXPECT_NEAR(alarms, 15, 15) << stops << " stops";
-    EXPECT_GE(alarms, 2) << stops << " stops";
-    // 3 expected; more than 9 come by chance once in a thousand. The tail is where a wrong linearisation shows.
-    EXPECT_LE(rare, 9) << stops << " stops";
+    // Of 300 trials 15 are expected, with a standard deviation of 3.8; four of them.
+    EXPECT_NEAR(alarms, 0.05 * count, 4.0 * std::sqrt(0.05 * 0.95 * count)) << stops << " stops";
+    EXPECT_GE(alarms, count / 150) << stops << " stops";
+    // 3 of 300; more than 9 come by chance once in a thousand. The tail is where a wrong linearisation shows.
+    EXPECT_LE(rare, 0.01 * count + 3.5 * std::sqrt(0.01 * count)) << stops << " stops";
     // The mean of chi-square, to four of its standard deviations.
-    EXPECT_NEAR(statistic / dof, 1.0, 4.0 * std::sqrt(2.0 / dof / kTrials)) << stops << " stops";
+    EXPECT_NEAR(statistic / dof, 1.0, 4.0 * std::sqrt(2.0 / dof / count)) << stops << " stops";
   }
 }
 
@@ -118,7 +120,7 @@ TEST(Moved, TheRigAsAWholeIsOneBody) {
   const MovedReport report = detect_movement(previous, draw_geometric_run(config).observations, rigid_robot());
   EXPECT_EQ(report.outcome, MovedOutcome::kMoved);
   EXPECT_TRUE(report.rig_moved);
-  EXPECT_THAT(report.reasons, Contains(HasSubstr("as one body")));
+  EXPECT_THAT(worded(report.reasons), Contains(HasSubstr("as one body")));
 }
 
 // One stop: cameras against each other and the ground; where the rig sits on the robot stays open, and is said to.
@@ -127,7 +129,7 @@ TEST(Moved, OneStopTellsCameraToCameraAndTheGround) {
   const MovedOptions options = rigid_robot();
   const MovedReport still = detect_movement(previous, another_day(7, 1), options);
   EXPECT_EQ(still.outcome, MovedOutcome::kNothingMoved);
-  EXPECT_THAT(still.notes,
+  EXPECT_THAT(worded(still.notes),
               Contains(HasSubstr("A common shift of all cameras on the robot would not show in x, y, yaw")));
   const MovedReport moved = detect_movement(previous, another_day(7, 1, 1, shift_of(1, 0.02)), options);
   EXPECT_EQ(moved.cameras[1].verdict, MovedVerdict::kMoved);
@@ -150,7 +152,7 @@ TEST(Moved, WithTwoCamerasBothAreSuspects) {
   EXPECT_EQ(report.outcome, MovedOutcome::kMoved);
   EXPECT_EQ(report.cameras[0].verdict, MovedVerdict::kSuspect);
   EXPECT_EQ(report.cameras[1].verdict, MovedVerdict::kSuspect);
-  EXPECT_THAT(report.reasons, Contains(HasSubstr("do not tell which")));
+  EXPECT_THAT(worded(report.reasons), Contains(HasSubstr("do not tell which")));
 }
 
 TEST(Moved, OneCameraAtOneStopCannotBeTold) {
@@ -193,7 +195,7 @@ TEST(Moved, CameraToCameraIsEnough) {
   const MovedOptions options = rigid_robot();
   const MovedReport still = detect_movement(previous, another_day(7, 4), options);
   EXPECT_EQ(still.outcome, MovedOutcome::kNothingMoved);
-  EXPECT_THAT(still.notes, Contains(HasSubstr("only in each other")));
+  EXPECT_THAT(worded(still.notes), Contains(HasSubstr("only in each other")));
   const MovedReport moved = detect_movement(previous, another_day(7, 4, 1, shift_of(1, 0.03)), options);
   EXPECT_EQ(moved.cameras[1].verdict, MovedVerdict::kMoved);
 }
@@ -218,10 +220,11 @@ TEST_P(MovedByOdometry, NothingHas) {
     day.odometry_noise = {};
     const MovedReport report = detect_movement(previous, day, rigid_robot());
     EXPECT_EQ(report.outcome, MovedOutcome::kNothingMoved) << seed << ": " << testing::PrintToString(report.reasons);
-    EXPECT_THAT(report.notes, Contains(HasSubstr("The odometry does not count, for it contradicts the images")))
+    EXPECT_THAT(worded(report.notes), Contains(HasSubstr("The odometry does not count, for it contradicts the images")))
         << seed;
-    for (const std::string& note : report.notes) named += note.find(GetParam().cause) != std::string::npos ? 1 : 0;
-    EXPECT_THAT(report.notes,
+    for (const std::string& note : worded(report.notes))
+      named += note.find(GetParam().cause) != std::string::npos ? 1 : 0;
+    EXPECT_THAT(worded(report.notes),
                 Contains(HasSubstr("A common shift of all cameras on the robot would not show in x, y, yaw")));
   }
   EXPECT_GE(named, 3);  // of four: bent images may hide the unit
@@ -261,7 +264,7 @@ TEST(Moved, ABoardOfAnotherSizeIsRefusedWithItsCause) {
   day.board.square_m *= 1.1;
   const MovedReport report = detect_movement(previous, day, rigid_robot());
   EXPECT_EQ(report.outcome, MovedOutcome::kCannotTell);
-  EXPECT_THAT(report.reasons, Contains(HasSubstr("the board's size")));
+  EXPECT_THAT(worded(report.reasons), Contains(HasSubstr("the board's size")));
   for (const CameraShift& camera : report.cameras) EXPECT_EQ(camera.verdict, MovedVerdict::kCannotTell);
 }
 

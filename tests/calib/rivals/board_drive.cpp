@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worded.h"
+
 namespace rigproof {
 namespace {
 

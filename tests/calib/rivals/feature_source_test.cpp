@@ -1,5 +1,5 @@
 // Features from SIFT and from a network that is made here, byte by byte.
-#include "rigproof/calib/feature_source.h"
+#include "rigproof/calib/vision/feature_source.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // What a network made here, byte by byte, sees of the horizon, and the calibration that follows from it.
-#include "rigproof/calib/horizon_source.h"
+#include "rigproof/calib/vision/horizon_source.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,11 +9,12 @@
 
 #include "error_text.h"
 #include "onnx_bytes.h"
-#include "rigproof/calib/rivals.h"
+#include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "room.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -83,14 +84,14 @@ TEST(SensorX2Car, TakesHorizonAndWayAheadFromANetwork) {
     const std::string file = std::to_string(i) + ".png";
     cv::imwrite((folder / file).string(), cv::Mat(512, 512, CV_8U, const_cast<std::uint8_t*>(image.pixels.data())));
     drive.observations.stops.push_back({1.0 * i, 0.3 * i, 0.0, 0.0, 0.0});
-    drive.observations.exclusions.push_back({0, i, file, "no board"});
+    drive.observations.exclusions.push_back({0, i, file, Finding("board.not_found")});
     drive.recording.frames[0].push_back({file, "", "", 1.0 * i, 0.0, 0});
   }
   const auto network = dnn_horizon(folder.write("tiny.onnx", horizon_network(kSpot * kSpot, 0.0)));
   MethodInput input{drive.observations, &drive.recording, 2};
-  EXPECT_EQ(run_method(sensorx2car_method(), input).status, ResultStatus::kRefused);  // black images, no turn
+  EXPECT_EQ(run_method(find_method("sensorx2car"), input).status, ResultStatus::kRefused);  // black images, no turn
   input.horizon = network.get();
-  const Result result = run_method(sensorx2car_method(), input);
+  const Result result = run_method(find_method("sensorx2car"), input);
   ASSERT_EQ(result.status, ResultStatus::kSolved) << testing::PrintToString(result.reasons);
   const Vector6d error = transform_error(result.camera_to_robot[0].T_parent_child, T_robot_camera);
   EXPECT_LT(rad_to_deg(error.tail<3>().norm()), 0.25);

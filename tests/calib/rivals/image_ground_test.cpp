@@ -1,5 +1,5 @@
 // The ground from images of a patterned room.
-#include "rigproof/calib/image_ground.h"
+#include "rigproof/calib/vision/image_ground.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,13 +9,14 @@
 #include <set>
 
 #include "error_text.h"
-#include "rigproof/calib/ground_source.h"
-#include "rigproof/calib/memroc.h"
-#include "rigproof/calib/trajectory_alignment.h"
+#include "rigproof/calib/geometry/trajectory_alignment.h"
+#include "rigproof/calib/methods/registry.h"
+#include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "room.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -104,12 +105,12 @@ TEST(GroundSource, GivesACameraWithoutDepthItsHeight) {
   Observations depth = drive.observations;
   EXPECT_TRUE(take_ground_from(GroundSource::kDepth, input, &depth).lines.empty());
   EXPECT_TRUE(depth.ground_planes.empty());
-  EXPECT_FALSE(memroc_method().solve(depth).camera_to_robot.at(0).observable[2]);
+  EXPECT_FALSE(find_method("memroc").solve(depth).camera_to_robot.at(0).observable[2]);
   Observations images = drive.observations;
   const GroundReport report = take_ground_from(GroundSource::kAuto, input, &images);
   ASSERT_EQ(report.lines.size(), 1U);
   EXPECT_THAT(report.lines[0], testing::HasSubstr("camera0: ground from images"));
-  const Result result = memroc_method().solve(images);
+  const Result result = find_method("memroc").solve(images);
   ASSERT_EQ(result.status, ResultStatus::kSolved) << testing::PrintToString(result.reasons);
   EXPECT_NEAR(result.camera_to_robot[0].T_parent_child.translation.z(), cameras[0].translation.z(), 0.02);
 }

@@ -6,10 +6,10 @@
 #include <map>
 #include <mutex>
 
-#include "rigproof/calib/feature_source.h"
-#include "rigproof/calib/picture_memory.h"
-#include "rigproof/calib/rivals.h"
-#include "rivals/image_findings.h"
+#include "rigproof/calib/methods/registry.h"
+#include "rigproof/calib/vision/feature_source.h"
+#include "rigproof/calib/vision/image_findings.h"
+#include "rigproof/calib/vision/picture_memory.h"
 #include "room.h"
 #include "temp_folder.h"
 
@@ -74,20 +74,20 @@ TEST(ImageMemory, MethodsThatFollowFeaturesShareMatchesAndMotions) {
   MethodInput plain{drive.observations, &drive.recording, 2}, remembered = plain;
   remembered.memory = &memory;
   const int pairs = pairs_of(drive);
-  run_method(robot_autocalib_method(), remembered);
+  run_method(find_method("robot_autocalib"), remembered);
   EXPECT_EQ(memory.kept[Finding::kMatches], pairs);
   EXPECT_EQ(memory.kept[Finding::kMotions], pairs);
   EXPECT_EQ(memory.recalled[Finding::kMatches], 0);
 
-  const std::vector<double> x2car = numbers(run_method(sensorx2car_method(), plain));
+  const std::vector<double> x2car = numbers(run_method(find_method("sensorx2car"), plain));
   ASSERT_FALSE(x2car.empty());
-  EXPECT_EQ(numbers(run_method(sensorx2car_method(), remembered)), x2car);
+  EXPECT_EQ(numbers(run_method(find_method("sensorx2car"), remembered)), x2car);
   EXPECT_EQ(memory.kept[Finding::kMatches], pairs) << "all known from the other method";
   EXPECT_GT(memory.recalled[Finding::kMotions], 0);
 
   // Damaged findings are found again.
   memory.damage();
-  EXPECT_EQ(numbers(run_method(sensorx2car_method(), remembered)), x2car);
+  EXPECT_EQ(numbers(run_method(find_method("sensorx2car"), remembered)), x2car);
   EXPECT_GT(memory.kept[Finding::kMatches], pairs);
 }
 
@@ -102,11 +102,11 @@ TEST(ImageMemory, NothingIsKeptOfFilesThatNobodyKnowsOrOfUnknownSources) {
   MethodInput input{drive.observations, &drive.recording, 2};
   input.memory = &memory;
   memory.known = false;
-  run_method(robot_autocalib_method(), input);
+  run_method(find_method("robot_autocalib"), input);
   memory.known = true;
   const Anonymous anonymous;
   input.features = &anonymous;
-  run_method(robot_autocalib_method(), input);
+  run_method(find_method("robot_autocalib"), input);
   EXPECT_TRUE(memory.kept.empty());
 }
 
@@ -119,10 +119,10 @@ TEST(ImageMemory, ImagesThatCannotBeReadAreAskedAgain) {
   MapMemory memory;
   MethodInput input{drive.observations, &drive.recording, 1};
   input.memory = &memory;
-  run_method(robot_autocalib_method(), input);
+  run_method(find_method("robot_autocalib"), input);
   EXPECT_EQ(memory.kept[Finding::kMatches], pairs_of(drive) - 2) << "the image is in two pairs";
   std::filesystem::rename(aside, image);
-  run_method(robot_autocalib_method(), input);
+  run_method(find_method("robot_autocalib"), input);
   EXPECT_EQ(memory.kept[Finding::kMatches], pairs_of(drive));
 }
 
@@ -156,18 +156,19 @@ TEST(ImageFindings, BytesReadBackAndDamageIsSeen) {
 TEST(Rivals, EveryMethodThatNeedsImagesSaysSoAndIsKnownToReadThem) {
   const Observations nothing;
   for (const Method* method : all_methods()) {
-    const std::string why_not = method->why_not({nothing});
-    const bool says_so = why_not.find("the input is observations alone") != std::string::npos;
+    const std::optional<rigproof::Finding> why_not = method->why_not({nothing});
+    const bool says_so = why_not && why_not->is("method.needs_images");
     const bool needs_images = method->traits().needs.rfind("images", 0) == 0;
-    EXPECT_EQ(says_so, needs_images) << method->traits().name << ": " << why_not;
+    EXPECT_EQ(says_so, needs_images) << method->traits().name << ": " << (why_not ? why_not->code : "");
     if (!needs_images) continue;
-    EXPECT_TRUE(reads_files(*method)) << method->traits().name;
+    EXPECT_NE(method->traits().reads, MethodReads::kObservations) << method->traits().name;
     EXPECT_EQ(run_method(*method, {nothing}).status, ResultStatus::kRefused);
   }
   // These read clouds where there are some.
-  for (const char* name : {"memroc_reference", "joint_memroc_reference"}) EXPECT_TRUE(reads_files(find_method(name)));
+  for (const char* name : {"memroc_reference", "joint_memroc_reference"})
+    EXPECT_EQ(find_method(name).traits().reads, MethodReads::kFiles);
   for (const char* name : {"ml", "memroc", "joint_memroc", "li", "robot_autocalib_board", "opencv_park"})
-    EXPECT_FALSE(reads_files(find_method(name))) << name;
+    EXPECT_EQ(find_method(name).traits().reads, MethodReads::kObservations) << name;
 }
 
 }  // namespace

@@ -7,23 +7,24 @@
 #include <fstream>
 #include <functional>
 
-#include "rigproof/calib/feature_source.h"
-#include "rigproof/calib/ground_source.h"
-#include "rigproof/calib/rivals.h"
+#include "rigproof/calib/methods/registry.h"
+#include "rigproof/calib/vision/feature_source.h"
+#include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
-#include "rivals/turn_axes.h"
-#include "rivals/vertical_lines.h"
 #include "room.h"
 #include "temp_folder.h"
+#include "turn_axes.h"
+#include "vertical_lines.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
 
 using testing::HasSubstr;
 
-std::string text(const std::vector<std::string>& lines) { return testing::PrintToString(lines); }
+std::string text(const std::vector<Finding>& findings) { return testing::PrintToString(worded(findings)); }
 
 std::vector<Rigid3> straight_and_turns() {
   Steps steps(planar_pose(-2.0, -0.8, 0.1));
@@ -42,8 +43,8 @@ TEST(SensorX2Car, FindsTheRotationOfForwardAndSideCameras) {
   const TempFolder folder;
   const RoomDrive drive = drive_through_room(straight_and_turns(), two_cameras(), false, folder.path());
   const MethodInput input{drive.observations, &drive.recording, 2};
-  EXPECT_EQ(sensorx2car_method().why_not(input), "");
-  const Result result = run_method(sensorx2car_method(), input);
+  EXPECT_FALSE(find_method("sensorx2car").why_not(input));
+  const Result result = run_method(find_method("sensorx2car"), input);
   ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
   ASSERT_EQ(result.camera_to_robot.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
@@ -75,11 +76,11 @@ TEST(SensorX2Car, ReadsStraightSegments) {
     drive.recording.frames[0].push_back(frame);
   }
   const MethodInput input{drive.observations, &drive.recording, 2};
-  const Result result = run_method(sensorx2car_method(), input);
+  const Result result = run_method(find_method("sensorx2car"), input);
   ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
   EXPECT_LT(angle_deg(result.camera_to_robot[0], cameras[0]), 0.8) << text(result.notes);
   drive.recording.segments.clear();
-  EXPECT_THAT(sensorx2car_method().why_not(input), HasSubstr("0 straight steps"));
+  EXPECT_THAT(worded(find_method("sensorx2car").why_not(input)), HasSubstr("0 straight steps"));
 }
 
 // Where the robot never turns, plumb edges of the walls show the vertical.
@@ -88,7 +89,7 @@ TEST(SensorX2Car, FindsTheVerticalInPlumbLines) {
   Steps steps(planar_pose(-2.0, -0.8, 0.1));
   steps.forward(0.2, 5);
   const RoomDrive drive = drive_through_room(steps.poses, two_cameras(), false, folder.path(), Walls::kPanelled);
-  const Result result = run_method(sensorx2car_method(), {drive.observations, &drive.recording, 2});
+  const Result result = run_method(find_method("sensorx2car"), {drive.observations, &drive.recording, 2});
   ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
   for (std::size_t k = 0; k < 2; ++k)
     EXPECT_LT(angle_deg(result.camera_to_robot[k], drive.T_robot_camera[k]), 0.8) << text(result.notes);
@@ -101,7 +102,7 @@ TEST(SensorX2Car, SaysThatNothingShowsTheVertical) {
   Steps steps(planar_pose(-2.0, -0.8, 0.1));
   steps.forward(0.2, 4);
   const RoomDrive drive = drive_through_room(steps.poses, {two_cameras()[0]}, false, folder.path());
-  const Result result = run_method(sensorx2car_method(), {drive.observations, &drive.recording, 2});
+  const Result result = run_method(find_method("sensorx2car"), {drive.observations, &drive.recording, 2});
   EXPECT_EQ(result.status, ResultStatus::kRefused) << text(result.notes);
   EXPECT_THAT(text(result.reasons), HasSubstr("plumb lines"));
 }
@@ -162,15 +163,15 @@ TEST(SensorX2Car, NeedsStraightStepsAndImages) {
   for (const Rigid3& pose : steps.poses)
     observations.stops.push_back({0.0, pose.translation.x(), pose.translation.y(), yaw_of(pose), 0.0});
   const Recording recording;
-  EXPECT_THAT(sensorx2car_method().why_not({observations}), HasSubstr("observations alone"));
-  EXPECT_THAT(sensorx2car_method().why_not({observations, &recording, 1}), HasSubstr("0 straight steps"));
-  EXPECT_EQ(run_method(sensorx2car_method(), {observations, &recording, 1}).status, ResultStatus::kRefused);
+  EXPECT_THAT(worded(find_method("sensorx2car").why_not({observations})), HasSubstr("observations alone"));
+  EXPECT_THAT(worded(find_method("sensorx2car").why_not({observations, &recording, 1})), HasSubstr("0 straight steps"));
+  EXPECT_EQ(run_method(find_method("sensorx2car"), {observations, &recording, 1}).status, ResultStatus::kRefused);
 }
 
 TEST(RobotAutocalib, FindsPoseAndScaleFromFeatures) {
   const TempFolder folder;
   const RoomDrive drive = drive_through_room(straight_and_turns(), two_cameras(), false, folder.path());
-  const Result result = run_method(robot_autocalib_method(), {drive.observations, &drive.recording, 2});
+  const Result result = run_method(find_method("robot_autocalib"), {drive.observations, &drive.recording, 2});
   ASSERT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons) << text(result.notes);
   for (std::size_t k = 0; k < 2; ++k) {
     const Vector6d error = transform_error(result.camera_to_robot[k].T_parent_child, drive.T_robot_camera[k]);
@@ -182,7 +183,7 @@ TEST(RobotAutocalib, FindsPoseAndScaleFromFeatures) {
 
 TEST(RobotAutocalib, NeedsImages) {
   const Observations observations;
-  EXPECT_THAT(robot_autocalib_method().why_not({observations}), HasSubstr("observations alone"));
+  EXPECT_THAT(worded(find_method("robot_autocalib").why_not({observations})), HasSubstr("observations alone"));
 }
 
 /// Fails the test where an image is looked at.
@@ -204,14 +205,14 @@ TEST(RobotAutocalib, NeedsThreeTurns) {
   const Unasked unasked;
   MethodInput input{drive.observations, &drive.recording, 2};
   input.features = &unasked;
-  const Result result = run_method(robot_autocalib_method(), input);
+  const Result result = run_method(find_method("robot_autocalib"), input);
   EXPECT_EQ(result.status, ResultStatus::kRefused);
   EXPECT_THAT(text(result.reasons), HasSubstr("turns 2 times by 2 deg or more; three at least are needed"));
   // Turns are counted between images that the camera has: without the third one the two turns remain.
   drive.observations.stops[1].yaw_rad += deg_to_rad(3.0);
-  EXPECT_EQ(robot_autocalib_method().why_not(input), "");
+  EXPECT_FALSE(find_method("robot_autocalib").why_not(input));
   drive.recording.frames[0].erase(drive.recording.frames[0].begin() + 1);
-  EXPECT_THAT(robot_autocalib_method().why_not(input), HasSubstr("turns 2 times"));
+  EXPECT_THAT(worded(find_method("robot_autocalib").why_not(input)), HasSubstr("turns 2 times"));
 }
 
 /// Says no from some question on.
@@ -260,7 +261,8 @@ TEST(ImageMethods, AreAbandonedAtEveryPieceOfTheirWork) {
   for (CameraFrame& frame : drive.recording.frames[0]) frame.cloud_file = "cloud.txt";
   std::ofstream(folder / "cloud.txt") << "0 0 1\n1 0 1\n0 1 1\n";
   const MethodInput input{drive.observations, &drive.recording, 1};
-  for (const Method* method : {&robot_autocalib_method(), &sensorx2car_method(), &memroc_reference_method()}) {
+  for (const Method* method :
+       {&find_method("robot_autocalib"), &find_method("sensorx2car"), &find_method("memroc_reference")}) {
     SCOPED_TRACE(method->traits().name);
     expect_abandoned(input, [method](const MethodInput& asked) { run_method(*method, asked); });
   }
@@ -284,7 +286,7 @@ TEST(ImageMethods, ANetworkThatFailsIsAnError) {
   const Broken broken;
   MethodInput input{drive.observations, &drive.recording, 2};
   input.features = &broken;
-  EXPECT_THROW(run_method(robot_autocalib_method(), input), Error);
+  EXPECT_THROW(run_method(find_method("robot_autocalib"), input), Error);
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 #include <fstream>
 
 #include "board_drive.h"
-#include "rigproof/calib/ground_plane.h"
-#include "rigproof/calib/memroc.h"
-#include "rigproof/calib/ml.h"
-#include "rigproof/calib/rivals.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/methods/registry.h"
+#include "rigproof/calib/vision/ground_plane.h"
 #include "rigproof/core/conventions.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -19,14 +19,15 @@ namespace {
 using testing::HasSubstr;
 
 const std::vector<const Method*>& references() {
-  static const std::vector<const Method*> methods = {&memroc_reference_method(), &joint_memroc_reference_method()};
+  static const std::vector<const Method*> methods = {&find_method("memroc_reference"),
+                                                     &find_method("joint_memroc_reference")};
   return methods;
 }
 
 // Those that place cameras in the robot and are meant to be good at it.
 const std::vector<const Method*>& others() {
-  static const std::vector<const Method*> methods = {&ml_method(), &joint_memroc_method(), &memroc_method(),
-                                                     &robot_autocalib_board_method()};
+  static const std::vector<const Method*> methods = {&ml_method(), &find_method("joint_memroc"), &find_method("memroc"),
+                                                     &find_method("robot_autocalib_board")};
   return methods;
 }
 
@@ -41,7 +42,7 @@ void expect_good(const Method& method, const SyntheticDrive& drive) {
 
 void expect_others_good(const SyntheticDrive& drive) {
   for (const Method* method : others()) expect_good(*method, drive);
-  const WorstError between = worst_pair_error(li_method().solve(drive.observations), drive);
+  const WorstError between = worst_pair_error(find_method("li").solve(drive.observations), drive);
   EXPECT_LT(between.distance_m, kGood_m) << "li";
   EXPECT_LT(between.angle_rad, kGood_rad) << "li";
 }
@@ -103,7 +104,7 @@ TEST(MemrocReference, SaysBeforehandThatNoCameraHasDepth) {
       EXPECT_THAT(testing::PrintToString(result.reasons), HasSubstr("No camera has depth images or clouds"));
     }
     for (CameraFrame& frame : recording.frames[1]) frame.cloud_file = "none.txt";
-    EXPECT_EQ(method->why_not({drive.observations, &recording, 1}), "");
+    EXPECT_FALSE(method->why_not({drive.observations, &recording, 1}));
     for (CameraFrame& frame : recording.frames[1]) frame.cloud_file.clear();
   }
 }
@@ -176,7 +177,7 @@ TEST(MemrocReference, TakesACeilingLargerThanTheFloorForTheGround) {
     // What observing makes of the same cloud: up is known from the motion.
     const Eigen::Vector3d up = X.rotation.conjugate() * Eigen::Vector3d::UnitZ();
     const GroundPlaneFit fit = fit_ground_plane({points, 1.0, 0.0, 0.3, 6.0}, DepthNoise(), up);
-    ASSERT_TRUE(fit.plane) << fit.reason;
+    ASSERT_TRUE(fit.plane) << worded(fit.why_not);
     drive.observations.ground_planes.push_back(*fit.plane);
     drive.observations.ground_planes.back().stop = view.stop;
     drive.observations.ground_planes.back().camera = view.camera;
@@ -202,7 +203,7 @@ TEST(MemrocReference, FindsTheHeightInACloudOfTheFloor) {
     write_cloud(folder / name, level_points(drive.T_robot_camera[k], 0.0, 0.15));
     recording.frames[k].push_back({view.file, "", name, view.stamp_s, 0.0, 0});
   }
-  const Result result = run_method(memroc_reference_method(), {drive.observations, &recording, 1});
+  const Result result = run_method(find_method("memroc_reference"), {drive.observations, &recording, 1});
   // Text with six digits.
   EXPECT_LT(worst_error(result, drive).height_m, 1e-3);
 }

@@ -121,7 +121,7 @@ RoomDrive drive_through_room(const std::vector<Rigid3>& T_room_robot, const std:
       if (static_cast<int>(view.corners.size()) == o.board.corner_count())
         o.board_views.push_back(view);
       else
-        o.exclusions.push_back({static_cast<int>(k), static_cast<int>(i), file, "no board"});
+        o.exclusions.push_back({static_cast<int>(k), static_cast<int>(i), file, Finding("board.not_found")});
     }
   }
   return drive;

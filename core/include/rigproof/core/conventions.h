@@ -1,4 +1,4 @@
-// The conventions that every other file relies on. The page for people is docs/conventions.md.
+// The conventions that every other file relies on. The page for people is docs/reference/conventions.md.
 //
 // Frames
 //   robot   fixed to the chassis; at static equilibrium on flat ground it coincides with the ground point amid the

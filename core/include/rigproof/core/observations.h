@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/core/finding.h"
 #include "rigproof/core/rig.h"
 
 namespace rigproof {
@@ -52,20 +53,18 @@ struct Stop {
   /// Odometry poses (x [m], y [m], yaw [rad]) between the stop before and this one, in the order of driving, thinned so
   /// that arcs of constant twist between them meet what was left out; empty where odometry has no rows in between.
   std::vector<Eigen::Vector3d> way = {};
-  /// By the odometry, in the robot's frame [m/s, m/s, rad/s]; zero where it stands, or odometry's rows are too far
-  /// apart.
+  /// Velocity by the odometry, in the robot's frame [m/s, m/s, rad/s]; zero where the robot stands, and where the rows
+  /// of odometry are too far apart to tell.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
-/// Begins the reason of an exclusion that concerns the depth of a frame only, not its image.
-inline constexpr const char* kDepthReason = "depth: ";
-
-/// A frame that calibration does not use, and why, in words.
+/// A frame that calibration does not use, and why.
 struct Exclusion {
   int camera = 0;
   int stop = -1;  ///< -1: belongs to no stop
   std::string file;
-  std::string reason;  ///< e.g. "board cut off", "no board", "residual 2.4 px"
+  Finding why;         ///< board.cut_off, view.residual, ..
+  bool depth = false;  ///< only the depth of the frame is left out, its image is not
 };
 
 struct Observations {

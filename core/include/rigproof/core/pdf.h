@@ -21,7 +21,5 @@ std::string pdf_document(const PdfPage& page);
 std::string pdf_number(double value, int decimals = 4);
 /// A string object, "(as \(this\))". What is not ASCII becomes a question mark.
 std::string pdf_string(const std::string& words);
-/// Width of a line in Helvetica at a font size of 1; bold is a little wider and taken as the same.
-double helvetica_width(const std::string& words);
 
 }  // namespace rigproof

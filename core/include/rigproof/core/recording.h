@@ -27,8 +27,8 @@ struct OdometrySample {
   double yaw_rad = 0.0;
 };
 
-/// A stretch of a recording that serves something else than the board. Frames whose stamps lie in it are no stops:
-/// board calibration leaves them alone. On disk a line of segments.csv: kind,begin_s,end_s.
+/// A stretch of a recording that is not meant for board calibration, which leaves its frames alone: they are no stops.
+/// On disk a line of segments.csv: kind,begin_s,end_s.
 struct RecordingSegment {
   std::string kind;  ///< straight: the robot drives straight ahead, at least three frames a camera, no board needed
   double begin_s = 0.0;

@@ -26,9 +26,9 @@ struct EstimatedTransform {
   bool fully_observable() const;
 };
 
-/// A camera in the robot whose heading is not observable, in the axes that its yaw counts from: the robot's, turned by
-/// the estimated yaw, which becomes zero. So results hold it on disk, roll and pitch with their covariance being of use
-/// in no other axes. Any other estimate, and one in these axes already, stays.
+/// The estimate in axes in which its yaw is zero: the parent's, turned about z by the estimated yaw. For a camera in
+/// the robot whose heading is not observable: roll, pitch and their covariance mean something in these axes only, and
+/// results are written in them. Any other estimate is returned as it is.
 EstimatedTransform heading_free(EstimatedTransform estimate);
 
 /// How much of a camera's data a method used.
@@ -66,8 +66,8 @@ const char* result_status_name(ResultStatus status);
 struct Result {
   std::string method;
   ResultStatus status = ResultStatus::kRefused;
-  std::vector<std::string> reasons;                  ///< why it is partial or refused, in sentences
-  std::vector<std::string> notes;                    ///< what the user should know, in sentences
+  std::vector<Finding> reasons;                      ///< why it is partial or refused, the likely cause first
+  std::vector<Finding> notes;                        ///< what the user should know
   std::vector<EstimatedTransform> camera_to_robot;   ///< parent robot_frame, child camera
   std::vector<EstimatedTransform> camera_to_camera;  ///< parent camera j, child camera k, j < k
   /// Covariance of all of camera_to_robot together, six rows a camera in that order, in the chart of
@@ -84,8 +84,8 @@ struct Result {
 /// Reads a result, ours or the smallest one that somebody else wrote: a list or map of
 /// {parent, child, translation_m, quaternion_xyzw}. Throws Error with every problem found.
 Result load_result(const std::filesystem::path& file);
-/// Writes a result atomically.
-void save_result(const Result& result, const std::filesystem::path& file);
+/// Writes a result atomically. `wording` adds sentences for people, which nothing reads.
+void save_result(const Result& result, const std::filesystem::path& file, const Wording& wording = {});
 /// "pose of left in robot".
 std::string sentence_of(const EstimatedTransform& transform);
 

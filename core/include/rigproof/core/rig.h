@@ -58,7 +58,7 @@ struct DepthStream {
 struct RigCamera {
   std::string name;    ///< frame name of the optical frame in results, unique
   std::string sensor;  ///< preset in models/sensors, e.g. "d455"; may be empty
-  std::string link;    ///< TF link that a result is exported for; may be empty
+  std::string link;    ///< the camera in the user's TF tree; may be empty
   std::string folder;  ///< folder inside the recording, relative
   Camera camera;
   std::optional<DepthStream> depth;

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/core/fields.h"
 #include "rigproof/core/rig.h"
 #include "rigproof/core/rigid3.h"
-#include "rigproof/core/sensor_simulation.h"
-#include "rigproof/core/yaml.h"
 
 namespace rigproof {
 
@@ -19,44 +18,41 @@ struct RigReadOptions {
   std::filesystem::path folder;
   /// A camera without intrinsics takes the nominal ones of its sensor: right for a simulator, never for a real robot.
   bool nominal_intrinsics = false;
+  std::size_t max_cameras = 64;
 };
 
-// Every reader asks `map` for the keys it knows and reports what is wrong with them; the caller may ask for more keys
-// and then calls map.finish(). Where something is wrong the value returned is incomplete: throw the problems.
+// Where something is wrong what was read is incomplete: throw the problems.
 
 /// {type: checkerboard, squares: [6, 5], square_mm: 110}, or the name of a preset in models/boards.
-Board read_board(const YamlTree& tree, const std::string& path, Problems* problems);
+void visit_fields(FieldVisitor& visitor, Board& board);
+/// The block alone.
+void visit_board(FieldVisitor& visitor, Board& board);
 /// width_px height_px fx_px fy_px cx_px cy_px lens distortion.
-Camera read_intrinsics(MapReader& map);
-/// The block `depth`: unit_m min_m max_m noise camera T_color_depth; what is absent stays as in `preset`.
-DepthStream read_depth_stream(MapReader& map, const DepthStream& preset);
-/// sensor link folder intrinsics camera_info depth.
-RigCamera read_rig_camera(const std::string& name, MapReader& map, const RigReadOptions& options);
-/// The map `cameras:`, in the file's order.
-std::vector<RigCamera> read_rig_cameras(const YamlTree& tree, const std::string& path, const RigReadOptions& options,
-                                        Problems* problems);
+void visit_fields(FieldVisitor& visitor, Camera& camera);
+/// The same, where another key may stand for some of them: none is required.
+void visit_camera(FieldVisitor& visitor, Camera& camera);
+void visit_fields(FieldVisitor& visitor, DepthNoise& noise);
+/// unit_m min_m max_m noise camera T_color_depth; what is absent stays as it is.
+void visit_fields(FieldVisitor& visitor, DepthStream& depth);
+/// Intrinsics and T_color_depth.
+void visit_fields(FieldVisitor& visitor, DepthStream::OwnCamera& camera);
 /// {model: per_increment, sigma_xy_mm: 2, sigma_yaw_deg: 0.5}.
-OdometryNoise read_odometry_noise(MapReader& map);
+void visit_fields(FieldVisitor& visitor, OdometryNoise& noise);
 /// {xy_mm: 8, z_mm: 4, angle_deg: 0.2}.
-AcceptLimits read_accept_limits(MapReader& map);
+void visit_fields(FieldVisitor& visitor, AcceptLimits& accept);
 /// {translation_m: [x, y, z], quaternion_xyzw: [x, y, z, w]}. A norm within 1e-3 of 1 is normalised.
-Rigid3 read_transform(MapReader& map);
+void visit_fields(FieldVisitor& visitor, Rigid3& T);
+/// The same two keys in a block that has others, too.
+void visit_pose(FieldVisitor& visitor, Rigid3& T);
+/// Further keys of a camera; a reader has appended the camera to the list before.
+using VisitMount = std::function<void(FieldVisitor&)>;
+/// The map `cameras:`, in the file's order; each has sensor folder link intrinsics camera_info depth.
+void visit_rig_cameras(FieldVisitor& visitor, const RigReadOptions& options, std::vector<RigCamera>& cameras,
+                       const VisitMount& visit_mount = {});
+/// rig.yaml of a recording in `folder`, where camera_info.yaml is looked up.
+void visit_rig(FieldVisitor& visitor, const std::filesystem::path& folder, Rig& rig);
 /// True if a name can be a frame name and a folder: letters, digits, "_", "-", ".", at most 64, no leading dot.
 bool is_frame_name(const std::string& name);
-
-// What writes the same.
-YamlTree tree_of(const Board& board);
-YamlTree tree_of(const Camera& camera);
-YamlTree tree_of(const DepthStream& depth);
-YamlTree tree_of(const RigCamera& camera);
-YamlTree tree_of(const OdometryNoise& noise);
-YamlTree tree_of(const AcceptLimits& accept);
-/// A map that other entries can be added to.
-YamlTree tree_of(const Rigid3& T);
-void set_transform(const Rigid3& T, YamlTree* map);
-
-/// A value in a key's unit such that value / units_per_si reads back to the same double, with as few digits as can be.
-double value_in_unit(double value, double units_per_si);
 
 /// What a data sheet says of a stereo camera.
 struct StereoGeometry {
@@ -75,10 +71,11 @@ struct SensorPreset {
   std::optional<DepthStream::OwnCamera> raw_depth;
   bool delivers_raw_depth = false;  ///< `depth_frame: raw`: what a rig with this sensor has unless it says otherwise
   std::optional<StereoGeometry> stereo;  ///< where the preset gives it; the law in `depth` follows from it
-  SensorSimulation simulation;
 };
 /// Throws Error with every problem of the preset, or with the nearest name if there is none.
-SensorPreset load_sensor_preset(const std::string& name);
+/// @param simulation the fields of the block `simulation`, which only a simulator knows. Without it nothing of that
+/// block is read but how large the device's fixed depth error is.
+SensorPreset load_sensor_preset(const std::string& name, const VisitFields& simulation = {});
 /// A board of models/boards by name, or a file. Throws Error.
 Board load_board(const std::string& name_or_path);
 

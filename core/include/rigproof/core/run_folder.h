@@ -1,4 +1,4 @@
-// Where things lie in a run, and what kind of input a path is.
+// Where things lie in a run, and its manifest.
 #pragma once
 
 #include <cstdint>
@@ -24,11 +24,6 @@ struct RunFolder {
   std::filesystem::path result_file(const std::string& method) const { return results() / (method + ".yaml"); }
   std::filesystem::path pictures() const { return root / "pictures"; }
 };
-
-enum class InputKind { kRun, kRecording, kObservations, kMemrocLayout };
-
-/// Tells by the shape of the folder (or file) what it is. Throws Error that says what was looked for.
-InputKind classify_input(const std::filesystem::path& path);
 
 /// run.yaml: what generated the run and the size and SHA-256 of every file in recording/ and truth/.
 struct Manifest {

@@ -40,6 +40,7 @@ struct YamlTree {
   static YamlTree text(const std::string& value);
   /// [a, b, c] on one line.
   static YamlTree numbers(const std::vector<double>& values);
+  static YamlTree texts(const std::vector<std::string>& values);
   static YamlTree sequence();
   static YamlTree map();
   /// A map that is written on one line.
@@ -54,6 +55,10 @@ YamlTree parse_yaml(const std::string& text, const std::filesystem::path& file);
 YamlTree read_yaml_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 4U << 20U);
 /// Block style with two spaces, `flow` nodes on one line. parse_yaml() reads the same tree back.
 std::string emit_yaml(const YamlTree& tree);
+/// The same tree on one line of YAML: [a, b], {key: value}.
+std::string emit_yaml_line(const YamlTree& tree);
+/// The same tree as JSON: on one line, or in lines that are indented by so many spaces a level.
+std::string emit_json(const YamlTree& tree, int indent = -1);
 
 /// Reads the entries of a map by key. What is asked for becomes a known key; finish() reports the others.
 class MapReader {
@@ -104,6 +109,7 @@ std::optional<std::string> read_text(const YamlTree& tree, const std::string& pa
                                      const std::vector<std::string>& choices, Problems* problems);
 std::optional<std::vector<double>> read_numbers(const YamlTree& tree, const std::string& path, std::size_t size_min,
                                                 std::size_t size_max, const NumberRange& range, Problems* problems);
+std::optional<std::vector<std::string>> read_texts(const YamlTree& tree, const std::string& path, Problems* problems);
 /// "0 to 1", ">= 0", "<= 1", or nothing for no limit.
 std::string range_text(const NumberRange& range);
 

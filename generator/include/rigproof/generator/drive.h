@@ -22,9 +22,24 @@ struct Capture {
 
 /// A way that came to nothing, and why.
 struct DriveTrouble {
+  enum class Kind {
+    kTouches,
+    kTippedOver,
+    kDoesNotTurn,
+    kDoesNotGetOn,
+    kEndsTooFar,   ///< however often it corrects its place
+    kDoesNotRest,  ///< at the viewpoint
+    kNoWay,        ///< not even planned
+    kNoOtherWay    ///< than those that failed
+  };
   std::size_t goal = 0;  ///< of those asked for, in order, the replacements included
   FloorPose at;          ///< where the robot was
-  std::string reason;    ///< "touches shelf", "tipped over", "stuck: ..", "no way: .. is in between"
+  Kind kind = Kind::kTouches;
+  std::string what;  ///< touched, or in between
+
+  bool lacks_way() const { return kind == Kind::kNoWay || kind == Kind::kNoOtherWay; }
+  /// "touches shelf", "tipped over", "stuck: ..", "no way: .. is in between,"
+  std::string text() const;
 };
 
 /// The drive as it happened. What failed and was taken back is in `troubles` alone.

@@ -6,17 +6,13 @@
 #include <cstdint>
 
 #include "rigproof/core/distribution.h"
-#include "rigproof/core/fields.h"
+#include "rigproof/generator/effect.h"
 
 namespace rigproof {
 
 struct ImageSensingConfig {
   bool noise = true;
-  bool pixel_pattern = false;
-  bool vignetting = false;
-  Distribution exposure = 1.0;
-  double exposure_jitter_percent = 0.0;
-  Distribution defocus_sigma_px = 0.0;
+  EffectList<ImageEffect> effects = image_effects();
   std::int64_t jpeg_quality = 0;
 
   void visit(FieldVisitor& visitor);
@@ -25,13 +21,7 @@ struct ImageSensingConfig {
 struct DepthSensingConfig {
   bool noise = true;
   bool disparity_steps = true;
-  bool coarse_noise = false;
-  bool bias_field = false;
-  bool occlusion = false;
-  bool edges = false;
-  bool texture_holes = false;
-  bool daylight = true;
-  Distribution misregistration_px = 0.0;
+  EffectList<DepthEffect> effects = depth_effects();
 
   void visit(FieldVisitor& visitor);
 };

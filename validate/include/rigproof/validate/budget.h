@@ -41,16 +41,16 @@ struct Check {
   bool passed = false;
   double value = 0.0;  ///< |error| in `unit`
   double limit = 0.0;
-  std::string unit;    ///< "cm", "deg", "sigma"; empty where there is no value
-  std::string reason;  ///< why it failed without a value: "the result gives no pose of it"
+  std::string unit;               ///< "cm", "deg", "sigma"; empty where there is no value
+  std::optional<Finding> reason;  ///< why it failed without a value: gate.no_pose, ..
 
-  /// "0.63 cm, allowed 0.2 cm", or the reason.
-  std::string message() const;
+  /// "0.63 cm, allowed 0.2 cm", or the reason: its code unless somebody words it.
+  std::string message(const Wording& wording = {}) const;
 };
 
 struct Gate {
   std::vector<Check> checks;
-  std::vector<std::string> notes;  ///< what could not be checked, in sentences
+  std::vector<Finding> notes;  ///< what could not be checked
   /// At least one check, and none failed: a gate that checked nothing has not been passed.
   bool passed() const;
   std::size_t failures() const;

@@ -14,10 +14,12 @@ namespace rigproof {
 
 /// One row a camera: error, and the stated sigma where there is one, in cm and deg, columns aligned. With a gate, the
 /// failing axes of a camera stand at its end. Then a line on what the cameras share, and cameras without an answer.
-std::string format_errors(const Comparison& comparison, const Gate* gate = nullptr);
+/// Reasons are codes unless somebody words them.
+std::string format_errors(const Comparison& comparison, const Gate* gate = nullptr, const Wording& wording = {});
 
 /// "PASS  36/36 within 4 sigma; sigmas honest: NEES 16.9 (95 %: 8.2-31.5)", or what failed and the one cause.
-std::string format_verdict(const Comparison& comparison, const Gate& gate, const Budget& budget);
+std::string format_verdict(const Comparison& comparison, const Gate& gate, const Budget& budget,
+                           const Wording& wording = {});
 
 /// Where one camera's one axis is to blame, what the same data gave others: "The data allow 0.003 cm (1 sigma of ml).
 /// Same run: ml +.003, joint_memroc +.012." Empty if nothing or nobody compares. `same_run` may hold `comparison` too,
@@ -33,7 +35,7 @@ std::string format_suspicion(const Comparison& comparison);
 
 /// The whole answer: errors, suspicion, verdict. `subject` is what the user named, e.g. "theirs.yaml".
 std::string format_validation(const Comparison& comparison, const Gate& gate, const Budget& budget,
-                              const std::string& subject);
+                              const std::string& subject, const Wording& wording = {});
 
 /// The run's mean absolute errors beside the published rows, with the paper's roll-pitch-yaw reading of rotations.
 std::string format_paper(const Comparison& comparison);

@@ -77,5 +77,7 @@ Proof prove(const Recording& recording, const Observations& observations, const 
             const ProofOptions& options = {});
 void save_proof(const Proof& proof, const std::filesystem::path& file);
 Proof load_proof(const std::filesystem::path& file);
+/// JSON Schema of truth/proof.yaml.
+std::string proof_schema();
 
 }  // namespace rigproof

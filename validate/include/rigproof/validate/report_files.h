@@ -21,13 +21,14 @@ struct ValidationRecord {
 
 /// {tool, version, passed, results: [{subject, method, status, errors in m and rad with sigma and z, checks, ..}]}.
 /// Numbers read back to the same doubles; what is absent is null.
-std::string to_json(const std::vector<ValidationRecord>& records);
+std::string to_json(const std::vector<ValidationRecord>& records, const Wording& wording = {});
 /// One testsuite a result, one testcase a check, failures with messages, facts as properties. A gate that checked
-/// nothing is one failing testcase. Any text is escaped, and characters that XML forbids are replaced.
-std::string to_junit(const std::vector<ValidationRecord>& records);
+/// nothing is one failing testcase. Reasons are the codes of the findings, and their words where somebody words them.
+/// Any text is escaped, and characters that XML forbids are replaced.
+std::string to_junit(const std::vector<ValidationRecord>& records, const Wording& wording = {});
 
-/// Both are written whole or not at all. Throw Error.
-void save_json(const std::vector<ValidationRecord>& records, const std::filesystem::path& file);
-void save_junit(const std::vector<ValidationRecord>& records, const std::filesystem::path& file);
+/// Written whole or not at all. Throws Error.
+void save_junit(const std::vector<ValidationRecord>& records, const std::filesystem::path& file,
+                const Wording& wording = {});
 
 }  // namespace rigproof

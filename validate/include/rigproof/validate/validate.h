@@ -51,7 +51,7 @@ struct CameraNees {
 struct Comparison {
   std::string method;
   ResultStatus status = ResultStatus::kSolved;
-  std::vector<std::string> reasons;             ///< of the result, why it is partial or refused
+  std::vector<Finding> reasons;                 ///< of the result, why it is partial or refused
   std::vector<std::string> cameras;             ///< all of the truth's
   std::vector<TransformError> camera_to_robot;  ///< in the truth's order
   /// As the result states them; composed from camera_to_robot where it does not.

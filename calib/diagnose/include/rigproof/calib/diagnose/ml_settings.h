@@ -1,0 +1,49 @@
+// The method `ml` with settings: `ml:KEY=VALUE,..` or `ml:FILE.yaml` wherever a method is named.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rigproof/calib/diagnose/method.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/core/fields.h"
+
+namespace rigproof {
+
+/// Priors of what `ml` otherwise believes, one sigma each; 0 = believed. docs/guides/lenses-and-clocks.md tells what
+/// they do.
+struct MlSettings {
+  std::string name = "ml";     ///< in tables and results/NAME.yaml
+  std::vector<double> sigmas;  ///< in the order and the units of prior_settings()
+
+  MlSettings();
+  void visit(FieldVisitor& visitor);
+  MlOptions options() const;
+};
+
+/// What begins the name of a method with settings.
+inline constexpr const char* kMlPrefix = "ml:";
+
+/// Whether the text behind the prefix names a file, and no settings.
+bool names_ml_file(const std::string& text);
+/// Settings from "KEY=VALUE,KEY=VALUE", or from a YAML file (whose name is the method's, unless it says another).
+/// Throws Error with every problem found.
+MlSettings read_ml_settings(const std::string& text);
+std::string ml_settings_schema();
+
+/// The method `ml` with settings.
+class MlMethod : public Method {
+ public:
+  explicit MlMethod(MlSettings settings = {}) : settings_(std::move(settings)) {}
+  MethodTraits traits() const override;
+  Result solve(const Observations& observations) const override;
+  std::string settings_text() const override;
+  std::optional<MlOptions> prediction_options() const override { return settings_.options(); }
+
+ private:
+  MlSettings settings_;
+};
+
+}  // namespace rigproof

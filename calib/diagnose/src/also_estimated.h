@@ -1,0 +1,14 @@
+// What was estimated of lenses and clocks beside the poses, as users see it.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "rigproof/calib/estimate/fit.h"
+#include "rigproof/core/result.h"
+
+namespace rigproof::ml {
+
+/// @param globals covariance of the global unknowns
+void report_also_estimated(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals, Result* result);
+
+}  // namespace rigproof::ml

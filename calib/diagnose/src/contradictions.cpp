@@ -1,0 +1,105 @@
+#include "contradictions.h"
+
+#include <cmath>
+
+#include "rigproof/core/conventions.h"
+
+namespace rigproof::ml {
+namespace {
+
+// Robust chi-square per redundant dimension above which declared sigmas do not describe the data.
+constexpr double kMaxChiSquare = 1.5;
+// And by chance: this many standard deviations of it.
+constexpr double kMaxDeviations = 5.0;
+// Plausible levels: beyond them something else than noise is at work.
+constexpr double kMaxOdometryXy_m = 0.10;
+constexpr double kMaxOdometryYaw_rad = 0.15;
+constexpr double kMaxCorner_px = 1.5;
+// Systematic errors beyond these many sigmas of their prior.
+constexpr double kMaxPriorSigmas = 3.0;
+
+// Weighted squares over their expectation, or 0 where chance explains them.
+double chi_square(const GroupSum& all, int loss_dimensions) {
+  const GroupSum sum = all.without_outliers();
+  const double redundancy = sum.redundancy();
+  if (redundancy < 3.0) return 0.0;
+  const double ratio = sum.weighted_square / (cauchy_moments(loss_dimensions).weighted_square * redundancy);
+  return ratio > 1.0 + kMaxDeviations * std::sqrt(2.0 / redundancy) ? ratio : 0.0;
+}
+
+void check_declared(const Problem& problem, const GroupSums& sums, std::vector<Finding>* findings) {
+  const OdometryNoise& declared = problem.observations().odometry_noise;
+  const double xy = declared.sigma_xy_m ? chi_square(sum_of(sums, Group::kOdometryXy), 3) : 0.0;
+  const double yaw = declared.sigma_yaw_rad ? chi_square(sum_of(sums, Group::kOdometryYaw), 3) : 0.0;
+  if (xy > kMaxChiSquare)
+    findings->emplace_back("odometry.translations_contradict",
+                           FindingValues{{"ratio", std::sqrt(xy)}, {"declared_mm", 1e3 * *declared.sigma_xy_m}});
+  if (yaw > kMaxChiSquare)
+    findings->emplace_back(
+        "odometry.turns_contradict",
+        FindingValues{{"ratio", std::sqrt(yaw)}, {"declared_deg", rad_to_deg(*declared.sigma_yaw_rad)}});
+}
+
+void check_levels(const Problem& problem, std::vector<Finding>* findings) {
+  const NoiseLevels& noise = problem.noise;
+  const OdometryNoise& declared = problem.observations().odometry_noise;
+  const bool xy = !declared.sigma_xy_m && noise.odometry_xy_m > kMaxOdometryXy_m;
+  const bool yaw = !declared.sigma_yaw_rad && noise.odometry_yaw_rad > kMaxOdometryYaw_rad;
+  if (!xy && !yaw) return;
+  findings->emplace_back("odometry.implausible", FindingValues{{"off_mm", 1e3 * noise.odometry_xy_m},
+                                                               {"off_deg", rad_to_deg(noise.odometry_yaw_rad)},
+                                                               {"limit_mm", 1e3 * kMaxOdometryXy_m},
+                                                               {"limit_deg", rad_to_deg(kMaxOdometryYaw_rad)}});
+}
+
+// The loss hides what contradicts the cameras as outliers; when most of the odometry is hidden, it is no outlier.
+void check_majority(const GroupSums& sums, std::vector<Finding>* findings) {
+  constexpr double kMinShare = 0.5;  // of the weight that Gaussian residuals have
+  const GroupSum& sum = sum_of(sums, Group::kOdometryXy);
+  if (sum.dimensions == 0 || sum.weight > kMinShare * cauchy_moments(3).weight * sum.dimensions) return;
+  findings->emplace_back("odometry.mostly_outliers");
+}
+
+void check_systematics(const Problem& problem, const State& state, std::vector<Finding>* findings) {
+  if (problem.noise.odometry_model != OdometryModel::kPerIncrement) return;
+  const auto beyond = [&](int part) {
+    const double sigma = problem.priors().sigma(Nuisance::kOdometryFactors, 0, part);
+    return sigma > 0.0 && std::abs(state.nuisances.of(Nuisance::kOdometryFactors)[part]) > kMaxPriorSigmas * sigma;
+  };
+  if (beyond(0))
+    findings->emplace_back("odometry.translation_factor", FindingValues{{"factor", state.odometry_scale()}});
+  if (beyond(1)) findings->emplace_back("odometry.turn_factor", FindingValues{{"factor", state.odometry_yaw_factor()}});
+}
+
+// Median-like level of the corners in pixels: the scale times the stated sigma.
+double corner_level_px(const Problem& problem, int camera) {
+  double variance = 0.0;
+  int count = 0;
+  for (const BoardView& view : problem.observations().board_views) {
+    if (view.camera != camera) continue;
+    for (const CornerObservation& corner : view.corners) variance += 0.5 * corner.covariance_px2.trace();
+    count += static_cast<int>(view.corners.size());
+  }
+  if (count == 0) return 0.0;
+  return problem.noise.corner_scale[static_cast<std::size_t>(camera)] * std::sqrt(variance / count);
+}
+
+}  // namespace
+
+Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums) {
+  Contradictions found;
+  check_declared(problem, sums, &found.odometry);
+  check_levels(problem, &found.odometry);
+  check_majority(sums, &found.odometry);
+  check_systematics(problem, state, &found.odometry);
+  for (int c = 0; c < problem.layout().cameras; ++c) {
+    const double level = corner_level_px(problem, c);
+    found.bad_corners.push_back(level > kMaxCorner_px);
+    if (level > kMaxCorner_px)
+      found.cameras.push_back(Finding("corners.off", {{"off_px", level}, {"limit_px", kMaxCorner_px}})
+                                  .of(problem.observations().cameras[static_cast<std::size_t>(c)].name));
+  }
+  return found;
+}
+
+}  // namespace rigproof::ml

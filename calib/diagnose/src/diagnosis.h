@@ -1,0 +1,48 @@
+// The likely cause of a contradiction: each fault is undone in turn, and the data judge what is left.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "lens_check.h"
+#include "rigproof/core/finding.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+/// The solution of a run whose fault was undone.
+struct Trial {
+  double unexplained = 0.0;  ///< -2 ln of the restricted likelihood; what was left out counts as very wrong
+  double odometry_xy_m = 0.0;
+  double odometry_yaw_rad = 0.0;
+  bool clean = false;  ///< nothing contradicts itself any more
+  std::optional<LensTest> lenses;
+};
+/// @param same_views whether only the odometry was changed, so that the board's poses in the views still hold
+using Refit = std::function<std::optional<Trial>(const Observations&, bool same_views)>;
+
+/// What of the solution contradicts itself.
+struct Symptoms {
+  bool odometry = false;
+  bool lenses = false;
+  std::vector<bool> bad_corners;  ///< cameras whose corners are far off
+  bool frames = false;            ///< many views of a camera had to be left out
+  double stops_ahead = 0.0;       ///< of the odometry, by the residuals' slope
+  double odometry_scale = 1.0;    ///< if it were free
+  bool any() const { return odometry || lenses || frames; }
+};
+
+/// With `undone_mm` and `undone_deg`: how well odometry and cameras agree without it.
+struct Cause {
+  std::vector<Finding> findings;  ///< one, or more where the data do not tell them apart (`joined_by`)
+  bool spoils_all = false;
+};
+
+/// The most likely cause, or several where the data do not tell them apart; absent if none leaves the data in order.
+std::optional<Cause> find_cause(const Observations& observations, const Symptoms& symptoms, const Refit& refit);
+
+/// Stops that are looked at: causes act on all of them alike.
+inline constexpr int kDiagnosedStops = 24;
+
+}  // namespace rigproof::ml

@@ -1,0 +1,36 @@
+// What in a solution contradicts itself, and the likely cause of it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "contradictions.h"
+#include "diagnosis.h"
+#include "rigproof/calib/diagnose/observability.h"
+#include "rigproof/calib/estimate/fit.h"
+#include "rigproof/calib/estimate/odometry_rows.h"
+
+namespace rigproof::ml {
+
+struct Examination {
+  MotionVerdict motion;
+  std::optional<GroupSums> sums;  ///< with leverage; absent where the poses are not determined
+  Contradictions contradictions;
+  Symptoms symptoms;
+  std::vector<WildRow> wild_rows;
+  bool upside_down = false;
+  std::optional<LensTest> lenses;
+  std::optional<Cause> cause;
+  std::vector<Finding> wrong_frames;
+  std::vector<Finding> notes;
+  /// Where the motion leaves the mounting open, a solution is one of many: its residuals blame no lens and no frame.
+  bool motion_suffices() const { return motion.kind == MotionKind::kSufficient; }
+  bool lens_spoils() const { return cause && cause->spoils_all; }
+};
+
+/// How the robot moved by what the solved cameras saw of the board.
+MotionVerdict motion_of(const Preparation& prepared);
+
+Examination examine(const Preparation& prepared, const Fit& fit, const MotionVerdict& motion);
+
+}  // namespace rigproof::ml

@@ -1,0 +1,240 @@
+#include "faults.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof::ml {
+namespace {
+
+using Change = std::function<void(Stop*)>;
+
+std::function<void(Observations*)> for_each_stop(const Change& change) {
+  return [change](Observations* observations) {
+    for (Stop& stop : observations->stops) {
+      for (Eigen::Vector3d& pose : stop.way) {
+        Stop passed;
+        passed.x_m = pose.x();
+        passed.y_m = pose.y();
+        passed.yaw_rad = pose.z();
+        change(&passed);
+        pose = {passed.x_m, passed.y_m, passed.yaw_rad};
+      }
+      change(&stop);
+    }
+  };
+}
+
+Change scale_positions(double factor) {
+  return [factor](Stop* stop) {
+    stop->x_m *= factor;
+    stop->y_m *= factor;
+  };
+}
+
+Fault in_unit(const char* unit, double metres) {
+  return {FaultKind::kUnit, Finding("odometry.unit", {{"unit", unit}}), false, for_each_stop(scale_positions(metres))};
+}
+
+Rigid3 pose_of(const Stop& stop) { return planar_pose(stop.x_m, stop.y_m, stop.yaw_rad); }
+
+void set_pose(const Rigid3& T, Stop* stop) {
+  stop->x_m = T.translation.x();
+  stop->y_m = T.translation.y();
+  stop->yaw_rad = yaw_of(T);
+}
+
+Rigid3 between(const Rigid3& from, const Rigid3& to, double share) {
+  return from * se3_exp(share * se3_log(from.inverse() * to));
+}
+
+// Odometry o'_i = o_(i + stops), with a whole number of stops. Rows that nothing is known about stay as they are: one
+// or two wrong rows are outliers.
+void shift_rows(int stops, std::vector<Stop>* rows) {
+  const std::vector<Stop> shifted = *rows;
+  for (int i = 0; i < static_cast<int>(rows->size()); ++i) {
+    const int from = i - stops;
+    if (from < 0 || from >= static_cast<int>(rows->size())) continue;
+    const Stop& source = shifted[static_cast<std::size_t>(from)];
+    Stop& row = (*rows)[static_cast<std::size_t>(i)];
+    set_pose(pose_of(source), &row);
+    row.way = source.way;
+  }
+}
+
+// o'_i = between(o_i, o_(i+1), share), solved from the end at which the recursion forgets its start.
+void undo_interpolation(double share, std::vector<Stop>* rows) {
+  const std::size_t n = rows->size();
+  if (n < 2) return;
+  std::vector<Rigid3> poses;
+  for (const Stop& stop : *rows) poses.push_back(pose_of(stop));
+  std::vector<Rigid3> original = poses;
+  if (share <= 0.5) {
+    for (std::size_t i = n - 1; i-- > 0;) original[i] = between(original[i + 1], poses[i], 1.0 / (1.0 - share));
+  } else {
+    for (std::size_t i = 0; i + 1 < n; ++i) original[i + 1] = between(original[i], poses[i], 1.0 / share);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    set_pose(original[i], &(*rows)[i]);
+    (*rows)[i].way.clear();  // of rows between stops nothing is known
+  }
+}
+
+double median_interval_s(const Observations& observations) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < observations.stops.size(); ++i)
+    intervals.push_back(observations.stops[i].stamp_s - observations.stops[i - 1].stamp_s);
+  if (intervals.empty()) return 0.0;
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  return *middle;
+}
+
+Finding shifted_stamps(const Observations& observations, double stops) {
+  const double size = std::abs(stops);
+  return Finding("odometry.stamps", {{"side", stops > 0.0 ? "ahead of" : "behind"},
+                                     {"shift_stops", size},
+                                     {"shift_s", size * median_interval_s(observations)}});
+}
+
+template <typename T>
+void keep_stops(int first, int end, std::vector<T>* values) {
+  values->erase(std::remove_if(values->begin(), values->end(),
+                               [=](const T& value) { return value.stop < first || value.stop >= end; }),
+                values->end());
+}
+
+// The way to the stop after this one, past it.
+void join_ways(int stop, std::vector<Stop>* stops) {
+  const std::size_t i = static_cast<std::size_t>(stop);
+  if (i + 1 >= stops->size()) return;
+  const Stop& passed = (*stops)[i];
+  std::vector<Eigen::Vector3d> way = passed.way, rest = std::move((*stops)[i + 1].way);
+  way.emplace_back(passed.x_m, passed.y_m, passed.yaw_rad);
+  way.insert(way.end(), rest.begin(), rest.end());
+  (*stops)[i + 1].way = std::move(way);
+}
+
+template <typename T>
+void erase_stop(int stop, std::vector<T>* values) {
+  values->erase(std::remove_if(values->begin(), values->end(), [stop](const T& value) { return value.stop == stop; }),
+                values->end());
+  for (T& value : *values)
+    if (value.stop > stop) --value.stop;
+}
+
+template <typename T>
+void shift_stops(int camera, int by, std::vector<T>* values) {
+  for (T& value : *values)
+    if (value.camera == camera) value.stop += by;
+}
+
+template <typename T>
+void sort_by_stop(std::vector<T>* values) {
+  std::stable_sort(values->begin(), values->end(),
+                   [](const T& a, const T& b) { return a.stop != b.stop ? a.stop < b.stop : a.camera < b.camera; });
+}
+
+void shift_camera(int camera, int by, Observations* observations) {
+  const int stops = static_cast<int>(observations->stops.size());
+  const auto shift = [&](auto* values) {
+    shift_stops(camera, by, values);
+    keep_stops(0, stops, values);
+    sort_by_stop(values);
+  };
+  shift(&observations->board_views);
+  shift(&observations->ground_planes);
+  shift(&observations->board_planes);
+}
+
+}  // namespace
+
+Fault odometry_scaled(double factor) {
+  return {FaultKind::kScale, Finding("odometry.scale", {{"factor", factor}}), false,
+          for_each_stop(scale_positions(1.0 / factor))};
+}
+
+Fault odometry_ahead(const Observations& observations, double stops) {
+  const int whole = static_cast<int>(std::floor(stops));
+  const double share = stops - whole;
+  return {FaultKind::kStamps, shifted_stamps(observations, stops), false, [whole, share](Observations* repaired) {
+            if (share > 1e-9) undo_interpolation(share, &repaired->stops);
+            shift_rows(whole, &repaired->stops);
+          }};
+}
+
+std::vector<Fault> odometry_faults(const Observations& observations) {
+  std::vector<Fault> faults = {
+      in_unit("millimetres", 1e-3),
+      in_unit("centimetres", 1e-2),
+      in_unit("inches", 0.0254),
+      in_unit("feet", 0.3048),
+      {FaultKind::kUnit, Finding("odometry.yaw_in_degrees"), false,
+       for_each_stop([](Stop* stop) { stop->yaw_rad = deg_to_rad(stop->yaw_rad); })},
+      {FaultKind::kSign, Finding("odometry.yaw_sign"), false,
+       for_each_stop([](Stop* stop) { stop->yaw_rad = -stop->yaw_rad; })},
+      {FaultKind::kSign, Finding("odometry.axes_swapped"), false,
+       for_each_stop([](Stop* stop) { stop->y_m = -stop->y_m; })},
+      {FaultKind::kSign, Finding("odometry.mirrored"), false, for_each_stop([](Stop* stop) {
+         stop->y_m = -stop->y_m;
+         stop->yaw_rad = -stop->yaw_rad;
+       })},
+      {FaultKind::kSign, Finding("odometry.inverted"), false,
+       for_each_stop([](Stop* stop) { set_pose(pose_of(*stop).inverse(), stop); })},
+  };
+  for (const int stops : {1, -1, 2, -2, 3, -3}) faults.push_back(odometry_ahead(observations, stops));
+  return faults;
+}
+
+std::vector<Fault> camera_shift_faults(const Observations& observations) {
+  std::vector<Fault> faults;
+  if (observations.cameras.size() < 2) return faults;  // the odometry's stamps would be shifted the other way
+  for (std::size_t c = 0; c < observations.cameras.size(); ++c)
+    for (const int by : {1, -1}) {
+      const int camera = static_cast<int>(c);
+      faults.push_back(
+          {FaultKind::kFrames,
+           Finding("frames.shifted", {{"to", by > 0 ? "next" : "previous"}}).of(observations.cameras[c].name), true,
+           [camera, by](Observations* repaired) { shift_camera(camera, by, repaired); }});
+    }
+  return faults;
+}
+
+void swap_frames(int stop, int first, int second, Observations* observations) {
+  const auto swap = [&](auto* values) {
+    for (auto& value : *values) {
+      if (value.stop != stop || (value.camera != first && value.camera != second)) continue;
+      value.camera = value.camera == first ? second : first;
+    }
+    sort_by_stop(values);
+  };
+  swap(&observations->board_views);
+  swap(&observations->ground_planes);
+  swap(&observations->board_planes);
+}
+
+Fault wrong_stop(const Observations& observations, int stop) {
+  const double stamp_s = observations.stops[static_cast<std::size_t>(stop)].stamp_s;
+  return {FaultKind::kStop, Finding("stop.contradicts", {{"stamp_s", stamp_s}}).at({stop}), false,
+          [stop](Observations* repaired) {
+            join_ways(stop, &repaired->stops);
+            repaired->stops.erase(repaired->stops.begin() + stop);
+            erase_stop(stop, &repaired->board_views);
+            erase_stop(stop, &repaired->ground_planes);
+            erase_stop(stop, &repaired->board_planes);
+          }};
+}
+
+Observations first_stops(const Observations& observations, int stops) {
+  Observations first = observations;
+  if (static_cast<int>(first.stops.size()) <= stops) return first;
+  first.stops.resize(static_cast<std::size_t>(stops));
+  keep_stops(0, stops, &first.board_views);
+  keep_stops(0, stops, &first.ground_planes);
+  keep_stops(0, stops, &first.board_planes);
+  return first;
+}
+
+}  // namespace rigproof::ml

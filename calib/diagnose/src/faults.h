@@ -1,0 +1,44 @@
+// Faults of recordings that contradict themselves, and how each is undone: the one without which the data agree best is
+// the likely cause.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "rigproof/core/finding.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+enum class FaultKind { kUnit, kSign, kStamps, kScale, kFrames, kLens, kStop };
+
+/// A fault with its remedy.
+struct Fault {
+  FaultKind kind;
+  Finding cause;
+  bool spoils_all = false;  ///< false: only x, y and yaw in the robot rest on it
+  std::function<void(Observations*)> undo;
+};
+
+/// Odometry in another unit, of another handedness or inverted, and odometry whose stamps are off by whole stops.
+std::vector<Fault> odometry_faults(const Observations& observations);
+
+/// Odometry that runs ahead of the images by `stops` stops (negative: behind), fractions lying on the way between two.
+Fault odometry_ahead(const Observations& observations, double stops);
+
+/// Odometry whose translations are `factor` times those that the cameras see.
+Fault odometry_scaled(double factor);
+
+/// Frames of one camera that were taken a stop earlier or later than is said.
+std::vector<Fault> camera_shift_faults(const Observations& observations);
+
+/// Exchanges what two cameras saw at a stop.
+void swap_frames(int stop, int first, int second, Observations* observations);
+
+/// Without the stop: one whose row or frames are wrong where there are too few to outvote it.
+Fault wrong_stop(const Observations& observations, int stop);
+
+/// The first `stops` stops, as a run of its own.
+Observations first_stops(const Observations& observations, int stops);
+
+}  // namespace rigproof::ml

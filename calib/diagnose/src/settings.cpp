@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "rigproof/calib/diagnose/ml_settings.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
+
+namespace rigproof {
+namespace {
+
+// Of what is estimated, in the settings' units: a prior that is far sharper than any data drowns them in rounding.
+constexpr double kLeastSigma = 1e-3;
+
+bool is_file_name(const std::string& name) {
+  return !name.empty() && name.size() < 100 && name[0] != '.' &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.+") ==
+             std::string::npos;
+}
+
+// "a=1,b=2" as YAML, a line each.
+std::string as_yaml(const std::string& text) {
+  std::string yaml;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string item = text.substr(begin, end - begin);
+    const std::size_t equals = item.find('=');
+    if (equals == std::string::npos)
+      throw Error(std::string(kMlPrefix) + text + ": \"" + item +
+                  "\" must be KEY=VALUE; `rigproof schema ml` lists the keys");
+    yaml += item.substr(0, equals) + ": " + item.substr(equals + 1) + "\n";
+    begin = end + 1;
+  }
+  return yaml;
+}
+
+}  // namespace
+
+MlSettings::MlSettings() {
+  const PriorSigmas usual = usual_priors();
+  for (const PriorSetting& setting : prior_settings()) sigmas.push_back(usual.*setting.sigma * setting.units_per_si);
+}
+
+void MlSettings::visit(FieldVisitor& visitor) {
+  visitor.field("name", name, TextChoices{},
+                "Name of the method in tables and of its result's file; default ml, of a file the file's");
+  for (std::size_t i = 0; i < sigmas.size(); ++i) {
+    const PriorSetting& setting = prior_settings()[i];
+    visitor.field(setting.key, sigmas[i], NumberRange{0.0, setting.most}, setting.description);
+    visitor.check(!setting.estimated || !(sigmas[i] > 0.0) || sigmas[i] >= kLeastSigma, setting.key,
+                  "allowed is 0 (believed) or " + number_text(kLeastSigma) + " and more");
+  }
+  visitor.check(is_file_name(name), "name", "must be letters, digits, _, -, + and .");
+}
+
+MlOptions MlSettings::options() const {
+  MlOptions options;
+  for (std::size_t i = 0; i < sigmas.size(); ++i) {
+    const PriorSetting& setting = prior_settings()[i];
+    options.priors.*setting.sigma = sigmas[i] / setting.units_per_si;
+  }
+  return options;
+}
+
+bool names_ml_file(const std::string& text) { return text.find('=') == std::string::npos; }
+
+MlSettings read_ml_settings(const std::string& text) {
+  MlSettings settings;
+  const VisitFields visit = [&settings](FieldVisitor& visitor) { settings.visit(visitor); };
+  if (!names_ml_file(text)) {
+    read_fields_from_text(as_yaml(text), kMlPrefix + text, visit);
+    return settings;
+  }
+  if (text.empty()) throw Error(std::string(kMlPrefix) + ": KEY=VALUE,.. or a YAML file must follow");
+  settings.name = std::filesystem::path(text).stem().string();
+  read_fields(text, visit);
+  return settings;
+}
+
+std::string ml_settings_schema() { return schema_of<MlSettings>("Rigproof settings of ml"); }
+
+MethodTraits MlMethod::traits() const {
+  return {settings_.name,
+          "Maximum likelihood of cameras, board, robot poses and nuisances together, with its uncertainty",
+          "board, odometry; ground planes for the height",
+          "camera to robot (6), camera to camera (6), covariance",
+          MethodReads::kObservations,
+          5e-4};
+}
+
+Result MlMethod::solve(const Observations& observations) const {
+  Result result = estimate_maximum_likelihood(observations, settings_.options()).result;
+  result.method = settings_.name;
+  return result;
+}
+
+std::string MlMethod::settings_text() const { return emit_yaml(tree_of(settings_)); }
+
+const Method& ml_method() {
+  static const MlMethod method;
+  return method;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,174 @@
+#include "swapped_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "faults.h"
+#include "rigproof/calib/estimate/residuals.h"
+#include "rigproof/calib/estimate/solver.h"
+#include "rigproof/calib/geometry/pnp.h"
+
+namespace rigproof::ml {
+namespace {
+
+// A pose by PnP is sure to centimetres and a degree or two; cameras that are mounted nearer to each other than that
+// cannot be told apart by single frames.
+constexpr double kAgrees_m = 0.15, kAgrees_rad = 0.08;
+constexpr double kDiffers = 2.0;  // times that
+
+class Finder {
+ public:
+  Finder(const Observations& observations, const std::vector<ViewPose>& views, const State& state,
+         const std::vector<bool>& doubtful)
+      : observations_(observations), views_(views), state_(state), doubtful_(doubtful) {}
+
+  std::vector<SwappedFrames> find() {
+    for (const ViewPose& view : views_) {
+      if (!doubtful_[static_cast<std::size_t>(view.stop)]) continue;
+      const std::optional<Rigid3> predicted = predicted_pose(static_cast<std::size_t>(view.stop));
+      if (!predicted || disagreement(view.T_camera_board, view.camera, *predicted) < kDiffers) continue;
+      const int other = best_camera(view, *predicted);
+      if (other >= 0) add(view, other);
+    }
+    std::vector<SwappedFrames> result;
+    for (auto& [pair, stops] : found_) result.push_back({pair.first, pair.second, std::move(stops)});
+    return result;
+  }
+
+ private:
+  // From the nearest stop that nothing is wrong with, by odometry.
+  std::optional<Rigid3> predicted_pose(std::size_t stop) const {
+    const std::size_t n = doubtful_.size();
+    for (std::size_t distance = 1; distance < n; ++distance) {
+      for (const bool back : {true, false}) {
+        if (back ? distance > stop : stop + distance >= n) continue;
+        const std::size_t from = back ? stop - distance : stop + distance;
+        if (doubtful_[from]) continue;
+        const Eigen::Vector3d moved = measured_increment(observations_.stops[from], observations_.stops[stop]);
+        const Rigid3 motion = planar_pose(moved.x() / state_.odometry_scale(), moved.y() / state_.odometry_scale(),
+                                          moved.z() / state_.odometry_yaw_factor());
+        return state_.poses[from].transform() * motion;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // 1 = at the limit of agreement.
+  double disagreement(const Rigid3& T_camera_board, int camera, const Rigid3& T_world_robot) const {
+    const Rigid3 seen =
+        state_.T_world_board * (state_.T_robot_camera[static_cast<std::size_t>(camera)] * T_camera_board).inverse();
+    const Vector6d error = transform_error(seen, T_world_robot);
+    return std::max(error.head<3>().norm() / kAgrees_m, error.tail<3>().norm() / kAgrees_rad);
+  }
+
+  // The camera whose frame this really is; -1 if it is nobody's.
+  int best_camera(const ViewPose& view, const Rigid3& predicted) const {
+    int best = -1;
+    double least = 1.0;
+    for (int c = 0; c < static_cast<int>(observations_.cameras.size()); ++c) {
+      if (c == view.camera) continue;
+      const std::optional<BoardPose> pose =
+          estimate_board_pose(observations_.board_views[static_cast<std::size_t>(view.view)].corners,
+                              observations_.board, observations_.cameras[static_cast<std::size_t>(c)].camera);
+      if (!pose) continue;
+      const double off = disagreement(pose->T_camera_board, c, predicted);
+      if (off >= least) continue;
+      least = off;
+      best = c;
+    }
+    return best;
+  }
+
+  void add(const ViewPose& view, int other) {
+    std::vector<int>& stops = found_[{std::min(view.camera, other), std::max(view.camera, other)}];
+    if (stops.empty() || stops.back() != view.stop) stops.push_back(view.stop);
+  }
+
+  const Observations& observations_;
+  const std::vector<ViewPose>& views_;
+  const State& state_;
+  const std::vector<bool>& doubtful_;
+  std::map<std::pair<int, int>, std::vector<int>> found_;
+};
+
+// The robot's pose at a stop as each view there proposes it.
+std::vector<RobotPose> proposals(const Observations& observations, const State& state, int stop) {
+  std::vector<RobotPose> poses;
+  for (const BoardView& view : observations.board_views) {
+    if (view.stop != stop) continue;
+    const std::size_t c = static_cast<std::size_t>(view.camera);
+    if (const std::optional<BoardPose> pose =
+            estimate_board_pose(view.corners, observations.board, observations.cameras[c].camera))
+      poses.push_back(
+          RobotPose::from_transform(state.T_world_board * (state.T_robot_camera[c] * pose->T_camera_board).inverse()));
+  }
+  return poses;
+}
+
+// Least cost of the run when every view of one stop counts, filed as in `observations`.
+double cost_with_all_views(const Problem& solved, const State& solution, int stop, const Observations& observations) {
+  Problem problem(observations, solved.priors(), solved.noise);
+  problem.camera_fixed = solved.camera_fixed;
+  std::map<std::pair<int, int>, bool> left_out;
+  const std::vector<BoardView>& filed = solved.observations().board_views;
+  for (std::size_t v = 0; v < filed.size(); ++v) left_out[{filed[v].stop, filed[v].camera}] = solved.view_left_out[v];
+  for (std::size_t v = 0; v < observations.board_views.size(); ++v) {
+    const BoardView& view = observations.board_views[v];
+    problem.view_left_out[v] = view.stop != stop && left_out[{view.stop, view.camera}];
+  }
+  State state = solution;
+  RobotPose& pose = state.poses[static_cast<std::size_t>(stop)];
+  RobotPose best = pose;
+  double least = 0.0;
+  problem.linearise(state, Weighting::kRobust, &least, nullptr);
+  for (const RobotPose& proposed : proposals(observations, solution, stop)) {
+    double cost = 0.0;
+    pose = proposed;
+    problem.linearise(state, Weighting::kRobust, &cost, nullptr);
+    if (cost >= least) continue;
+    least = cost;
+    best = proposed;
+  }
+  pose = best;
+  SolverOptions options;
+  options.max_iterations = 8;
+  options.tolerance = 0.1;
+  return minimise(problem, options, &state).cost;
+}
+
+}  // namespace
+
+std::vector<SwappedFrames> find_swapped_frames(const Observations& observations, const std::vector<ViewPose>& views,
+                                               const State& state, const std::vector<bool>& doubtful) {
+  if (state.poses.size() != doubtful.size()) return {};
+  return Finder(observations, views, state, doubtful).find();
+}
+
+std::vector<SwappedFrames> likelier_swapped(const Problem& problem, const State& state,
+                                            const std::vector<SwappedFrames>& candidates) {
+  constexpr double kDecides = 20.0;  // -2 ln of the likelihood ratio
+  std::vector<SwappedFrames> kept;
+  for (const SwappedFrames& candidate : candidates) {
+    SwappedFrames likelier{candidate.first, candidate.second, {}};
+    for (const int stop : candidate.stops) {
+      Observations exchanged = problem.observations();
+      swap_frames(stop, candidate.first, candidate.second, &exchanged);
+      const double as_filed = cost_with_all_views(problem, state, stop, problem.observations());
+      if (cost_with_all_views(problem, state, stop, exchanged) < as_filed - kDecides) likelier.stops.push_back(stop);
+    }
+    if (!likelier.stops.empty()) kept.push_back(std::move(likelier));
+  }
+  return kept;
+}
+
+Finding finding_of(const SwappedFrames& swapped, const Observations& observations) {
+  return Finding("frames.swapped")
+      .of({observations.cameras[static_cast<std::size_t>(swapped.first)].name,
+           observations.cameras[static_cast<std::size_t>(swapped.second)].name})
+      .at(swapped.stops);
+}
+
+}  // namespace rigproof::ml

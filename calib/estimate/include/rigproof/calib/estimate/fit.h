@@ -1,0 +1,35 @@
+// One odometry model's solution of a preparation.
+#pragma once
+
+#include <vector>
+
+#include "rigproof/calib/estimate/preparation.h"
+#include "rigproof/calib/estimate/solver.h"
+
+namespace rigproof::ml {
+
+struct Fit {
+  NoiseLevels noise;
+  State state;
+  std::vector<bool> view_left_out;
+  SolverSummary summary;
+  double minus_two_log_likelihood = 0.0;
+};
+
+struct OdometryLaw {
+  OdometryModel model = OdometryModel::kPerIncrement;
+  bool along_way = false;
+};
+
+/// Rounds in which wrong views are left out: one for each camera at a stop.
+inline constexpr int kLeaveOutRounds = 8;
+
+/// @param other the other model's solution, if there is one: it differs by the odometry only
+Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out_rounds = kLeaveOutRounds,
+              const Fit* other = nullptr);
+
+/// The problem as it stands at a solution: its views left out, with the given levels.
+Problem problem_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels, const Priors& priors);
+Problem problem_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels);
+
+}  // namespace rigproof::ml

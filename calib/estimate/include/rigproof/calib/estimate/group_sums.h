@@ -1,0 +1,39 @@
+// What each group of residuals contributes: sums by which noise levels are estimated and contradictions are found.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace rigproof::ml {
+
+enum class Group { kCorners, kGround, kBoardPlane, kOdometryXy, kOdometryYaw, kSuspensionHeight, kSuspensionTilt };
+inline constexpr std::size_t kGroupCount = 7;
+
+/// Sums over the residuals of a group, whitened by the current noise levels.
+struct GroupSum {
+  double square = 0.0;                   ///< of r
+  double weighted_square = 0.0;          ///< of w r^2
+  double weight = 0.0;                   ///< of w, a dimension
+  double leverage = 0.0;                 ///< dimensions that the unknowns absorb
+  double dimensions = 0.0;               ///< of correlated residuals each group has its share
+  double outlier_weighted_square = 0.0;  ///< the part of residuals that no noise explains
+  double outlier_dimensions = 0.0;
+
+  GroupSum& operator+=(const GroupSum& other);
+  /// Adds a residual with its weight by the loss.
+  void add(double whitened_square, double weight, double dimensions);
+  /// Dimensions that the unknowns do not absorb.
+  double redundancy() const { return dimensions - leverage; }
+  /// Without the outliers, as long as they are few: even a bounded loss lets each count for several residuals.
+  GroupSum without_outliers() const;
+};
+/// [group][camera]; groups that know no cameras use camera 0.
+using GroupSums = std::array<std::vector<GroupSum>, kGroupCount>;
+inline GroupSum& sum_of(GroupSums& sums, Group group, int camera = 0) {
+  return sums[static_cast<std::size_t>(group)][static_cast<std::size_t>(camera)];
+}
+inline const GroupSum& sum_of(const GroupSums& sums, Group group, int camera = 0) {
+  return sums[static_cast<std::size_t>(group)][static_cast<std::size_t>(camera)];
+}
+
+}  // namespace rigproof::ml

@@ -1,0 +1,60 @@
+// The information that observations hold about a calibration: the Cramer-Rao bound when evaluated at the truth.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rigproof/calib/estimate/unknowns.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof {
+
+/// Everything that the observations depend on; per camera and per stop in the order of Observations.
+struct CalibrationState {
+  std::vector<Rigid3> T_robot_camera;
+  Rigid3 T_world_board;
+  std::vector<Rigid3> T_world_robot;  ///< all six degrees of freedom
+  double odometry_scale = 1.0;        ///< measured = scale * true translation of an increment
+  double odometry_yaw_factor = 1.0;   ///< measured = factor * true rotation of an increment
+  std::vector<double> depth_scale;    ///< measured = scale * true depth, one a camera
+};
+
+/// Standard deviations of what is not in the observations themselves. Corners and planes carry their covariances.
+struct CalibrationNoise {
+  OdometryModel odometry_model = OdometryModel::kPerIncrement;
+  /// Increments only: the sigmas are those after a way of one metre and a turn of one radian, and grow with the square
+  /// root of either along Stop::way; a turn's error bends the way after it.
+  bool along_way = false;
+  double odometry_xy_m = 0.002;
+  double odometry_yaw_rad = 0.01;
+  double suspension_height_m = 0.0;
+  double suspension_tilt_rad = 0.0;
+  PriorSigmas priors;
+};
+
+/// Covariances in the chart of transform_error(): tx ty tz rx ry rz, metres and radians.
+struct InformationBound {
+  std::vector<Matrix6d> camera_to_robot;  ///< one a camera, in the order of Observations
+  struct Pair {
+    int parent, child;  ///< camera indices, parent < child
+    Matrix6d covariance;
+  };
+  std::vector<Pair> camera_to_camera;
+  Eigen::MatrixXd joint;  ///< 6 cameras x 6 cameras
+  /// Degrees of freedom of all cameras that the information leaves open; their variances above are then not to be
+  /// used. One column a direction, same chart as `joint`.
+  Eigen::MatrixXd free_directions;
+};
+
+/// Inverse information at the given state: no unbiased estimator has a smaller covariance. Measured values are not
+/// used, only which corners and planes were seen and their covariances. Depth scales have the priors of
+/// DepthNoise::scale_sigma. Throws Error if the state does not fit the observations.
+InformationBound cramer_rao_bound(const Observations& observations, const CalibrationState& state,
+                                  const CalibrationNoise& noise);
+
+/// Joint covariance of the cameras in the chart of Log(X_hat X^-1), from that in the chart of transform_error():
+/// what NEES of all cameras together needs.
+Eigen::MatrixXd to_left_perturbation(const Eigen::MatrixXd& joint, const std::vector<Rigid3>& T_robot_camera);
+
+}  // namespace rigproof

@@ -1,0 +1,45 @@
+// What the maximum-likelihood estimate is asked for.
+#pragma once
+
+#include <optional>
+
+#include "rigproof/calib/estimate/information.h"
+
+namespace rigproof {
+
+/// Largest standard deviations with which a degree of freedom still counts as answered.
+struct PosteriorLimits {
+  double xy_m = 0.05;
+  double z_m = 0.02;
+  double yaw_rad = 0.0349;
+  double tilt_rad = 0.00873;
+};
+struct MlOptions {
+  /// Standard deviations of the suspension's slack about the plane; absent: estimated.
+  std::optional<double> suspension_height_sigma_m;
+  std::optional<double> suspension_tilt_sigma_rad;
+  /// Whether the stated covariances of corners and planes are scaled to what the residuals show, per camera.
+  bool estimate_corner_level = true;
+  bool estimate_plane_level = true;
+  PriorSigmas priors = usual_priors();
+  /// Declared odometry noise is that along the way (CalibrationNoise::along_way). Where no model is declared, that is
+  /// tried if the observations know the ways.
+  bool along_way = false;
+  PosteriorLimits limits;
+  /// Where to start instead of the closed-form guess.
+  std::optional<CalibrationState> start;
+  /// Steps below this fraction of a standard deviation (squared) end the iteration.
+  double tolerance = 1e-8;
+};
+
+/// How sure the choice between the two odometry models is.
+struct OdometryDecision {
+  bool decided_from_data = false;
+  OdometryModel model = OdometryModel::kPerIncrement;
+  bool along_way = false;             ///< increments whose noise grows along the way
+  bool compared = false;              ///< decided from data that tell how likely the models are, as below
+  double log_likelihood_ratio = 0.0;  ///< ln of the ratio to the next best model, >= 0
+  double probability = 1.0;           ///< of this model, both being equally likely beforehand
+};
+
+}  // namespace rigproof

@@ -1,0 +1,48 @@
+// Noise levels and the robust loss.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+/// Standard deviations by which residuals are whitened; every one is given or estimated (see variance_components.h).
+struct NoiseLevels {
+  OdometryModel odometry_model = OdometryModel::kPerIncrement;
+  /// Increments only: the sigmas are those after a way of one metre and a turn of one radian, and grow with the square
+  /// root of either; a turn's error bends the way after it.
+  bool along_way = false;
+  double odometry_xy_m = 0.002;
+  double odometry_yaw_rad = 0.01;
+  double suspension_height_m = 5e-4;
+  double suspension_tilt_rad = 5e-4;
+  std::vector<double> corner_scale;       ///< times the stated sigma of the corners, one a camera
+  std::vector<double> ground_scale;       ///< times the stated sigma of the ground planes, one a camera
+  std::vector<double> board_plane_scale;  ///< times the stated sigma of the board's planes, one a camera
+};
+
+/// Smallest plausible levels: files do not resolve less, and smaller ones would make the equations stiff.
+inline constexpr double kMinOdometryXy_m = 1e-5;
+inline constexpr double kMinOdometryYaw_rad = 1e-5;
+inline constexpr double kMinSuspensionHeight_m = 1e-5;
+inline constexpr double kMinSuspensionTilt_rad = 1e-5;
+
+/// Cauchy's loss c^2 log(1 + s / c^2) of a squared whitened residual s.
+struct CauchyLoss {
+  double c2 = 9.0;
+  double cost(double s) const;
+  double weight(double s) const { return 1.0 / (1.0 + s / c2); }
+};
+
+/// Expectations of the loss for a whitened Gaussian residual of d dimensions (d = 1, 2, 3).
+struct LossMoments {
+  double weight = 1.0;         ///< E[w]
+  double weighted_square = 1;  ///< E[w s] / d: what a residual dimension contributes to the weighted sum of squares
+  double efficiency = 1.0;     ///< E[psi']^2 / (E[psi^2] / d): information kept by the loss, against the Gaussian one
+};
+/// At c = 3.
+const LossMoments& cauchy_moments(int dimensions);
+
+}  // namespace rigproof::ml

@@ -1,0 +1,57 @@
+// Odometry along the way from one stop to the next: what its scale, its yaw factor and its noise make of the end.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rigproof/calib/estimate/noise.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+/// A wrong yaw factor bends the way: a turn that is measured too large turns all that follows. Hence the way is
+/// integrated anew for every factor, in arcs of constant twist.
+class OdometryWay {
+ public:
+  /// The way to `to` from the stop before; a single arc where nothing is known of it.
+  OdometryWay(const Stop& from, const Stop& to);
+
+  /// Motion to the end of the way in the frame of its beginning, with turns 1 / yaw_factor of what was measured:
+  /// x, y [m], yaw as it was measured, full turns included.
+  struct Motion {
+    Eigen::Vector3d value;
+    Eigen::Vector2d xy_by_yaw_factor;
+  };
+  Motion motion(double yaw_factor) const;
+
+  /// Covariances of the motion's error for unit levels: translation noise of 1 m after a way of 1 m, and heading noise
+  /// of 1 rad after a turn of 1 rad, which bends all that follows. Both are random walks.
+  const Eigen::Matrix3d& noise_of_translation() const { return translation_; }
+  const Eigen::Matrix3d& noise_of_turning() const { return turning_; }
+
+  double length_m() const { return length_m_; }
+  double turning_rad() const { return turning_rad_; }  ///< sum of absolute turns
+
+ private:
+  struct Arc {
+    Eigen::Vector2d way;  // along the arc, straightened: x, y in the frame of its beginning
+    double turn;
+  };
+  void add_noise();
+
+  std::vector<Arc> arcs_;
+  double length_m_ = 0.0, turning_rad_ = 0.0;
+  Eigen::Matrix3d translation_, turning_;
+};
+
+/// Covariance of the measured motion's error.
+struct WayNoise {
+  Eigen::Matrix3d whitening;  ///< lower triangular: whitening * covariance * whitening' = 1
+  Eigen::Matrix3d turning;    ///< share of the turning's noise in the whitened covariance; the rest is translation's
+};
+WayNoise way_noise(const OdometryWay& way, const NoiseLevels& levels, const Stop& from, const Stop& to);
+
+/// Levels per increment whose mean variances over the observed ways are those of levels along the way.
+NoiseLevels per_increment(const NoiseLevels& along_way, const Observations& observations);
+
+}  // namespace rigproof::ml

@@ -1,0 +1,50 @@
+// What a solution starts from: usable observations, board poses of the views, the motion and a first guess.
+#pragma once
+
+#include <vector>
+
+#include "rigproof/calib/estimate/ml_options.h"
+#include "rigproof/calib/estimate/noise.h"
+#include "rigproof/calib/estimate/state.h"
+#include "rigproof/calib/geometry/initial_guess.h"
+#include "rigproof/calib/geometry/trajectory_alignment.h"
+#include "rigproof/calib/geometry/view_poses.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+/// Stays where it is made: problems refer to its observations.
+struct Preparation {
+  /// @param views what the same views gave before; null: they are looked at
+  Preparation(const Observations& observations, const MlOptions& options, const std::vector<ViewPose>* views = nullptr);
+  Preparation(const Preparation&) = delete;
+  Preparation& operator=(const Preparation&) = delete;
+
+  const Observations& original;
+  const MlOptions& options;
+  Observations used;  ///< without planes that are not the ground
+  std::vector<ViewPose> views;
+  std::vector<Exclusion> excluded;
+  TrajectoryAlignment alignment;
+  InitialGuess guess;
+  State start;
+  std::size_t rejected_planes = 0;
+  Priors priors;
+
+  /// False: no camera saw the board, there is nothing to solve.
+  bool solvable() const { return guess.T_world_board.has_value(); }
+  bool has_pose(std::size_t view) const;
+  bool solved(int camera) const { return guess.T_robot_camera[static_cast<std::size_t>(camera)].has_value(); }
+  std::vector<int> solved_cameras() const;
+  /// A number for each camera: alike where two stops at which both see the board, or a chain of such pairs, connect
+  /// cameras. One stop alone is no match for a whole drive that is wrong.
+  /// @param left_out views that do not count, by index into the board's views
+  std::vector<int> seen_together(const std::vector<bool>& left_out) const;
+  /// Those of the options; the error that all heights share by the share of the stops at which the robot moves.
+  PriorSigmas sigmas() const;
+
+ private:
+  void keep_usable(const GroundCheck& ground);
+};
+
+}  // namespace rigproof::ml

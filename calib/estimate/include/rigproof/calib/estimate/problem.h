@@ -1,0 +1,74 @@
+// The whitened least-squares problem: its cost, its normal equations and what each group of residuals contributes.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "rigproof/calib/estimate/arrow_system.h"
+#include "rigproof/calib/estimate/group_sums.h"
+#include "rigproof/calib/estimate/noise.h"
+#include "rigproof/calib/estimate/odometry_way.h"
+#include "rigproof/calib/estimate/state.h"
+#include "rigproof/calib/estimate/weighting.h"
+#include "rigproof/calib/estimate/whitened.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+class BlockSink;
+struct Evaluation;
+/// Root mean square of the reprojection error of a view, and the mean weight of its corners.
+struct ViewFit {
+  double rms_px = 0.0;
+  double mean_weight = 0.0;
+};
+
+/// Observations, whitened once, with the noise levels that may change between solutions.
+class Problem {
+ public:
+  explicit Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise);
+
+  const Layout& layout() const { return layout_; }
+  const Observations& observations() const { return observations_; }
+  const Priors& priors() const { return priors_; }
+  NoiseLevels noise;
+  CauchyLoss loss;
+
+  /// Normal equations at the state, with cost and sums where wanted.
+  ArrowSystem linearise(const State& state, Weighting weighting, double* cost, GroupSums* sums) const;
+  /// Dimensions of each group that the estimate absorbs: its leverage.
+  void add_leverage(const State& state, const EliminatedSystem::PoseCovariance& poses, const Eigen::MatrixXd& globals,
+                    GroupSums* sums) const;
+  /// Sums of all groups with leverage, weighted by the information that the loss keeps; absent if the poses are not
+  /// determined.
+  std::optional<GroupSums> sums_with_leverage(const State& state) const;
+  /// -2 ln of the normalisation of the residuals: sum of 2 ln sigma over every residual whose sigma may be estimated.
+  double log_normalisation() const;
+  ViewFit view_fit(const State& state, std::size_t view) const;
+  /// Views that are left out from now on.
+  std::vector<bool> view_left_out;
+  /// Cameras that saw nothing stay where they are.
+  std::vector<bool> camera_fixed;
+
+  GroupSums empty_sums() const;
+
+ private:
+  Evaluation at(const State& state, Weighting weighting) const;
+  void visit_blocks(const State& state, Weighting weighting, BlockSink* sink) const;
+  void visit_odometry(const Evaluation& at, int stop, BlockSink* sink) const;
+  // Absolute odometry knows nothing of some rows.
+  bool counts(Nuisance nuisance) const;
+  void add_priors(const State& state, ArrowSystem* system, double* cost) const;
+  void fix_unknowns(ArrowSystem* system) const;
+
+  const Observations& observations_;
+  Layout layout_;
+  Priors priors_;
+  std::vector<WhitenedView> views_;
+  std::vector<WhitenedPlane> ground_planes_;
+  std::vector<WhitenedPlane> board_planes_;
+  std::vector<Eigen::Vector3d> increments_;  // [i]: from stop i to i + 1
+  std::vector<OdometryWay> ways_;            // the same; only if the noise is that of the way
+};
+
+}  // namespace rigproof::ml

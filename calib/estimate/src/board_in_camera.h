@@ -1,0 +1,69 @@
+// The board as a camera sees it at the time of an image: the twist that all unknowns of corners and board planes enter
+// by.
+#pragma once
+
+#include <array>
+
+#include "factors.h"
+
+namespace rigproof::ml {
+
+struct BoardInCamera {
+  /// Derivative of the board's twist in the camera by the first `segment.size` columns' unknowns.
+  struct Part {
+    Segment segment;
+    Matrix6d twist;
+  };
+  Rigid3 T_camera_board;
+  std::array<Part, 6> parts;  ///< camera, board, pose; for images that are not of their stop's time odometry and clocks
+  int count = 0;
+
+  template <typename Twist>
+  void add(const Segment& segment, const Twist& twist) {
+    Part& part = parts[static_cast<std::size_t>(count++)];
+    part.segment = segment;
+    part.twist.leftCols<Twist::ColsAtCompileTime>() = twist;
+    part.twist.rightCols<6 - Twist::ColsAtCompileTime>().setZero();
+  }
+};
+
+/// @param after_stop_s by how much the image is later than the stop, by the stamps
+BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s);
+
+/// Residuals of one view: summed up on the twist and on unknowns that they know directly, then chained to all others.
+class TwistSystem {
+ public:
+  static constexpr int kMaxDirect = 8;
+
+  /// Unknowns that the residuals know directly. Returns their first column, -1 where they are believed.
+  int append(const Layout& layout, Nuisance nuisance, int camera);
+
+  /// @param J by the twist @param direct by the appended unknowns
+  template <int kRows>
+  void add(const RowJacobian<kRows, 6>& J, const RowJacobian<kRows, kMaxDirect>& direct,
+           const Eigen::Matrix<double, kRows, 1>& r, double factor) {
+    const auto weighted = (factor * J.transpose()).eval();
+    H_.noalias() += weighted.lazyProduct(J);
+    g_.noalias() += weighted.lazyProduct(r);
+    for (int i = 0; i < direct_; ++i) {
+      const Eigen::Matrix<double, 1, kRows> by = factor * direct.col(i).transpose();
+      by_twist_.row(i) += by * J;
+      for (int j = 0; j < direct_; ++j) by_direct_(i, j) += by.dot(direct.col(j));
+      direct_g_[i] += by.dot(r);
+    }
+  }
+
+  /// Appends all unknowns to the block and fills its H and g.
+  void chain(const BoardInCamera& seen, LocalBlock* block) const;
+
+ private:
+  Matrix6d H_ = Matrix6d::Zero();
+  Vector6d g_ = Vector6d::Zero();
+  int direct_ = 0, count_ = 0;
+  std::array<Segment, 3> segments_;  // of the direct unknowns
+  RowJacobian<kMaxDirect, 6> by_twist_ = RowJacobian<kMaxDirect, 6>::Zero();
+  Eigen::Matrix<double, kMaxDirect, kMaxDirect> by_direct_ = Eigen::Matrix<double, kMaxDirect, kMaxDirect>::Zero();
+  Eigen::Matrix<double, kMaxDirect, 1> direct_g_ = Eigen::Matrix<double, kMaxDirect, 1>::Zero();
+};
+
+}  // namespace rigproof::ml

@@ -1,0 +1,85 @@
+// The corners of one view: predicted minus measured pixels.
+#include <cmath>
+
+#include "../board_in_camera.h"
+
+namespace rigproof::ml {
+namespace {
+
+// Cost of a corner that a trial state puts behind the camera: as bad as a very wrong one, without a slope.
+constexpr double kBehindCameraSquare = 1e8;
+
+// Sum of the loss of many residuals: one logarithm of their product, kept as what it exceeds one by.
+class CostSum {
+ public:
+  explicit CostSum(double c2) : c2_(c2) {}
+  void add(double square) {
+    constexpr double kLargest = 1e200;
+    const double x = square / c2_;
+    excess_ += x + excess_ * x;
+    if (excess_ < kLargest) return;
+    sum_ += std::log1p(excess_);
+    excess_ = 0.0;
+  }
+  double cost() const { return c2_ * (sum_ + std::log1p(excess_)); }
+
+ private:
+  double c2_, excess_ = 0.0, sum_ = 0.0;
+};
+
+}  // namespace
+
+void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
+  const Camera camera = lens_at(at, view.camera);
+  const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
+  const double stated_focal = 1.0 + at.state.nuisances.of(Nuisance::kLens, view.camera)[0];
+  const BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
+  const Eigen::Matrix3d R_camera_board = seen.T_camera_board.rotation_matrix();
+  LocalBlock block(Group::kCorners, view.camera);
+  TwistSystem system;
+  const int lens = system.append(at.layout, Nuisance::kLens, view.camera);
+  RowJacobian<2, TwistSystem::kMaxDirect> direct = RowJacobian<2, TwistSystem::kMaxDirect>::Zero();
+  CostSum cost(at.loss.c2);
+  for (const WhitenedView::Corner& corner : view.corners) {
+    const Eigen::Vector3d q = R_camera_board * corner.point_board + seen.T_camera_board.translation;
+    CornerResidual residual;
+    if (!corner_residual(camera, q, corner.pixel, &residual)) {
+      block.sum.dimensions += 2;
+      cost.add(kBehindCameraSquare);
+      continue;
+    }
+    const Eigen::Matrix2d W = whiten * corner.whitening;
+    const Eigen::Vector2d r = W * residual.value;
+    const double s = r.squaredNorm(), w = at.loss.weight(s);
+    cost.add(s);
+    block.sum.add(s, w, 2);
+    const RowJacobian<2, 6> J = W * residual.by_twist;
+    if (lens >= 0) {
+      residual.by_intrinsics.col(0) /= stated_focal;
+      direct.middleCols<3>(lens) = W * residual.by_intrinsics;
+    }
+    system.add<2>(J, direct, r, block_factor(at.weighting, w, 2));
+  }
+  block.cost = cost.cost();
+  system.chain(seen, &block);
+  sink->add(block);
+}
+
+ViewFit view_fit(const Evaluation& at, const WhitenedView& view) {
+  ViewFit fit;
+  if (view.corners.empty()) return fit;
+  const Camera camera = lens_at(at, view.camera);
+  const double scale = at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
+  const Rigid3 T_camera_board = board_in_camera(at, view.stop, view.camera, view.after_stop_s).T_camera_board;
+  double square = 0.0, weight = 0.0;
+  for (const WhitenedView::Corner& corner : view.corners) {
+    CornerResidual residual;
+    if (!corner_residual(camera, T_camera_board * corner.point_board, corner.pixel, &residual)) continue;
+    square += residual.value.squaredNorm();
+    weight += at.loss.weight((corner.whitening * residual.value / scale).squaredNorm());
+  }
+  const double count = static_cast<double>(view.corners.size());
+  return {std::sqrt(square / count), weight / count};
+}
+
+}  // namespace rigproof::ml

@@ -1,0 +1,94 @@
+#include "rigproof/calib/estimate/preparation.h"
+
+#include <algorithm>
+
+#include "robust_views.h"
+
+namespace rigproof::ml {
+namespace {
+
+CalibrationState guessed(const InitialGuess& guess) {
+  CalibrationState state;
+  for (const std::optional<Rigid3>& T : guess.T_robot_camera) state.T_robot_camera.push_back(T.value_or(Rigid3()));
+  state.T_world_board = *guess.T_world_board;
+  state.T_world_robot = guess.T_world_robot;
+  return state;
+}
+
+}  // namespace
+
+Preparation::Preparation(const Observations& observations, const MlOptions& ml_options,
+                         const std::vector<ViewPose>* known_views)
+    : original(observations), options(ml_options), used(observations) {
+  if (known_views != nullptr) {
+    views = *known_views;
+  } else {
+    ViewPoses poses = estimate_view_poses(original);
+    views = std::move(poses.poses);
+    excluded = std::move(poses.exclusions);
+    refine_robustly(original, &views);
+  }
+  alignment = align_trajectories(original, views);
+  const GroundCheck ground = check_ground_planes(original, alignment);
+  rejected_planes = ground.rejected.size();
+  guess = initial_guess(original, views, alignment, ground);
+  excluded.insert(excluded.end(), ground.rejected.begin(), ground.rejected.end());
+  if (!solvable()) return;
+  keep_usable(ground);
+  start = state_from(options.start ? *options.start : guessed(guess));
+  priors = Priors::of({used, options.priors, options.estimate_plane_level});
+}
+
+std::vector<int> Preparation::solved_cameras() const {
+  std::vector<int> cameras;
+  for (std::size_t c = 0; c < guess.T_robot_camera.size(); ++c)
+    if (guess.T_robot_camera[c]) cameras.push_back(static_cast<int>(c));
+  return cameras;
+}
+
+void Preparation::keep_usable(const GroundCheck& ground) {
+  used.ground_planes.clear();
+  used.board_planes.clear();
+  for (std::size_t i = 0; i < original.ground_planes.size(); ++i)
+    if (ground.accepted[i] && solved(original.ground_planes[i].camera))
+      used.ground_planes.push_back(original.ground_planes[i]);
+  for (const PlaneObservation& plane : original.board_planes)
+    if (solved(plane.camera)) used.board_planes.push_back(plane);
+}
+
+std::vector<int> Preparation::seen_together(const std::vector<bool>& left_out) const {
+  constexpr int kEnough = 2;
+  const std::size_t cameras = used.cameras.size();
+  Eigen::MatrixXi stops = Eigen::MatrixXi::Zero(static_cast<Eigen::Index>(cameras), static_cast<Eigen::Index>(cameras));
+  const auto counts = [&](const ViewPose& view) {
+    return left_out.empty() || !left_out[static_cast<std::size_t>(view.view)];
+  };
+  for (std::size_t i = 0; i < views.size(); ++i)
+    for (std::size_t j = i + 1; j < views.size() && views[j].stop == views[i].stop; ++j)  // sorted by stop
+      if (counts(views[i]) && counts(views[j])) ++stops(views[i].camera, views[j].camera);
+  std::vector<int> group(cameras);
+  for (std::size_t c = 0; c < cameras; ++c) group[c] = static_cast<int>(c);
+  for (std::size_t a = 0; a < cameras; ++a)
+    for (std::size_t b = a + 1; b < cameras; ++b) {
+      if (stops(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) < kEnough) continue;
+      const int one = group[a], other = group[b];
+      std::replace(group.begin(), group.end(), one, other);
+    }
+  return group;
+}
+
+PriorSigmas Preparation::sigmas() const {
+  constexpr double kStanding = 0.01;  // [m/s, rad/s]: rounding of odometry is slower
+  const auto moving = std::count_if(used.stops.begin(), used.stops.end(),
+                                    [](const Stop& stop) { return stop.velocity.cwiseAbs().maxCoeff() > kStanding; });
+  PriorSigmas sigmas = options.priors;
+  sigmas.riding_height_m *= moving == 0 ? 0.0 : static_cast<double>(moving) / static_cast<double>(used.stops.size());
+  return sigmas;
+}
+
+bool Preparation::has_pose(std::size_t view) const {
+  return std::any_of(views.begin(), views.end(),
+                     [view](const ViewPose& pose) { return pose.view == static_cast<int>(view); });
+}
+
+}  // namespace rigproof::ml

@@ -1,0 +1,252 @@
+#include "rigproof/calib/estimate/problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "factors.h"
+#include "rigproof/calib/estimate/depth_bias.h"
+
+namespace rigproof::ml {
+namespace {
+
+// visit(a, b) for every block of H on and below the diagonal: the numbers of two segments of the block.
+template <typename Visit>
+void for_each_pair(const LocalBlock& block, const Visit& visit) {
+  for (std::size_t a = 0; a < static_cast<std::size_t>(block.count); ++a)
+    for (std::size_t b = 0; b <= a; ++b) visit(a, b);
+}
+
+// Rows and columns are counted where their number is known: the compiler unrolls these loops.
+template <int kRows, int kColumns>
+void add_to(const Meeting<double>& place, const double* from, int rows, int columns) {
+  constexpr int kStride = LocalBlock::kMaxUnknowns;
+  const int m = kRows > 0 ? kRows : rows, n = kColumns > 0 ? kColumns : columns;
+  if (place.row == 1) {
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < m; ++i) place.data[i + j * place.column] += from[i + j * kStride];
+  } else {
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; j < n; ++j) place.data[i * place.row + j] += from[i + j * kStride];
+  }
+}
+
+// Where local segments meet in an arrow system. Of the globals' block only the part below the diagonal is filled.
+class Assembler : public BlockSink {
+ public:
+  Assembler(ArrowSystem* system, double* cost, GroupSums* sums)
+      : system_(system),
+        blocks_{system->diagonal.data(), system->coupling.data(), system->pose_global.data(), system->global.data(),
+                system->globals()},
+        cost_(cost),
+        sums_(sums) {}
+
+  void add(const LocalBlock& block) override {
+    *cost_ += block.cost;
+    if (sums_ != nullptr) sum_of(*sums_, block.group, block.camera) += block.sum;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(block.count); ++a) {
+      const Segment& s = block.segments[a];
+      double* gradient =
+          s.pose < 0 ? &system_->global_gradient[s.offset] : &system_->pose_gradient[6 * s.pose + s.offset];
+      for (int i = 0; i < s.size; ++i) gradient[i] += block.g[block.starts[a] + i];
+    }
+    for_each_pair(block, [&](std::size_t a, std::size_t b) {
+      const Segment &rows = block.segments[a], &columns = block.segments[b];
+      const Meeting<double> place = blocks_.at(rows, columns);
+      const double* H = &block.H(block.starts[a], block.starts[b]);
+      if (rows.size == 6 && columns.size == 6)
+        add_to<6, 6>(place, H, 6, 6);
+      else
+        add_to<0, 0>(place, H, rows.size, columns.size);
+    });
+  }
+
+ private:
+  ArrowSystem* system_;
+  ArrowBlocks<Matrix6d, double> blocks_;
+  double* cost_;
+  GroupSums* sums_;
+};
+
+// Trace of H times the covariance of the block's unknowns.
+class LeverageSink : public BlockSink {
+ public:
+  LeverageSink(const EliminatedSystem::PoseCovariance& poses, const Eigen::MatrixXd& globals, GroupSums* sums)
+      : blocks_{poses.diagonal.data(), poses.with_previous.data(), poses.with_globals.data(), globals.data(),
+                globals.rows()},
+        sums_(sums) {}
+
+  void add(const LocalBlock& block) override {
+    double trace = 0.0;
+    for_each_pair(block, [&](std::size_t a, std::size_t b) {
+      const auto covariance = blocks_.at(block.segments[a], block.segments[b]);
+      double part = 0.0;
+      for (int j = 0; j < block.segments[b].size; ++j)
+        for (int i = 0; i < block.segments[a].size; ++i)
+          part += block.H(block.starts[a] + i, block.starts[b] + j) *
+                  covariance.data[i * covariance.row + j * covariance.column];
+      trace += (a == b ? 1.0 : 2.0) * part;  // both are symmetric
+    });
+    sum_of(*sums_, block.group, block.camera).leverage += trace;
+  }
+
+ private:
+  ArrowBlocks<const Matrix6d, const double> blocks_;
+  GroupSums* sums_;
+};
+
+// Of unknowns that are believed none.
+Eigen::MatrixXd information_of(const Eigen::MatrixXd& covariance) {
+  if (!covariance.isDiagonal(0.0)) return Eigen::Matrix3d(covariance).inverse();
+  return covariance.diagonal().unaryExpr([](double v) { return v > 0.0 ? 1.0 / v : 0.0; }).asDiagonal();
+}
+
+// visit(row, camera) for every nuisance that is among the unknowns, of rows of the rig for camera 0.
+template <typename Visit>
+void for_each_nuisance(const Layout& layout, const Visit& visit) {
+  for (std::size_t n = 0; n < kNuisances; ++n) {
+    const Nuisance nuisance = static_cast<Nuisance>(n);
+    if (!layout.has(nuisance)) continue;
+    for (int c = 0; c < (row_of(nuisance).per_camera ? layout.cameras : 1); ++c) visit(nuisance, c);
+  }
+}
+
+}  // namespace
+
+Problem::Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise_levels)
+    : noise(noise_levels),
+      view_left_out(observations.board_views.size(), false),
+      camera_fixed(observations.cameras.size(), false),
+      observations_(observations),
+      layout_(Layout::of(observations, priors)),
+      priors_(priors),
+      views_(whitened_views(observations)),
+      ground_planes_(whitened_planes(observations, observations.ground_planes, {})),
+      board_planes_(whitened_planes(observations, observations.board_planes, board_plane_biases(observations))) {
+  for (std::size_t i = 0; i + 1 < observations.stops.size(); ++i)
+    increments_.push_back(measured_increment(observations.stops[i], observations.stops[i + 1]));
+  for (std::size_t i = 0; noise_levels.along_way && i + 1 < observations.stops.size(); ++i)
+    ways_.emplace_back(observations.stops[i], observations.stops[i + 1]);
+}
+
+Evaluation Problem::at(const State& state, Weighting weighting) const {
+  return {observations_, layout_, noise, loss, state, weighting};
+}
+
+void Problem::visit_odometry(const Evaluation& at, int stop, BlockSink* sink) const {
+  if (noise.odometry_model != OdometryModel::kPerIncrement) return odometry_pose(at, stop, sink);
+  if (stop == 0) return;
+  const std::size_t from = static_cast<std::size_t>(stop) - 1;
+  if (noise.along_way)
+    odometry_along_way(at, stop, ways_[from], sink);
+  else
+    odometry_increment(at, stop, increments_[from], sink);
+}
+
+void Problem::visit_blocks(const State& state, Weighting weighting, BlockSink* sink) const {
+  const Evaluation here = at(state, weighting);
+  for (std::size_t v = 0; v < views_.size(); ++v)
+    if (!view_left_out[v]) corners(here, views_[v], sink);
+  for (const WhitenedPlane& plane : board_planes_) board_plane(here, plane, sink);
+  for (const WhitenedPlane& plane : ground_planes_) ground_plane(here, plane, sink);
+  for (int stop = 0; stop < layout_.poses; ++stop) {
+    visit_odometry(here, stop, sink);
+    suspension(here, stop, sink);
+  }
+}
+
+bool Problem::counts(Nuisance nuisance) const {
+  return noise.odometry_model == OdometryModel::kPerIncrement || !row_of(nuisance).increments_only;
+}
+
+void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) const {
+  for_each_nuisance(layout_, [&](Nuisance nuisance, int c) {
+    if (!counts(nuisance)) return;
+    const Eigen::MatrixXd information = information_of(priors_.covariance(nuisance, c));
+    const Eigen::VectorXd value = state.nuisances.of(nuisance, c), g = information * value;
+    const int place = layout_.place(nuisance, c), size = row_of(nuisance).size();
+    system->global.block(place, place, size, size) += information;
+    system->global_gradient.segment(place, size) += g;
+    *cost += g.dot(value);
+  });
+}
+
+void Problem::fix_unknowns(ArrowSystem* system) const {
+  // Increments say nothing about where the world is: the first pose does.
+  if (noise.odometry_model == OdometryModel::kPerIncrement && layout_.poses > 0)
+    for (int unknown = 0; unknown < 3; ++unknown) system->fix_pose_unknown(0, unknown);
+  for (int c = 0; c < layout_.cameras; ++c)
+    for (int unknown = 0; camera_fixed[static_cast<std::size_t>(c)] && unknown < 6; ++unknown)
+      system->fix_global_unknown(layout_.camera(c) + unknown);
+  for_each_nuisance(layout_, [&](Nuisance nuisance, int c) {
+    for (int part = 0; part < row_of(nuisance).size(); ++part)
+      if (!counts(nuisance) || !(priors_.covariance(nuisance, c)(part, part) > 0.0))
+        system->fix_global_unknown(layout_.place(nuisance, c) + part);
+  });
+}
+
+ArrowSystem Problem::linearise(const State& state, Weighting weighting, double* cost, GroupSums* sums) const {
+  ArrowSystem system(layout_.poses, layout_.globals());
+  double total = 0.0;
+  if (sums != nullptr) *sums = empty_sums();
+  Assembler assembler(&system, &total, sums);
+  visit_blocks(state, weighting, &assembler);
+  system.global = system.global.selfadjointView<Eigen::Lower>().toDenseMatrix();
+  add_priors(state, &system, &total);
+  fix_unknowns(&system);
+  if (cost != nullptr) *cost = total;
+  return system;
+}
+
+void Problem::add_leverage(const State& state, const EliminatedSystem::PoseCovariance& poses,
+                           const Eigen::MatrixXd& globals, GroupSums* sums) const {
+  LeverageSink sink(poses, globals, sums);
+  visit_blocks(state, Weighting::kInformation, &sink);
+}
+
+std::optional<GroupSums> Problem::sums_with_leverage(const State& state) const {
+  GroupSums sums;
+  const ArrowSystem system = linearise(state, Weighting::kInformation, nullptr, &sums);
+  const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
+  if (!eliminated) return std::nullopt;
+  const Eigen::MatrixXd covariance = invert_information(eliminated->schur()).covariance;
+  add_leverage(state, eliminated->pose_covariance(covariance), covariance, &sums);
+  return sums;
+}
+
+double Problem::log_normalisation() const {
+  double sum = 0.0;
+  const auto log_odometry_sigmas = [&](int stop) -> double {
+    if (!noise.along_way) return odometry_sigmas(observations_, noise, stop).array().log().sum();
+    const std::size_t to = static_cast<std::size_t>(stop);
+    return -way_noise(ways_[to - 1], noise, observations_.stops[to - 1], observations_.stops[to])
+                .whitening.diagonal()
+                .array()
+                .log()
+                .sum();
+  };
+  for (int stop = noise.odometry_model == OdometryModel::kPerIncrement ? 1 : 0; stop < layout_.poses; ++stop)
+    sum += 2.0 * log_odometry_sigmas(stop);
+  sum += 2.0 * layout_.poses * (std::log(noise.suspension_height_m) + 2.0 * std::log(noise.suspension_tilt_rad));
+  for (std::size_t v = 0; v < views_.size(); ++v)
+    if (!view_left_out[v])
+      sum += 4.0 * static_cast<double>(views_[v].corners.size()) *
+             std::log(noise.corner_scale[static_cast<std::size_t>(views_[v].camera)]);
+  for (const WhitenedPlane& plane : ground_planes_)
+    sum += 6.0 * std::log(noise.ground_scale[static_cast<std::size_t>(plane.camera)]);
+  for (const WhitenedPlane& plane : board_planes_)
+    sum += 6.0 * std::log(noise.board_plane_scale[static_cast<std::size_t>(plane.camera)]);
+  return sum;
+}
+
+ViewFit Problem::view_fit(const State& state, std::size_t view) const {
+  return ml::view_fit(at(state, Weighting::kRobust), views_[view]);
+}
+
+GroupSums Problem::empty_sums() const {
+  GroupSums sums;
+  for (std::vector<GroupSum>& group : sums)
+    group.assign(static_cast<std::size_t>(std::max(1, layout_.cameras)), GroupSum());
+  return sums;
+}
+
+}  // namespace rigproof::ml

@@ -1,0 +1,171 @@
+#include "rigproof/calib/estimate/unknowns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "rigproof/calib/estimate/depth_bias.h"
+#include "shared_ground_error.h"
+
+namespace rigproof {
+
+PriorSigmas usual_priors() {
+  PriorSigmas priors;
+  priors.turn_lag_s = 0.02;
+  priors.rotation_centre_m = 0.005;
+  priors.riding_height_m = 0.0003;
+  return priors;
+}
+
+const std::vector<PriorSetting>& prior_settings() {
+  static const std::vector<PriorSetting> kSettings = {
+      {"clock_offset_sigma_ms", &PriorSigmas::clock_offset_s, 1e3, 1000.0, true,
+       "Each camera's stamps are late or early by about this much against the odometry's: estimated from images "
+       "that are taken while the robot moves"},
+      {"focal_sigma_percent", &PriorSigmas::focal_relative, 100.0, 20.0, true,
+       "Each camera's focal length is off by about this much: estimated"},
+      {"principal_point_sigma_px", &PriorSigmas::principal_point_px, 1.0, 50.0, true,
+       "Each camera's principal point is off by about this much along x and y: estimated"},
+      {"rotation_centre_sigma_mm", &PriorSigmas::rotation_centre_m, 1e3, 1000.0, false,
+       "Odometry along the way: the point about which the robot turns lies off the robot's origin along x by about "
+       "this much, which no data tell; 0 where the origin is that point by definition"},
+      {"turn_lag_sigma_ms", &PriorSigmas::turn_lag_s, 1e3, 1000.0, true,
+       "Beside clock offsets: the body turns later than its wheels by about this much (tyres give way): "
+       "estimated; 0 where it does not"},
+      {"riding_height_sigma_mm", &PriorSigmas::riding_height_m, 1e3, 100.0, false,
+       "Images taken at speed: the robot rides higher or lower than at rest by about this much, which no data "
+       "tell; 0 where it does not"},
+  };
+  return kSettings;
+}
+
+namespace ml {
+namespace {
+
+using Covariances = std::vector<Eigen::MatrixXd>;
+
+Eigen::MatrixXd independent(const std::vector<double>& sigmas) {
+  return Eigen::Map<const Eigen::VectorXd>(sigmas.data(), static_cast<Eigen::Index>(sigmas.size()))
+      .cwiseAbs2()
+      .asDiagonal();
+}
+
+Covariances for_each_camera(const PriorSource& source, const Eigen::MatrixXd& covariance) {
+  return Covariances(source.observations.cameras.size(), covariance);
+}
+
+Covariances of_odometry(const PriorSource& source) {
+  return {independent({source.sigmas.odometry_scale, source.sigmas.odometry_yaw_factor})};
+}
+
+Covariances of_depth_scale(const PriorSource& source) {
+  Covariances covariances;
+  for (const RigCamera& camera : source.observations.cameras)
+    covariances.push_back(independent({camera.depth ? camera.depth->noise.scale_sigma : 0.0}));
+  return covariances;
+}
+
+Covariances of_lens(const PriorSource& source) {
+  const double pixel = source.sigmas.principal_point_px;
+  return for_each_camera(source, independent({source.sigmas.focal_relative, pixel, pixel}));
+}
+
+Covariances of_ground_offset(const PriorSource& source) {
+  std::vector<Eigen::Matrix3d> shared;
+  if (source.planes_share_errors) shared = shared_ground_errors(source.observations);
+  shared = sum_of(std::move(shared), ground_plane_biases(source.observations, DepthScaleSource::kBoard));
+  if (shared.empty()) return for_each_camera(source, Eigen::Matrix3d::Zero());
+  return Covariances(shared.begin(), shared.end());
+}
+
+Covariances of_clock_offset(const PriorSource& source) {
+  return for_each_camera(source, independent({source.sigmas.clock_offset_s}));
+}
+
+// Believed stamps are late by no lag.
+Covariances of_turn_lag(const PriorSource& source) {
+  return {independent({source.sigmas.clock_offset_s > 0.0 ? source.sigmas.turn_lag_s : 0.0})};
+}
+
+}  // namespace
+
+const std::array<NuisanceRow, kNuisances>& nuisance_table() {
+  constexpr bool kRig = false, kCamera = true, kAnyOdometry = false, kIncrements = true, kReported = true;
+  static const std::array<NuisanceRow, kNuisances> kTable = {{
+      {{{"odometry_scale", 1.0}, {"odometry_yaw_factor", 1.0}}, kRig, kIncrements, !kReported, &of_odometry},
+      {{{"depth_scale", 1.0}}, kCamera, kAnyOdometry, !kReported, &of_depth_scale},
+      {{{"focal_length_percent", 100.0}, {"principal_point_x_px", 1.0}, {"principal_point_y_px", 1.0}},
+       kCamera,
+       kAnyOdometry,
+       kReported,
+       &of_lens},
+      {{{"ground_offset_x_per_m", 1.0}, {"ground_offset_y_per_m", 1.0}, {"ground_offset_z_per_m", 1.0}},
+       kCamera,
+       kAnyOdometry,
+       !kReported,
+       &of_ground_offset},
+      {{{"clock_offset_ms", 1e3}}, kCamera, kAnyOdometry, kReported, &of_clock_offset},
+      {{{"turn_lag_ms", 1e3}}, kRig, kAnyOdometry, !kReported, &of_turn_lag},
+  }};
+  return kTable;
+}
+
+const std::array<CommonError, 2>& common_errors() {
+  static const std::array<CommonError, 2> kErrors = {{
+      {&PriorSigmas::rotation_centre_m, 0, true},
+      {&PriorSigmas::riding_height_m, 2, false},
+  }};
+  return kErrors;
+}
+
+Priors Priors::of(const PriorSource& source) {
+  Priors priors;
+  for (std::size_t n = 0; n < kNuisances; ++n) priors.covariances_[n] = nuisance_table()[n].prior(source);
+  return priors;
+}
+
+bool Priors::has(Nuisance nuisance) const {
+  const Covariances& all = covariances_[static_cast<std::size_t>(nuisance)];
+  return std::any_of(all.begin(), all.end(),
+                     [](const Eigen::MatrixXd& covariance) { return (covariance.diagonal().array() > 0.0).any(); });
+}
+
+double Priors::sigma(Nuisance nuisance, int camera, int part) const {
+  return std::sqrt(covariance(nuisance, camera)(part, part));
+}
+
+namespace {
+
+// First the rig's values, then camera by camera.
+struct Addresses {
+  std::array<int, kNuisances> first;  // in the rig's values, or in a camera's
+  int rig = 0, camera = 0;            // how many values
+};
+
+const Addresses& addresses() {
+  static const Addresses kAddresses = [] {
+    Addresses all;
+    for (std::size_t n = 0; n < kNuisances; ++n) {
+      const NuisanceRow& row = nuisance_table()[n];
+      int& end = row.per_camera ? all.camera : all.rig;
+      all.first[n] = end;
+      end += row.size();
+    }
+    return all;
+  }();
+  return kAddresses;
+}
+
+}  // namespace
+
+NuisanceValues::NuisanceValues(int cameras)
+    : values_(Eigen::VectorXd::Zero(addresses().rig + cameras * addresses().camera)) {}
+
+Eigen::Index NuisanceValues::address(Nuisance nuisance, int camera) {
+  const Addresses& all = addresses();
+  const int first = all.first[static_cast<std::size_t>(nuisance)];
+  return row_of(nuisance).per_camera ? all.rig + camera * all.camera + first : first;
+}
+
+}  // namespace ml
+}  // namespace rigproof

@@ -1,0 +1,39 @@
+#include "rigproof/calib/geometry/view_poses.h"
+
+namespace rigproof {
+
+Eigen::Vector3d camera_position_in_board(const Rigid3& T_camera_board) { return T_camera_board.inverse().translation; }
+
+Eigen::Matrix3d camera_position_covariance(const ViewPose& view) {
+  // d = -R^T t, and R' = Exp(phi) R gives delta d = -R^T (delta t + t x phi).
+  const Eigen::Matrix3d R_board_camera = view.T_camera_board.rotation_matrix().transpose();
+  Eigen::Matrix<double, 3, 6> J;
+  J << Eigen::Matrix3d::Identity(), skew(view.T_camera_board.translation);
+  J = R_board_camera * J;
+  return J * view.covariance * J.transpose();
+}
+
+std::vector<ViewPair> consecutive_pairs(const std::vector<ViewPose>& views, int camera) {
+  std::vector<ViewPair> pairs;
+  const ViewPose* previous = nullptr;
+  for (const ViewPose& view : views) {
+    if (view.camera != camera) continue;
+    if (previous != nullptr && previous->stop != view.stop) pairs.push_back({previous, &view});
+    previous = &view;
+  }
+  return pairs;
+}
+
+std::vector<Rigid3> odometry_poses(const Observations& observations) {
+  std::vector<Rigid3> poses;
+  poses.reserve(observations.stops.size());
+  Rigid3 T_world_odom;
+  for (const Stop& stop : observations.stops) {
+    const Rigid3 T_odom_robot = planar_pose(stop.x_m, stop.y_m, stop.yaw_rad);
+    if (poses.empty()) T_world_odom = T_odom_robot.inverse();
+    poses.push_back(T_world_odom * T_odom_robot);
+  }
+  return poses;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,461 @@
+#include "hand_eye_problem.h"
+
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "hand_eye.h"
+
+namespace rigproof {
+namespace {
+
+// Loss scales below what any PnP or depth camera resolves would make rounding look like outliers.
+constexpr double kMinLossScale = 1e-4;
+constexpr double kLossMedians = 3.0;
+constexpr int kRounds = 3;
+
+struct MotionCost {
+  Rigid3 A, B, X_reference;
+
+  template <typename T>
+  bool operator()(const T* error, T* residual) const {
+    hand_eye_residual(RigidOf<T>::from(A), RigidOf<T>::at(X_reference, error), RigidOf<T>::from(B), residual);
+    return true;
+  }
+  static ceres::CostFunction* Create(const MotionCost& cost) {
+    return new ceres::AutoDiffCostFunction<MotionCost, 6, 6>(new MotionCost(cost));
+  }
+};
+
+// Both directions of a pair, each with half the weight, so that the order of the cameras does not matter.
+struct CameraPairCost {
+  Rigid3 B_j, B_k, X_reference_j, X_reference_k;
+
+  template <typename T>
+  bool operator()(const T* error_j, const T* error_k, T* residual) const {
+    const RigidOf<T> X_j = RigidOf<T>::at(X_reference_j, error_j), X_k = RigidOf<T>::at(X_reference_k, error_k);
+    const RigidOf<T> motion_j = RigidOf<T>::from(B_j), motion_k = RigidOf<T>::from(B_k);
+    hand_eye_residual(motion_j, X_j.inverse() * X_k, motion_k, residual);
+    hand_eye_residual(motion_k, X_k.inverse() * X_j, motion_j, residual + 6);
+    for (int i = 0; i < 12; ++i) residual[i] *= T(M_SQRT1_2);
+    return true;
+  }
+  static ceres::CostFunction* Create(const CameraPairCost& cost) {
+    return new ceres::AutoDiffCostFunction<CameraPairCost, 12, 6, 6>(new CameraPairCost(cost));
+  }
+};
+
+struct HeightCost {
+  double height_m;
+  Rigid3 X_reference;
+
+  template <typename T>
+  bool operator()(const T* error, T* residual) const {
+    residual[0] = X_reference.translation.z() + error[2] - height_m;
+    return true;
+  }
+  static ceres::CostFunction* Create(const HeightCost& cost) {
+    return new ceres::AutoDiffCostFunction<HeightCost, 1, 6>(new HeightCost(cost));
+  }
+};
+
+Rigid3 relative_view(const Rigid3& from, const Rigid3& to) { return from * to.inverse(); }
+
+MotionCost cost_of(const HandEyeProblem& problem, const MotionTerm& term) {
+  const Rigid3& from = problem.odometry[static_cast<std::size_t>(term.from->stop)];
+  const Rigid3& to = problem.odometry[static_cast<std::size_t>(term.to->stop)];
+  return {from.inverse() * to, relative_view(term.from->T_camera_board, term.to->T_camera_board),
+          problem.X[term.camera]};
+}
+
+CameraPairCost cost_of(const HandEyeProblem& problem, const CameraPairTerm& term) {
+  return {relative_view(term.from_j->T_camera_board, term.to_j->T_camera_board),
+          relative_view(term.from_k->T_camera_board, term.to_k->T_camera_board), problem.X[term.camera_j],
+          problem.X[term.camera_k]};
+}
+
+HeightCost cost_of(const HandEyeProblem& problem, const HeightTerm& term) {
+  return {term.height_m, problem.X[term.camera]};
+}
+
+// One term with everything that the normal equations need.
+struct Block {
+  std::unique_ptr<ceres::CostFunction> cost;
+  std::vector<std::size_t> cameras;
+  Eigen::VectorXd residual;
+  std::vector<Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>> jacobians;
+  double weight = 1.0;
+};
+
+// Residual and Jacobians at error zero, that is at problem.X.
+void evaluate(Block* block) {
+  constexpr std::array<double, 6> kZero{};
+  const int rows = block->cost->num_residuals();
+  block->residual.resize(rows);
+  block->jacobians.resize(block->cameras.size());
+  std::vector<const double*> parameters(block->cameras.size(), kZero.data());
+  std::vector<double*> jacobians;
+  for (auto& jacobian : block->jacobians) {
+    jacobian.resize(rows, 6);
+    jacobians.push_back(jacobian.data());
+  }
+  block->cost->Evaluate(parameters.data(), block->residual.data(), jacobians.data());
+}
+
+Block make_block(ceres::CostFunction* cost, std::vector<std::size_t> cameras, double weight) {
+  Block block;
+  block.cost.reset(cost);
+  block.cameras = std::move(cameras);
+  block.weight = weight;
+  evaluate(&block);
+  return block;
+}
+
+struct Blocks {
+  std::vector<Block> motions, pairs, heights;
+};
+
+Blocks make_blocks(const HandEyeProblem& problem) {
+  Blocks blocks;
+  for (const MotionTerm& term : problem.motions)
+    blocks.motions.push_back(make_block(MotionCost::Create(cost_of(problem, term)), {term.camera}, term.weight));
+  for (const CameraPairTerm& term : problem.pairs)
+    blocks.pairs.push_back(
+        make_block(CameraPairCost::Create(cost_of(problem, term)), {term.camera_j, term.camera_k}, term.weight));
+  for (const HeightTerm& term : problem.heights)
+    blocks.heights.push_back(make_block(HeightCost::Create(cost_of(problem, term)), {term.camera}, term.weight));
+  return blocks;
+}
+
+Eigen::Index row(std::size_t camera) { return 6 * static_cast<Eigen::Index>(camera); }
+
+struct NormalEquations {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd g;  // J^T r
+};
+
+NormalEquations normal_equations(const Blocks& blocks, std::size_t cameras) {
+  NormalEquations normal{Eigen::MatrixXd::Zero(row(cameras), row(cameras)), Eigen::VectorXd::Zero(row(cameras))};
+  for (const std::vector<Block>* group : {&blocks.motions, &blocks.pairs, &blocks.heights}) {
+    for (const Block& block : *group) {
+      for (std::size_t a = 0; a < block.cameras.size(); ++a) {
+        const Eigen::MatrixXd weighted = block.weight * block.jacobians[a].transpose();
+        normal.g.segment<6>(row(block.cameras[a])) += weighted * block.residual;
+        for (std::size_t b = 0; b < block.cameras.size(); ++b)
+          normal.H.block<6, 6>(row(block.cameras[a]), row(block.cameras[b])) += weighted * block.jacobians[b];
+      }
+    }
+  }
+  // Planar motion says nothing about a height: without a plane it stays where it started.
+  for (std::size_t camera = 0; camera < cameras; ++camera)
+    if (normal.H(row(camera) + 2, row(camera) + 2) < 1e-9) normal.H(row(camera) + 2, row(camera) + 2) = 1.0;
+  return normal;
+}
+
+double loss_scale(const std::vector<Block>& blocks) {
+  std::vector<double> norms;
+  for (const Block& block : blocks) norms.push_back(block.residual.norm());
+  if (norms.empty()) return kMinLossScale;
+  const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
+  std::nth_element(norms.begin(), middle, norms.end());
+  return std::max(kMinLossScale, kLossMedians * *middle);
+}
+
+using Errors = std::vector<std::array<double, 6>>;
+
+void add_blocks(const std::vector<Block>& blocks, ceres::LossFunction* loss, Errors* errors, ceres::Problem* problem) {
+  for (const Block& block : blocks) {
+    std::vector<double*> parameters;
+    for (const std::size_t camera : block.cameras) parameters.push_back((*errors)[camera].data());
+    problem->AddResidualBlock(block.cost.get(), loss, parameters);
+  }
+}
+
+// One robust minimisation from problem->X, which it moves.
+bool solve_once(const Blocks& blocks, const std::array<double, 3>& scales, HandEyeProblem* problem) {
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::CauchyLoss motion_loss(scales[0]), pair_loss(scales[1]), height_loss(scales[2]);
+  ceres::Problem ceres_problem(ownership);
+  Errors errors(problem->X.size(), std::array<double, 6>{});
+  add_blocks(blocks.motions, &motion_loss, &errors, &ceres_problem);
+  add_blocks(blocks.pairs, &pair_loss, &errors, &ceres_problem);
+  add_blocks(blocks.heights, &height_loss, &errors, &ceres_problem);
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.num_threads = 1;
+  options.max_num_iterations = 100;
+  options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-15;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &ceres_problem, &summary);
+  for (std::size_t k = 0; k < problem->X.size(); ++k)
+    problem->X[k] = apply_transform_error(problem->X[k], Eigen::Map<const Vector6d>(errors[k].data()));
+  return summary.IsSolutionUsable();
+}
+
+double cauchy_weight(const Block& block, double scale) {
+  return 1.0 / (1.0 + block.residual.squaredNorm() / (scale * scale));
+}
+
+// Residuals and robust weights at problem->X, in the terms and in the blocks that are returned.
+Blocks store_residuals(const std::array<double, 3>& scales, HandEyeProblem* problem) {
+  Blocks blocks = make_blocks(*problem);
+  for (std::size_t i = 0; i < blocks.motions.size(); ++i) {
+    problem->motions[i].residual = blocks.motions[i].residual;
+    problem->motions[i].weight = blocks.motions[i].weight = cauchy_weight(blocks.motions[i], scales[0]);
+  }
+  for (std::size_t i = 0; i < blocks.pairs.size(); ++i) {
+    problem->pairs[i].residual = blocks.pairs[i].residual;
+    problem->pairs[i].weight = blocks.pairs[i].weight = cauchy_weight(blocks.pairs[i], scales[1]);
+  }
+  for (std::size_t i = 0; i < blocks.heights.size(); ++i) {
+    problem->heights[i].residual_m = blocks.heights[i].residual(0);
+    problem->heights[i].weight = blocks.heights[i].weight = cauchy_weight(blocks.heights[i], scales[2]);
+  }
+  return blocks;
+}
+
+// Ceres stops when the cost no longer falls, which leaves half of the digits of the minimum. A few reweighted
+// Gauss-Newton steps give the rest, so that the answer does not depend on the frames in which the data are told.
+void polish(const std::array<double, 3>& scales, HandEyeProblem* problem) {
+  for (int step = 0; step < 5; ++step) {
+    const NormalEquations normal = normal_equations(store_residuals(scales, problem), problem->X.size());
+    const Eigen::VectorXd errors = normal.H.ldlt().solve(-normal.g);
+    // Far from the minimum nothing is polished.
+    if (!(errors.norm() < 1e-5)) return;
+    for (std::size_t k = 0; k < problem->X.size(); ++k)
+      problem->X[k] = apply_transform_error(problem->X[k], errors.segment<6>(row(k)));
+    if (errors.norm() < 1e-12) return;
+  }
+}
+
+// Linear response to noise -------------------------------------------------------------------------------------------
+
+using Sensitivity = Eigen::MatrixXd;  // of a residual to a source of noise
+
+Vector6d residual_of(const Rigid3& A, const Rigid3& X, const Rigid3& B) {
+  Vector6d residual;
+  hand_eye_residual(RigidOf<double>::from(A), RigidOf<double>::from(X), RigidOf<double>::from(B), residual.data());
+  return residual;
+}
+
+// Derivative of residual(error) at zero by central differences, along the given axes of the chart.
+template <typename Residual>
+Sensitivity sensitivity(const Residual& residual, const std::vector<int>& axes) {
+  // Third derivatives are of order one: the step's square and rounding over the step are both about 1e-10.
+  constexpr double kStep = 1e-5;
+  Sensitivity D(residual(Vector6d::Zero()).size(), static_cast<Eigen::Index>(axes.size()));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    Vector6d error = Vector6d::Zero();
+    error(axes[i]) = kStep;
+    D.col(static_cast<Eigen::Index>(i)) = (residual(error) - residual(Vector6d(-error))) / (2.0 * kStep);
+  }
+  return D;
+}
+
+const std::vector<int> kAllAxes = {0, 1, 2, 3, 4, 5};
+const std::vector<int> kPlanarAxes = {0, 1, 5};
+
+// How the normal equations' right side reacts to one source of noise, summed over the blocks that it enters.
+struct Source {
+  Eigen::MatrixXd response;  // 6K x dimensions
+  Eigen::MatrixXd covariance;
+};
+
+class NoisePropagation {
+ public:
+  NoisePropagation(const HandEyeProblem& problem, const OdometryNoise& declared)
+      : problem_(problem), declared_(declared), blocks_(make_blocks(problem)) {
+    size_ = 6 * static_cast<Eigen::Index>(problem.X.size());
+  }
+
+  Eigen::MatrixXd covariance() {
+    for (std::size_t i = 0; i < problem_.motions.size(); ++i) add_motion(problem_.motions[i], blocks_.motions[i]);
+    for (std::size_t i = 0; i < problem_.pairs.size(); ++i) add_pair(problem_.pairs[i], blocks_.pairs[i]);
+    Eigen::MatrixXd meat = height_noise();
+    for (const Source& source : views_)
+      if (source.response.size() > 0) meat += source.response * source.covariance * source.response.transpose();
+    const Eigen::Vector3d odometry_variance = estimate_odometry();
+    for (const Source& source : odometry_)
+      if (source.response.size() > 0)
+        meat += source.response * odometry_variance.asDiagonal() * source.response.transpose();
+    const Eigen::MatrixXd H_inverse =
+        normal_equations(blocks_, problem_.X.size()).H.ldlt().solve(Eigen::MatrixXd::Identity(size_, size_));
+    const Eigen::MatrixXd covariance = H_inverse * meat * H_inverse.transpose();
+    return 0.5 * (covariance + covariance.transpose());
+  }
+
+ private:
+  void add_response(const Block& block, const Sensitivity& D, Source* source) const {
+    if (source->response.size() == 0) source->response = Eigen::MatrixXd::Zero(size_, D.cols());
+    for (std::size_t a = 0; a < block.cameras.size(); ++a)
+      source->response.middleRows<6>(row(block.cameras[a])) += block.weight * block.jacobians[a].transpose() * D;
+  }
+
+  Source* view_source(const ViewPose& view) {
+    const std::size_t index = static_cast<std::size_t>(view.view);
+    if (views_.size() <= index) views_.resize(index + 1);
+    views_[index].covariance = view.covariance;
+    return &views_[index];
+  }
+
+  // The part of the residual's variance that the PnP of one view explains.
+  static Eigen::Vector2d explained(const Sensitivity& D, const Matrix6d& covariance) {
+    const Matrix6d C = D * covariance * D.transpose();
+    return {C.topLeftCorner<3, 3>().trace(), C.bottomRightCorner<3, 3>().trace()};
+  }
+
+  void add_motion(const MotionTerm& term, const Block& block) {
+    const MotionCost cost = cost_of(problem_, term);
+    const Rigid3 &from = term.from->T_camera_board, &to = term.to->T_camera_board;
+    const Sensitivity D_from = sensitivity(
+        [&](const Vector6d& error) {
+          return residual_of(cost.A, cost.X_reference, relative_view(apply_transform_error(from, error), to));
+        },
+        kAllAxes);
+    const Sensitivity D_to = sensitivity(
+        [&](const Vector6d& error) {
+          return residual_of(cost.A, cost.X_reference, relative_view(from, apply_transform_error(to, error)));
+        },
+        kAllAxes);
+    add_response(block, D_from, view_source(*term.from));
+    add_response(block, D_to, view_source(*term.to));
+    const Eigen::Vector2d pnp = explained(D_from, term.from->covariance) + explained(D_to, term.to->covariance);
+    add_odometry(term, cost, block, pnp);
+  }
+
+  void add_pair(const CameraPairTerm& term, const Block& block) {
+    const CameraPairCost cost = cost_of(problem_, term);
+    const std::array<const ViewPose*, 4> views = {term.from_j, term.to_j, term.from_k, term.to_k};
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const Sensitivity D = sensitivity(
+          [&](const Vector6d& error) {
+            std::array<Rigid3, 4> poses;
+            for (std::size_t v = 0; v < views.size(); ++v)
+              poses[v] = v == i ? apply_transform_error(views[v]->T_camera_board, error) : views[v]->T_camera_board;
+            const CameraPairCost noisy = {relative_view(poses[0], poses[1]), relative_view(poses[2], poses[3]),
+                                          cost.X_reference_j, cost.X_reference_k};
+            constexpr std::array<double, 6> kZero{};
+            Vector12d residual;
+            noisy(kZero.data(), kZero.data(), residual.data());
+            return residual;
+          },
+          kAllAxes);
+      add_response(block, D, view_source(*views[i]));
+    }
+  }
+
+  void add_odometry(const MotionTerm& term, const MotionCost& cost, const Block& block, const Eigen::Vector2d& pnp) {
+    const std::size_t from = static_cast<std::size_t>(term.from->stop), to = static_cast<std::size_t>(term.to->stop);
+    odometry_.resize(problem_.odometry.size() + 1);
+    Eigen::Vector3d unit = Eigen::Vector3d::Zero();  // translation by sigma_t, translation by sigma_r, rotation
+    const auto add = [&](const Sensitivity& D, std::size_t index) {
+      add_response(block, D, &odometry_[index]);
+      unit += Eigen::Vector3d(D.topLeftCorner<3, 2>().squaredNorm(), D.topRightCorner<3, 1>().squaredNorm(),
+                              D.bottomRightCorner<3, 1>().squaredNorm());
+    };
+    if (declared_.model == OdometryModel::kPerPose) {
+      add(pose_sensitivity(cost, from, to, true), from);
+      add(pose_sensitivity(cost, from, to, false), to);
+    } else {
+      for (std::size_t step = from; step < to; ++step) add(step_sensitivity(cost, from, to, step), step);
+    }
+    if (block.weight < kTrustedWeight) return;
+    excess_ += Eigen::Vector2d(block.residual.head<3>().squaredNorm(), block.residual.tail<3>().squaredNorm());
+    explained_ += pnp;
+    unit_ += unit;
+    ++trusted_motions_;
+  }
+
+  Sensitivity pose_sensitivity(const MotionCost& cost, std::size_t from, std::size_t to, bool of_from) const {
+    const Rigid3 &T_from = problem_.odometry[from], &T_to = problem_.odometry[to];
+    return sensitivity(
+        [&](const Vector6d& error) {
+          const Rigid3 A = of_from ? apply_transform_error(T_from, error).inverse() * T_to
+                                   : T_from.inverse() * apply_transform_error(T_to, error);
+          return residual_of(A, cost.X_reference, cost.B);
+        },
+        kPlanarAxes);
+  }
+
+  Sensitivity step_sensitivity(const MotionCost& cost, std::size_t from, std::size_t to, std::size_t step) const {
+    const std::vector<Rigid3>& T = problem_.odometry;
+    const Rigid3 before = T[from].inverse() * T[step], increment = T[step].inverse() * T[step + 1],
+                 after = T[step + 1].inverse() * T[to];
+    return sensitivity(
+        [&](const Vector6d& error) {
+          return residual_of(before * apply_transform_error(increment, error) * after, cost.X_reference, cost.B);
+        },
+        kPlanarAxes);
+  }
+
+  // Variances of (x, y, yaw) that explain what PnP leaves of the residuals.
+  Eigen::Vector3d estimate_odometry() const {
+    Eigen::Vector2d variance(0.0, 0.0);
+    // Three planar residuals a motion, three parameters a camera fitted to them.
+    const double count = trusted_motions_, fitted = static_cast<double>(problem_.X.size());
+    const double redundancy = count > fitted ? count / (count - fitted) : 2.0;
+    if (unit_(2) > 0.0) variance(1) = std::max(0.0, (redundancy * excess_(1) - explained_(1)) / unit_(2));
+    if (unit_(0) > 0.0)
+      variance(0) = std::max(0.0, (redundancy * excess_(0) - explained_(0) - unit_(1) * variance(1)) / unit_(0));
+    variance(0) = std::max(variance(0), std::pow(declared_.sigma_xy_m.value_or(0.0), 2));
+    variance(1) = std::max(variance(1), std::pow(declared_.sigma_yaw_rad.value_or(0.0), 2));
+    return {variance(0), variance(0), variance(1)};
+  }
+
+  Eigen::MatrixXd height_noise() const {
+    Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(size_, size_);
+    Eigen::VectorXd scale = Eigen::VectorXd::Zero(size_);
+    for (const HeightTerm& term : problem_.heights) {
+      const Eigen::Index z = row(term.camera) + 2;
+      // A frame whose height is further off than its sigma says is as uncertain as that.
+      const double sigma = std::max(term.sigma_m, std::abs(term.residual_m));
+      meat(z, z) += std::pow(term.weight * sigma, 2);
+      scale(z) += term.weight * term.height_m * problem_.depth_scale_sigma[term.camera];
+    }
+    meat.diagonal() += scale.cwiseAbs2();
+    return meat;
+  }
+
+  static constexpr double kTrustedWeight = 0.25;
+
+  const HandEyeProblem& problem_;
+  const OdometryNoise& declared_;
+  const Blocks blocks_;
+  Eigen::Index size_ = 0;
+  std::vector<Source> views_, odometry_;
+  Eigen::Vector2d excess_ = Eigen::Vector2d::Zero(), explained_ = Eigen::Vector2d::Zero();
+  Eigen::Vector3d unit_ = Eigen::Vector3d::Zero();
+  int trusted_motions_ = 0;
+};
+
+}  // namespace
+
+bool minimise(HandEyeProblem* problem) {
+  bool usable = true;
+  std::array<double, 3> scales{};
+  // The loss scales follow the residuals, which follow the minimum: a few rounds settle both.
+  for (int round = 0; round < kRounds; ++round) {
+    const Blocks blocks = make_blocks(*problem);
+    scales = {loss_scale(blocks.motions), loss_scale(blocks.pairs), loss_scale(blocks.heights)};
+    usable = solve_once(blocks, scales, problem);
+  }
+  polish(scales, problem);
+  store_residuals(scales, problem);
+  return usable;
+}
+
+Eigen::MatrixXd covariance_of(const HandEyeProblem& problem, const OdometryNoise& declared) {
+  return NoisePropagation(problem, declared).covariance();
+}
+
+}  // namespace rigproof

@@ -1,0 +1,73 @@
+#include "shared_views.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+namespace rigproof {
+namespace {
+
+struct Sample {
+  Rigid3 T_j_k;
+  Matrix6d information;
+};
+
+// T_j_k = T_j_board T_k_board^-1 with the noise of both.
+Sample make_sample(const ViewPose& j, const ViewPose& k) {
+  const Rigid3 T_j_k = j.T_camera_board * k.T_camera_board.inverse();
+  const Eigen::Matrix3d R = T_j_k.rotation_matrix();
+  const Eigen::Matrix3d lever = skew(R * k.T_camera_board.translation);
+  Matrix6d J_j = Matrix6d::Identity(), J_k = Matrix6d::Zero();
+  J_j.topRightCorner<3, 3>() = lever;
+  J_k.topLeftCorner<3, 3>() = -R;
+  J_k.topRightCorner<3, 3>() = -lever * R;
+  J_k.bottomRightCorner<3, 3>() = -R;
+  const Matrix6d covariance = J_j * j.covariance * J_j.transpose() + J_k * k.covariance * J_k.transpose();
+  return {T_j_k, covariance.ldlt().solve(Matrix6d::Identity())};
+}
+
+std::vector<Sample> collect(const std::vector<ViewPose>& views, int camera_j, int camera_k) {
+  std::vector<Sample> samples;
+  for (std::size_t first = 0; first < views.size();) {
+    std::size_t end = first;
+    const ViewPose *j = nullptr, *k = nullptr;
+    for (; end < views.size() && views[end].stop == views[first].stop; ++end) {
+      if (views[end].camera == camera_j) j = &views[end];
+      if (views[end].camera == camera_k) k = &views[end];
+    }
+    if (j != nullptr && k != nullptr) samples.push_back(make_sample(*j, *k));
+    first = end;
+  }
+  return samples;
+}
+
+}  // namespace
+
+std::optional<SharedViewTransform> transform_from_shared_views(const std::vector<ViewPose>& views, int camera_j,
+                                                               int camera_k) {
+  const std::vector<Sample> samples = collect(views, camera_j, camera_k);
+  if (samples.empty()) return std::nullopt;
+  SharedViewTransform result{samples.front().T_j_k, Matrix6d::Zero(), static_cast<int>(samples.size())};
+  // Cauchy at 3 sigma of a six-dimensional error, soft at first: a flipped pose counts nothing in the end.
+  double softness = 1e4, chi_square = 0.0;
+  Matrix6d H;
+  for (int round = 0; round < 20; ++round) {
+    H.setZero();
+    Vector6d g = Vector6d::Zero();
+    chi_square = 0.0;
+    for (const Sample& sample : samples) {
+      const Vector6d error = transform_error(sample.T_j_k, result.T_j_k);
+      const double squared = error.dot(sample.information * error) / 6.0;
+      const double weight = 1.0 / (1.0 + squared / (9.0 * softness * softness));
+      H += weight * sample.information;
+      g += weight * sample.information * error;
+      chi_square += weight * squared;
+    }
+    result.T_j_k = apply_transform_error(result.T_j_k, H.ldlt().solve(g));
+    softness = std::max(1.0, 0.3 * softness);
+  }
+  const double scale = samples.size() > 1 ? chi_square / static_cast<double>(samples.size() - 1) : 1.0;
+  result.covariance = std::max(1.0, scale) * H.ldlt().solve(Matrix6d::Identity());
+  return result;
+}
+
+}  // namespace rigproof

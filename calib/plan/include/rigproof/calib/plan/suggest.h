@@ -1,0 +1,98 @@
+// Where the robot should go next: the few stops that shrink the worst uncertainty most, as commands to drive.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/result.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof {
+
+/// What "better" means. All are lower-is-better figures of the covariance of all cameras in the robot, with lengths and
+/// angles in units of SuggestOptions::limits.
+enum class SuggestCriterion {
+  kWorstAxis,    ///< the largest standard deviation of any camera's axis
+  kDeterminant,  ///< D-optimal: the volume of the uncertainty
+  kEigenvalue,   ///< E-optimal: the largest principal axis of the uncertainty
+};
+
+/// A rectangle of free floor [m], in the frame of the robot at the first stop.
+struct DriveArea {
+  double x_min_m = 0.0;
+  double x_max_m = 0.0;
+  double y_min_m = 0.0;
+  double y_max_m = 0.0;
+};
+
+struct SuggestOptions {
+  int stops = 3;
+  SuggestCriterion criterion = SuggestCriterion::kWorstAxis;
+  /// Standard deviations that count as equally bad. Observations::accept takes their place where it is given.
+  AcceptLimits limits{0.005, 0.003, 0.00174533};
+  /// Where the robot may stand; absent: not farther than reach_m from the rectangle that it has stood in.
+  std::optional<DriveArea> area;
+  double reach_m = 1.0;
+  double clearance_m = 1.0;         ///< of the robot's origin from the board, on the way too
+  double min_turn_rad = 0.0523598;  ///< smaller turns are not asked for (3 degrees)
+  int min_cameras = 1;              ///< that see the whole board from every stop
+  double max_obliquity_rad = 1.05;  ///< between the board's normal and the view
+  int candidates = 300;             ///< places among which is chosen
+  std::uint64_t seed = 0;           ///< of the places
+  MlOptions ml;                     ///< as the calibration is asked for: its priors count, now and then
+};
+
+/// What a robot on wheels does: turn, drive straight, turn. Turns are positive to the left.
+struct DriveCommand {
+  double turn_before_rad = 0.0;
+  double distance_m = 0.0;  ///< negative: backwards
+  double turn_after_rad = 0.0;
+
+  Rigid3 motion() const;  ///< T_before_after
+  /// "turn 34 deg left, drive 1.20 m, turn 10 deg right".
+  std::string text() const;
+};
+
+struct SuggestedStop {
+  DriveCommand command;      ///< from the stop before, the first from the last one of the observations
+  Rigid3 T_world_robot;      ///< planar
+  std::vector<int> cameras;  ///< that will see the whole board
+};
+
+/// Standard deviations tx ty tz rx ry rz [m, rad]; absent: not determined.
+using AxisSigmas = std::array<std::optional<double>, 6>;
+
+struct CameraForecast {
+  std::string camera;
+  AxisSigmas now;
+  AxisSigmas then;
+};
+
+struct Suggestion {
+  std::vector<SuggestedStop> stops;
+  std::vector<CameraForecast> cameras;  ///< those that saw the board
+  AcceptLimits limits;                  ///< that weighed
+  ResultStatus status_now = ResultStatus::kRefused;
+  ResultStatus status_then = ResultStatus::kRefused;  ///< of `ml` on the observations with the forecast ones
+  std::vector<Finding> reasons_now;
+  std::vector<Finding> reasons_then;
+  /// Why fewer stops than asked for are suggested, or what the forecast does not hold.
+  std::vector<Finding> notes;
+  /// As estimated. Where x, y or yaw are not determined yet they have small, consistent values.
+  Rigid3 T_world_board;
+  std::vector<Rigid3> T_world_robot;  ///< of the stops so far
+};
+
+/// Places are drawn on the free floor, aimed so that a camera sees the whole board; the best ones are chosen one by one
+/// (greedy) and then exchanged as long as that helps. The information of a stop is that of `ml`, linearised at the
+/// estimate with its noise levels, and of views that are like the nearest ones so far; the odometry links a stop to the
+/// one before. Works from a refused result as well: open directions count as one metre or radian.
+/// Throws Error on options out of range, and where no camera ever saw the board.
+Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options = {});
+
+}  // namespace rigproof

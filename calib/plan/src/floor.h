@@ -1,0 +1,46 @@
+// Where the robot may stand and drive, and how it gets there.
+#pragma once
+
+#include <vector>
+
+#include "rigproof/calib/plan/suggest.h"
+#include "rigproof/core/board.h"
+
+namespace rigproof::suggest {
+
+/// A place on the floor of the world.
+struct Place {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;
+
+  Rigid3 T_world_robot() const { return planar_pose(x_m, y_m, yaw_rad); }
+  static Place of(const Rigid3& T_world_robot);
+};
+
+/// The free floor around a board.
+class Floor {
+ public:
+  Floor(const SuggestOptions& options, const std::vector<Rigid3>& T_world_robot, const Board& board,
+        const Rigid3& T_world_board);
+
+  const DriveArea& area() const { return area_; }  ///< in the first stop's frame
+  const Rigid3& T_world_first() const { return T_world_first_; }
+  bool may_stand(const Place& place) const;
+  /// True if the straight way keeps its distance from the board: as much as asked for, or as at its start.
+  bool may_drive(const Place& from, const Place& to) const;
+
+ private:
+  double distance_from_board(double x_m, double y_m) const;
+
+  double clearance_m_;
+  Rigid3 T_world_first_;
+  DriveArea area_;
+  std::vector<Eigen::Vector2d> outline_;  // of the board, projected to the floor
+};
+
+/// Whole degrees and centimetres; the shorter turns of driving forwards and backwards; turns below the smallest one are
+/// left out where that is asked for.
+DriveCommand command_between(const Place& from, const Place& to, double min_turn_rad);
+
+}  // namespace rigproof::suggest

@@ -1,0 +1,106 @@
+// What a stop would see and how much it would tell, before the robot goes there.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "floor.h"
+#include "rigproof/calib/diagnose/basis.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/arrow_system.h"
+#include "rigproof/calib/estimate/noise.h"
+#include "rigproof/calib/estimate/state.h"
+#include "rigproof/calib/plan/suggest.h"
+
+namespace rigproof::suggest {
+
+/// What calibration knows so far: the estimate of `ml` and what its uncertainty is stated from.
+struct Knowledge {
+  MlEstimate estimate;
+  ml::Basis basis;
+  std::vector<bool> has_pose;  ///< cameras that saw the board
+  bool determined = false;     ///< the poses of all these, whole
+};
+/// Throws Error if no camera ever saw the board.
+Knowledge knowledge_from(const Observations& observations, const MlOptions& options = {});
+
+/// Foresees what the cameras see from a place: views, planes and odometry without noise, with covariances as of the
+/// nearest view of the same camera.
+class Foresight {
+ public:
+  Foresight(const Knowledge& knowledge, const SuggestOptions& options);
+
+  /// Cameras that see the whole board, not too obliquely.
+  std::vector<int> cameras_with_board(const Rigid3& T_world_robot) const;
+  /// The observations so far as they would be without noise if the estimate were true: what new stops can be added to
+  /// without contradiction. The noise levels are declared.
+  Observations as_expected(const ml::NoiseLevels& levels) const;
+  /// Appends the stop. The odometry continues from the observations' last stop, which stands at `T_world_before`.
+  void append_stop(const Rigid3& T_world_before, const Rigid3& T_world_robot, Observations* observations) const;
+
+ private:
+  bool sees_board(int camera, const Rigid3& T_camera_board) const;
+  Stop stop_after(const Stop* before, const Rigid3& T_world_before, const Rigid3& T_world_robot) const;
+  Eigen::Vector3d ground_seen(int camera, const Rigid3& T_world_robot) const;
+  Eigen::Vector3d board_plane_seen(int camera, const Rigid3& T_camera_board) const;
+  Rigid3 T_camera_board(int camera, const Rigid3& T_world_robot) const;
+  BoardView board_view(int stop, int camera, const Rigid3& T_camera_board) const;
+  void append_board_plane(int stop, int camera, const Rigid3& T_camera_board, Observations* observations) const;
+
+  const Knowledge& knowledge_;
+  double max_obliquity_rad_;
+  double margin_share_;
+  // Of each camera: where the board was in its views and with which sigma its corners were found; the covariance of its
+  // ground planes, if it usually sees the ground; where the board was in its board planes, and their covariance.
+  struct Seen {
+    Eigen::Vector3d board_m;
+    Eigen::Matrix3d covariance;  // corners: only the upper left two
+  };
+  std::vector<std::vector<Seen>> corners_, board_planes_;
+  std::vector<std::optional<Eigen::Matrix3d>> ground_;
+};
+
+/// Levels of stops that are yet to come. Of ways yet to be driven nothing is known: they are taken for increments as
+/// uncertain as those seen on average.
+ml::NoiseLevels expected_levels(const ml::Basis& basis);
+
+/// The information of one stop by itself: on its pose and on the globals.
+struct StopInformation {
+  ml::RobotPose pose;
+  Matrix6d diagonal;
+  Eigen::MatrixXd pose_global;
+  Eigen::MatrixXd global;
+};
+
+/// The information of all stops so far, condensed to the last one and the globals; stops are added in the order of
+/// driving.
+class Forecast {
+ public:
+  explicit Forecast(const Knowledge& knowledge);
+
+  const ml::NoiseLevels& levels() const { return levels_; }  ///< of what is yet to be driven
+  StopInformation information_of(const Foresight& foresight, const Place& place) const;
+  /// Information on the globals with these stops added. Absent if it is singular in the poses.
+  std::optional<Eigen::MatrixXd> with_stops(const std::vector<const StopInformation*>& stops) const;
+  /// Covariance of the cameras (chart of transform_error(), six a camera); open directions count as one metre and one
+  /// radian. Only of cameras that saw the board.
+  std::optional<Eigen::MatrixXd> regular_covariance(const std::vector<const StopInformation*>& stops) const;
+  /// Standard deviations of every camera that saw the board, absent where nothing determines them.
+  std::vector<AxisSigmas> sigmas(const std::vector<const StopInformation*>& stops) const;
+
+ private:
+  ml::ArrowSystem linearised(const Observations& observations, const ml::NoiseLevels& levels,
+                             const ml::State& state) const;
+  void link(const ml::RobotPose& from, const ml::RobotPose& to, int index, ml::ArrowSystem* system) const;
+
+  const Knowledge& knowledge_;
+  ml::State state_;
+  ml::NoiseLevels levels_;
+  ml::Priors priors_;
+  ml::Layout layout_;
+  ml::ArrowSystem base_;  // one pose: the last stop
+  bool first_is_last_;
+};
+
+}  // namespace rigproof::suggest

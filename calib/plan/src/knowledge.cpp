@@ -1,0 +1,320 @@
+#include "knowledge.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "held.h"
+#include "rigproof/calib/diagnose/board_scale.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/information.h"
+#include "rigproof/calib/estimate/noise.h"
+#include "rigproof/calib/geometry/initial_guess.h"
+#include "rigproof/calib/geometry/trajectory_alignment.h"
+#include "rigproof/calib/geometry/view_poses.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
+#include "used_observations.h"
+
+namespace rigproof::moved {
+namespace {
+
+constexpr double kNominalOdometryXy_m = 0.002;
+constexpr double kNominalOdometryYaw_rad = 0.01;
+// Odometry's systematic errors are what they are: a prior that happens to be right would count as a measurement.
+constexpr double kUnknownFactor = 1e4;
+constexpr double kNominalSuspensionHeight_m = 5e-4;
+constexpr double kNominalSuspensionTilt_rad = 5e-4;
+
+int camera_index(const Observations& observations, const std::string& name) {
+  const auto found = std::find_if(observations.cameras.begin(), observations.cameras.end(),
+                                  [&name](const RigCamera& camera) { return camera.name == name; });
+  return found == observations.cameras.end() ? -1 : static_cast<int>(found - observations.cameras.begin());
+}
+
+bool known(const EstimatedTransform& transform) { return transform.fully_observable() && transform.covariance; }
+
+// The joint covariance's rows of the matched cameras.
+Eigen::MatrixXd joint_of(const Result& previous, const Match& match) {
+  std::vector<Eigen::Index> rows;
+  for (const std::string& name : match.names)
+    for (std::size_t i = 0; i < previous.camera_to_robot.size(); ++i)
+      for (int axis = 0; previous.camera_to_robot[i].child == name && axis < 6; ++axis)
+        rows.push_back(6 * static_cast<Eigen::Index>(i) + axis);
+  return Eigen::MatrixXd((*previous.joint_covariance)(rows, rows));
+}
+
+// Blocks on the diagonal, each times their number: at least as large as every covariance with these blocks.
+Eigen::MatrixXd safe_joint(const std::vector<Matrix6d>& blocks) {
+  const Eigen::Index n = static_cast<Eigen::Index>(blocks.size());
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6 * n, 6 * n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    joint.block<6, 6>(6 * i, 6 * i) = static_cast<double>(n) * blocks[static_cast<std::size_t>(i)];
+  return joint;
+}
+
+// From the error of T_first_camera to that of T_robot_camera, the first camera's pose being exact.
+Matrix6d through_first(const Rigid3& T_robot_first) {
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>() = J.bottomRightCorner<3, 3>() = T_robot_first.rotation_matrix();
+  return J;
+}
+
+// Where the first camera sits on the robot, about: as good as the new observations tell in closed form.
+Rigid3 about_in_robot(const Observations& observations, int camera) {
+  const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
+  const TrajectoryAlignment alignment = align_trajectories(observations, views);
+  const InitialGuess guess =
+      initial_guess(observations, views, alignment, check_ground_planes(observations, alignment));
+  return guess.T_robot_camera[static_cast<std::size_t>(camera)].value_or(Rigid3());
+}
+
+std::optional<Knowledge> camera_to_camera(const Result& previous, const Observations& observations,
+                                          const Match& match) {
+  Knowledge knowledge;
+  const std::string& first = match.names.front();
+  knowledge.T_robot_camera.push_back(about_in_robot(observations, 0));
+  std::vector<Matrix6d> blocks;
+  for (std::size_t i = 1; i < match.names.size(); ++i) {
+    const EstimatedTransform* pair = previous.find(first, match.names[i]);
+    if (pair == nullptr || !known(*pair)) return std::nullopt;
+    knowledge.T_robot_camera.push_back(knowledge.T_robot_camera.front() * pair->T_parent_child);
+    const Matrix6d J = through_first(knowledge.T_robot_camera.front());
+    blocks.push_back(J * *pair->covariance * J.transpose());
+  }
+  if (blocks.empty()) return std::nullopt;
+  const Eigen::MatrixXd others = safe_joint(blocks);
+  knowledge.covariance = Eigen::MatrixXd::Zero(others.rows() + 6, others.cols() + 6);
+  knowledge.covariance.bottomRightCorner(others.rows(), others.cols()) = others;
+  knowledge.free_directions = rig_motion(knowledge.T_robot_camera);
+  return knowledge;
+}
+
+// Robot poses and the board as the previous calibration sees them; the first stop is the world.
+CalibrationState start_at(const std::vector<Rigid3>& T_robot_camera, const Observations& observations,
+                          const std::vector<ViewPose>& views) {
+  CalibrationState state;
+  state.T_robot_camera = T_robot_camera;
+  state.depth_scale.assign(T_robot_camera.size(), 1.0);
+  state.T_world_robot = odometry_poses(observations);
+  std::vector<bool> placed(observations.stops.size(), false);
+  bool board = false;
+  for (const ViewPose& view : views) {
+    const std::size_t stop = static_cast<std::size_t>(view.stop), c = static_cast<std::size_t>(view.camera);
+    if (placed[stop]) continue;
+    const Rigid3 T_robot_board = T_robot_camera[c] * view.T_camera_board;
+    if (!board) state.T_world_board = state.T_world_robot[stop] * T_robot_board;
+    const Rigid3 T = state.T_world_board * T_robot_board.inverse();
+    state.T_world_robot[stop] = planar_pose(T.translation.x(), T.translation.y(), yaw_of(T));
+    board = placed[stop] = true;
+  }
+  return state;
+}
+
+// Levels that differ from the stated ones by far more than chance: a level from one view is known to a sixth, and one
+// that is wrongly believed makes false alarms. 3.7 standard deviations are met by chance once in 5,000.
+std::vector<double> believed_corner_scale(const Observations& observations, const std::vector<double>& estimated) {
+  constexpr double kSure = 3.7;
+  std::vector<double> redundancy(observations.cameras.size(), 0.0), scale(observations.cameras.size(), 1.0);
+  for (const BoardView& view : observations.board_views)
+    redundancy[static_cast<std::size_t>(view.camera)] +=
+        std::max(0.0, 2.0 * static_cast<double>(view.corners.size()) - 6.0);
+  for (std::size_t c = 0; c < scale.size(); ++c) {
+    if (redundancy[c] < 4.0 || c >= estimated.size() || !(estimated[c] > 0.0)) continue;
+    if (std::abs(std::log(estimated[c])) > kSure / std::sqrt(2.0 * redundancy[c])) scale[c] = estimated[c];
+  }
+  return scale;
+}
+
+void scale_corners(const std::vector<double>& scale, Observations* observations) {
+  for (BoardView& view : observations->board_views)
+    for (CornerObservation& corner : view.corners)
+      corner.covariance_px2 *= std::pow(scale[static_cast<std::size_t>(view.camera)], 2);
+}
+
+CalibrationNoise believed_noise(CalibrationNoise noise, const Observations& observations, const MovedOptions& options) {
+  if (!observations.odometry_noise.sigma_xy_m)
+    noise.odometry_xy_m = std::max(noise.odometry_xy_m, kNominalOdometryXy_m);
+  if (!observations.odometry_noise.sigma_yaw_rad)
+    noise.odometry_yaw_rad = std::max(noise.odometry_yaw_rad, kNominalOdometryYaw_rad);
+  noise.suspension_height_m =
+      options.suspension_height_sigma_m.value_or(std::max(noise.suspension_height_m, kNominalSuspensionHeight_m));
+  noise.suspension_tilt_rad =
+      options.suspension_tilt_sigma_rad.value_or(std::max(noise.suspension_tilt_rad, kNominalSuspensionTilt_rad));
+  noise.priors.odometry_scale = noise.priors.odometry_yaw_factor = kUnknownFactor;
+  return noise;
+}
+
+Knowledge nothing_known(const Knowledge& before) {
+  const Eigen::Index n = before.covariance.rows();
+  return {before.T_robot_camera, Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Identity(n, n), {}};
+}
+
+// The new observations, solved with all cameras free.
+struct Solution {
+  CalibrationState seen;  // where it started: the robot as the previous calibration sees it
+  bool believes_residuals = false;
+  bool board_is_wrong = false;  // by the depth on it
+  Observations scaled, used;    // by the corners' levels; without what was left out
+  MlEstimate estimate;
+};
+
+Solution solve(const Knowledge& before, const Observations& observations, const MovedOptions& options) {
+  Solution solution;
+  const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
+  const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));
+  solution.seen = start_at(before.T_robot_camera, observations, views);
+  solution.board_is_wrong = !ml::check_board_scale(observations, views, std::nullopt).contradictions.empty();
+  MlOptions ml_options;
+  ml_options.start = solution.seen;
+  ml_options.suspension_height_sigma_m = options.suspension_height_sigma_m;
+  ml_options.suspension_tilt_sigma_rad = options.suspension_tilt_sigma_rad;
+  ml_options.estimate_plane_level = false;
+  const std::vector<double> scale =
+      believed_corner_scale(observations, estimate_maximum_likelihood(observations, ml_options).corner_scale);
+  solution.believes_residuals = std::any_of(scale.begin(), scale.end(), [](double s) { return s != 1.0; });
+  solution.scaled = observations;
+  scale_corners(scale, &solution.scaled);
+  ml_options.estimate_corner_level = false;
+  solution.estimate = estimate_maximum_likelihood(solution.scaled, ml_options);
+  solution.used = used_observations(solution.estimate.result, solution.scaled, ground);
+  return solution;
+}
+
+// The images that it has bent may be named before it: those of a camera.
+Finding about_odometry(const std::vector<Finding>& contradictions) {
+  const auto found = std::find_if(contradictions.begin(), contradictions.end(),
+                                  [](const Finding& finding) { return finding.cameras.empty(); });
+  return found == contradictions.end() ? contradictions.front() : *found;
+}
+
+// Where images and odometry are of different times, the images' places rest on the odometry's velocity.
+bool any_taken_at_speed(const Observations& observations) {
+  return std::any_of(observations.board_views.begin(), observations.board_views.end(), [&](const BoardView& view) {
+    const Stop& stop = observations.stops[static_cast<std::size_t>(view.stop)];
+    return view.stamp_s != stop.stamp_s && !stop.velocity.isZero();
+  });
+}
+
+// The images alone. Odometry that is worth nothing says what they say, so that nothing contradicts it.
+Observations without_odometry(Observations observations, const CalibrationState& seen) {
+  constexpr double kNoOdometry_m = 1e4, kNoOdometry_rad = 1e4;
+  observations.odometry_noise = {OdometryModel::kPerIncrement, kNoOdometry_m, kNoOdometry_rad};
+  for (std::size_t i = 0; i < observations.stops.size(); ++i) {
+    Stop& stop = observations.stops[i];
+    stop.x_m = seen.T_world_robot[i].translation.x();
+    stop.y_m = seen.T_world_robot[i].translation.y();
+    stop.yaw_rad = yaw_of(seen.T_world_robot[i]);
+    stop.way.clear();
+  }
+  return observations;
+}
+
+}  // namespace
+
+Match match_cameras(const Result& previous, const Observations& observations) {
+  std::vector<std::string> names;
+  for (const EstimatedTransform& transform : previous.camera_to_robot) names.push_back(transform.child);
+  for (const EstimatedTransform& transform : previous.camera_to_camera)
+    for (const std::string& name : {transform.parent, transform.child})
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  Match match;
+  bool any = false;
+  for (const std::string& name : names) {
+    const int index = camera_index(observations, name);
+    any = any || index >= 0;
+    const bool seen = std::any_of(observations.board_views.begin(), observations.board_views.end(),
+                                  [index](const BoardView& view) { return view.camera == index; });
+    (seen ? match.names : match.unseen).push_back(name);
+    if (seen) match.observed.push_back(index);
+  }
+  if (!any) throw Error("moved: the previous result knows none of the observed cameras: " + joined(names));
+  return match;
+}
+
+Observations of_matched(const Observations& observations, const Match& match) {
+  Observations part = observations;
+  part.cameras.clear();
+  std::vector<int> index(observations.cameras.size(), -1);
+  for (std::size_t i = 0; i < match.observed.size(); ++i) {
+    const std::size_t camera = static_cast<std::size_t>(match.observed[i]);
+    index[camera] = static_cast<int>(i);
+    part.cameras.push_back(observations.cameras[camera]);
+  }
+  const auto keep = [&index](auto* items) {
+    using Item = typename std::remove_reference_t<decltype(*items)>::value_type;
+    const auto foreign = [&index](const Item& item) { return index[static_cast<std::size_t>(item.camera)] < 0; };
+    items->erase(std::remove_if(items->begin(), items->end(), foreign), items->end());
+    for (Item& item : *items) item.camera = index[static_cast<std::size_t>(item.camera)];
+    std::stable_sort(items->begin(), items->end(), [](const Item& a, const Item& b) {
+      return a.stop != b.stop ? a.stop < b.stop : a.camera < b.camera;
+    });
+  };
+  keep(&part.board_views);
+  keep(&part.ground_planes);
+  keep(&part.board_planes);
+  keep(&part.exclusions);
+  return part;
+}
+
+Knowledge previous_knowledge(const Result& previous, const Observations& observations, const Match& match,
+                             std::vector<Finding>* notes) {
+  Knowledge knowledge;
+  std::vector<Matrix6d> blocks;
+  bool all_known = true, any_covariance = false;
+  for (const std::string& name : match.names) {
+    for (const EstimatedTransform& transform : previous.camera_to_robot) {
+      if (transform.child != name) continue;
+      any_covariance = any_covariance || transform.covariance;
+      if (!known(transform)) continue;
+      knowledge.T_robot_camera.push_back(transform.T_parent_child);
+      blocks.push_back(*transform.covariance);
+    }
+  }
+  for (const EstimatedTransform& pair : previous.camera_to_camera) any_covariance = any_covariance || pair.covariance;
+  all_known = blocks.size() == match.names.size();
+  if (!any_covariance)
+    throw Error("moved: the previous result states no uncertainty; take one of a method that does, such as ml");
+  if (all_known) {
+    const Eigen::Index n = 6 * static_cast<Eigen::Index>(blocks.size());
+    knowledge.free_directions.resize(n, 0);
+    if (previous.joint_covariance) {
+      knowledge.covariance = joint_of(previous, match);
+    } else {
+      knowledge.covariance = safe_joint(blocks);
+      if (blocks.size() > 1) notes->emplace_back("moved.errors_apart");
+    }
+    return knowledge;
+  }
+  if (const std::optional<Knowledge> pairs = camera_to_camera(previous, observations, match)) {
+    notes->emplace_back("moved.only_pairs");
+    return *pairs;
+  }
+  throw Error("moved: the previous result has no complete pose of every camera, neither in the robot nor in " +
+              match.names.front());
+}
+
+NewKnowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
+                           std::vector<Finding>* reasons, std::vector<Finding>* notes) {
+  Solution solution = solve(before, observations, options);
+  const std::vector<Finding> contradictions = solution.estimate.contradictions;
+  const bool images_alone =
+      !contradictions.empty() && solution.estimate.only_odometry_contradicts && !any_taken_at_speed(observations);
+  if (images_alone) solution = solve(before, without_odometry(observations, solution.seen), options);
+  const MlEstimate& estimate = solution.estimate;
+  if (!estimate.contradictions.empty() || estimate.state.T_robot_camera.empty()) {
+    *reasons = contradictions.empty() ? estimate.result.reasons : contradictions;
+    const bool images = !contradictions.empty() && !estimate.only_odometry_contradicts && !solution.board_is_wrong;
+    if (images && observations.stops.size() > 1) reasons->emplace_back("moved.while_recording");
+    return {nothing_known(before), nothing_known(before)};
+  }
+  if (images_alone) notes->push_back(Finding("moved.odometry_ignored").by({about_odometry(contradictions)}));
+  if (solution.believes_residuals) notes->emplace_back("moved.scatter_believed");
+  const CalibrationNoise noise = believed_noise(estimate.noise, solution.scaled, options);
+  const InformationBound bound = cramer_rao_bound(solution.used, estimate.state, noise);
+  // The estimate rests on a robust loss, which keeps a little less than all of the information.
+  const Eigen::MatrixXd covariance = bound.joint / ml::cauchy_moments(2).efficiency;
+  const Knowledge free = {estimate.state.T_robot_camera, covariance, bound.free_directions, {}};
+  return {held_knowledge(before, solution.used, estimate.state, noise).value_or(free), free};
+}
+
+}  // namespace rigproof::moved

@@ -1,0 +1,386 @@
+#include "rigproof/calib/plan/suggest.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+
+#include "floor.h"
+#include "forecast.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/exclusions.h"
+#include "rigproof/core/random.h"
+#include "rigproof/core/text.h"
+
+namespace rigproof {
+namespace {
+
+using suggest::Floor;
+using suggest::Forecast;
+using suggest::Foresight;
+using suggest::Knowledge;
+using suggest::Place;
+using suggest::StopInformation;
+
+constexpr double kImpossible = std::numeric_limits<double>::infinity();
+
+void check(const SuggestOptions& options) {
+  Problems problems;
+  const auto require = [&problems](bool holds, const char* field, double value, const char* message) {
+    if (!holds) problems.add({"", 0, field, number_text(value), message});
+  };
+  require(options.stops >= 1 && options.stops <= 20, "stops", options.stops, "allowed: 1 to 20");
+  require(options.candidates >= 10 && options.candidates <= 100000, "candidates", options.candidates,
+          "allowed: 10 to 100000");
+  require(options.clearance_m >= 0.0, "clearance_m", options.clearance_m, "must not be negative");
+  require(options.reach_m > 0.0, "reach_m", options.reach_m, "must be positive");
+  require(options.min_turn_rad >= 0.0 && options.min_turn_rad < 1.6, "min_turn_rad", options.min_turn_rad,
+          "allowed: 0 to 1.6");
+  require(options.min_cameras >= 1, "min_cameras", options.min_cameras, "must be at least 1");
+  require(options.limits.xy_m > 0.0 && options.limits.z_m > 0.0 && options.limits.angle_rad > 0.0, "limits",
+          options.limits.xy_m, "all must be positive");
+  if (options.area) {
+    require(options.area->x_min_m < options.area->x_max_m, "area", options.area->x_min_m, "x must increase");
+    require(options.area->y_min_m < options.area->y_max_m, "area", options.area->y_min_m, "y must increase");
+  }
+  problems.throw_if_any();
+}
+
+// Smooth enough that every candidate that helps a little is told from one that does not.
+double worst_axis(const Eigen::VectorXd& relative_sigmas) {
+  constexpr double kPower = 8.0;
+  const double largest = relative_sigmas.maxCoeff();
+  return largest * std::pow((relative_sigmas / largest).array().pow(kPower).mean(), 1.0 / kPower);
+}
+
+class Suggester {
+ public:
+  Suggester(const Knowledge& knowledge, const SuggestOptions& options, const AcceptLimits& limits)
+      : knowledge_(knowledge),
+        options_(options),
+        limits_(limits),
+        state_(knowledge.estimate.state),
+        floor_(options, state_.T_world_robot, knowledge.basis.used.board, state_.T_world_board),
+        foresight_(knowledge, options),
+        forecast_(knowledge) {
+    for (std::size_t c = 0; c < knowledge.has_pose.size(); ++c)
+      if (knowledge.has_pose[c]) posed_.push_back(c);
+  }
+
+  Suggestion run() {
+    Suggestion suggestion;
+    suggestion.limits = limits_;
+    suggestion.status_now = knowledge_.estimate.result.status;
+    suggestion.reasons_now = knowledge_.estimate.result.reasons;
+    suggestion.T_world_board = state_.T_world_board;
+    suggestion.T_world_robot = state_.T_world_robot;
+    draw_candidates();
+    choose();
+    while (const std::optional<std::size_t> out_of_sight = command(in_driving_order(), &suggestion))
+      replace(*out_of_sight);
+    foretell(&suggestion);
+    return suggestion;
+  }
+
+ private:
+  void draw_candidates() {
+    RandomStream random(options_.seed, "suggested places");
+    const int tries = 200 * options_.candidates;
+    for (int i = 0; i < tries && static_cast<int>(places_.size()) < options_.candidates; ++i) {
+      const Place place = aimed_place(&random);
+      if (floor_.may_stand(place) && sees_board_when_rounded(place)) places_.push_back(place);
+    }
+    for (const Place& place : places_) information_.push_back(forecast_.information_of(foresight_, place));
+    given_up_.assign(places_.size(), false);
+  }
+
+  bool enough(const std::vector<int>& cameras) const {
+    return static_cast<int>(cameras.size()) >= options_.min_cameras;
+  }
+
+  // From there, and turned as far to either side as commands in whole degrees may leave it.
+  bool sees_board_when_rounded(const Place& place) const {
+    const double margin_rad = deg_to_rad(1.0);
+    std::vector<int> cameras = foresight_.cameras_with_board(place.T_world_robot());
+    for (const double turn_rad : {-margin_rad, margin_rad}) {
+      if (!enough(cameras)) return false;
+      const std::vector<int> turned =
+          foresight_.cameras_with_board(place.T_world_robot() * planar_pose(0.0, 0.0, turn_rad));
+      std::vector<int> both;
+      std::set_intersection(cameras.begin(), cameras.end(), turned.begin(), turned.end(), std::back_inserter(both));
+      cameras = both;
+    }
+    return enough(cameras);
+  }
+
+  // Anywhere in the area, with one of the cameras looking about at the board.
+  Place aimed_place(RandomStream* random) const {
+    const DriveArea& area = floor_.area();
+    const double x = random->uniform(area.x_min_m, area.x_max_m), y = random->uniform(area.y_min_m, area.y_max_m);
+    const Eigen::Vector3d p = floor_.T_world_first() * Eigen::Vector3d(x, y, 0.0);
+    const std::size_t c = posed_[random->below(static_cast<std::uint32_t>(posed_.size()))];
+    const Rigid3& X = state_.T_robot_camera[c];
+    const Camera& lens = knowledge_.basis.used.cameras[c].camera;
+    const Eigen::Vector3d axis = X.rotation * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d board = state_.T_world_board * knowledge_.basis.used.board.centre();
+    const double half_view = std::atan(0.5 * lens.width_px / lens.fx_px);
+    const double yaw = std::atan2(board.y() - p.y(), board.x() - p.x()) - std::atan2(axis.y(), axis.x()) +
+                       random->uniform(-half_view, half_view);
+    return {p.x(), p.y(), wrap_angle(yaw)};
+  }
+
+  double score(const std::vector<std::size_t>& chosen) const {
+    std::vector<const StopInformation*> stops;
+    for (const std::size_t i : chosen) stops.push_back(&information_[i]);
+    const std::optional<Eigen::MatrixXd> joint = forecast_.regular_covariance(stops);
+    if (!joint) return kImpossible;
+    Eigen::VectorXd inverse_limits(joint->rows());
+    for (Eigen::Index i = 0; i < joint->rows(); ++i) inverse_limits[i] = 1.0 / limit_of(static_cast<int>(i % 6));
+    const Eigen::MatrixXd relative = inverse_limits.asDiagonal() * *joint * inverse_limits.asDiagonal();
+    switch (options_.criterion) {
+      case SuggestCriterion::kDeterminant:
+        return 2.0 * relative.llt().matrixLLT().diagonal().array().log().sum();
+      case SuggestCriterion::kEigenvalue:
+        return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(relative, Eigen::EigenvaluesOnly)
+            .eigenvalues()
+            .maxCoeff();
+      case SuggestCriterion::kWorstAxis:
+        break;
+    }
+    return worst_axis(relative.diagonal().cwiseMax(0.0).cwiseSqrt());
+  }
+
+  double limit_of(int axis) const { return axis < 2 ? limits_.xy_m : axis == 2 ? limits_.z_m : limits_.angle_rad; }
+
+  bool is_chosen(std::size_t candidate) const {
+    return std::find(chosen_.begin(), chosen_.end(), candidate) != chosen_.end();
+  }
+
+  // The best candidate at the given position of the choice; false if none beats what is there.
+  bool improve(std::size_t position) {
+    std::vector<std::size_t> trial = chosen_;
+    bool better = false;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (given_up_[i] || is_chosen(i)) continue;
+      trial[position] = i;
+      const double value = score(trial);
+      if (value >= best_) continue;
+      best_ = value;
+      chosen_[position] = i;
+      better = true;
+    }
+    return better;
+  }
+
+  void choose() {
+    constexpr int kExchanges = 2;
+    const std::size_t wanted = std::min(static_cast<std::size_t>(options_.stops), places_.size());
+    while (chosen_.size() < wanted) {
+      chosen_.push_back(places_.size());  // no candidate yet
+      best_ = kImpossible;
+      if (improve(chosen_.size() - 1)) continue;
+      chosen_.pop_back();
+      break;
+    }
+    bool better = chosen_.size() > 1;
+    for (int round = 0; better && round < kExchanges; ++round) {
+      better = false;
+      for (std::size_t position = 0; position < chosen_.size(); ++position) better = improve(position) || better;
+    }
+  }
+
+  Place last_place() const { return Place::of(state_.T_world_robot.back()); }
+
+  // The next best place in the place of one that no command leads to.
+  void replace(std::size_t candidate) {
+    given_up_[candidate] = true;
+    chosen_.erase(std::find(chosen_.begin(), chosen_.end(), candidate));
+    choose();
+  }
+
+  // The shortest drive through the chosen places that keeps clear of the board.
+  std::vector<std::size_t> in_driving_order() const {
+    std::vector<std::size_t> left = chosen_, order;
+    if (left.size() <= 6) return shortest(std::move(left));
+    for (Place from = last_place(); !left.empty(); from = places_[order.back()]) {
+      const auto cost = [&](std::size_t candidate) { return cost_between(from, places_[candidate]); };
+      const auto next =
+          std::min_element(left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return cost(a) < cost(b); });
+      order.push_back(*next);
+      left.erase(next);
+    }
+    return order;
+  }
+
+  std::vector<std::size_t> shortest(std::vector<std::size_t> order) const {
+    std::sort(order.begin(), order.end());
+    std::vector<std::size_t> best = order;
+    double least = kImpossible;
+    do {
+      double cost = 0.0;
+      Place from = last_place();
+      for (const std::size_t i : order) {
+        cost += cost_between(from, places_[i]);
+        from = places_[i];
+      }
+      if (cost >= least) continue;
+      least = cost;
+      best = order;
+    } while (std::next_permutation(order.begin(), order.end()));
+    return best;
+  }
+
+  // A metre of driving costs as much as a radian of turning; a blocked way is only taken if there is no other.
+  double cost_between(const Place& from, const Place& to) const {
+    constexpr double kBlocked = 1e3;
+    const DriveCommand command = suggest::command_between(from, to, 0.0);
+    return std::abs(command.distance_m) + std::abs(command.turn_before_rad) + std::abs(command.turn_after_rad) +
+           (floor_.may_drive(from, to) ? 0.0 : kBlocked);
+  }
+
+  // Commands are rounded, and the robot is where they lead it. Returns a place from where the board is out of sight
+  // then, whatever the command; else absent.
+  std::optional<std::size_t> command(const std::vector<std::size_t>& order, Suggestion* suggestion) const {
+    suggestion->stops.clear();
+    std::vector<Finding> notes;
+    Place from = last_place();
+    for (const std::size_t candidate : order) {
+      const std::optional<SuggestedStop> stop = stop_at(from, places_[candidate]);
+      if (!stop) return candidate;
+      if (!floor_.may_drive(from, Place::of(stop->T_world_robot)))
+        notes.push_back(Finding("suggest.near_board", {{"stop", suggestion->stops.size() + 1}}));
+      from = Place::of(stop->T_world_robot);
+      suggestion->stops.push_back(*stop);
+    }
+    if (suggestion->stops.size() < static_cast<std::size_t>(options_.stops))
+      notes.push_back(Finding("suggest.few_places", {{"places", suggestion->stops.size()}}));
+    suggestion->notes = std::move(notes);
+    return std::nullopt;
+  }
+
+  // As close to the place as whole degrees and centimetres lead from which the board is seen: where it is missed, with
+  // small turns after all, then aimed anew.
+  std::optional<SuggestedStop> stop_at(const Place& from, const Place& to) const {
+    const std::optional<SuggestedStop> plain =
+        seen_from(from, suggest::command_between(from, to, options_.min_turn_rad));
+    if (plain) return plain;
+    constexpr int kMostAimed_deg = 5;
+    const DriveCommand exact = suggest::command_between(from, to, 0.0);
+    for (int aimed_deg = 0; aimed_deg <= kMostAimed_deg; ++aimed_deg) {
+      for (const int sense : {1, -1}) {
+        DriveCommand command = exact;
+        (command.distance_m != 0.0 ? command.turn_after_rad : command.turn_before_rad) += deg_to_rad(sense * aimed_deg);
+        if (const std::optional<SuggestedStop> stop = seen_from(from, command)) return stop;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // Absent if too few cameras see the board from where the command leads.
+  std::optional<SuggestedStop> seen_from(const Place& from, const DriveCommand& command) const {
+    const Rigid3 T_world_robot = from.T_world_robot() * command.motion();
+    const std::vector<int> cameras = foresight_.cameras_with_board(T_world_robot);
+    if (!enough(cameras)) return std::nullopt;
+    return SuggestedStop{command, T_world_robot, cameras};
+  }
+
+  // What `ml` makes of observations free of noise: whether the stops determine everything.
+  Result foreseen(const Observations& observations) const {
+    MlOptions options = options_.ml;
+    options.estimate_corner_level = options.estimate_plane_level = false;
+    options.suspension_height_sigma_m = forecast_.levels().suspension_height_m;
+    options.suspension_tilt_sigma_rad = forecast_.levels().suspension_tilt_rad;
+    return estimate_maximum_likelihood(observations, options).result;
+  }
+
+  void foretell(Suggestion* suggestion) const {
+    Observations observations = foresight_.as_expected(forecast_.levels());
+    const Result now = foreseen(observations);
+    if (now.status < suggestion->status_now) suggestion->notes.emplace_back("suggest.contradicting_data");
+    std::vector<StopInformation> information;
+    Place before = last_place();
+    for (const SuggestedStop& stop : suggestion->stops) {
+      information.push_back(forecast_.information_of(foresight_, Place::of(stop.T_world_robot)));
+      foresight_.append_stop(before.T_world_robot(), stop.T_world_robot, &observations);
+      before = Place::of(stop.T_world_robot);
+    }
+    const Result then = foreseen(observations);
+    suggestion->status_then = then.status;
+    suggestion->reasons_then = then.reasons;
+    std::vector<const StopInformation*> stops;
+    for (const StopInformation& stop : information) stops.push_back(&stop);
+    add_cameras(then, forecast_.sigmas({}), forecast_.sigmas(stops), suggestion);
+  }
+
+  void add_cameras(const Result& result_then, const std::vector<AxisSigmas>& now, const std::vector<AxisSigmas>& then,
+                   Suggestion* suggestion) const {
+    std::size_t row = 0;
+    for (std::size_t c = 0; c < knowledge_.has_pose.size(); ++c) {
+      const std::string& name = knowledge_.basis.used.cameras[c].name;
+      if (!knowledge_.has_pose[c]) {
+        const std::vector<Exclusion>& left_out = knowledge_.basis.used.exclusions;
+        suggestion->notes.push_back(
+            with_lack_of_views(Finding("suggest.no_pose"), left_out, static_cast<int>(c)).of(name));
+        continue;
+      }
+      const AxisSigmas stated = stated_of(knowledge_.estimate.result, name);
+      suggestion->cameras.push_back(
+          {name, stated, only_answered(result_then, in_proportion(then[row], now[row], stated), name)});
+      ++row;
+    }
+  }
+
+  AxisSigmas stated_of(const Result& result, const std::string& camera) const {
+    const EstimatedTransform* transform = result.find(knowledge_.basis.used.robot_frame, camera);
+    AxisSigmas sigmas;
+    if (transform == nullptr || !transform->covariance) return sigmas;
+    for (Eigen::Index axis = 0; axis < 6; ++axis)
+      sigmas[static_cast<std::size_t>(axis)] = std::sqrt((*transform->covariance)(axis, axis));
+    return only_answered(result, sigmas, camera);
+  }
+
+  // What the forecast does not hold (where it is open which odometry model is true, the method states both) is taken
+  // to shrink as the rest does.
+  static AxisSigmas in_proportion(AxisSigmas then, const AxisSigmas& now, const AxisSigmas& stated) {
+    for (std::size_t axis = 0; axis < 6; ++axis)
+      if (then[axis] && now[axis] && stated[axis]) *then[axis] *= *stated[axis] / *now[axis];
+    return then;
+  }
+
+  // What the method refuses has no figure.
+  AxisSigmas only_answered(const Result& result, AxisSigmas sigmas, const std::string& camera) const {
+    const EstimatedTransform* transform = result.find(knowledge_.basis.used.robot_frame, camera);
+    for (std::size_t axis = 0; axis < 6; ++axis)
+      if (transform == nullptr || !transform->observable[axis]) sigmas[axis].reset();
+    return sigmas;
+  }
+
+  const Knowledge& knowledge_;
+  const SuggestOptions& options_;
+  AcceptLimits limits_;
+  const CalibrationState& state_;
+  Floor floor_;
+  Foresight foresight_;
+  Forecast forecast_;
+  std::vector<std::size_t> posed_;  // cameras that can be aimed
+  std::vector<Place> places_;
+  std::vector<StopInformation> information_;
+  std::vector<bool> given_up_;  // places that no command leads to
+  std::vector<std::size_t> chosen_;
+  double best_ = kImpossible;
+};
+
+}  // namespace
+
+Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options) {
+  check(options);
+  const AcceptLimits limits = observations.accept.value_or(options.limits);
+  const Knowledge knowledge = suggest::knowledge_from(observations, options.ml);
+  return Suggester(knowledge, options, limits).run();
+}
+
+}  // namespace rigproof

@@ -1,0 +1,36 @@
+#include "used_observations.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace rigproof {
+namespace {
+
+bool was_left_out(const Result& result, const BoardView& view) {
+  const std::vector<Exclusion>& left_out = result.use[static_cast<std::size_t>(view.camera)].left_out;
+  return std::any_of(left_out.begin(), left_out.end(),
+                     [&view](const Exclusion& exclusion) { return exclusion.stop == view.stop && !exclusion.depth; });
+}
+
+}  // namespace
+
+Observations used_observations(const Result& result, const Observations& observations, const GroundCheck& ground) {
+  const auto has_pose = [&](const PlaneObservation& plane) {
+    return result.find(observations.robot_frame, observations.cameras[static_cast<std::size_t>(plane.camera)].name) !=
+           nullptr;
+  };
+  Observations used = observations;
+  used.ground_planes.clear();
+  used.board_planes.clear();
+  for (std::size_t i = 0; i < observations.ground_planes.size(); ++i)
+    if (ground.accepted[i] && has_pose(observations.ground_planes[i]))
+      used.ground_planes.push_back(observations.ground_planes[i]);
+  std::copy_if(observations.board_planes.begin(), observations.board_planes.end(),
+               std::back_inserter(used.board_planes), has_pose);
+  used.board_views.erase(std::remove_if(used.board_views.begin(), used.board_views.end(),
+                                        [&result](const BoardView& view) { return was_left_out(result, view); }),
+                         used.board_views.end());
+  return used;
+}
+
+}  // namespace rigproof

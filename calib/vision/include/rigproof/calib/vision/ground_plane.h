@@ -1,0 +1,61 @@
+// The ground (or the board) as a plane in one depth image.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/image.h"
+#include "rigproof/core/observations.h"
+#include "rigproof/core/rig.h"
+
+namespace rigproof {
+
+/// Depth measurements of one frame as points in the colour camera's frame.
+struct DepthPoints {
+  std::vector<Eigen::Vector3f> points;  ///< [m], z > 0, in the order of the image's rows
+  double points_per_measurement = 1.0;  ///< points that share one independent measurement (correlated noise)
+  double unit_m = 0.0;                  ///< step to which depth was rounded; part of the noise
+  /// Range of the sensor: near its ends noise is cut off on one side, so such points are not fitted.
+  double min_m = 0.0;
+  double max_m = std::numeric_limits<double>::infinity();
+  /// Of 1/z of each point [1/m], where a sensor's noise does not tell it; empty: it does.
+  std::vector<double> inverse_depth_sigmas_per_m = {};
+  /// Of the image, within the range or not, for messages; 0: not known, or it holds no depth at all.
+  double nearest_m = 0.0;
+  double farthest_m = 0.0;
+};
+
+/// Points of a 16-bit depth image on a grid of every `stride` pixels, inside the sensor's range. Throws Error if the
+/// camera has no depth stream or the image another size.
+DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int stride);
+
+struct GroundPlaneOptions {
+  /// Largest angle between the plane's normal and the expected up direction, if that is known [rad].
+  double max_tilt_rad = 0.35;
+  /// Inliers lie within this many of the sensor's standard deviations.
+  double inlier_sigmas = 3.0;
+  int min_inliers = 100;
+};
+
+/// A plane or why there is none.
+struct GroundPlaneFit {
+  std::optional<PlaneObservation> plane;
+  std::optional<Finding> why_not;
+};
+
+/// PCL RANSAC at a threshold derived from the sensor's noise, then least squares in inverse depth on the inliers
+/// (1/z = a . ray is linear, and Gaussian for stereo), repeated until the inliers settle. RANSAC too runs on
+/// (x/z, y/z, 1/z), where planes are planes and the noise is the same near and far. The covariance counts only the
+/// independent points, by the stated correlation or by that of the residuals if it is longer.
+/// Deterministic; about a millisecond for 10,000 points.
+/// @param up_camera expected up direction in the camera frame, from the rotation axis of the camera's own motion: the
+///        lowest plane of that normal is taken, so that a table is not the floor; absent: the largest plane below
+///        the camera is taken, and walls are told by the later trajectory check.
+GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noise,
+                                const std::optional<Eigen::Vector3d>& up_camera,
+                                const GroundPlaneOptions& options = {});
+
+}  // namespace rigproof

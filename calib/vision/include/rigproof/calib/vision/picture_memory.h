@@ -1,0 +1,37 @@
+// What was found in pictures before, so that a picture that many observations share is searched once.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "rigproof/calib/vision/observe.h"
+
+namespace rigproof {
+
+/// Where observing, and methods that read images, keep what they found in single pictures and between two of them.
+/// Everything that a finding depends on is in its key: the content of the pictures, the camera, the board; for planes
+/// also where the board and the vertical were; for features where they come from.
+class PictureMemory {
+ public:
+  enum class Finding {
+    kCorners,  ///< in an image
+    kPlanes,   ///< in a depth image or a cloud: ground and board
+    kClouds,   ///< in a depth image or a cloud: the plane that memroc_reference takes
+    kMatches,  ///< features that two images share
+    kMotions   ///< of the camera between two images, from their matches
+  };
+
+  static constexpr std::size_t kFindings = 5;
+
+  virtual ~PictureMemory() = default;
+  /// A hash of what a file of the recording holds; empty if nobody knows: then nothing is recalled or kept of it.
+  virtual std::string content_of(const std::string& file) const = 0;
+  /// The bytes that were kept under a key. Called from many threads at once, as keep() is.
+  virtual std::optional<std::string> recall(Finding finding, const std::string& key) = 0;
+  virtual void keep(Finding finding, const std::string& key, const std::string& bytes) = 0;
+};
+
+/// As observe(), to the bit, but pictures that the memory knows are not opened.
+Observations observe(const Recording& recording, const ObserveOptions& options, PictureMemory* memory);
+
+}  // namespace rigproof

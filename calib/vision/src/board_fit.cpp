@@ -1,0 +1,223 @@
+#include "board_fit.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "rigproof/calib/geometry/homography.h"
+#include "saddle_fit.h"
+
+namespace rigproof::detection {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+// Squares lower than this leave too few pixels beside the edges of their neighbours [px].
+constexpr double kMinSquarePx = 4.0;
+// Blur above this share of a square's height: neighbouring edges run into each other.
+constexpr double kMaxBlurShare = 0.3;
+// A corner may lie this share of a square off the homography of all; lens distortion bends the board.
+constexpr double kMaxHomographyShare = 0.3;
+constexpr double kMinContrastRatio = 0.35;
+constexpr double kMaxBlurRatio = 2.5;
+// Michelson's contrast of a print, glare and dim light included, is several times this; that of tartans and tiles is
+// less.
+constexpr double kMinPrintContrast = 0.15;
+
+Vector2d board_position(const Board& board, int id) {
+  return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
+}
+
+struct MeasuredCorner {
+  int id = 0;
+  SaddleWindow window;
+  SaddleFit fit;
+};
+
+double square_height(const Matrix2d& square) {
+  return std::abs(square.determinant()) / std::max(square.col(0).norm(), square.col(1).norm());
+}
+
+template <typename Value>
+double median_of(const std::vector<MeasuredCorner>& corners, Value value) {
+  std::vector<double> values;
+  for (const MeasuredCorner& corner : corners)
+    if (corner.fit.status == SaddleStatus::kFitted) values.push_back(value(corner.fit));
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double blur_of(const SaddleFit& fit) { return fit.blur_px.maxCoeff(); }
+
+// One square along each axis, towards the nearer (that is, shorter) neighbour.
+bool square_at(const Homography& H, const Vector2d& b, const Vector2d& centre, Matrix2d* square) {
+  for (int axis = 0; axis < 2; ++axis) {
+    Vector2d ahead, behind;
+    if (!H.map(b + Vector2d::Unit(axis), &ahead) || !H.map(b - Vector2d::Unit(axis), &behind)) return false;
+    const Vector2d whole = ahead - behind;
+    const double shorter = std::min((ahead - centre).norm(), (behind - centre).norm());
+    square->col(axis) = shorter * whole.normalized();
+  }
+  return square->allFinite() && square->determinant() > 0.0;
+}
+
+std::optional<Homography> homography_of(const Board& board, const std::vector<MeasuredCorner>& corners) {
+  std::vector<PlanePoint> points;
+  for (const MeasuredCorner& corner : corners)
+    if (corner.fit.status == SaddleStatus::kFitted)
+      points.push_back({board_position(board, corner.id), corner.fit.pixel});
+  return Homography::fit(points);
+}
+
+std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, const Homography& H,
+                                    const std::vector<std::pair<int, Vector2d>>& seeds, double blur_px, bool coarse) {
+  std::vector<MeasuredCorner> corners(static_cast<std::size_t>(board.corner_count()));
+  for (int id = 0; id < board.corner_count(); ++id) {
+    MeasuredCorner& corner = corners[static_cast<std::size_t>(id)];
+    corner.id = id;
+    const Vector2d b = board_position(board, id);
+    Vector2d centre;
+    if (!H.map(b, &centre) || !square_at(H, b, centre, &corner.window.square)) continue;
+    const auto seed = std::find_if(seeds.begin(), seeds.end(), [id](const auto& s) { return s.first == id; });
+    corner.window.centre = seed != seeds.end() ? seed->second : centre;
+    corner.window.dark_diagonal = Board::is_dark(id % board.inner_corners_x(), id / board.inner_corners_x());
+    corner.window.blur_px = blur_px;
+    corner.window.coarse = coarse;
+    corner.fit = fit_saddle(grey, corner.window);
+  }
+  return corners;
+}
+
+// Drops fits that stand out among their fellows: glare, a hidden corner, a neighbour's edge.
+void drop_outliers(const Board& board, const Homography& H, const CheckerboardOptions& options,
+                   std::vector<MeasuredCorner>* corners) {
+  // Below one grey level the residual is the rounding of the grey values, not a fault.
+  const double residual = std::max(1.0, median_of(*corners, [](const SaddleFit& f) { return f.residual_rms; }));
+  const double contrast = median_of(*corners, [](const SaddleFit& f) { return f.contrast; });
+  const double blur = median_of(*corners, blur_of);
+  for (MeasuredCorner& corner : *corners) {
+    SaddleFit& fit = corner.fit;
+    if (fit.status != SaddleStatus::kFitted) continue;
+    Vector2d expected = Vector2d::Constant(1e9);
+    H.map(board_position(board, corner.id), &expected);
+    const bool good = fit.residual_rms <= options.max_fit_residual_ratio * residual &&
+                      fit.contrast >= kMinContrastRatio * contrast && blur_of(fit) <= kMaxBlurRatio * blur &&
+                      (fit.pixel - expected).norm() <= kMaxHomographyShare * square_height(corner.window.square);
+    if (!good) fit.status = SaddleStatus::kNoSaddle;
+  }
+}
+
+int count(const std::vector<MeasuredCorner>& corners, SaddleStatus status) {
+  return static_cast<int>(std::count_if(corners.begin(), corners.end(),
+                                        [status](const MeasuredCorner& c) { return c.fit.status == status; }));
+}
+
+// Every outer row and column needs two corners, else the board could lie one square further.
+bool outline_is_fixed(const Board& board, const std::vector<MeasuredCorner>& corners) {
+  std::array<int, 4> sides{};
+  for (const MeasuredCorner& corner : corners) {
+    if (corner.fit.status != SaddleStatus::kFitted) continue;
+    const int x = corner.id % board.inner_corners_x(), y = corner.id / board.inner_corners_x();
+    sides[0] += x == 0;
+    sides[1] += x == board.inner_corners_x() - 1;
+    sides[2] += y == 0;
+    sides[3] += y == board.inner_corners_y() - 1;
+  }
+  return *std::min_element(sides.begin(), sides.end()) >= 2;
+}
+
+double smallest_square(const std::vector<MeasuredCorner>& corners) {
+  double smallest = 1e9;
+  for (const MeasuredCorner& corner : corners) smallest = std::min(smallest, square_height(corner.window.square));
+  return smallest;
+}
+
+// The squares' outer corners lie in the image, so that what is missing is hidden and not beyond the image's edge.
+bool outline_in_image(const Board& board, const Homography& H, const Image8& grey) {
+  for (const int x : {-1, board.inner_corners_x()}) {
+    for (const int y : {-1, board.inner_corners_y()}) {
+      Vector2d p;
+      if (!H.map(Vector2d(x, y), &p) || p.minCoeff() < -0.5 || p.x() > grey.width - 0.5 || p.y() > grey.height - 0.5)
+        return false;
+    }
+  }
+  return true;
+}
+
+std::optional<double> grey_at(const Image8& grey, const Vector2d& pixel) {
+  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+  if (x < 0 || y < 0 || x >= grey.width || y >= grey.height) return std::nullopt;
+  return grey.at(x, y);
+}
+
+// Light less dark over light and dark (Michelson's contrast), by the middles of all squares.
+double print_contrast(const Image8& grey, const Homography& H, const Board& board) {
+  double difference = 0.0, sum = 0.0;
+  for (int x = -1; x < board.inner_corners_x(); ++x) {
+    for (int y = -1; y < board.inner_corners_y(); ++y) {
+      Vector2d middle;
+      if (!H.map(Vector2d(x + 0.5, y + 0.5), &middle)) continue;
+      const double value = grey_at(grey, middle).value_or(0.0);
+      difference += Board::is_dark(x, y) ? -value : value;
+      sum += value;
+    }
+  }
+  return sum > 0.0 ? difference / sum : 0.0;
+}
+
+// Why a measured board cannot be used; absent if it can.
+std::optional<Finding> fault_of(const Board& board, const std::vector<MeasuredCorner>& corners,
+                                const CheckerboardOptions& options) {
+  const int fitted = count(corners, SaddleStatus::kFitted);
+  const double smallest = smallest_square(corners), blur = median_of(corners, blur_of);
+  if (smallest < kMinSquarePx) return Finding("board.too_small", {{"square_px", smallest}});
+  if (fitted > 0 && blur > kMaxBlurShare * smallest) return Finding("board.blurred", {{"edge_px", 2.0 * blur}});
+  if (count(corners, SaddleStatus::kOutsideImage) > 0 && fitted < board.corner_count()) return Finding("board.cut_off");
+  if (fitted < options.min_corner_share * board.corner_count() || !outline_is_fixed(board, corners))
+    return Finding("board.partly_hidden", {{"corners", fitted}, {"of", board.corner_count()}});
+  return std::nullopt;
+}
+
+}  // namespace
+
+BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement& placement,
+                   const CheckerboardOptions& options) {
+  BoardFit result;
+  std::vector<PlanePoint> points;
+  for (const auto& [id, pixel] : placement.seeds) points.push_back({board_position(board, id), pixel});
+  std::optional<Homography> H = Homography::fit(points);
+  result.why_not = Finding("board.not_found");
+  if (!H) return result;
+  constexpr double kFirstBlur = 0.9;
+  std::vector<MeasuredCorner> corners = measure(grey, board, *H, placement.seeds, kFirstBlur, true);
+  H = homography_of(board, corners);
+  if (H) {
+    drop_outliers(board, *H, options, &corners);
+    std::vector<std::pair<int, Vector2d>> fitted;
+    for (const MeasuredCorner& corner : corners)
+      if (corner.fit.status == SaddleStatus::kFitted) fitted.emplace_back(corner.id, corner.fit.pixel);
+    corners = measure(grey, board, *H, fitted, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false);
+    drop_outliers(board, *H, options, &corners);
+  }
+  result.outside = count(corners, SaddleStatus::kOutsideImage);
+  result.why_not = fault_of(board, corners, options);
+  const bool incomplete = count(corners, SaddleStatus::kFitted) < board.corner_count();
+  if (!result.why_not && incomplete && (!H || !outline_in_image(board, *H, grey)))
+    result.why_not = Finding("board.cut_off");
+  if (!result.why_not && H && print_contrast(grey, *H, board) < kMinPrintContrast)
+    result.why_not = Finding("board.not_found");
+  if (result.why_not) return result;
+  for (const MeasuredCorner& corner : corners) {
+    if (corner.fit.status != SaddleStatus::kFitted) continue;
+    const Matrix2d floor = Matrix2d::Identity() * (options.min_sigma_px * options.min_sigma_px);
+    result.corners.push_back({corner.id, corner.fit.pixel, corner.fit.covariance_px2 + floor});
+  }
+  return result;
+}
+
+}  // namespace rigproof::detection

@@ -1,0 +1,21 @@
+// From seeds of a board's corners to measured corners.
+#pragma once
+
+#include <optional>
+
+#include "corner_grid.h"
+#include "rigproof/calib/vision/checkerboard.h"
+
+namespace rigproof::detection {
+
+struct BoardFit {
+  std::vector<CornerObservation> corners;  ///< in the order of ids; empty if the board was not measured
+  std::optional<Finding> why_not;          ///< why it is empty
+  int outside = 0;                         ///< corners that lie outside of the image
+};
+
+/// Fits every corner twice: first in windows from the seeds' homography, then from that of the fitted corners.
+BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement& placement,
+                   const CheckerboardOptions& options);
+
+}  // namespace rigproof::detection

@@ -1,0 +1,229 @@
+#include "rigproof/calib/vision/checkerboard.h"
+
+#include <algorithm>
+
+#include "board_fit.h"
+#include "board_search.h"
+#include "opencv_seed.h"
+#include "smooth_image.h"
+
+namespace rigproof {
+namespace {
+
+using detection::BoardFit;
+using detection::BoardHypothesis;
+using detection::BoardPlacement;
+using detection::CornerGrid;
+using detection::Pyramid;
+using Eigen::Vector2d;
+
+constexpr int kMinImageSize = 32;
+// Part of the corners that makes it worthwhile to look closer, and to call it a board in the reason.
+constexpr double kPartOfBoard = 0.4;
+// Equally good placements beyond this number come from texture, not from a board.
+constexpr std::size_t kMaxPlacements = 8;
+
+std::string size_text(int a, int b) { return std::to_string(std::max(a, b)) + "x" + std::to_string(std::min(a, b)); }
+
+// How far the board's x axis points to the right in the image.
+double rightward(const Board& board, const BoardPlacement& placement) {
+  Vector2d sum = Vector2d::Zero();
+  double weight = 0.0;
+  const double middle = 0.5 * (board.inner_corners_x() - 1);
+  for (const auto& [id, pixel] : placement.seeds) {
+    const double x = id % board.inner_corners_x() - middle;
+    sum += x * pixel;
+    weight += x * x;
+  }
+  const Vector2d along = sum / std::max(weight, 1.0);
+  return along.x() + 1e-9 * along.y();
+}
+
+// Of the rotations under which a symmetric board looks the same, the upright one.
+void keep_upright(const Board& board, std::vector<BoardPlacement>* placements) {
+  const auto best = std::max_element(placements->begin(), placements->end(), [&board](const auto& a, const auto& b) {
+    return rightward(board, a) < rightward(board, b);
+  });
+  *placements = {*best};
+}
+
+// Placements that differ in which squares they cover, not only in rotation.
+bool cover_the_same(const std::vector<BoardPlacement>& placements) {
+  const auto centre = [](const BoardPlacement& placement) {
+    Vector2d sum = Vector2d::Zero();
+    for (const auto& seed : placement.seeds) sum += seed.second;
+    return Vector2d(sum / static_cast<double>(placement.seeds.size()));
+  };
+  const Vector2d first = centre(placements.front());
+  return std::all_of(placements.begin(), placements.end(),
+                     [&](const auto& placement) { return (centre(placement) - first).norm() < 1e-6; });
+}
+
+BoardFit fit_whole(const Image8& grey, const Board& board, const BoardHypothesis& hypothesis,
+                   const CheckerboardOptions& options) {
+  std::vector<BoardPlacement> placements = hypothesis.placements;
+  if (placements.size() > 1) {
+    if (!board.ambiguous_under_half_turn() || !cover_the_same(placements)) {
+      BoardFit fit;
+      const auto [seen_short, seen_long] = std::minmax({hypothesis.grid.extent_i(), hypothesis.grid.extent_j()});
+      const auto [wanted_short, wanted_long] = std::minmax({board.inner_corners_x(), board.inner_corners_y()});
+      fit.why_not = Finding(
+          "board.another",
+          {{"seen_long", seen_long}, {"seen_short", seen_short}, {"long", wanted_long}, {"short", wanted_short}});
+      return fit;
+    }
+    keep_upright(board, &placements);
+  }
+  return fit_board(grey, board, placements.front(), options);
+}
+
+// Some corners are missing from the grid: the placement that finds them in the image is the right one. Where several
+// do, the board may lie one square further, and is not taken.
+BoardFit complete(const Image8& grey, const Board& board, const BoardHypothesis& hypothesis,
+                  const CheckerboardOptions& options) {
+  BoardFit best;
+  if (hypothesis.placements.size() > kMaxPlacements) return best;
+  int fits = 0;
+  for (const BoardPlacement& placement : hypothesis.placements) {
+    BoardFit fit = fit_board(grey, board, placement, options);
+    if (fit.corners.empty()) {
+      if (best.corners.empty()) best.why_not = fit.why_not;
+      continue;
+    }
+    ++fits;
+    if (fit.corners.size() > best.corners.size()) best = std::move(fit);
+  }
+  if (fits > 1) best.corners.clear();
+  return best;
+}
+
+BoardFit fit_hypothesis(const Image8& grey, const Board& board, const BoardHypothesis& hypothesis,
+                        const CheckerboardOptions& options) {
+  const bool whole = hypothesis.corners == static_cast<std::size_t>(board.corner_count());
+  return whole ? fit_whole(grey, board, hypothesis, options) : complete(grey, board, hypothesis, options);
+}
+
+// The image ends within one square of the grid, so the rest of the board may lie beyond.
+bool touches_border(const CornerGrid& grid, const Image8& grey) {
+  double longest = 0.0;
+  for (const auto& [coordinates, p] : grid.corners) {
+    const auto next = grid.corners.find({coordinates.first + 1, coordinates.second});
+    const auto below = grid.corners.find({coordinates.first, coordinates.second + 1});
+    if (next != grid.corners.end()) longest = std::max(longest, (next->second - p).norm());
+    if (below != grid.corners.end()) longest = std::max(longest, (below->second - p).norm());
+  }
+  return std::any_of(grid.corners.begin(), grid.corners.end(), [&](const auto& corner) {
+    const Vector2d& p = corner.second;
+    return std::min({p.x(), p.y(), grey.width - 1 - p.x(), grey.height - 1 - p.y()}) < 1.3 * longest;
+  });
+}
+
+Finding reason_for_part(const BoardHypothesis& part, const Image8& grey, const Board& board) {
+  if (touches_border(part.grid, grey)) return Finding("board.cut_off");
+  return Finding("board.partly_hidden", {{"corners", part.corners}, {"of", board.corner_count()}});
+}
+
+/// Looks for the board level by level and remembers the best failure.
+class BoardFinder {
+ public:
+  BoardFinder(const Image8& grey, const Board& board, const CheckerboardOptions& options)
+      : grey_(grey), board_(board), options_(options), pyramid_(grey) {}
+
+  BoardDetection find() {
+    // Whole grids of any level before parts: a part may belong to something else that is chequered.
+    for (const std::size_t level : pyramid_.search_order()) {
+      hypotheses_.push_back(detection::rank_hypotheses(detection::search_grids(pyramid_, level, 4), board_));
+      if (try_hypotheses(hypotheses_.back(), board_.corner_count())) return std::move(fit_.corners);
+    }
+    if (try_parts()) return std::move(fit_.corners);
+    if (!best_part_) return BoardNotFound{Finding("board.not_found")};
+    if (const std::optional<CornerGrid> grid = detection::opencv_corner_grid(grey_, board_))
+      if (try_hypotheses(detection::rank_hypotheses({*grid}, board_), part_size())) return std::move(fit_.corners);
+    return BoardNotFound{why_not_ ? *why_not_ : reason_for_part(*best_part_, grey_, board_)};
+  }
+
+ private:
+  bool try_hypotheses(const std::vector<BoardHypothesis>& hypotheses, int min_corners) {
+    for (const BoardHypothesis& hypothesis : hypotheses) {
+      if (hypothesis.corners < static_cast<std::size_t>(min_corners)) break;
+      fit_ = fit_hypothesis(grey_, board_, hypothesis, options_);
+      if (!fit_.corners.empty()) return true;
+      const bool better = !best_part_ || hypothesis.corners > best_part_->corners;
+      if (better) best_part_ = hypothesis;
+      // Only a whole grid's fit knows better than the grid itself why it cannot be used.
+      if (better && hypothesis.corners == static_cast<std::size_t>(board_.corner_count())) why_not_ = fit_.why_not;
+    }
+    return false;
+  }
+  // Parts of two boards in one image: the one with more corners, and neither where they are equal.
+  bool try_parts() {
+    BoardFit best;
+    bool unique = true;
+    for (const std::vector<BoardHypothesis>& of_level : hypotheses_) {
+      for (const BoardHypothesis& hypothesis : of_level) {
+        if (!try_hypotheses({hypothesis}, part_size())) continue;
+        const bool same = !best.corners.empty() && same_board(best.corners, fit_.corners);
+        if (fit_.corners.size() == best.corners.size() && !same) unique = false;
+        if (fit_.corners.size() <= best.corners.size()) continue;
+        best = std::move(fit_);
+        unique = true;
+      }
+    }
+    fit_ = std::move(best);
+    if (!unique) why_not_ = Finding("board.two");
+    return unique && !fit_.corners.empty();
+  }
+  static bool same_board(const std::vector<CornerObservation>& a, const std::vector<CornerObservation>& b) {
+    constexpr double kSamePlacePx = 2.0;
+    for (const CornerObservation& corner : a)
+      for (const CornerObservation& other : b)
+        if (corner.id == other.id) return (corner.pixel - other.pixel).norm() < kSamePlacePx;
+    return false;
+  }
+  int part_size() const { return std::max(4, static_cast<int>(kPartOfBoard * board_.corner_count())); }
+
+  const Image8& grey_;
+  const Board& board_;
+  const CheckerboardOptions& options_;
+  Pyramid pyramid_;
+  std::vector<std::vector<BoardHypothesis>> hypotheses_;  ///< by level searched
+  BoardFit fit_;
+  std::optional<BoardHypothesis> best_part_;
+  std::optional<Finding> why_not_;
+};
+
+}  // namespace
+
+BoardDetection detect_checkerboard(const Image8& image, const Board& board, const CheckerboardOptions& options) {
+  if (board.inner_corners_x() < 2 || board.inner_corners_y() < 2)
+    return BoardNotFound{Finding("board.too_few_squares")};
+  if (std::min(image.width, image.height) < kMinImageSize) return BoardNotFound{Finding("image.too_small")};
+  if (image.channels == 1) return BoardFinder(image, board, options).find();
+  return BoardFinder(detection::to_grey(image), board, options).find();
+}
+
+std::optional<CheckerboardSize> find_any_checkerboard(const Image8& image) {
+  if (std::min(image.width, image.height) < kMinImageSize) return std::nullopt;
+  Pyramid pyramid(detection::to_grey(image));
+  for (const std::size_t level : pyramid.search_order()) {
+    for (const CornerGrid& grid : detection::search_grids(pyramid, level, 6)) {
+      const int a = grid.extent_i(), b = grid.extent_j();
+      if (grid.is_full() && std::min(a, b) >= 2 && std::max(a, b) >= 3)
+        return CheckerboardSize{std::max(a, b), std::min(a, b)};
+    }
+  }
+  return std::nullopt;
+}
+
+std::string describe_size_mismatch(const CheckerboardSize& seen, const Board& board) {
+  const int a = seen.inner_corners_long, b = seen.inner_corners_short;
+  std::string text = "the board in the images seems to have " + size_text(a, b) +
+                     " inner corners = " + size_text(a + 1, b + 1) + " squares; the rig says squares [" +
+                     std::to_string(board.squares_x) + ", " + std::to_string(board.squares_y) + "]";
+  if (size_text(board.squares_x, board.squares_y) == size_text(a, b))
+    text += " (inner corners given for squares: write [" + std::to_string(board.squares_x + 1) + ", " +
+            std::to_string(board.squares_y + 1) + "])";
+  return text;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,3 @@
+#pragma once
+
+#include "rigproof/calib/vision/stops.h"

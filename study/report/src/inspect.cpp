@@ -1,0 +1,65 @@
+#include "rigproof/study/report/inspect.h"
+
+#include "inspect_pictures.h"
+
+namespace rigproof {
+namespace inspect_detail {
+
+std::vector<std::string> camera_names(const Observations& observations) {
+  std::vector<std::string> names;
+  for (const RigCamera& camera : observations.cameras) names.push_back(camera.name);
+  return names;
+}
+
+std::filesystem::path image_folder(const InspectInput& input) {
+  return input.input.recording ? input.input.recording->folder : std::filesystem::path();
+}
+
+std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string& camera) {
+  for (std::size_t i = 0; i < truth.cameras.size(); ++i)
+    if (truth.cameras[i].name == camera) return i;
+  return std::nullopt;
+}
+
+std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& camera) {
+  if (input.truth)
+    if (const auto i = index_in_truth(*input.truth, camera)) return input.truth->cameras[*i].T_robot_camera;
+  for (const Result& result : input.results)
+    for (const EstimatedTransform& estimate : result.camera_to_robot)
+      if (estimate.child == camera && estimate.fully_observable()) return estimate.T_parent_child;
+  return std::nullopt;
+}
+
+std::optional<double> distance_to_board(const InspectInput& input, const BoardView& view) {
+  if (!input.truth) return std::nullopt;
+  const auto camera =
+      index_in_truth(*input.truth, input.observations.cameras[static_cast<std::size_t>(view.camera)].name);
+  if (!camera) return std::nullopt;
+  const std::vector<TrueStop>& stops = input.truth->stops_of(*camera);
+  const auto stop = stop_at(stops, view.stamp_s);
+  if (!stop) return std::nullopt;
+  const Rigid3 T_world_camera = stops[*stop].T_world_robot * input.truth->cameras[*camera].T_robot_camera;
+  return (T_world_camera.inverse() * (input.truth->T_world_board * input.truth->board.centre())).norm();
+}
+
+}  // namespace inspect_detail
+
+std::vector<std::filesystem::path> write_pictures(const InspectInput& input, const std::filesystem::path& folder,
+                                                  const InspectOptions& options) {
+  using namespace inspect_detail;
+  std::vector<std::filesystem::path> files;
+  const auto keep = [&files](const Written& written) {
+    if (written) files.push_back(*written);
+  };
+  const std::size_t cameras = input.observations.cameras.size();
+  keep(draw_mosaic(input, options, folder));
+  keep(draw_coverage(input, folder));
+  keep(draw_drive(input, folder));
+  for (std::size_t camera = 0; camera < cameras; ++camera) keep(draw_corners(input, camera, folder));
+  for (const Result& result : input.results)
+    for (std::size_t camera = 0; camera < cameras; ++camera) keep(draw_reprojection(input, result, camera, folder));
+  keep(draw_excluded(input, options, folder));
+  return files;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,50 @@
+// One function a picture; each returns the file it wrote, or nothing where there was nothing to show.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "inspect_canvas.h"
+#include "rigproof/study/report/inspect.h"
+#include "rigproof/truth/stop_at.h"
+
+namespace rigproof::inspect_detail {
+
+using Written = std::optional<std::filesystem::path>;
+
+Written draw_mosaic(const InspectInput& input, const InspectOptions& options, const std::filesystem::path& folder);
+Written draw_coverage(const InspectInput& input, const std::filesystem::path& folder);
+Written draw_drive(const InspectInput& input, const std::filesystem::path& folder);
+Written draw_corners(const InspectInput& input, std::size_t camera, const std::filesystem::path& folder);
+Written draw_reprojection(const InspectInput& input, const Result& result, std::size_t camera,
+                          const std::filesystem::path& folder);
+Written draw_excluded(const InspectInput& input, const InspectOptions& options, const std::filesystem::path& folder);
+
+/// A difference between two places of one corner.
+struct Residual {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Vector2d difference = Eigen::Vector2d::Zero();  ///< [px]
+};
+struct ResidualPicture {
+  std::string title;
+  std::string subtitle;
+  std::size_t camera = 0;
+  Camera image;
+  std::vector<Residual> residuals;
+  double stated_sigma_px = 0.0;  ///< drawn as a circle and a curve; 0 = none
+};
+/// The image plane with magnified arrows, a scatter plot and a histogram of each axis.
+void draw_residuals(const ResidualPicture& picture, const std::filesystem::path& file);
+
+std::vector<std::string> camera_names(const Observations& observations);
+/// Where images lie; empty without a recording.
+std::filesystem::path image_folder(const InspectInput& input);
+std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string& camera);
+/// Camera pose in the robot frame: the truth's, else the first result's that has it completely.
+std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& camera);
+/// "2.31": metres from the camera to the board's middle, if truth tells.
+std::optional<double> distance_to_board(const InspectInput& input, const BoardView& view);
+
+}  // namespace rigproof::inspect_detail

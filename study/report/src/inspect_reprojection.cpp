@@ -1,0 +1,93 @@
+#include <map>
+
+#include "inspect_pictures.h"
+#include "rigproof/calib/geometry/pnp.h"
+
+namespace rigproof::inspect_detail {
+namespace {
+
+// Poses of the cameras in the robot frame that a result answers completely, by index in the observations.
+std::map<int, Rigid3> poses_of(const Observations& observations, const Result& result) {
+  std::map<int, Rigid3> poses;
+  for (std::size_t i = 0; i < observations.cameras.size(); ++i)
+    for (const EstimatedTransform& estimate : result.camera_to_robot)
+      if (estimate.child == observations.cameras[i].name && estimate.fully_observable())
+        poses[static_cast<int>(i)] = estimate.T_parent_child;
+  return poses;
+}
+
+// Carries the board, as one view measures it, to another view through the calibrated rig and the odometry between the
+// two stops. Nothing of the target view enters, so every error of the calibration shows.
+class CarryOver {
+ public:
+  CarryOver(const Observations& observations, const Result& result)
+      : observations_(observations), poses_(poses_of(observations, result)) {}
+
+  bool knows(std::size_t camera) const { return poses_.count(static_cast<int>(camera)) > 0; }
+
+  // The view to carry over from: another camera at the same stop, else the nearest earlier or later view.
+  const BoardView* source_for(const BoardView& target) const {
+    const BoardView* best = nullptr;
+    for (const BoardView& view : observations_.board_views) {
+      if (&view == &target || poses_.count(view.camera) == 0) continue;
+      if (best == nullptr || std::abs(view.stop - target.stop) < std::abs(best->stop - target.stop)) best = &view;
+    }
+    return best;
+  }
+
+  void add(const BoardView& target, ResidualPicture* picture) const {
+    const BoardView* source = source_for(target);
+    if (source == nullptr) return;
+    const Camera& source_camera = observations_.cameras[static_cast<std::size_t>(source->camera)].camera;
+    const auto board = estimate_board_pose(source->corners, observations_.board, source_camera);
+    if (!board) return;
+    const Rigid3 T_target_board = poses_.at(target.camera).inverse() * odometry(target.stop).inverse() *
+                                  odometry(source->stop) * poses_.at(source->camera) * board->T_camera_board;
+    for (const CornerObservation& corner : target.corners) {
+      Eigen::Vector2d projected;
+      if (picture->image.project(T_target_board * observations_.board.corner(corner.id), &projected))
+        picture->residuals.push_back({corner.pixel, projected - corner.pixel});
+    }
+  }
+
+ private:
+  Rigid3 odometry(int stop) const {
+    const Stop& s = observations_.stops[static_cast<std::size_t>(stop)];
+    return planar_pose(s.x_m, s.y_m, s.yaw_rad);
+  }
+
+  const Observations& observations_;
+  const std::map<int, Rigid3> poses_;
+};
+
+}  // namespace
+
+Written draw_reprojection(const InspectInput& input, const Result& result, std::size_t camera,
+                          const std::filesystem::path& folder) {
+  const Observations& observations = input.observations;
+  const CarryOver carry_over(observations, result);
+  if (!carry_over.knows(camera)) return std::nullopt;
+  ResidualPicture picture;
+  picture.camera = camera;
+  picture.image = observations.cameras[camera].camera;
+  std::size_t from_neighbours = 0, views = 0;
+  for (const BoardView& view : observations.board_views) {
+    if (view.camera != static_cast<int>(camera)) continue;
+    const BoardView* source = carry_over.source_for(view);
+    if (source == nullptr) continue;
+    ++views;
+    from_neighbours += source->stop == view.stop ? 1 : 0;
+    carry_over.add(view, &picture);
+  }
+  if (picture.residuals.empty()) return std::nullopt;
+  const std::string& name = observations.cameras[camera].name;
+  picture.title = result.method + ", " + name + ": reprojected minus detected corners";
+  picture.subtitle = "board carried over by the calibration: " + std::to_string(from_neighbours) +
+                     " views from another camera at the same stop, " + std::to_string(views - from_neighbours) +
+                     " from another stop by odometry";
+  const auto file = folder / ("reprojection_" + result.method + "_" + name + ".png");
+  draw_residuals(picture, file);
+  return file;
+}
+
+}  // namespace rigproof::inspect_detail

@@ -1,0 +1,20 @@
+// What the figures of the paper's experiments show, one number a line, for figures/plot.py and whatever else reads CSV.
+#pragma once
+
+#include <string>
+
+#include "rigproof/study/sweep/rows.h"
+
+namespace rigproof::paper {
+
+/// Columns:
+///   figure    dots | curves | repeatability: what the line is for
+///   panel     "camera to robot, images clean"
+///   quantity  tx ty tz roll pitch yaw, or translation and rotation (lengths, of curves)
+///   unit      cm | deg
+///   method, source (measured | published), task, camera
+///   x, x_title  place on the axis: level of the sweep, or number of the run
+///   error     estimate minus truth; published is the mean of its absolute value
+std::string paper_csv(const std::string& experiment, const SweepRows& rows);
+
+}  // namespace rigproof::paper

@@ -1,0 +1,59 @@
+// Errors of a method out of a sweep's rows, as the paper counts them.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/study/sweep/rows.h"
+
+namespace rigproof::paper {
+
+/// tx ty tz [cm], roll pitch yaw [deg].
+using PaperError = std::array<std::optional<double>, 6>;
+/// As the paper reads rotations.
+PaperError paper_error(const SweepRow& row);
+/// Length of three of them, from `first` on; absent where one is.
+std::optional<double> norm(const PaperError& error, std::size_t first);
+
+/// Which rows: labels by axis number.
+using Condition = std::map<std::size_t, std::string>;
+bool meets(const SweepRow& row, const Condition& condition);
+
+/// Number of the axis of that name; absent if the sweep has none.
+std::optional<std::size_t> axis_of(const SweepRows& rows, const std::string& name);
+
+/// One condition for each level of the axis of that name, with the level's label; a single empty one if there is none.
+struct NamedCondition {
+  std::string label;
+  Condition condition;
+};
+std::vector<NamedCondition> conditions_along(const SweepRows& rows, const std::string& name);
+
+/// What a method answered under a condition.
+struct Sample {
+  std::array<std::vector<double>, 6> values;   ///< signed, tasks and cameras in the rows' order
+  std::vector<double> lengths_cm, angles_deg;  ///< norms of errors in all three axes
+  int answered = 0;                            ///< tasks in which it stated for every camera all that it ever states
+  int tasks = 0;
+
+  /// Mean of the absolute value; absent without any.
+  std::optional<double> mean_absolute(std::size_t axis) const;
+  bool states_anything() const;
+};
+Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject);
+
+std::optional<double> mean(const std::vector<double>& values);
+/// With n - 1; absent for fewer than two.
+std::optional<double> deviation(const std::vector<double>& values);
+std::vector<double> absolute(std::vector<double> values);
+/// The value below which a share of the sorted values lies, interpolated; absent without values.
+std::optional<double> quantile(std::vector<double> values, double share);
+
+/// The same sweep with every pair's error told against that of a method in the same task, as where there is no truth.
+/// Pairs for which that method gives none are left out, and so is the method itself.
+SweepRows against_method(const SweepRows& rows, const std::string& method);
+
+}  // namespace rigproof::paper

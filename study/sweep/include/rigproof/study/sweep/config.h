@@ -1,0 +1,119 @@
+// The configuration of a sweep, and the tasks that it makes. docs/guides/sweeps.md tells it by example.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rigproof/core/fields.h"
+#include "rigproof/core/yaml.h"
+#include "rigproof/generator/config.h"
+#include "rigproof/geometric/geometric.h"
+
+namespace rigproof {
+
+/// Block `geometric` of a sweep: what observations without pictures are drawn from.
+struct GeometricSweepConfig {
+  std::string rig = "reference";  ///< reference | random | run
+  std::int64_t cameras = 3;       ///< of a random rig
+  std::string drive = "random";   ///< not with rig: run
+  std::string measured;           ///< observations whose noise of corners and planes is drawn; with rig: run only
+  double corner_sigma_px = 0.1;
+  bool ground = true;
+  bool board_planes = false;
+  double inverse_depth_sigma_per_m = 0.0025;
+  double ground_points = 300.0;
+  double board_points = 60.0;
+  double depth_scale_sigma = 0.0;  ///< not with rig: run, nor the next two
+  double suspension_height_sigma_mm = 0.0;
+  double suspension_tilt_sigma_deg = 0.0;
+  double corner_outlier_fraction = 0.0;
+  double odometry_outlier_fraction = 0.0;
+  double plane_outlier_fraction = 0.0;
+
+  void visit(FieldVisitor& visitor);
+};
+
+/// One level of an axis: the fields that it sets, by dotted path.
+struct SweepLevel {
+  std::string label;
+  double value = 0.0;  ///< of a level that is one number, else its place 0, 1, ..
+  std::vector<std::pair<std::string, YamlTree>> fields;
+};
+
+struct SweepAxis {
+  std::string name;
+  std::string title;
+  bool pooled = false;
+  std::vector<SweepLevel> levels;
+};
+
+/// How images are looked at: --ground, --features and --horizon of `rigproof calibrate`.
+struct SweepVision {
+  std::string ground = "depth";   ///< depth | images | auto
+  std::string features = "sift";  ///< sift | onnx:FILE, with an absolute path
+  std::string horizon;            ///< onnx:FILE, or none
+
+  /// Equal for the same choices, for people and hashes: "ground images, features sift".
+  std::string text() const;
+};
+
+/// A method as the configuration names it.
+struct SweepMethodChoice {
+  std::string method = "ml";  ///< as `rigproof methods` lists them, or external:FILE.yaml with an absolute path
+  std::string name;           ///< in the tables; empty = the method's own
+  SweepVision vision;
+
+  const std::string& label() const { return name.empty() ? method : name; }
+};
+
+struct SweepConfig {
+  std::string name;
+  bool geometric = false;
+  YamlTree run;              ///< block of a run's fields, includes merged in
+  YamlTree geometric_block;  ///< fields of GeometricSweepConfig
+  std::vector<SweepAxis> axes;
+  std::vector<std::int64_t> seeds = {0};
+  std::vector<std::string> seed_fields = {"seed"};  ///< that the seeds are given to; none: the run's own seeds stand
+  SweepVision vision;                               ///< of methods that say nothing else
+  std::vector<SweepMethodChoice> methods = {SweepMethodChoice()};
+  std::string reference = "ml";  ///< SweepMethodChoice::label() of one of them
+  YamlTree resolved;             ///< the same as a file that reads back to it
+};
+
+/// Reads a sweep's file. Throws Error with every problem found, those of the levels' values among them.
+/// @param overrides "run.poses=20", "seeds=2": FIELD=VALUE by dotted paths in the file, as overrides.h has them
+SweepConfig load_sweep_config(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+/// JSON Schema of a sweep's file.
+std::string sweep_config_schema();
+
+/// One point of the axes with one seed.
+struct SweepTask {
+  std::string key;                  ///< 16 hexadecimal digits: hash of all that its observations depend on
+  std::vector<std::size_t> levels;  ///< one an axis
+  std::int64_t seed = 0;            ///< as SweepConfig::seeds has it
+  GenerateConfig config;
+  GeometricSweepConfig geometric;
+  std::int64_t images = 0;  ///< stops that are used, 0 = all
+  std::string pictures;     ///< key of its PictureSet; empty in geometric mode
+};
+
+/// Pictures that one or more tasks share: everything of a run but its odometry.
+struct PictureSet {
+  std::string key;
+  GenerateConfig config;
+  std::string render_group;  ///< sets of one group share clean renders
+};
+
+struct SweepPlan {
+  std::vector<SweepTask> tasks;      ///< point by point, the last axis fastest; the seeds of a point together
+  std::vector<PictureSet> pictures;  ///< in the order in which tasks need them
+};
+
+/// Throws Error with every problem of every task.
+SweepPlan plan_sweep(const SweepConfig& config);
+
+}  // namespace rigproof

@@ -1,0 +1,83 @@
+// Runs a sweep on one machine: pictures and detections once, every (task, method) once, whatever interrupts it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rigproof/study/sweep/config.h"
+#include "rigproof/study/sweep/rows.h"
+
+namespace rigproof {
+
+/// What was done and what was taken from the cache, by name: "images rendered", "images from clean renders",
+/// "image sets from cache", "corners detected", "corners from cache", "planes fitted", "planes from cache",
+/// "clouds searched", "clouds from cache", "images matched", "matches from cache", "motions found", "motions from
+/// cache", "observations made", "answers solved", "answers from cache", "answers already there".
+using SweepCounters = std::map<std::string, std::uint64_t>;
+
+struct SweepProgress {
+  std::size_t images_done = 0, images = 0;    ///< of the pictures that this start needs
+  std::size_t answers_done = 0, answers = 0;  ///< (task, method) pairs of the whole sweep
+};
+
+struct SweepOptions {
+  std::filesystem::path folder;
+  std::filesystem::path cache;    ///< empty = cache/ in the folder
+  double cache_limit_gb = 0.0;    ///< pictures that were not used for the longest time are deleted; 0 = no limit
+  int jobs = 0;                   ///< processes, 0 = one a core
+  int device = -2;                ///< as RenderOptions::device
+  std::vector<std::string> add;   ///< methods beside those of the configuration; kept in the folder
+  std::vector<std::string> redo;  ///< methods whose finished answers are forgotten
+  std::function<void(const SweepProgress&)> progress;  ///< told several times a second
+  /// Asked several times a second, in forked processes, too; false stops: what is finished is kept.
+  std::function<bool()> keep_going;
+};
+
+struct SweepReport {
+  bool complete = false;  ///< false: interrupted
+  std::size_t answers = 0;
+  SweepCounters counters;  ///< of this start
+  double seconds = 0.0;
+};
+
+/// Does what is not done yet, then writes rows, times, counters and summary of all that is there. The rows are
+/// byte-identical at any number of jobs. Throws Error with ExitCode::kTryAgain if another process works in the folder,
+/// and Error where no answer can be blamed on a method or a configuration: no driver, a full disk.
+SweepReport run_sweep(const SweepConfig& config, const SweepOptions& options);
+
+/// What a start would do.
+struct SweepForecast {
+  std::size_t points = 0, tasks = 0, answers = 0;
+  std::size_t answers_there = 0;        ///< finished in the folder or in the cache
+  std::size_t picture_sets = 0;         ///< that the tasks need
+  std::size_t picture_sets_there = 0;   ///< whose pictures or detections the cache has
+  std::size_t images_to_render = 0;     ///< about
+  double megabytes = 0.0;               ///< about
+  double minutes = 0.0;                 ///< about
+  std::vector<std::string> task_lines;  ///< one a task: "lambda 0, seed 3: 2 of 6 answers"
+  std::vector<std::string> cannot_run;  ///< methods that can answer no task, and why
+};
+SweepForecast forecast_sweep(const SweepConfig& config, const SweepOptions& options);
+
+/// How far a sweep is.
+struct SweepState {
+  std::string name;
+  std::size_t tasks = 0, answers = 0, answers_there = 0;
+  bool running = false;  ///< some process works in the folder
+  std::vector<FailureCount> failures;
+  SweepCounters counters;  ///< of all starts
+};
+SweepState sweep_state(const std::filesystem::path& folder);
+
+/// The file that describes a sweep: the argument itself, or what a sweep's folder holds. Throws Error.
+std::filesystem::path sweep_config_file(const std::filesystem::path& file_or_folder);
+
+/// Writes rows.csv, rows.jsonl, times.csv and the summary's files from the answers in the folder.
+SweepSummary gather_sweep(const std::filesystem::path& folder);
+
+}  // namespace rigproof

@@ -1,0 +1,130 @@
+#include "folder.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+
+namespace rigproof {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kFormat = "rigproof-sweep-plan 1";
+constexpr std::uintmax_t kMaxPlanBytes = 512U << 20U;
+
+json json_of(const SweepRows& table) {
+  json tasks = json::array();
+  for (const SweepTaskName& task : table.tasks) tasks.push_back({task.key, task.levels, task.seed});
+  return {{"name", table.name},       {"axes", table.axes},           {"axis_titles", table.axis_titles},
+          {"pooled", table.pooled},   {"levels", table.levels},       {"level_values", table.level_values},
+          {"methods", table.methods}, {"reference", table.reference}, {"tasks", tasks}};
+}
+
+SweepRows table_of(const json& object) {
+  SweepRows table;
+  object.at("name").get_to(table.name);
+  object.at("axes").get_to(table.axes);
+  object.at("axis_titles").get_to(table.axis_titles);
+  object.at("pooled").get_to(table.pooled);
+  object.at("levels").get_to(table.levels);
+  object.at("level_values").get_to(table.level_values);
+  object.at("methods").get_to(table.methods);
+  object.at("reference").get_to(table.reference);
+  for (const json& entry : object.at("tasks")) {
+    SweepTaskName& task = table.tasks.emplace_back();
+    entry.at(0).get_to(task.key);
+    entry.at(1).get_to(task.levels);
+    entry.at(2).get_to(task.seed);
+  }
+  return table;
+}
+
+// Every index must be one, so that nobody after this has to look.
+bool is_sound(const SweepRows& table) {
+  const std::size_t axes = table.axes.size();
+  if (table.axis_titles.size() != axes || table.pooled.size() != axes || table.levels.size() != axes ||
+      table.level_values.size() != axes)
+    return false;
+  for (std::size_t i = 0; i < axes; ++i)
+    if (table.level_values[i].size() != table.levels[i].size()) return false;
+  return std::all_of(table.tasks.begin(), table.tasks.end(), [&](const SweepTaskName& task) {
+    if (task.levels.size() != axes || task.key.find_first_not_of("0123456789abcdef") != std::string::npos) return false;
+    for (std::size_t i = 0; i < axes; ++i)
+      if (task.levels[i] >= table.levels[i].size()) return false;
+    return true;
+  });
+}
+
+}  // namespace
+
+SweepRows table_of(const SweepConfig& config, const SweepPlan& plan, const std::vector<SweepMethod>& methods) {
+  SweepRows table;
+  table.name = config.name;
+  for (const SweepAxis& axis : config.axes) {
+    table.axes.push_back(axis.name);
+    table.axis_titles.push_back(axis.title);
+    table.pooled.push_back(axis.pooled);
+    std::vector<std::string>& labels = table.levels.emplace_back();
+    std::vector<double>& values = table.level_values.emplace_back();
+    for (const SweepLevel& level : axis.levels) {
+      labels.push_back(level.label);
+      values.push_back(level.value);
+    }
+  }
+  for (const SweepMethod& method : methods) table.methods.push_back(method.name);
+  for (std::size_t i = 0; i < config.methods.size(); ++i)
+    if (config.methods[i].label() == config.reference) table.reference = methods[i].name;
+  for (const SweepTask& task : plan.tasks) table.tasks.push_back({task.key, task.levels, task.seed});
+  return table;
+}
+
+void save_folder_plan(const SweepFolder& folder, const FolderPlan& plan) {
+  const json object = {{"format", kFormat}, {"added", plan.added}, {"table", json_of(plan.table)}};
+  write_file_atomically(folder.plan_file(), object.dump() + "\n");
+}
+
+FolderPlan load_folder_plan(const SweepFolder& folder) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(folder.plan_file(), ignored))
+    throw Error(folder.root.string() + ": holds no sweep; `rigproof sweep start CONFIG -o " + folder.root.string() +
+                "` makes one");
+  try {
+    const json object = json::parse(read_text_file(folder.plan_file(), kMaxPlanBytes));
+    FolderPlan plan;
+    if (object.at("format") == kFormat) {
+      object.at("added").get_to(plan.added);
+      plan.table = table_of(object.at("table"));
+      if (is_sound(plan.table)) return plan;
+    }
+  } catch (const json::exception&) {
+    // told below
+  }
+  throw Error(folder.plan_file().string() +
+              ": is damaged; `rigproof sweep start` with its configuration writes it anew");
+}
+
+std::optional<SweepAnswer> load_answer(const SweepFolder& folder, const std::string& task, const std::string& method) {
+  const std::filesystem::path file = folder.answer_file(task, method);
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
+  return read_answer(read_text_file(file));
+}
+
+void save_counters(const SweepFolder& folder, const SweepCounters& this_start, const SweepCounters& all_starts) {
+  const json object = {{"this_start", this_start}, {"all_starts", all_starts}};
+  write_file_atomically(folder.counters_file(), object.dump(2) + "\n");
+}
+
+SweepCounters load_counters(const SweepFolder& folder) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(folder.counters_file(), ignored)) return {};
+  try {
+    return json::parse(read_text_file(folder.counters_file())).at("all_starts").get<SweepCounters>();
+  } catch (const json::exception&) {
+    return {};
+  }
+}
+
+}  // namespace rigproof

@@ -1,0 +1,117 @@
+// What a start would do and about how long it would take on one core. Measured where the estimates are checked:
+// docs/guides/sweeps.md.
+#include <algorithm>
+#include <map>
+#include <thread>
+
+#include "rigproof/generator/generate.h"
+#include "rigproof/sim/models.h"
+#include "rigproof/study/workflow/external.h"
+#include "rigproof/words/sentences.h"
+#include "stock.h"
+
+namespace rigproof {
+namespace {
+
+constexpr double kOutside_s = 1.0;                           // nobody knows what a program of somebody else's takes
+constexpr double kProcess_s = 0.005, kObserve_s = 8e-5;      // a task, a view
+constexpr double kSearchStart_s = 0.012, kSearch_s = 0.045;  // an image, a megapixel: to find board and planes
+constexpr double kMatching_s = 0.35;                         // a megapixel: to match an image with the next one
+
+// Images of stops (stops times cameras) that a task's methods are given. `rigs` keeps the cameras of rigs whose file
+// was read.
+double views_of(const SweepTask& task, std::map<std::string, double>* rigs) {
+  constexpr double kReferenceCameras = 3.0;
+  const auto stops = static_cast<double>(task.images > 0 ? task.images : task.config.poses);
+  if (task.pictures.empty() && task.geometric.rig != "run")
+    return stops * (task.geometric.rig == "random" ? static_cast<double>(task.geometric.cameras) : kReferenceCameras);
+  const auto [cameras, is_new] = rigs->emplace(task.config.rig, 0.0);
+  if (is_new) cameras->second = static_cast<double>(load_rig_model(task.config.rig).rig.cameras.size());
+  return stops * cameras->second;
+}
+
+// Of an image of the run, the mean of its cameras.
+double megapixels_of(const GenerateConfig& config) {
+  const std::vector<RigCamera> cameras = load_rig_model(config.rig).rig.cameras;
+  double pixels = 0.0;
+  for (const RigCamera& camera : cameras) pixels += 1.0 * camera.camera.width_px * camera.camera.height_px;
+  return 1e-6 * pixels / static_cast<double>(cameras.size()) * config.image_scale * config.image_scale;
+}
+
+std::string line_of(const SweepStart& start, const SweepTask& task, const std::vector<PendingTask>& pending) {
+  std::string line;
+  for (std::size_t i = 0; i < task.levels.size(); ++i)
+    line += start.config.axes[i].name + " " + start.config.axes[i].levels[task.levels[i]].label + ", ";
+  const auto same = [&task](const PendingTask& other) { return other.task->key == task.key; };
+  const auto found = std::find_if(pending.begin(), pending.end(), same);
+  const std::size_t left = found == pending.end() ? 0 : found->methods.size();
+  return line + "seed " + std::to_string(task.seed) + ": " + std::to_string(start.methods.size() - left) + " of " +
+         std::to_string(start.methods.size()) + " answers there";
+}
+
+std::vector<std::string> those_that_cannot_run(const std::vector<SweepMethod>& methods) {
+  std::vector<std::string> lines;
+  for (const SweepMethod& method : methods) {
+    if (!method.reads_images) continue;
+    std::optional<Finding> why_not = methods_by_name({method.spec}).front()->why_not({Observations(), nullptr, 1});
+    if (!why_not) why_not = why_no_ground(method.vision, false);
+    if (why_not) lines.push_back(method.name + ": " + words::sentence_of(*why_not));
+  }
+  return lines;
+}
+
+double seconds_of_answers(const std::vector<PendingTask>& tasks) {
+  double seconds = 0.0;
+  std::map<std::string, double> rigs;
+  for (const PendingTask& pending : tasks) {
+    const double views = views_of(*pending.task, &rigs);
+    seconds += kProcess_s + kObserve_s * views;
+    for (const SweepMethod* method : pending.methods)
+      seconds += method->outside ? kOutside_s : method->seconds_a_view * views;
+  }
+  return seconds;
+}
+
+// By the first of the sets that are to be made.
+void add_pictures(const SweepStart& start, const std::vector<const PictureSet*>& to_make, SweepForecast* forecast) {
+  if (to_make.empty()) return;
+  const GeneratePlan plan = plan_generation(to_make.front()->config);
+  const double images = static_cast<double>(forecast->images_to_render);
+  const double sets = images / static_cast<double>(plan.images);
+  forecast->megabytes = sets * plan.expected_mb;
+  const double cores = std::max(1U, std::thread::hardware_concurrency());
+  const double megapixels = megapixels_of(to_make.front()->config);
+  const bool matches = std::any_of(start.methods.begin(), start.methods.end(),
+                                   [](const SweepMethod& method) { return method.matches_features; });
+  const double look_s = kSearchStart_s + kSearch_s * megapixels + (matches ? kMatching_s * megapixels : 0.0);
+  forecast->minutes += sets * plan.expected_minutes * cores + images * look_s / 60.0;
+}
+
+}  // namespace
+
+SweepForecast forecast_sweep(const SweepConfig& config, const SweepOptions& options) {
+  SweepStart start = start_of(config, options);
+  start.plan = plan_sweep(config);
+  const Stock stock = take_stock(start, true);
+  SweepForecast forecast;
+  forecast.tasks = start.plan.tasks.size();
+  forecast.points = config.seeds.empty() ? 0 : forecast.tasks / config.seeds.size();
+  forecast.answers = stock.answers;
+  forecast.answers_there = stock.answers_done;
+  forecast.picture_sets = start.plan.pictures.size();
+  std::vector<const PictureSet*> to_make;
+  for (const PendingPictures& set : stock.pictures) {
+    if (set.state == PendingPictures::State::kReady || start.cache.has_pictures(set.set->key, true)) continue;
+    to_make.push_back(set.set);
+    forecast.images_to_render += set.images;
+  }
+  forecast.picture_sets_there = forecast.picture_sets - to_make.size();
+  for (const SweepTask& task : start.plan.tasks) forecast.task_lines.push_back(line_of(start, task, stock.tasks));
+  if (config.geometric) forecast.cannot_run = those_that_cannot_run(start.methods);
+  forecast.minutes = seconds_of_answers(stock.tasks) / 60.0;
+  add_pictures(start, to_make, &forecast);
+  forecast.minutes /= static_cast<double>(start.processes());
+  return forecast;
+}
+
+}  // namespace rigproof

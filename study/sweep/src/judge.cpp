@@ -1,0 +1,171 @@
+#include <time.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
+#include "rigproof/study/workflow/external.h"
+#include "rigproof/validate/body_angles.h"
+#include "rigproof/validate/validate.h"
+#include "rigproof/words/sentences.h"
+#include "work.h"
+
+namespace rigproof {
+namespace {
+
+double in_units(std::size_t axis, double value) { return axis < 3 ? 100.0 * value : rad_to_deg(value); }
+
+double cpu_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+SweepStatus status_of(ResultStatus status) {
+  switch (status) {
+    case ResultStatus::kSolved:
+      return SweepStatus::kSolved;
+    case ResultStatus::kPartial:
+      return SweepStatus::kPartial;
+    case ResultStatus::kRefused:
+      break;
+  }
+  return SweepStatus::kRefused;
+}
+
+const TransformError* error_of(const std::vector<TransformError>& errors, const std::string& parent,
+                               const std::string& child) {
+  const auto found = std::find_if(errors.begin(), errors.end(), [&](const TransformError& error) {
+    return error.child == child && (parent.empty() || error.parent == parent);
+  });
+  return found == errors.end() ? nullptr : &*found;
+}
+
+void add_bound(const TaskData& data, const std::string& parent, const std::string& child, SweepRow* row) {
+  for (const TransformBound& bound : data.bounds) {
+    if (bound.child != child || bound.parent != parent) continue;
+    for (std::size_t axis = 0; axis < 6; ++axis)
+      if (bound.sigma[axis]) row->bound[axis] = in_units(axis, *bound.sigma[axis]);
+  }
+}
+
+void add_error(const TransformError& error, SweepRow* row) {
+  row->status = error.fully_observable() ? SweepStatus::kSolved : SweepStatus::kPartial;
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    if (!error.observable[axis]) continue;
+    const auto i = static_cast<Eigen::Index>(axis);
+    row->error[axis] = in_units(axis, error.error[i]);
+    if (error.sigma) row->sigma[axis] = in_units(axis, (*error.sigma)[i]);
+  }
+  if (!error.observable[3] || !error.observable[4] || !error.observable[5]) return;
+  const Eigen::Vector3d angles = roll_pitch_yaw_error(error.T_estimate, error.T_true, error.between_cameras);
+  for (std::size_t i = 0; i < 3; ++i) row->roll_pitch_yaw[i] = rad_to_deg(angles[static_cast<Eigen::Index>(i)]);
+}
+
+SweepRow subject_row(SweepSubject subject, const std::string& camera, SweepStatus method_status,
+                     const std::string& reason) {
+  const bool answered = method_status == SweepStatus::kSolved || method_status == SweepStatus::kPartial;
+  SweepRow row;
+  row.subject = subject;
+  row.camera = camera;
+  row.status = answered ? SweepStatus::kNotGiven : method_status;
+  row.reason = reason;
+  return row;
+}
+
+}  // namespace
+
+std::vector<SweepRow> rows_of(const Result& result, SweepStatus status, const TaskData& data) {
+  const Comparison comparison = compare(result, data.truth);
+  const std::string reason = words::text_of(result.reasons);
+  SweepRow rig;
+  rig.camera = "all";
+  rig.status = status;
+  rig.reason = reason;
+  rig.nees = comparison.nees;
+  rig.nees_degrees_of_freedom = comparison.nees_degrees_of_freedom;
+  std::vector<SweepRow> rows = {rig};
+  for (const TrueCamera& camera : data.truth.cameras) {
+    SweepRow row = subject_row(SweepSubject::kCamera, camera.name, status, reason);
+    add_bound(data, "robot", camera.name, &row);
+    if (const TransformError* error = error_of(comparison.camera_to_robot, "", camera.name)) add_error(*error, &row);
+    for (const CameraNees& nees : comparison.camera_nees) {
+      if (nees.camera != camera.name) continue;
+      row.nees = nees.nees;
+      row.nees_degrees_of_freedom = nees.degrees_of_freedom;
+    }
+    rows.push_back(std::move(row));
+  }
+  for (std::size_t j = 0; j < data.truth.cameras.size(); ++j) {
+    for (std::size_t k = j + 1; k < data.truth.cameras.size(); ++k) {
+      const std::string &parent = data.truth.cameras[j].name, &child = data.truth.cameras[k].name;
+      SweepRow row = subject_row(SweepSubject::kPair, parent + "-" + child, status, reason);
+      add_bound(data, parent, child, &row);
+      if (const TransformError* error = error_of(comparison.camera_to_camera, parent, child)) add_error(*error, &row);
+      rows.push_back(std::move(row));
+    }
+  }
+  for (SweepRow& row : rows)
+    if (row.status == SweepStatus::kSolved) row.reason.clear();
+  return rows;
+}
+
+SweepAnswer failed_answer(SweepStatus status, const std::string& reason) {
+  SweepAnswer answer;
+  SweepRow& rig = answer.rows.emplace_back();
+  rig.camera = "all";
+  rig.status = status;
+  rig.reason = reason;
+  return answer;
+}
+
+SweepAnswer could_not_run(const Finding& reason, const TaskData& data) {
+  Result nothing;
+  nothing.reasons = {reason};
+  SweepAnswer answer;
+  answer.rows = rows_of(nothing, SweepStatus::kCouldNotRun, data);
+  return answer;
+}
+
+SweepAnswer answer_of(const Method& method, const TaskData& data, const SweepSight& sight) {
+  MethodInput input{data.observations, data.recording ? &*data.recording : nullptr, 1, sight.features.get(),
+                    sight.horizon.get()};
+  input.memory = data.findings.get();
+  input.keep_going = data.keep_going;
+  SweepAnswer answer;
+  Result nothing;
+  const std::optional<Finding> why_not = method.why_not(input);
+  const auto* outside = dynamic_cast<const OutsideMethod*>(&method);
+  const auto start = std::chrono::steady_clock::now();
+  const double cpu_start = cpu_seconds();
+  try {
+    if (why_not) {
+      answer.rows = could_not_run(*why_not, data).rows;
+    } else if (outside != nullptr) {
+      const OutsideMethod::Outcome outcome = outside->run(input);
+      answer.rows =
+          rows_of(outcome.result, outcome.failed ? SweepStatus::kFailed : status_of(outcome.result.status), data);
+    } else {
+      const Result result = method.solve_recording(input);
+      answer.times.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      answer.rows = rows_of(result, status_of(result.status), data);
+    }
+  } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain) throw;
+    nothing.reasons = {stated(words::message_of(error), Severity::kRefusal)};
+    answer.rows = rows_of(nothing, SweepStatus::kFailed, data);
+  } catch (const std::exception& error) {
+    nothing.reasons = {Finding("method.threw", {{"text", error.what()}})};
+    answer.rows = rows_of(nothing, SweepStatus::kFailed, data);
+  }
+  if (answer.times.solve_s == 0.0 && !why_not)
+    answer.times.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  answer.times.cpu_s = cpu_seconds() - cpu_start;
+  answer.times.observe_s = data.seconds;
+  return answer;
+}
+
+}  // namespace rigproof

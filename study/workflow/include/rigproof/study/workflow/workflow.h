@@ -1,0 +1,45 @@
+// Whole workflows out of the parts: what several commands do the same way.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/calib/vision/observe.h"
+#include "rigproof/core/result.h"
+#include "rigproof/formats/format.h"
+#include "rigproof/truth/truth.h"
+#include "rigproof/validate/budget.h"
+#include "rigproof/validate/proof.h"
+#include "rigproof/validate/validate.h"
+
+namespace rigproof {
+
+/// The observations of an input: read where they are the input, made from the images otherwise.
+Observations observations_of(const Input& input, const ObserveOptions& options);
+
+/// Folder in which the products of an input go (results/, pictures/, observations.json): the run's, the recording's,
+/// or the one that holds the observations.
+std::filesystem::path product_folder(const Input& input);
+
+/// The truth of a run; absent for any other input.
+std::optional<Truth> truth_beside(const Input& input);
+
+/// The result files (*.yaml) of a folder, sorted by name; none if there is no such folder.
+std::vector<std::filesystem::path> result_files(const std::filesystem::path& folder);
+/// Every result in a folder, in the order of their names. Throws Error if one of them cannot be read.
+std::vector<Result> load_results(const std::filesystem::path& folder);
+
+/// A result judged against the truth.
+struct Verdict {
+  Comparison comparison;
+  Gate gate;
+};
+Verdict judge(const Result& result, const Truth& truth, const Budget& budget);
+
+/// Proves the conventions of a run from its observations and its truth; writes truth/proof.yaml where it may.
+/// Throws Error if the run has no truth.
+Proof prove_run(const RunFolder& run, const Input& input, const Observations& observations);
+
+}  // namespace rigproof

@@ -1,0 +1,105 @@
+#include "rigproof/study/workflow/convert.h"
+
+#include <system_error>
+
+#include "rigproof/calib/vision/ground_plane.h"
+#include "rigproof/calib/vision/image_io.h"
+#include "rigproof/calib/vision/stops.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder that gets its name when it is whole, and is gone again if that never happens.
+class FolderInMaking {
+ public:
+  explicit FolderInMaking(const fs::path& folder)
+      : folder_(folder.has_filename() ? folder : folder.parent_path()), making_(folder_.string() + ".partial") {
+    std::error_code error;
+    if (fs::exists(folder_, error) && !(fs::is_directory(folder_, error) && fs::is_empty(folder_, error)))
+      throw Error(folder_.string() + ": there is something already; name a new folder");
+    fs::remove_all(making_, error);
+    fs::create_directories(making_, error);
+    if (error) throw Error(making_.string() + ": " + error.message());
+  }
+  ~FolderInMaking() {
+    std::error_code ignored;
+    if (!done_) fs::remove_all(making_, ignored);
+  }
+  FolderInMaking(const FolderInMaking&) = delete;
+  FolderInMaking& operator=(const FolderInMaking&) = delete;
+
+  const fs::path& path() const { return making_; }
+  void finish() {
+    std::error_code error;
+    fs::remove(folder_, error);
+    fs::rename(making_, folder_, error);
+    if (error) throw Error(folder_.string() + ": " + error.message());
+    done_ = true;
+  }
+
+ private:
+  fs::path folder_, making_;
+  bool done_ = false;
+};
+
+void step(const ConvertOptions& options, std::size_t done, std::size_t total) {
+  if (options.progress && !options.progress(done, total)) throw Error("interrupted", ExitCode::kTryAgain);
+}
+
+template <typename Value, typename Read>
+Value read_or_throw(const Recording& recording, const std::string& name, const Read& read) {
+  auto value = read(path_inside(recording.folder, name));
+  if (const auto* failure = std::get_if<Unreadable>(&value)) throw Error(name + ": " + failure->reason);
+  return std::get<Value>(std::move(value));
+}
+
+std::vector<Eigen::Vector3f> thinned(const std::vector<Eigen::Vector3f>& all, int most) {
+  const std::size_t stride = all.size() / static_cast<std::size_t>(most) + 1;
+  std::vector<Eigen::Vector3f> points;
+  for (std::size_t i = 0; i < all.size(); i += stride) points.push_back(all[i]);
+  return points;
+}
+
+std::vector<Eigen::Vector3f> points_of(const Recording& recording, const RigCamera& camera, const CameraFrame& frame,
+                                       int most) {
+  if (!frame.cloud_file.empty())
+    return thinned(read_or_throw<std::vector<Eigen::Vector3f>>(recording, frame.cloud_file, read_point_cloud), most);
+  const auto image = read_or_throw<Image16>(recording, frame.depth_file, read_depth_image);
+  int stride = 1;
+  while ((image.width / stride) * (image.height / stride) > most) ++stride;
+  return points_from_depth(image, camera, stride).points;
+}
+
+void add_stops(const Recording& recording, WriteJob* job) {
+  const detection::StopPlan plan = detection::plan_stops(recording, ObserveOptions());
+  for (const detection::PlannedStop& planned : plan.stops) {
+    StopFrames stop{planned.stop, {}};
+    for (const std::vector<int>& frames : planned.frames)
+      stop.frames.push_back(frames.empty() ? -1 : frames[frames.size() / 2]);
+    job->stops.push_back(std::move(stop));
+  }
+  job->frames_without_stop = plan.exclusions.size();
+}
+
+}  // namespace
+
+ConvertReport convert(const Recording& recording, const std::string& format, const fs::path& folder,
+                      const ConvertOptions& options) {
+  const Format& to = writable_format(format);
+  FolderInMaking making(folder);
+  WriteJob job{recording, making.path(), {}, 0, {}, {}};
+  if (to.wants_stops) add_stops(recording, &job);
+  job.points_of = [&](const RigCamera& camera, const CameraFrame& frame) {
+    return points_of(recording, camera, frame, options.max_cloud_points);
+  };
+  job.step = [&](std::size_t done, std::size_t total) { step(options, done, total); };
+  ConvertReport report = to.write(job);
+  making.finish();
+  return report;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,56 @@
+#include "rigproof/study/workflow/workflow.h"
+
+#include <algorithm>
+
+#include "rigproof/core/error.h"
+#include "rigproof/validate/proof.h"
+
+namespace rigproof {
+
+Observations observations_of(const Input& input, const ObserveOptions& options) {
+  if (input.observations) return *input.observations;
+  return observe(input.recording.value(), options);
+}
+
+std::filesystem::path product_folder(const Input& input) {
+  return input.is_bare_observations() ? std::filesystem::absolute(input.path).parent_path() : input.path;
+}
+
+std::optional<Truth> truth_beside(const Input& input) {
+  if (!input.run || !std::filesystem::is_regular_file(input.run->truth_file())) return std::nullopt;
+  return load_truth(input.run->truth_file());
+}
+
+std::vector<std::filesystem::path> result_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  if (!std::filesystem::is_directory(folder)) return files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<Result> load_results(const std::filesystem::path& folder) {
+  std::vector<Result> results;
+  for (const auto& file : result_files(folder)) results.push_back(load_result(file));
+  return results;
+}
+
+Verdict judge(const Result& result, const Truth& truth, const Budget& budget) {
+  Verdict verdict;
+  verdict.comparison = compare(result, truth);
+  verdict.gate = apply_budget(verdict.comparison, budget);
+  return verdict;
+}
+
+Proof prove_run(const RunFolder& run, const Input& input, const Observations& observations) {
+  const Proof proof = prove(input.recording.value(), observations, load_truth(run.truth_file()));
+  try {
+    save_proof(proof, run.proof_file());
+  } catch (const Error&) {
+    // A run on a read-only medium can be proved, too.
+  }
+  return proof;
+}
+
+}  // namespace rigproof

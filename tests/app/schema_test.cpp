@@ -1,0 +1,116 @@
+// `rigproof schema`: every file that people and rigproof write has a schema, and real files keep to theirs.
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "cli_fixture.h"
+#include "paths.h"
+#include "rigproof/core/yaml.h"
+#include "schema_check.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+json schema_of_file(const std::string& name) {
+  const ProcessOutput output = rigproof_command({"schema", name});
+  EXPECT_EQ(output.exit_code, 0) << name << ": " << output.err;
+  return json::parse(output.out);
+}
+
+// Of a YAML or JSON file that was written without text that looks like a number.
+json content_of(const fs::path& file) { return json::parse(emit_json(read_yaml_file(file, 64U << 20U))); }
+
+std::vector<std::string> schema_names() {
+  std::vector<std::string> names;
+  std::istringstream lines(rigproof_command({"schema"}).out);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("  ", 0) == 0) names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  return names;
+}
+
+TEST(Schema, EveryFileHasOneWithTitleAndVersion) {
+  const std::vector<std::string> names = schema_names();
+  for (const char* name :
+       {"run", "rig", "sensor", "board", "scene", "robot", "sweep", "budget", "accept", "external", "ml", "result",
+        "observations", "manifest", "truth", "proof", "calibrate_output", "validate_output"})
+    EXPECT_THAT(names, testing::Contains(name));
+  for (const std::string& name : names) {
+    const json schema = schema_of_file(name);
+    EXPECT_EQ(schema["$schema"], "http://json-schema.org/draft-07/schema#") << name;
+    EXPECT_GE(schema["version"], 1) << name;
+    EXPECT_FALSE(schema["title"].get<std::string>().empty()) << name;
+    EXPECT_FALSE(schema["properties"].empty()) << name;
+  }
+}
+
+TEST(Schema, AnUnknownOneNamesTheNearest) {
+  const ProcessOutput output = rigproof_command({"schema", "rigs"});
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_THAT(output.err, AllOf(HasSubstr("there is none"), HasSubstr("did you mean \"rig\"?")));
+}
+
+TEST(Schema, FilesThatComeAlongKeepToTheirs) {
+  const std::vector<std::pair<std::string, std::string>> folders = {
+      {"models/rigs", "simulated_rig"}, {"models/sensors", "sensor"}, {"models/boards", "board"},
+      {"models/robots", "robot"},       {"scenes", "scene"},          {"config/budgets", "budget"},
+      {"config/accept", "accept"},      {"config/sweeps", "sweep"}};
+  for (const auto& [folder, name] : folders) {
+    const json schema = schema_of_file(name);
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator(source_path(folder))) {
+      if (entry.path().extension() != ".yaml") continue;
+      EXPECT_EQ(schema_violations(content_of(entry.path()), schema), "") << entry.path();
+      ++count;
+    }
+    EXPECT_GT(count, 0) << folder;
+  }
+}
+
+TEST(Schema, WhatIsWrittenKeepsToTheirs) {
+  const TempFolder scratch;
+  const std::string run = small_run().string(), out = (scratch / "out").string();
+  const std::string observations = (scratch / "observations.json").string();
+  const auto expect_output = [](const std::vector<std::string>& command, const std::string& name) {
+    std::vector<std::string> with_json = command;
+    with_json.emplace_back("--json");
+    const ProcessOutput output = rigproof_command(with_json);
+    ASSERT_TRUE(json::accept(output.out)) << output.out << output.err;
+    EXPECT_EQ(schema_violations(json::parse(output.out), schema_of_file(name)), "") << command.front();
+  };
+  expect_output({"observe", run, "-o", observations}, "observe_output");
+  expect_output({"calibrate", observations, "-m", "ml:focal_sigma_percent=1", "-o", out, "--accept", "default"},
+                "calibrate_output");
+  expect_output({"validate", run, out + "/ml.yaml"}, "validate_output");
+  expect_output({"moved", observations, out + "/ml.yaml"}, "moved_output");
+  expect_output({"suggest", observations, "--stops", "1"}, "suggest_output");
+  const auto expect_file = [](const fs::path& file, const std::string& name) {
+    EXPECT_EQ(schema_violations(content_of(file), schema_of_file(name)), "") << file;
+  };
+  expect_file(out + "/ml.yaml", "result");
+  expect_file(observations, "observations");
+  expect_file(small_run() / "recording/rig.yaml", "rig");
+  expect_file(small_run() / "run.yaml", "manifest");
+  expect_file(small_run() / "truth/truth.yaml", "truth");
+  expect_file(small_run() / "truth/config.yaml", "run");
+}
+
+// Copies for editors, and the page of the documentation.
+TEST(Schema, ShippedCopiesAreCurrent) {
+  const bool update = std::getenv("RIGPROOF_UPDATE_DOCS") != nullptr;
+  const std::vector<std::pair<std::string, std::vector<std::string>>> copies = {
+      {"config/schema/run.json", {"schema", "run"}},
+      {"config/schema/rig.json", {"schema", "rig"}},
+      {"docs/reference/configuration.md", {"schema", "all"}}};
+  for (const auto& [file, command] : copies) {
+    const std::string text = rigproof_command(command).out;
+    if (update) write_whole_file(source_path(file), text);
+    EXPECT_EQ(read_whole_file(source_path(file)), text) << file << ": write it anew: RIGPROOF_UPDATE_DOCS=1 test_app";
+  }
+}
+
+}  // namespace
+}  // namespace rigproof

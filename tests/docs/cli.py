@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""Compares docs/reference/cli.md with what the program's --help says.
+Usage: cli.py PROGRAM SOURCE_FOLDER; with RIGPROOF_UPDATE_DOCS set the page is written anew instead."""
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+INTRODUCTION = """# The command line
+
+What `rigproof COMMAND --help` prints; this page is written from it. Defaults stand behind an option's type
+(`-j,--jobs INT=0`), the name of a variable of the environment in brackets.
+
+| variable of the environment | |
+|---|---|
+| `RIGPROOF_CACHE` | folder of clean renders, as `--cache` |
+| `RIGPROOF_DATA` | another folder with `models/`, `scenes/` and `config/` than the one beside the program |
+| `RIGPROOF_LIBEGL` | another EGL library than `libEGL.so.1` |
+| `NO_COLOR` | set: no colours on a terminal |
+| `LP_NUM_THREADS` | threads of Mesa's software renderer in each process; 1 unless you set it |
+"""
+
+
+def help_of(program, command):
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("RIGPROOF")}
+    return subprocess.run([program, *command, "--help"], env=environment, check=True, capture_output=True, text=True).stdout
+
+
+def commands_in(text):
+    """Names below "Subcommands:", in their order."""
+    lines = text.partition("Subcommands:\n")[2].split("\n\n")[0].splitlines()
+    return [line.split()[0] for line in lines if line.startswith("  ") and line[2] != " "]
+
+
+def section(program, command):
+    text = help_of(program, command)
+    title = "rigproof " + " ".join(command)
+    own = f"{'#' * (len(command) + 1)} {title.strip()}\n\n```\n{text.strip()}\n```\n"
+    return [own] + [part for name in commands_in(text) for part in section(program, [*command, name])]
+
+
+def main():
+    program, page = sys.argv[1], Path(sys.argv[2]) / "docs/reference/cli.md"
+    sections = section(program, [])
+    sections[0] = sections[0].replace("# rigproof", "## rigproof", 1)
+    text = "\n".join([INTRODUCTION, *sections])
+    if os.environ.get("RIGPROOF_UPDATE_DOCS"):
+        page.write_text(text, encoding="utf-8")
+    elif not page.exists() or page.read_text(encoding="utf-8") != text:
+        print(f"{page}: not what --help says; write it anew: RIGPROOF_UPDATE_DOCS=1 {' '.join(sys.argv)}")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,105 @@
+#include "rigproof/words/sentences.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "worded.h"
+
+namespace rigproof {
+namespace {
+
+using testing::ElementsAre;
+
+const std::vector<std::string> kCameras = {"left", "center", "right"}, kPair = {"left", "right"};
+
+Finding straight(const std::string& camera) { return Finding("motion.straight").along({"x", "y"}).of(camera); }
+
+TEST(Sentences, CamerasStandBefore) {
+  EXPECT_EQ(worded(straight("left")),
+            "left: x, y unobservable: the robot drove straight and never turned; add stops with other headings");
+}
+
+TEST(Sentences, WhatIsTheSameOfSeveralCamerasIsSaidOnce) {
+  const std::string what =
+      "x, y unobservable: the robot drove straight and never turned; add stops with other headings";
+  EXPECT_THAT(words::sentences_of({straight("left"), straight("right")}, kCameras),
+              ElementsAre("left, right: " + what));
+  EXPECT_THAT(
+      words::sentences_of({straight("left"), straight("right"), straight("center"), straight("left")}, kCameras),
+      ElementsAre("all cameras: " + what));
+  EXPECT_THAT(words::sentences_of({straight("left").of(kCameras)}, kCameras), ElementsAre("all cameras: " + what));
+}
+
+TEST(Sentences, NoneIsSaidTwice) {
+  EXPECT_THAT(words::sentences_of({Finding("odometry.mostly_outliers"), Finding("odometry.mostly_outliers")}),
+              testing::SizeIs(1));
+}
+
+TEST(Sentences, CausesThatExplainAsMuchAreOneSentence) {
+  const std::vector<Finding> causes = {Finding("odometry.yaw_sign", {{"undone_mm", 1.25}, {"undone_deg", 0.1}}),
+                                       Finding("frames.swapped", {{"joined_by", "or"}}).of(kPair).at({3}),
+                                       Finding("frames.swapped", {{"joined_by", "and"}})
+                                           .of(std::vector<std::string>{"left", "center"})
+                                           .at({1, 2, 3, 4, 5, 6, 7, 8, 9})};
+  EXPECT_THAT(words::sentences_of(causes),
+              ElementsAre("Most likely cause: the odometry's yaw has the wrong sign; or frames of left and right are "
+                          "swapped at stop 3, frames of left and center are swapped at stops 1, 2, 3, 4, 5, 6, 7, 8, "
+                          "... Undone, the odometry agrees with the cameras to 1.2 mm and 0.10 deg."));
+}
+
+TEST(Sentences, OptionalPartsNeedTheirValues) {
+  const Finding unit("depth.unit_of_all", {{"factor", 1000.0}});
+  const std::string what =
+      "Most likely cause: the depth is in another unit: the board looks 1e+03 times as far by depth as by its corners";
+  EXPECT_EQ(worded(unit), what + ".");
+  EXPECT_EQ(worded(unit.with({{"odometry_mm", 98.04}})), what + "; by the odometry 98.0 mm.");
+  EXPECT_EQ(worded(Finding("board.scale_on_trust", {{"stated_mm", 100.0}})),
+            "Scale rests on the board: no depth on it checks the 100.0 mm of its squares.");
+  EXPECT_EQ(worded(Finding("moved.ambiguous", {{"with_rig", 1}}).of(kPair)),
+            "One of these moved, and the images do not tell which: left, right, the whole rig.");
+}
+
+TEST(Sentences, WordsGoByNumber) {
+  const auto poses = [](int count) { return worded(Finding("motion.too_few_poses", {{"poses", count}}).along({"x"})); };
+  EXPECT_THAT(poses(0), testing::HasSubstr("only 0 usable poses,"));
+  EXPECT_THAT(poses(1), testing::HasSubstr("only 1 usable pose,"));
+  EXPECT_THAT(poses(2), testing::HasSubstr("only 2 usable poses,"));
+}
+
+TEST(Sentences, AxesAreGivenWithTheirSigmasAndLimits) {
+  const Finding finding("pose.too_uncertain",
+                        {{"x_cm", 1.23}, {"x_limit_cm", 1.0}, {"tilt_y_deg", 0.5}, {"tilt_y_limit_deg", 0.25}});
+  EXPECT_EQ(worded(finding.along({"x", "tilt_y"}).of("left")),
+            "left: too uncertain to be of use: x +-1.2 cm (limit 1.0 cm), tilt about y +-0.50 deg (limit 0.25 deg)");
+}
+
+TEST(Sentences, ACodeOfANewerProgramIsGivenAsItIs) {
+  Finding finding;
+  finding.code = "camera.tired";
+  finding.cameras = {"left"};
+  finding.values = {{"hours", 7}};
+  EXPECT_EQ(worded(finding), "left: camera.tired (hours 7)");
+}
+
+TEST(Sentences, AnErrorThatIsAFindingIsWorded) {
+  const FindingError error("suggest", Finding("rig.no_camera"));
+  EXPECT_STREQ(error.what(), "suggest: rig.no_camera");
+  EXPECT_EQ(words::message_of(error), "suggest: There is no camera: nothing can be calibrated.");
+  EXPECT_EQ(words::message_of(Error("bad")), "bad");
+}
+
+TEST(Sentences, FramesAreGroupedByWhatTheyHaveInCommon) {
+  const auto residual = [](double px) { return Finding("view.residual", {{"residual_px", px}}); };
+  const auto groups = words::by_reason({{0, 4, "", Finding("board.not_found")},
+                                        {0, 5, "", residual(2.0)},
+                                        {0, 6, "", residual(3.0)},
+                                        {0, 7, "", Finding("board.blurred", {{"edge_px", 4.04}})}});
+  ASSERT_EQ(groups.size(), 3U);
+  EXPECT_EQ(groups[0].reason, "residual");
+  EXPECT_EQ(groups[0].stops, (std::vector<int>{5, 6}));
+  EXPECT_EQ(groups[1].reason, "blurred (edges 4.0 px wide)");
+  EXPECT_EQ(groups[2].reason, "no board");
+}
+
+}  // namespace
+}  // namespace rigproof
