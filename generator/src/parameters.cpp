@@ -7,8 +7,8 @@
 namespace rigproof {
 namespace {
 
-// What begins with one of these is no matter of rendering; everything else is, new fields included. As
-// without_sense_keys() has them. Where images are taken while the robot moves one of them is, nevertheless.
+// Keys that begin with one of these need no rendering; all others do, including new ones. Must agree with
+// without_sense_keys(), and with docs/guides/generate.md. One of them needs rendering if images are taken at speed.
 const char* const kSenseKeys[] = {
     "name",     "stop_period_s", "odometry.",       "sensor_noise", "depth_scale_bias_percent",
     "sensing.", "clouds",        "cloud_stride_px", "png_level"};
@@ -21,33 +21,16 @@ bool is_sense_key(const std::string& path) {
   });
 }
 
-std::string table_of(const std::vector<Parameter>& parameters, ParameterKind kind) {
-  std::string text = "| key | default | meaning |\n|---|---|---|\n";
-  for (const Parameter& parameter : parameters) {
-    if (parameter.kind != kind) continue;
-    text += "| `" + parameter.path + "` | " + parameter.default_value + " | " + parameter.description + " |\n";
-  }
-  return text;
-}
-
 }  // namespace
 
 std::vector<Parameter> all_parameters() {
   GenerateConfig config;
   const YamlTree schema = schema_of_block([&config](FieldVisitor& visitor) { config.visit(visitor); });
   std::vector<Parameter> parameters;
-  // One row for a list: its elements have no defaults.
   for (const FieldSummary& field : fields_of_schema(schema, false))
     if (!field.is_block)
-      parameters.push_back({field.path, is_sense_key(field.path) ? ParameterKind::kSense : ParameterKind::kRender,
-                            field.default_text.empty() ? "none" : field.default_text, field.description});
+      parameters.push_back({field.path, is_sense_key(field.path) ? ParameterKind::kSense : ParameterKind::kRender});
   return parameters;
-}
-
-std::string parameter_tables() {
-  const std::vector<Parameter> parameters = all_parameters();
-  return "### Render keys\n\n" + table_of(parameters, ParameterKind::kRender) + "\n### Sense keys\n\n" +
-         table_of(parameters, ParameterKind::kSense);
 }
 
 std::vector<std::string> changed_render_keys(const GenerateConfig& there, const GenerateConfig& here) {

@@ -1,23 +1,16 @@
-// Every parameter is listed, once, as a render key or a sense key, in the documentation as well.
+// Every parameter is listed, once, as a render key or a sense key.
 #include "rigproof/generator/parameters.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "effects_of.h"
-#include "rigproof/core/data_path.h"
-#include "rigproof/core/files.h"
 
 namespace rigproof {
 namespace {
-
-const char* const kBegin = "<!-- parameters: begin -->\n";
-const char* const kEnd = "<!-- parameters: end -->\n";
 
 // Dotted paths of all leaves of a JSON Schema; a list is one.
 void collect(const nlohmann::json& schema, const std::string& path, std::set<std::string>* leaves) {
@@ -101,20 +94,6 @@ TEST(Parameters, WithoutSenseKeysNoneIsLeft) {
   changed.poses += 1;
   EXPECT_THAT(differences(GenerateConfig(), without_sense_keys(changed)),
               testing::ElementsAre(testing::StartsWith("poses:")));
-}
-
-TEST(Parameters, DocumentationListsThemAsTheyAre) {
-  const std::filesystem::path file = data_folder() / "docs" / "reference" / "parameters.md";
-  const std::string text = read_text_file(file);
-  const std::size_t begin = text.find(kBegin), end = text.find(kEnd);
-  ASSERT_NE(begin, std::string::npos);
-  ASSERT_NE(end, std::string::npos);
-  const std::size_t first = begin + std::string(kBegin).size();
-  if (std::getenv("RIGPROOF_UPDATE_DOCS") != nullptr)
-    write_file_atomically(file, text.substr(0, first) + parameter_tables() + text.substr(end));
-  else
-    EXPECT_EQ(text.substr(first, end - first), parameter_tables())
-        << "write it anew: RIGPROOF_UPDATE_DOCS=1 test_generator";
 }
 
 }  // namespace

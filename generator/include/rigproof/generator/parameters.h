@@ -16,15 +16,10 @@ enum class ParameterKind {
 struct Parameter {
   std::string path;  ///< dotted, as --set takes it: "sensing.depth.bias_field"
   ParameterKind kind = ParameterKind::kRender;
-  std::string default_value;
-  std::string description;
 };
 
-/// All of them, in the order of the configuration's declaration, which they are taken from.
+/// All of them, in the order in which the configuration declares them; a list is one.
 std::vector<Parameter> all_parameters();
-
-/// Two Markdown tables, of render keys and of sense keys.
-std::string parameter_tables();
 
 /// Paths of the render keys that differ.
 std::vector<std::string> changed_render_keys(const GenerateConfig& there, const GenerateConfig& here);
