@@ -88,15 +88,6 @@ Rigid3 Rigid3::operator*(const Rigid3& other) const {
   return Rigid3(rotation * other.rotation, rotation * other.translation + translation);
 }
 
-Matrix6d Rigid3::adjoint() const {
-  const Eigen::Matrix3d R = rotation_matrix();
-  Matrix6d Ad = Matrix6d::Zero();
-  Ad.topLeftCorner<3, 3>() = R;
-  Ad.bottomRightCorner<3, 3>() = R;
-  Ad.topRightCorner<3, 3>() = skew(translation) * R;
-  return Ad;
-}
-
 Rigid3 planar_pose(double x_m, double y_m, double yaw_rad) {
   return Rigid3(rotation_z(yaw_rad), Eigen::Vector3d(x_m, y_m, 0.0));
 }

@@ -89,15 +89,6 @@ TEST(Rigid3, GroupLaws) {
   }
 }
 
-TEST(Rigid3, AdjointMovesATwistThroughATransform) {
-  RandomStream random(5, "adjoint");
-  for (int i = 0; i < 100; ++i) {
-    const Rigid3 T = random_transform(random);
-    const Vector6d xi = random_twist(random, 1.0);
-    EXPECT_TRUE(IsPoseNear(T * se3_exp(xi) * T.inverse(), se3_exp(T.adjoint() * xi), 1e-12, 1e-12));
-  }
-}
-
 TEST(Rigid3, ErrorChartIsInvertible) {
   RandomStream random(6, "chart");
   for (int i = 0; i < 100; ++i) {

@@ -37,8 +37,6 @@ struct Rigid3 {
   Rigid3 inverse() const;
   Rigid3 operator*(const Rigid3& other) const;
   Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return rotation * point + translation; }
-  /// Ad with Exp(Ad * xi) = T Exp(xi) T^-1, xi = (rho, phi).
-  Matrix6d adjoint() const;
 };
 
 /// A pose on the ground plane as a rigid transform: yaw about z, then (x, y, 0).
