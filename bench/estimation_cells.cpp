@@ -1,5 +1,7 @@
 #include "estimation_cells.h"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
@@ -13,6 +15,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof::bench {
 namespace {
@@ -50,12 +53,6 @@ void add_errors(const std::vector<Rigid3>& estimate, const std::vector<Rigid3>& 
   add_mean_over(&cell->pair, pairs);
 }
 
-std::string number_text(double value) {
-  char text[40];
-  std::snprintf(text, sizeof(text), "%.17g", value);
-  return text;
-}
-
 template <typename Sums, typename Visit>
 void visit_numbers(Sums* sums, const char* name, const Visit& visit) {
   for (std::size_t axis = 0; axis < 6; ++axis) {
@@ -83,10 +80,7 @@ void visit_cell(CellType* cell, const Visit& visit) {
 }  // namespace
 
 std::string CellKey::file_name() const {
-  char text[160];
-  std::snprintf(text, sizeof(text), "%s_n%d_lambda%g_seed%llu.txt", sheet.name.c_str(), stops, lambda,
-                static_cast<unsigned long long>(seed));
-  return text;
+  return fmt::format("{}_n{}_lambda{:g}_seed{}.txt", sheet.name, stops, lambda, seed);
 }
 
 void AxisSum::add(double e2, double b2) {

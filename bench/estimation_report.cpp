@@ -1,5 +1,7 @@
 #include "estimation_report.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,13 +15,6 @@ namespace rigproof::bench {
 namespace {
 
 constexpr std::array<const char*, 6> kAxes = {"tx", "ty", "tz", "rx", "ry", "rz"};
-
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  char text[256];
-  std::snprintf(text, sizeof(text), pattern, args...);
-  return text;
-}
 
 // Centimetres and degrees.
 double shown(std::size_t axis, double value) { return axis < 3 ? 100.0 * value : rad_to_deg(value); }
@@ -50,19 +45,19 @@ std::string csv_header() {
 
 std::string csv_row(const CellKey& key, const Cell& cell) {
   const Sheet& sheet = key.sheet;
-  std::string text =
-      format("%s,\"%s\",%g,%g,%g", sheet.name.c_str(), sheet.title.c_str(), sheet.choose_model ? 1.25 : 1.15,
-             sheet.estimate_sigmas ? 0.7 * 18.0 : 16.5, sheet.estimate_sigmas ? 1.3 * 18.0 : 19.5);
-  text += format(",%d,%g,%d,%d,%d,%d", key.stops, key.lambda, cell.trials, cell.solved, cell.refused, cell.wrong_model);
+  std::string text = fmt::format("{},\"{}\",{:g},{:g},{:g}", sheet.name, sheet.title, sheet.choose_model ? 1.25 : 1.15,
+                                 sheet.estimate_sigmas ? 0.7 * 18.0 : 16.5, sheet.estimate_sigmas ? 1.3 * 18.0 : 19.5);
+  text += fmt::format(",{},{:g},{},{},{},{}", key.stops, key.lambda, cell.trials, cell.solved, cell.refused,
+                      cell.wrong_model);
   if (cell.solved == 0) return text + "\n";
-  text += format(",%.3f,%.3f,%.2f,%.4f", cell.mean_nees(), cell.nees_limit(), 1e3 * cell.seconds / cell.trials,
-                 cell.worst_lower_limit());
+  text += fmt::format(",{:.3f},{:.3f},{:.2f},{:.4f}", cell.mean_nees(), cell.nees_limit(),
+                      1e3 * cell.seconds / cell.trials, cell.worst_lower_limit());
   for (const auto* group : {&cell.robot, &cell.pair}) {
     for (std::size_t axis = 0; axis < 6; ++axis) {
       const AxisSum& sum = (*group)[axis];
-      text +=
-          format(",%.4f,%.4f,%.4f,%.4g,%.4g", sum.ratio(), sum.limit(cell.solved, -1.0), sum.limit(cell.solved, 1.0),
-                 shown(axis, std::sqrt(sum.error2 / cell.solved)), shown(axis, std::sqrt(sum.bound2 / cell.solved)));
+      text += fmt::format(",{:.4f},{:.4f},{:.4f},{:.4g},{:.4g}", sum.ratio(), sum.limit(cell.solved, -1.0),
+                          sum.limit(cell.solved, 1.0), shown(axis, std::sqrt(sum.error2 / cell.solved)),
+                          shown(axis, std::sqrt(sum.bound2 / cell.solved)));
     }
   }
   return text + "\n";
@@ -70,18 +65,18 @@ std::string csv_row(const CellKey& key, const Cell& cell) {
 
 std::string markdown_ratios(const std::array<AxisSum, 6>& sums) {
   std::string text;
-  for (const AxisSum& sum : sums) text += format("%s%.2f", text.empty() ? "" : " ", sum.ratio());
+  for (const AxisSum& sum : sums) text += fmt::format("{}{:.2f}", text.empty() ? "" : " ", sum.ratio());
   return text;
 }
 
 std::string markdown_row(const CellKey& key, const Cell& cell) {
-  std::string counts = format("%d", cell.solved);
-  if (cell.refused > 0) counts += format(" (%d refused)", cell.refused);
-  if (cell.wrong_model > 0) counts += format(" (%d wrong model)", cell.wrong_model);
-  const std::string head = format("| %d, %g | %s |", key.stops, key.lambda, counts.c_str());
+  std::string counts = fmt::format("{}", cell.solved);
+  if (cell.refused > 0) counts += fmt::format(" ({} refused)", cell.refused);
+  if (cell.wrong_model > 0) counts += fmt::format(" ({} wrong model)", cell.wrong_model);
+  const std::string head = fmt::format("| {}, {:g} | {} |", key.stops, key.lambda, counts);
   if (cell.solved == 0) return head + " | | | |\n";
-  return head + format(" %.1f +- %.1f | ", cell.mean_nees(), cell.nees_limit()) + markdown_ratios(cell.robot) + " | " +
-         markdown_ratios(cell.pair) + format(" | %.2f |\n", cell.worst_lower_limit());
+  return head + fmt::format(" {:.1f} +- {:.1f} | ", cell.mean_nees(), cell.nees_limit()) + markdown_ratios(cell.robot) +
+         " | " + markdown_ratios(cell.pair) + fmt::format(" | {:.2f} |\n", cell.worst_lower_limit());
 }
 
 // Cells of one sheet, by stops and lambda.

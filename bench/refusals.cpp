@@ -16,6 +16,7 @@
 #include "rigproof/calib/estimate/declared_problem.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
 #include "rigproof/words/sentences.h"
 
 namespace {
@@ -315,10 +316,9 @@ void bench_healthy(const Options& options) {
           config.declare_odometry_model = config.declare_odometry_sigmas = declared;
           add_healthy(options, config, &cell);
         }
-        char least[32] = "";
-        if (cell.least < 1e9) std::snprintf(least, sizeof(least), "%.2f", cell.least);
+        const std::string least = cell.least < 1e9 ? fixed_text(cell.least, 2) : "";
         std::printf("| %s | %d | %d | %d | %d | %s | %d |\n", name.c_str(), cell.runs, cell.false_alarms, cell.withheld,
-                    cell.limited, least, cell.wrong);
+                    cell.limited, least.c_str(), cell.wrong);
         std::fflush(stdout);
       }
     }

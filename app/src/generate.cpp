@@ -17,12 +17,6 @@ namespace {
 
 constexpr const char* kOverridesName = "--set";
 
-std::string rounded(double value, const char* format) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 }  // namespace
 
 GenerateConfig configuration_of(const GenerateArguments& arguments) {
@@ -113,7 +107,7 @@ GenerateReport generate_with_progress(RunsAhead* ahead, std::size_t number, cons
     terminal.line("generate   " + count + "  all there already" + size);
   } else {
     const double rate = static_cast<double>(report.images_rendered) / report.seconds;
-    terminal.line("generate   " + count + "  " + rounded(rate, "%.0f/s") + "  " + duration(report.seconds) + size +
+    terminal.line("generate   " + count + "  " + fixed_text(rate, 0) + "/s  " + duration(report.seconds) + size +
                   (report.images_rendered < report.images ? "  (resumed)" : ""));
   }
   return report;

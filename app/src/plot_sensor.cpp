@@ -1,4 +1,6 @@
 // `rigproof sensors --plot NAME`.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -31,12 +33,9 @@ int plot_sensor_command(const PlotSensorArguments& arguments) {
   }
   const Terminal terminal(arguments.common.quiet);
   terminal.line("  z [m]   law [mm]   with rounding   simulated   mean error");
-  for (const NoisePoint& point : points) {
-    char line[96];
-    std::snprintf(line, sizeof line, "%7.2f %10.3f %15.3f %11.3f %+12.3f", point.z_m, 1e3 * point.law_m,
-                  1e3 * point.recorded_m, 1e3 * point.realised_m, 1e3 * point.mean_error_m);
-    terminal.line(line);
-  }
+  for (const NoisePoint& point : points)
+    terminal.line(fmt::format("{:7.2f} {:10.3f} {:15.3f} {:11.3f} {:+12.3f}", point.z_m, 1e3 * point.law_m,
+                              1e3 * point.recorded_m, 1e3 * point.realised_m, 1e3 * point.mean_error_m));
   terminal.line("picture    " + file.string());
   return 0;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "rigproof/core/conventions.h"
@@ -14,12 +13,6 @@
 
 namespace rigproof {
 namespace {
-
-std::string fixed(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
 
 // Roll, pitch, yaw [rad] of a camera's body axes.
 Eigen::Vector3d body_roll_pitch_yaw(const Eigen::Quaterniond& rotation_robot_camera) {
@@ -178,9 +171,9 @@ nlohmann::json transform_as_json(const EstimatedTransform& transform) {
 }  // namespace
 
 std::string value_with_sigma(double value, double sigma) {
-  if (!(sigma > 0.0) || !std::isfinite(sigma)) return fixed(value, 4);
+  if (!(sigma > 0.0) || !std::isfinite(sigma)) return fixed_text(value, 4);
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 6);
-  return fixed(value, decimals) + "+-" + fixed(sigma, decimals);
+  return fixed_text(value, decimals) + "+-" + fixed_text(sigma, decimals);
 }
 
 std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& rows) {

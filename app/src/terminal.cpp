@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "rigproof/core/text.h"
+
 namespace rigproof {
 namespace {
 
@@ -33,12 +35,6 @@ const char* escape_of(Color color) {
       break;
   }
   return "";
-}
-
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 }  // namespace
@@ -79,7 +75,7 @@ bool ProgressLine::update(std::size_t done, std::size_t total) {
     std::string text = label_ + "  " + std::to_string(done) + "/" + std::to_string(total) + " " + noun_;
     if (done > 0 && elapsed > 0.5) {
       const double rate = static_cast<double>(done) / elapsed;
-      text += "  " + formatted(rate < 10.0 ? "%.1f/s" : "%.0f/s", rate) + "  " +
+      text += "  " + fixed_text(rate, rate < 10.0 ? 1 : 0) + "/s  " +
               duration(static_cast<double>(total - done) / rate) + " left";
     }
     std::fputs(("\r\033[K" + text).c_str(), stderr);
@@ -109,8 +105,8 @@ void install_interrupt_handler() {
 bool interrupted() { return interrupt_count > 0; }
 
 std::string duration(double seconds) {
-  if (seconds < 10.0) return formatted("%.1f s", seconds);
-  if (seconds < 120.0) return formatted("%.0f s", seconds);
+  if (seconds < 10.0) return fixed_text(seconds, 1) + " s";
+  if (seconds < 120.0) return fixed_text(seconds, 0) + " s";
   const int whole = static_cast<int>(seconds);
   return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
 }

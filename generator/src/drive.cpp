@@ -1,8 +1,9 @@
 #include "rigproof/generator/drive.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
@@ -41,10 +42,8 @@ constexpr double kReplaceable = 0.5;
 constexpr std::size_t kReplaceableAtLeast = 10;
 
 std::string place_text(const FloorPose& pose) {
-  char text[96];
-  std::snprintf(text, sizeof text, "(%.2f m, %.2f m, %.0f deg)", pose.position.x(), pose.position.y(),
-                rad_to_deg(pose.yaw_rad));
-  return text;
+  return fmt::format("({:.2f} m, {:.2f} m, {:.0f} deg)", pose.position.x(), pose.position.y(),
+                     rad_to_deg(pose.yaw_rad));
 }
 
 // Stops at 0 from `rest` away with the given deceleration.

@@ -1,8 +1,9 @@
 #include "driven.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
@@ -50,13 +51,11 @@ WheelGeometry wheels_of(const RobotModel& robot) {
 }
 
 std::string describe_drive(const Drive& drive) {
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "; driven %.0f m in %.0f s, at rest within %.1f cm and %.1f deg of the plan; %zu ways tried again, %zu "
-                "viewpoints replaced",
-                drive.trajectory.length_m(), drive.duration_s, 100.0 * drive.worst_position_m,
-                rad_to_deg(drive.worst_heading_rad), drive.ways_tried_again, drive.given_up);
-  return text;
+  return fmt::format(
+      "; driven {:.0f} m in {:.0f} s, at rest within {:.1f} cm and {:.1f} deg of the plan; {} ways tried again, {} "
+      "viewpoints replaced",
+      drive.trajectory.length_m(), drive.duration_s, 100.0 * drive.worst_position_m,
+      rad_to_deg(drive.worst_heading_rad), drive.ways_tried_again, drive.given_up);
 }
 
 const Viewpoint& planned_at(const std::vector<Viewpoint>& stops, const FloorPose& pose) {

@@ -1,7 +1,5 @@
 #include "frame_maker.h"
 
-#include <cstdio>
-
 #include "exposures.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -125,9 +123,8 @@ namespace {
 // Exact; nothing where one picture is the whole.
 std::string exposure_text(const Exposure& exposure) {
   if (exposure.parts() == 1) return "";
-  char text[96];
-  std::snprintf(text, sizeof text, " %a %a %a", exposure.exposure_s, exposure.readout_s, exposure.gamma);
-  return text;
+  return " " + number_text(exposure.exposure_s) + " " + number_text(exposure.readout_s) + " " +
+         number_text(exposure.gamma);
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 #include "scenario.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <tuple>
 
 #include "drive_store.h"
@@ -134,9 +135,7 @@ Truth true_part(const Scenario& scenario, const Board& board, const Rigid3& T_sc
 }
 
 std::string numbered(const std::string& folder, std::size_t number, const char* extension) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06zu", number);
-  return folder + "/" + name + extension;
+  return fmt::format("{}/{:06}{}", folder, number, extension);
 }
 
 Recording recorded_part(const Scenario& scenario, const Board& board) {

@@ -8,6 +8,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof {
 namespace {
@@ -260,12 +261,6 @@ std::vector<Viewpoint> as_drive(std::vector<Viewpoint> drawn, double step_m) {
   return drawn;
 }
 
-std::string fixed(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
 template <typename Value>
 std::string range(const std::vector<Viewpoint>& stops, int digits, const Value& value) {
   double low = value(stops.front()), high = low;
@@ -273,7 +268,7 @@ std::string range(const std::vector<Viewpoint>& stops, int digits, const Value& 
     low = std::min(low, value(stop));
     high = std::max(high, value(stop));
   }
-  return fixed(low, digits) + " to " + fixed(high, digits);
+  return fixed_text(low, digits) + " to " + fixed_text(high, digits);
 }
 
 std::string board_counts(const std::vector<Viewpoint>& stops, std::size_t cameras) {
@@ -298,7 +293,8 @@ std::string steps_text(const std::vector<Viewpoint>& stops) {
     turn += std::abs(wrap_angle(stops[i].yaw_rad - stops[i - 1].yaw_rad));
   }
   const double steps = static_cast<double>(stops.size() - 1);
-  return "steps of " + fixed(length / steps, 2) + " m and " + fixed(rad_to_deg(turn / steps), 0) + " deg on average";
+  return "steps of " + fixed_text(length / steps, 2) + " m and " + fixed_text(rad_to_deg(turn / steps), 0) +
+         " deg on average";
 }
 
 }  // namespace

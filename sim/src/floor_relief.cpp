@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "mjcf_text.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/text.h"
 #include "world_impl.h"
 
 namespace rigproof {
@@ -92,11 +92,7 @@ std::vector<double> grid_lines(double half, double low, double high, double cell
 }
 
 void append(std::initializer_list<double> values, std::string* text) {
-  char number[32];
-  for (const double value : values) {
-    std::snprintf(number, sizeof number, "%.9g ", value);
-    *text += number;
-  }
+  for (const double value : values) *text += short_text(value, 9) + " ";
 }
 
 class PatchMesh {

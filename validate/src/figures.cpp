@@ -1,9 +1,12 @@
 #include "rigproof/validate/figures.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "rigproof/core/text.h"
 
 namespace rigproof {
 namespace {
@@ -16,12 +19,6 @@ int first_digit_power(double value, int significant) {
   const double unit = std::pow(10.0, power - significant + 1);
   if (std::round(value / unit) * unit >= std::pow(10.0, power + 1) * (1.0 - 1e-12)) ++power;
   return power;
-}
-
-std::string printed(const char* format, int decimals, double value) {
-  std::array<char, 400> buffer;  // a double has at most 309 digits before the point
-  const int length = std::snprintf(buffer.data(), buffer.size(), format, decimals, value);
-  return std::string(buffer.data(), static_cast<std::size_t>(std::max(0, length)));
 }
 
 }  // namespace
@@ -42,8 +39,8 @@ int decimals_for_sigma(double sigma, int max_decimals) {
 std::string figure(double value, int decimals) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0.0 ? "inf" : "-inf";
-  if (std::abs(value) >= kShownInPowers) return printed("%.*e", 1, value);
-  std::string text = printed("%.*f", decimals, value);
+  if (std::abs(value) >= kShownInPowers) return fmt::format("{:.1e}", value);
+  std::string text = fixed_text(value, decimals);
   if (text.find_first_not_of("-0.") == std::string::npos) return "0";
   const std::size_t zero = text[0] == '-' ? 1 : 0;
   if (text.compare(zero, 2, "0.") == 0) text.erase(zero, 1);
@@ -60,7 +57,7 @@ std::string short_figure(double value) {
   return figure(value, decimals_for(value, kDigits, kMaxDecimals));
 }
 
-std::string plain_figure(double value) { return printed("%.*g", 4, value); }
+std::string plain_figure(double value) { return short_text(value, 4); }
 
 std::string all_of_them(std::size_t count) {
   static const std::array<const char*, 13> words = {"none",  "one",   "two",  "three", "four",   "five",  "six",

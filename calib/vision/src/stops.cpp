@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <tuple>
 
 #include "odometry_track.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof::detection {
 namespace {
@@ -53,14 +53,13 @@ std::vector<Frame> locate_frames(const Recording& recording, const OdometryTrack
       last = std::max(last, frame.stamp_s);
     }
   }
-  char text[240];
-  if (recording.odometry.empty())
-    std::snprintf(text, sizeof(text), "there is no odometry for the frames");
-  else
-    std::snprintf(text, sizeof(text),
-                  "odometry covers %.3f to %.3f s, the frames %.3f to %.3f s, and no frame meets it; both need the "
-                  "same clock and the same unit, seconds",
-                  recording.odometry.front().stamp_s, recording.odometry.back().stamp_s, first, last);
+  const auto& odometry = recording.odometry;
+  const std::string text = odometry.empty()
+                               ? "there is no odometry for the frames"
+                               : "odometry covers " + fixed_text(odometry.front().stamp_s, 3) + " to " +
+                                     fixed_text(odometry.back().stamp_s, 3) + " s, the frames " + fixed_text(first, 3) +
+                                     " to " + fixed_text(last, 3) +
+                                     " s, and no frame meets it; both need the same clock and the same unit, seconds";
   throw Error((recording.folder / recording.rig.odometry_file).string() + ": " + text);
 }
 

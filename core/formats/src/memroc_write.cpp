@@ -1,6 +1,7 @@
 // Writes the layout of the MEMROC authors' program: cameraN/ by cameraN/; everything of a stop has the stop's number.
+#include <fmt/core.h>
+
 #include <array>
-#include <cstdio>
 
 #include "memroc.h"
 #include "rigproof/core/conventions.h"
@@ -78,11 +79,7 @@ std::string cloud_text(const std::vector<Eigen::Vector3f>& points) {
 
 std::string camera_folder(std::size_t camera) { return "camera" + std::to_string(camera + 1); }
 
-std::string frame_name(std::size_t frame) {
-  char name[32];
-  std::snprintf(name, sizeof(name), "%04zu", frame);
-  return name;
-}
+std::string frame_name(std::size_t frame) { return fmt::format("{:04}", frame); }
 
 void refuse_what_cannot_be_said(const Recording& recording) {
   Problems problems;

@@ -1,8 +1,9 @@
 #include "rigproof/study/report/check_scene.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -228,19 +229,14 @@ SceneCheck check_scene(const std::string& name_or_file, const SceneCheckOptions&
 std::string format_checks(const std::vector<SceneCheck>& checks) {
   std::size_t width = 5;
   for (const SceneCheck& check : checks) width = std::max(width, check.name.size());
-  const int name_width = static_cast<int>(width);
-  char line[240];
-  std::snprintf(line, sizeof line, "%-*s  board whole  found    ground   normal  height  floor from  keypoints\n",
-                name_width, "scene");
-  std::string text = line;
-  for (const SceneCheck& check : checks) {
-    std::snprintf(line, sizeof line, "%-*s  %9.1f %%  %zu/%zu  %4zu/%zu  %4.2f deg  %3.1f mm  %8.0f %%  %9.0f  %s\n",
-                  name_width, check.name.c_str(), 100.0 * check.planned_whole_share, check.boards_found,
-                  check.boards_visible, check.grounds_found, check.depth_images, check.worst_normal_deg,
-                  check.worst_height_mm, 100.0 * check.least_floor_share, check.keypoints,
-                  check.ground_is_good() && check.board_is_good() ? "ok" : "FAIL");
-    text += line;
-  }
+  std::string text =
+      fmt::format("{:<{}}  board whole  found    ground   normal  height  floor from  keypoints\n", "scene", width);
+  for (const SceneCheck& check : checks)
+    text += fmt::format("{:<{}}  {:9.1f} %  {}/{}  {:4}/{}  {:4.2f} deg  {:3.1f} mm  {:8.0f} %  {:9.0f}  {}\n",
+                        check.name, width, 100.0 * check.planned_whole_share, check.boards_found, check.boards_visible,
+                        check.grounds_found, check.depth_images, check.worst_normal_deg, check.worst_height_mm,
+                        100.0 * check.least_floor_share, check.keypoints,
+                        check.ground_is_good() && check.board_is_good() ? "ok" : "FAIL");
   return text;
 }
 

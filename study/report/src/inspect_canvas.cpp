@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof::inspect_detail {
 namespace {
@@ -181,9 +181,7 @@ std::string number(double value) {
   const double magnitude = std::abs(value);
   if (!(magnitude > 0.0) || !std::isfinite(magnitude)) return magnitude > 0.0 ? "inf" : "0";
   const int decimals = std::clamp(kDigits - 1 - static_cast<int>(std::floor(std::log10(magnitude))), 0, kMaxDecimals);
-  std::array<char, 400> buffer;  // a double has at most 309 digits before the point
-  const int length = std::snprintf(buffer.data(), buffer.size(), "%.*f", decimals, value);
-  std::string text(buffer.data(), static_cast<std::size_t>(std::max(0, length)));
+  std::string text = fixed_text(value, decimals);
   if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
   if (text.back() == '.') text.pop_back();
   return text == "-0" ? "0" : text;
