@@ -1,11 +1,22 @@
 #include "output_schemas.h"
 
-#include "rigproof/core/fields.h"
+#include <cctype>
 
 namespace rigproof {
 namespace {
 
 using Lines = std::vector<KeyLine>;
+
+Lines finding_keys(const std::string& list) {
+  return {{list + "[].sentence?", "text", "for people alone"},
+          {list + "[].code", "text", "what was found; docs/reference/findings.md lists all"},
+          {list + "[].severity", "note | left_out | refusal | contradiction | cause", "what it means for the result"},
+          {list + "[].cameras?", "texts", "which it concerns"},
+          {list + "[].axes?", "texts", "degrees of freedom that it concerns"},
+          {list + "[].stops?", "numbers", "indices of stops that it concerns"},
+          {list + "[].values?", "anything", "numbers and texts by name"},
+          {list + "[].because[]?", "anything", "findings that speak for it"}};
+}
 
 // Puts a path before the lines of a part.
 Lines below(const std::string& path, const Lines& lines) {
@@ -14,10 +25,10 @@ Lines below(const std::string& path, const Lines& lines) {
   return all;
 }
 
-std::string schema_of_parts(const std::string& title, const std::vector<Lines>& parts) {
+Lines all_of(const std::vector<Lines>& parts) {
   Lines all;
   for (const Lines& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return schema_of_keys(title, all);
+  return all;
 }
 
 const Lines kCheck = {{".name", "text", "what is checked, of which camera"},
@@ -27,6 +38,17 @@ const Lines kCheck = {{".name", "text", "what is checked, of which camera"},
                       {".limit", "number or null", "what is allowed"},
                       {".unit", "text", "of value and limit"},
                       {".reason", "text", "why it failed without a value; else empty"}};
+
+const Lines kLeftOut = {{".stop", "integer", "index of the stop; -1 = none"},
+                        {".file", "text", "the image"},
+                        {".sentence", "text", "for people alone"},
+                        {".code", "text", "why; docs/reference/findings.md lists all"},
+                        {".depth", "boolean", "whether only its depth is left out"}};
+
+const Lines kFailures = {{"failures[].method", "text", "its name"},
+                         {"failures[].status", "text", "how it ended"},
+                         {"failures[].reason", "text", "why"},
+                         {"failures[].tasks", "integer", "how many ended so"}};
 
 const Lines kTransform = {{"", "", "poses"},
                           {".parent", "text", "frame that the pose is given in"},
@@ -46,41 +68,37 @@ const Lines kError = {{"", "", "errors of poses"},
                       {".observable[]", "boolean", "axis by axis"},
                       {".roll_pitch_yaw_error_rad", "numbers", "differences of the camera's body angles"}};
 
-}  // namespace
-
-std::string calibrate_output_schema() {
+Lines calibrate_keys() {
   const std::string result = "results[]";
-  return schema_of_parts("Rigproof calibrate --json",
-                         {{{result, "", "one a method"},
-                           {result + ".method", "text", "its name"},
-                           {result + ".status", "solved | partial | refused", "whether everything was answered"},
-                           {result + ".reasons[]", "", "why it is partial or refused"},
-                           {result + ".notes[]", "", "what the user should know"}},
-                          finding_keys(result + ".reasons"),
-                          finding_keys(result + ".notes"),
-                          exclusion_keys(result + ".use[].left_out"),
-                          below(result + ".camera_to_robot[]", kTransform),
-                          below(result + ".camera_to_camera[]", kTransform),
-                          {{result + ".also_estimated[]?", "", "what else was estimated"},
-                           {result + ".also_estimated[].camera", "text", "of which camera"},
-                           {result + ".also_estimated[].name", "text", "what, with its unit"},
-                           {result + ".also_estimated[].value", "number", "the estimate"},
-                           {result + ".also_estimated[].sigma", "number", "its standard deviation"},
-                           {result + ".also_estimated[].prior_sigma", "number", "what was believed before"},
-                           {result + ".use[].camera", "text", "its name"},
-                           {result + ".use[].used", "integer", "images that were used"},
-                           {result + ".acceptance?", "", "with accept limits: whether they hold"},
-                           {result + ".acceptance.criteria", "text", "the file that they are from"},
-                           {result + ".acceptance.passed", "boolean", "whether all of them hold"},
-                           {result + ".acceptance.notes[]", "", "what could not be checked"}},
-                          finding_keys(result + ".acceptance.notes"),
-                          below(result + ".acceptance.checks[]", kCheck)});
+  return all_of({{{result, "", "one a method"},
+                  {result + ".method", "text", "its name"},
+                  {result + ".status", "solved | partial | refused", "whether everything was answered"},
+                  {result + ".reasons[]", "", "why it is partial or refused"},
+                  {result + ".notes[]", "", "what the user should know"}},
+                 finding_keys(result + ".reasons"),
+                 finding_keys(result + ".notes"),
+                 below(result + ".use[].left_out[]", kLeftOut),
+                 below(result + ".camera_to_robot[]", kTransform),
+                 below(result + ".camera_to_camera[]", kTransform),
+                 {{result + ".also_estimated[]?", "", "what else was estimated"},
+                  {result + ".also_estimated[].camera", "text", "of which camera"},
+                  {result + ".also_estimated[].name", "text", "what, with its unit"},
+                  {result + ".also_estimated[].value", "number", "the estimate"},
+                  {result + ".also_estimated[].sigma", "number", "its standard deviation"},
+                  {result + ".also_estimated[].prior_sigma", "number", "what was believed before"},
+                  {result + ".use[].camera", "text", "its name"},
+                  {result + ".use[].used", "integer", "images that were used"},
+                  {result + ".acceptance?", "", "with accept limits: whether they hold"},
+                  {result + ".acceptance.criteria", "text", "the file that they are from"},
+                  {result + ".acceptance.passed", "boolean", "whether all of them hold"},
+                  {result + ".acceptance.notes[]", "", "what could not be checked"}},
+                 finding_keys(result + ".acceptance.notes"),
+                 below(result + ".acceptance.checks[]", kCheck)});
 }
 
-std::string validate_output_schema() {
+Lines validate_keys() {
   const std::string result = "results[]";
-  return schema_of_parts(
-      "Rigproof validate --json",
+  return all_of(
       {{{"tool", "text", "rigproof"},
         {"version", "text", "of the program"},
         {"passed", "boolean", "whether every gate is passed"},
@@ -109,59 +127,207 @@ std::string validate_output_schema() {
        finding_keys(result + ".notes")});
 }
 
-std::string observe_output_schema() {
-  return schema_of_keys("Rigproof observe --json", {{"observations", "text", "the file that was written"},
-                                                    {"stops", "integer", "how many"},
-                                                    {"board_views", "integer", "how many"},
-                                                    {"ground_planes", "integer", "how many"},
-                                                    {"left_out", "integer", "how many"}});
-}
-
-std::string moved_output_schema() {
+Lines moved_keys() {
   const std::string axes = "tx_m ty_m tz_m rx_rad ry_rad rz_rad; null where nothing tells";
-  return schema_of_parts(
-      "Rigproof moved --json",
-      {finding_keys("reasons"),
-       finding_keys("notes"),
-       {{"outcome", "nothing moved | moved | cannot tell", "the answer"},
-        {"rig_moved", "boolean", "all cameras together against the robot"},
-        {"chi_square", "number or null", "of all cameras together"},
-        {"degrees_of_freedom", "integer", "of chi_square"},
-        {"p_value", "number or null", "how likely so much is without a shift"},
-        {"reasons[]", "", "why it cannot be told"},
-        {"notes[]", "", "what the user should know"},
-        {"cameras[].camera", "text", "its name"},
-        {"cameras[].verdict", "text", "of this camera"},
-        {"cameras[].p_value", "number or null", "how likely so much is without a shift"},
-        {"cameras[].detectable_shift_m", "number or null", "that would be found with four in five chances"},
-        {"cameras[].detectable_turn_rad", "number or null", "the same of a turn"},
-        {"cameras[].shift.NAME", "number or null", axes},
-        {"cameras[].sigma.NAME", "number or null", axes}}});
+  return all_of({finding_keys("reasons"),
+                 finding_keys("notes"),
+                 {{"outcome", "nothing moved | moved | cannot tell", "the answer"},
+                  {"rig_moved", "boolean", "all cameras together against the robot"},
+                  {"chi_square", "number or null", "of all cameras together"},
+                  {"degrees_of_freedom", "integer", "of chi_square"},
+                  {"p_value", "number or null", "how likely so much is without a shift"},
+                  {"reasons[]", "", "why it cannot be told"},
+                  {"notes[]", "", "what the user should know"},
+                  {"cameras[].camera", "text", "its name"},
+                  {"cameras[].verdict", "text", "of this camera"},
+                  {"cameras[].p_value", "number or null", "how likely so much is without a shift"},
+                  {"cameras[].detectable_shift_m", "number or null", "that would be found with four in five chances"},
+                  {"cameras[].detectable_turn_rad", "number or null", "the same of a turn"},
+                  {"cameras[].shift.NAME", "number or null", axes},
+                  {"cameras[].sigma.NAME", "number or null", axes}}});
 }
 
-std::string suggest_output_schema() {
+Lines suggest_keys() {
   const std::string axes = "one sigma: tx_m ty_m tz_m rx_rad ry_rad rz_rad; null where nothing tells";
-  return schema_of_parts("Rigproof suggest --json",
-                         {finding_keys("reasons_now"),
-                          finding_keys("reasons_then"),
-                          finding_keys("notes"),
-                          {{"status_now", "solved | partial | refused", "of the data at hand"},
-                           {"status_then", "solved | partial | refused", "with the stops that are suggested"},
-                           {"reasons_now[]", "", "why it is partial or refused"},
-                           {"reasons_then[]", "", "why it would be"},
-                           {"notes[]", "", "what the user should know"},
-                           {"stops[]", "", "where to drive, one after the other"},
-                           {"stops[].command", "text", "in words"},
-                           {"stops[].turn_before_deg", "number", "turn on the spot"},
-                           {"stops[].distance_m", "number", "then drive straight"},
-                           {"stops[].turn_after_deg", "number", "then turn again"},
-                           {"stops[].x_m", "number", "place in the odometry's frame"},
-                           {"stops[].y_m", "number", "place in the odometry's frame"},
-                           {"stops[].yaw_deg", "number", "heading in the odometry's frame"},
-                           {"stops[].cameras", "texts", "that see the board from there"},
-                           {"cameras[].camera", "text", "its name"},
-                           {"cameras[].now.NAME", "number or null", axes},
-                           {"cameras[].then.NAME", "number or null", axes}}});
+  return all_of({finding_keys("reasons_now"),
+                 finding_keys("reasons_then"),
+                 finding_keys("notes"),
+                 {{"status_now", "solved | partial | refused", "of the data at hand"},
+                  {"status_then", "solved | partial | refused", "with the stops that are suggested"},
+                  {"reasons_now[]", "", "why it is partial or refused"},
+                  {"reasons_then[]", "", "why it would be"},
+                  {"notes[]", "", "what the user should know"},
+                  {"stops[]", "", "where to drive, one after the other"},
+                  {"stops[].command", "text", "in words"},
+                  {"stops[].turn_before_deg", "number", "turn on the spot"},
+                  {"stops[].distance_m", "number", "then drive straight"},
+                  {"stops[].turn_after_deg", "number", "then turn again"},
+                  {"stops[].x_m", "number", "place in the odometry's frame"},
+                  {"stops[].y_m", "number", "place in the odometry's frame"},
+                  {"stops[].yaw_deg", "number", "heading in the odometry's frame"},
+                  {"stops[].cameras", "texts", "that see the board from there"},
+                  {"cameras[].camera", "text", "its name"},
+                  {"cameras[].now.NAME", "number or null", axes},
+                  {"cameras[].then.NAME", "number or null", axes}}});
+}
+
+}  // namespace
+
+std::vector<OutputSchema> output_schemas() {
+  return {{"calibrate", "", calibrate_keys()},
+          {"validate", "; `run --json` is the same", validate_keys()},
+          {"observe",
+           "",
+           {{"observations", "text", "the file that was written"},
+            {"stops", "integer", "how many"},
+            {"board_views", "integer", "how many"},
+            {"ground_planes", "integer", "how many"},
+            {"left_out", "integer", "how many"}}},
+          {"moved", "", moved_keys()},
+          {"suggest", "", suggest_keys()},
+          {"generate",
+           "; of several runs a list of these",
+           {{"run", "text", "the folder"},
+            {"images", "integer", "how many it has"},
+            {"images_rendered", "integer", "how many were not there before"},
+            {"bytes", "integer", "of all files"},
+            {"seconds", "number", "that it took"},
+            {"gl_renderer", "text", "what drew"},
+            {"coverage", "text", "what the viewpoints cover, in words"}}},
+          {"generate --dry-run",
+           "; of several runs a list of these",
+           {{"stops", "integer", "of the robot"},
+            {"images", "integer", "that would be written"},
+            {"pictures", "integer", "that would be drawn for them"},
+            {"expected_mb", "number", "of all files"},
+            {"expected_minutes", "number", "that it would take"},
+            {"output", "text", "the folder"},
+            {"coverage", "text", "what the viewpoints cover, in words"}}},
+          {"sense",
+           "",
+           {{"run", "text", "the folder"},
+            {"images", "integer", "how many it has"},
+            {"bytes", "integer", "of all files"},
+            {"seconds", "number", "that it took"},
+            {"seed", "integer", "of the sensors' noise"}}},
+          {"doctor",
+           "",
+           {{"version", "text", "of the program"},
+            {"mujoco", "text", "its version"},
+            {"data", "text", "folder of models and scenes"},
+            {"cores", "integer", "of this machine"},
+            {"gl_renderer", "text", "what drew"},
+            {"gl_version", "text", "of OpenGL"},
+            {"problem", "text", "why nothing can be drawn; else empty"},
+            {"devices[].device", "integer", "as --device takes it"},
+            {"devices[].name", "text", "of the device"},
+            {"devices[].drm_file", "text", "its file"},
+            {"devices[].software", "boolean", "whether the processor draws"}}},
+          {"doctor RUN",
+           "",
+           {{"good", "boolean", "whether all is as it should be"},
+            {"files", "integer", "that were compared with the manifest"},
+            {"integrity_problems", "texts", "files that are not as they were written"},
+            {"convention_problems", "texts", "what contradicts the truth"}}},
+          {"convert",
+           "",
+           {{"output", "text", "the folder"},
+            {"layout", "text", "that it has"},
+            {"images", "integer", "how many"},
+            {"clouds", "integer", "how many"},
+            {"notes", "texts", "what could not be said in that layout"}}},
+          {"inspect", "", {{"[]", "text", "a picture that was written"}}},
+          {"board", "", {{"file", "text", "the PDF"}}},
+          {"methods",
+           "; scenes, rigs, sensors and boards likewise, each with facts of its own",
+           {{"[].name", "text", "what it is called"}, {"[].NAME", "text", "a fact, in words"}}},
+          {"scenes SCENE",
+           "",
+           {{"[].name", "text", "of the scene"},
+            {"[].planned_board_whole_share", "number", "of views that have the whole board, as planned"},
+            {"[].planned_board_at_every_stop", "boolean", "whether a camera has it at each"},
+            {"[].boards_visible", "integer", "how many"},
+            {"[].boards_found", "integer", "how many of them"},
+            {"[].depth_images", "integer", "how many"},
+            {"[].grounds_found", "integer", "in how many of them"},
+            {"[].worst_normal_deg", "number", "error of the ground's normal"},
+            {"[].worst_height_mm", "number", "error of its distance"},
+            {"[].least_floor_share", "number", "of the points of a depth image"},
+            {"[].keypoints", "number", "in an image, on average"},
+            {"[].good", "boolean", "whether board and ground are found"}}},
+          {"sensors --plot NAME",
+           "",
+           {{"sensor", "text", "its name"},
+            {"picture", "text", "the file"},
+            {"points[].z_m", "number", "distance"},
+            {"points[].law_mm", "number", "noise by the preset"},
+            {"points[].recorded_mm", "number", "with rounding"},
+            {"points[].realised_mm", "number", "of the simulated sensor"},
+            {"points[].mean_error_mm", "number", "of the simulated sensor"}}},
+          {"sweep start", "; `sweep merge --json` has name to failures",
+           all_of({{{"name", "text", "of the sweep"},
+                    {"axes", "texts", "what is varied"},
+                    {"methods", "texts", "that answered"},
+                    {"reference", "text", "method that the others are compared with"},
+                    {"rows[]", "anything", "a line of summary.csv: levels by axis, then its columns"},
+                    {"folder?", "text", "of the tables"},
+                    {"seconds?", "number", "that it took"},
+                    {"counters.NAME", "integer", "what was done in this start"}},
+                   kFailures})},
+          {"sweep start --dry-run",
+           "; `sweep plan --json` is the same",
+           {{"folder", "text", "of the tables"},
+            {"points", "integer", "combinations of levels"},
+            {"tasks", "integer", "runs"},
+            {"answers", "integer", "of all methods"},
+            {"answers_there", "integer", "of them"},
+            {"picture_sets", "integer", "sets of clean renders"},
+            {"picture_sets_there", "integer", "of them"},
+            {"images_to_render", "integer", "how many"},
+            {"expected_mb", "number", "on disk"},
+            {"expected_minutes", "number", "that it would take"},
+            {"task_lines", "texts", "each task in words"},
+            {"cannot_run", "texts", "methods that cannot, and why"}}},
+          {"sweep status", "",
+           all_of({{{"name", "text", "of the sweep"},
+                    {"tasks", "integer", "runs"},
+                    {"answers", "integer", "of all methods"},
+                    {"answers_there", "integer", "of them"},
+                    {"running", "boolean", "whether somebody works on it"},
+                    {"counters.NAME", "integer", "what was done in all starts"}},
+                   kFailures})},
+          {"paper",
+           "",
+           {{"[].name", "text", "of the experiment"},
+            {"[].title", "text", "of the experiment"},
+            {"[].config", "text", "the sweep that it is"}}},
+          {"paper NAME",
+           "",
+           {{"tables[].title", "text", "of the table"},
+            {"tables[].head", "texts", "names of the columns"},
+            {"tables[].rows[]", "texts", "a row"},
+            {"tables[].notes", "texts", "below the table"},
+            {"files", "texts", "that were written"}}},
+          {"paper NAME --dry-run",
+           "",
+           {{"tasks", "integer", "runs"},
+            {"answers", "integer", "of all methods"},
+            {"answers_there", "integer", "of them"},
+            {"images_to_render", "integer", "how many"},
+            {"megabytes", "number", "on disk"},
+            {"minutes", "number", "that it would take"}}}};
+}
+
+std::string name_of(const OutputSchema& output) {
+  std::string name;
+  for (const char c : output.command)
+    if (c != '-' || (!name.empty() && name.back() != '_'))
+      name += c == ' ' || c == '-' ? '_' : static_cast<char>(std::tolower(c));
+  return name + "_output";
+}
+
+std::string schema_of(const OutputSchema& output) {
+  return schema_of_keys("Rigproof " + output.command + " --json", output.keys);
 }
 
 }  // namespace rigproof

@@ -1,14 +1,23 @@
-// JSON Schemas of what commands print with --json.
+// What commands print for machines.
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "rigproof/core/fields.h"
 
 namespace rigproof {
 
-std::string calibrate_output_schema();
-std::string validate_output_schema();
-std::string observe_output_schema();
-std::string moved_output_schema();
-std::string suggest_output_schema();
+/// The output of one command with --json.
+struct OutputSchema {
+  std::string command;  ///< "calibrate", "sweep status"
+  std::string note;     ///< behind its line in the list of schemas
+  std::vector<KeyLine> keys;
+};
+
+std::vector<OutputSchema> output_schemas();
+/// As `rigproof schema` takes it: "calibrate_output".
+std::string name_of(const OutputSchema& output);
+std::string schema_of(const OutputSchema& output);
 
 }  // namespace rigproof

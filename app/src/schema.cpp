@@ -1,5 +1,6 @@
 // `rigproof schema`.
 #include <cstdio>
+#include <functional>
 
 #include "commands.h"
 #include "output_schemas.h"
@@ -28,9 +29,9 @@ std::string sensor_file_schema() {
 }
 
 struct FileSchema {
-  const char* name;
-  const char* summary;
-  std::string (*make)();
+  std::string name;
+  std::string summary;
+  std::function<std::string()> make;
 };
 
 // What a person writes.
@@ -48,18 +49,23 @@ const std::vector<FileSchema> kWritten = {
     {"robot", "models/robots/NAME.yaml", robot_schema},
     {"scene", "scenes/NAME.yaml", scene_schema}};
 
+std::vector<FileSchema> all_produced() {
+  std::vector<FileSchema> schemas = {{"result", "results/METHOD.yaml", result_schema},
+                                     {"observations", "observations.json", observations_schema},
+                                     {"manifest", "run.yaml of a run", manifest_schema},
+                                     {"truth", "truth/truth.yaml of a run", truth_schema},
+                                     {"proof", "truth/proof.yaml of a run", proof_schema}};
+  for (const OutputSchema& output : output_schemas())
+    schemas.push_back(
+        {name_of(output), "`" + output.command + " --json`" + output.note, [output] { return schema_of(output); }});
+  return schemas;
+}
+
 // What the program writes.
-const std::vector<FileSchema> kProduced = {
-    {"result", "results/METHOD.yaml", result_schema},
-    {"observations", "observations.json", observations_schema},
-    {"manifest", "run.yaml of a run", manifest_schema},
-    {"truth", "truth/truth.yaml of a run", truth_schema},
-    {"proof", "truth/proof.yaml of a run", proof_schema},
-    {"calibrate_output", "`calibrate --json`", calibrate_output_schema},
-    {"validate_output", "`validate --json` and `run --json`", validate_output_schema},
-    {"observe_output", "`observe --json`", observe_output_schema},
-    {"moved_output", "`moved --json`", moved_output_schema},
-    {"suggest_output", "`suggest --json`", suggest_output_schema}};
+const std::vector<FileSchema>& produced() {
+  static const std::vector<FileSchema> schemas = all_produced();
+  return schemas;
+}
 
 const char* const kAll = "all";
 const char* const kWrittenTitle = "What you write";
@@ -67,7 +73,7 @@ const char* const kProducedTitle = "What rigproof writes";
 
 const FileSchema& find_schema(const std::string& name) {
   std::vector<std::string> names;
-  for (const auto* list : {&kWritten, &kProduced})
+  for (const auto* list : {&kWritten, &produced()})
     for (const FileSchema& schema : *list) {
       if (name == schema.name) return schema;
       names.emplace_back(schema.name);
@@ -76,9 +82,9 @@ const FileSchema& find_schema(const std::string& name) {
 }
 
 void list_schemas() {
-  for (const auto& [title, list] : {std::pair(kWrittenTitle, &kWritten), std::pair(kProducedTitle, &kProduced)}) {
+  for (const auto& [title, list] : {std::pair(kWrittenTitle, &kWritten), std::pair(kProducedTitle, &produced())}) {
     std::printf("%s\n", title);
-    for (const FileSchema& schema : *list) std::printf("  %-18s%s\n", schema.name, schema.summary);
+    for (const FileSchema& schema : *list) std::printf("  %-29s%s\n", schema.name.c_str(), schema.summary.c_str());
   }
   std::printf("%s prints a table of every key of all of them, in Markdown\n", kAll);
 }
@@ -86,9 +92,9 @@ void list_schemas() {
 std::string page_of(const FileSchema& schema) {
   const YamlTree tree = parse_yaml(schema.make(), schema.name);
   const YamlTree* include = tree.find("properties") == nullptr ? nullptr : tree.find("properties")->find("include");
-  return std::string("\n### ") + schema.name + "\n\n" + tree.find("title")->scalar + ", version " +
-         tree.find("version")->scalar + ". " + schema.summary + "." +
-         (include == nullptr ? "" : " `include: FILE` takes another file first.") + "\n\n" + field_table(tree);
+  return "\n### " + schema.name + "\n\n" + tree.find("title")->scalar + ", version " + tree.find("version")->scalar +
+         ". " + schema.summary + "." + (include == nullptr ? "" : " `include: FILE` takes another file first.") +
+         "\n\n" + field_table(tree);
 }
 
 }  // namespace
@@ -101,7 +107,7 @@ std::string schema_reference_page() {
       "In "
       "keys, NAME stands for a name of yours and [] for each element of a list. A distribution is a number, "
       "`{uniform: [a, b]}`, `{normal: {mean: m, stddev: s}}` or `{choice: [..]}`.\n";
-  for (const auto& [title, list] : {std::pair(kWrittenTitle, &kWritten), std::pair(kProducedTitle, &kProduced)}) {
+  for (const auto& [title, list] : {std::pair(kWrittenTitle, &kWritten), std::pair(kProducedTitle, &produced())}) {
     page += std::string("\n## ") + title + "\n";
     for (const FileSchema& schema : *list) page += page_of(schema);
   }

@@ -293,6 +293,28 @@ void FieldVisitor::field(const char* key, std::vector<double>& member, const Num
   value(key, numbers, description);
 }
 
+void FieldVisitor::field(const char* key, std::vector<std::vector<double>>& rows, const NumberRange& range,
+                         std::size_t width, const char* description) {
+  const std::size_t longest = width == 0 ? std::numeric_limits<std::size_t>::max() : width;
+  const auto write = [&rows] {
+    YamlTree list = YamlTree::sequence();
+    for (const std::vector<double>& row : rows) list.add(YamlTree::numbers(row));
+    return list;
+  };
+  const auto read = [&](const YamlTree& tree, const std::string& path, Problems* problems) {
+    if (!tree.is_sequence()) problems->add({tree.file, tree.line, path, tree.shown(), "must be a list of lists"});
+    rows.clear();
+    for (std::size_t i = 0; i < tree.items.size(); ++i)
+      rows.push_back(read_numbers(tree.items[i], path + "[" + std::to_string(i) + "]", width, longest, range, problems)
+                         .value_or(std::vector<double>()));
+  };
+  const auto schema = [&] {
+    const std::size_t any = std::numeric_limits<std::size_t>::max();
+    return list_schema(list_schema(number_schema("number", range), width, longest), 0, any);
+  };
+  value(key, {read, write, schema}, description);
+}
+
 void FieldVisitor::field(const char* key, std::vector<std::string>& member, const char* description, bool on_one_line) {
   const FieldValue texts = {[&member](const YamlTree& tree, const std::string& path, Problems* problems) {
                               if (const auto read = read_texts(tree, path, problems)) member = *read;

@@ -61,6 +61,7 @@ class SchemaWriter : public FieldVisitor {
     return false;
   }
   bool takes(const char*, bool) override { return true; }
+  bool describes() override { return true; }
   void require(const char* key, const std::string&) override { required_.insert(key); }
   void tolerate(const char* prefix) override { tolerated_ = prefix; }
 
@@ -336,20 +337,18 @@ YamlTree schema_of_block(const VisitFields& visit) {
 
 std::string schema_of_fields(const std::string& title, const VisitFields& visit, const SchemaOptions& options) {
   YamlTree schema = file_schema(title, options.version, schema_of_block(visit));
-  const YamlTree more = schema_of_lines(options.more);
   YamlTree* properties = entry_of(&schema, "properties");
   if (properties == nullptr) return emit_json(schema, 2) + "\n";
-  for (const auto& [key, value] : more.find("properties")->entries) properties->set(key, value);
   if (options.includes) properties->set("include", include_schema());
   properties->set("$schema", described("string", "Where this schema lies; for editors."));
-  YamlTree* required = entry_of(&schema, "required");
-  if (required != nullptr && more.find("required") != nullptr)
-    for (const YamlTree& key : more.find("required")->items) required->add(key);
   return emit_json(schema, 2) + "\n";
 }
 
 std::string schema_of_keys(const std::string& title, const std::vector<KeyLine>& keys, std::int64_t version) {
-  return emit_json(file_schema(title, version, schema_of_lines(keys)), 2) + "\n";
+  const std::vector<KeyPart> parts = parts_of(keys);
+  const bool is_list = parts.size() == 1 && parts.front().key.empty();
+  return emit_json(file_schema(title, version, is_list ? schema_of_part(parts.front()) : schema_of_lines(keys)), 2) +
+         "\n";
 }
 
 std::vector<FieldSummary> fields_of_schema(const YamlTree& schema, bool lists) {

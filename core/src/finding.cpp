@@ -40,12 +40,6 @@ int precedence(const Finding& finding) {
 
 const char* severity_name(Severity severity) { return kSeverityNames[static_cast<std::size_t>(severity)]; }
 
-std::optional<Severity> severity_named(const std::string& name) {
-  const auto found = std::find(kSeverityNames.begin(), kSeverityNames.end(), name);
-  if (found == kSeverityNames.end()) return std::nullopt;
-  return static_cast<Severity>(found - kSeverityNames.begin());
-}
-
 Finding::Finding(std::string known_code, FindingValues with) : code(std::move(known_code)), values(std::move(with)) {
   const Row* row = row_of(code);
   if (row == nullptr) throw std::logic_error("core/src/findings.def has no finding " + code);

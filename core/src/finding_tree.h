@@ -1,22 +1,20 @@
-// Findings on disk: in results and in observations.json.
+// How findings are written to files and read from them.
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "rigproof/core/fields.h"
 #include "rigproof/core/finding.h"
 #include "rigproof/core/observations.h"
-#include "rigproof/core/yaml.h"
 
 namespace rigproof {
 
-/// A list; the sentence of each, where somebody words it, is for people alone.
-YamlTree tree_of(const std::vector<Finding>& findings, const Wording& wording);
 /// A list that may be absent. Plain text, as files of before and other programs write it, is a finding `stated`.
-std::vector<Finding> read_findings(MapReader* map, const std::string& key, Severity severity);
+/// @param severity of those whose file does not say; @param wording a sentence of each, for people alone
+void visit_findings(FieldVisitor& visitor, const char* key, std::vector<Finding>& findings, Severity severity,
+                    const Wording& wording, const char* description);
 
-/// code, values, because, depth. Files of before have a `reason` in words instead.
-void set_exclusion(const Exclusion& exclusion, const Wording& wording, YamlTree* tree);
-void read_exclusion(MapReader* map, Exclusion* exclusion);
+/// Why a frame is left out: code, values, because, depth. Files of before have a `reason` in words instead.
+void visit_why(FieldVisitor& visitor, Exclusion& exclusion, const Wording& wording);
 
 }  // namespace rigproof

@@ -13,8 +13,8 @@ std::string json_text(const std::string& text) {
 // What a person wrote may be a number that only YAML takes (.5, +1), or text without quotes.
 std::string json_scalar(const YamlTree& tree) {
   if (tree.quoted) return json_text(tree.scalar);
-  if (nlohmann::json::accept(tree.scalar)) return tree.scalar;
   const std::optional<double> number = parse_number(tree.scalar);
+  if ((number && number_text(*number) == tree.scalar) || nlohmann::json::accept(tree.scalar)) return tree.scalar;
   return number ? number_text(*number) : json_text(tree.scalar);
 }
 

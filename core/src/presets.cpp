@@ -116,14 +116,14 @@ void state_depth_bias(const YamlTree& device, const std::optional<StereoGeometry
 std::string sensor_schema(const VisitFields& simulation) {
   SensorPreset preset;
   return schema_of_fields("Rigproof sensor", [&](FieldVisitor& visitor) { visit_preset(visitor, preset, simulation); },
-                          {1, false, {}});
+                          {1, false});
 }
 
 std::string board_schema() {
   // In its own file a board is no name of another one.
   Board board;
   return schema_of_fields("Rigproof board", [&board](FieldVisitor& visitor) { visit_board(visitor, board); },
-                          {1, false, {}});
+                          {1, false});
 }
 
 SensorPreset load_sensor_preset(const std::string& name, const VisitFields& simulation) {

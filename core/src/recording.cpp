@@ -91,7 +91,7 @@ void visit_rig(FieldVisitor& visitor, const fs::path& folder, Rig& rig) {
 std::string rig_schema() {
   Rig rig;
   return schema_of_fields("Rigproof rig: rig.yaml of a recording",
-                          [&rig](FieldVisitor& visitor) { visit_rig(visitor, {}, rig); }, {1, false, {}});
+                          [&rig](FieldVisitor& visitor) { visit_rig(visitor, {}, rig); }, {1, false});
 }
 
 Rig load_rig(const fs::path& file) {

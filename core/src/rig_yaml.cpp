@@ -336,12 +336,12 @@ void visit_fields(FieldVisitor& visitor, AcceptLimits& accept) {
   visitor.scaled("angle_deg", accept.angle_rad, kDegPerRad, angle, "about each axis of the robot");
 }
 
-void visit_pose(FieldVisitor& visitor, Rigid3& T) {
+void visit_pose(FieldVisitor& visitor, Rigid3& T, bool is_required) {
   // q and -q are one rotation: the file holds the one with w >= 0.
   const Eigen::Vector4d c = T.rotation.w() < 0.0 ? Eigen::Vector4d(-T.rotation.coeffs()) : T.rotation.coeffs();
   std::vector<double> t = {T.translation.x(), T.translation.y(), T.translation.z()}, q = {c[0], c[1], c[2], c[3]};
-  visitor.require("translation_m", "[x, y, z]");
-  visitor.require("quaternion_xyzw", "[x, y, z, w]");
+  if (is_required) visitor.require("translation_m", "[x, y, z]");
+  if (is_required) visitor.require("quaternion_xyzw", "[x, y, z, w]");
   visitor.field("translation_m", t, {-1e6, 1e6}, 3, 3, "x, y, z of the child's origin in the parent");
   visitor.field("quaternion_xyzw", q, {-2.0, 2.0}, 4, 4, "rotation from child to parent, norm 1");
   if (!visitor.is_reading()) return;

@@ -57,8 +57,6 @@ void save_manifest(const Manifest& manifest, const fs::path& file) {
   write_file_atomically(file, emit_yaml(tree_of(manifest)));
 }
 
-std::string manifest_schema() {
-  return schema_of<Manifest>("Rigproof manifest: run.yaml of a run", {kVersion, false, {}});
-}
+std::string manifest_schema() { return schema_of<Manifest>("Rigproof manifest: run.yaml of a run", {kVersion, false}); }
 
 }  // namespace rigproof

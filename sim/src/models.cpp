@@ -255,7 +255,7 @@ std::string rig_model_schema() {
   RigModel rig;
   std::string robot;
   return schema_of_fields("Rigproof simulated rig",
-                          [&](FieldVisitor& visitor) { visit_rig_model(visitor, rig, robot); }, {1, false, {}});
+                          [&](FieldVisitor& visitor) { visit_rig_model(visitor, rig, robot); }, {1, false});
 }
 
 std::string scene_schema() {

@@ -66,9 +66,9 @@ TEST(Observations, EveryKindOfProblemIsNamed) {
   const SavedObservations f;
   const auto stop = "{\"stop\": 1, \"camera\": 0";
   EXPECT_THAT(f.problems_with(stop, "{\"stop\": 2, \"camera\": 0"),
-              HasSubstr("board_views[2].stop: 2: must be a whole number, 0 to 1"));
+              HasSubstr("board_views[2].stop: 2: allowed is 0 to 1"));
   EXPECT_THAT(f.problems_with(stop, "{\"stop\": 1, \"camera\": -1"),
-              HasSubstr("board_views[2].camera: -1: must be a whole number, 0 to 2"));
+              HasSubstr("board_views[2].camera: -1: allowed is 0 to 2"));
   EXPECT_THAT(f.problems_with(stop, "{\"stop\": 1.0, \"camera\": 0"), HasSubstr("must be a whole number"));
   EXPECT_THAT(f.problems_with("\"corners\": [[0,", "\"corners\": [[20,"), HasSubstr("a corner's id must be"));
   EXPECT_THAT(f.problems_with("\"corners\": [[0,", "\"corners\": [[1,"), HasSubstr("a corner is given twice"));
@@ -79,9 +79,9 @@ TEST(Observations, EveryKindOfProblemIsNamed) {
   EXPECT_THAT(f.problems_with("\"code\"", "\"x\": 1, \"code\""), HasSubstr("exclusions[0].x: unknown key"));
   EXPECT_THAT(f.problems_with("\"x_m\": ", "\"x_m\": 1e999, \"_\": "), HasSubstr("not valid JSON"));
   EXPECT_THAT(f.problems_with("\"x_m\": ", "\"x_m\": null, \"_\": "),
-              HasSubstr("stops[0].x_m: null: must be a finite"));
+              HasSubstr("stops[0].x_m: nothing: must be a finite"));
   EXPECT_THAT(f.problems_with("\"way\": [[", "\"way\": [[0, "),
-              HasSubstr("stops[1].way: a list of 4: must be a list of 3"));
+              HasSubstr("stops[1].way[0]: a list of 4: must be a list of 3"));
   EXPECT_THAT(f.problems_with("\"way\": [", "\"way\": 7, \"x\": ["), HasSubstr("stops[1].way: 7: must be a list"));
   EXPECT_THAT(f.problems_with("rigproof-observations", "rigproof-result"),
               HasSubstr("must be one of rigproof-observations"));
@@ -97,7 +97,8 @@ TEST(Observations, CovariancesMustBePositive) {
   o.ground_planes[0].covariance_per_m2 << 1.0, 0.9, -0.9, 0.9, 1.0, 0.9, -0.9, 0.9, 1.0;
   save_observations(o, folder / "o.json");
   const std::string text = error_text([&] { load_observations(folder / "o.json"); });
-  EXPECT_THAT(text, HasSubstr("board_views[0].corners: a list of 6: the covariance of a corner must be positive"));
+  EXPECT_THAT(text,
+              HasSubstr("board_views[0].corners: a list of 4: entry 0: the covariance of a corner must be positive"));
   EXPECT_THAT(text, HasSubstr("ground_planes[0].covariance_per_m2: a list of 6: must be the upper triangle"));
 }
 

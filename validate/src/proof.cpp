@@ -124,7 +124,7 @@ Proof load_proof(const std::filesystem::path& file) {
 std::string proof_schema() {
   Proof proof;
   return schema_of_fields("Rigproof proof: truth/proof.yaml",
-                          [&proof](FieldVisitor& visitor) { visit_proof(visitor, proof); }, {1, false, {}});
+                          [&proof](FieldVisitor& visitor) { visit_proof(visitor, proof); }, {1, false});
 }
 
 }  // namespace rigproof

@@ -95,6 +95,6 @@ void save_truth(const Truth& truth, const std::filesystem::path& file) {
   write_file_atomically(file, emit_yaml(tree_of(truth)));
 }
 
-std::string truth_schema() { return schema_of<Truth>("Rigproof truth: truth/truth.yaml", {kVersion, false, {}}); }
+std::string truth_schema() { return schema_of<Truth>("Rigproof truth: truth/truth.yaml", {kVersion, false}); }
 
 }  // namespace rigproof

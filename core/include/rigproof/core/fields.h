@@ -95,6 +95,8 @@ class FieldVisitor {
   /// Where a reader puts problems; null for what is no reader.
   virtual Problems* problems() { return nullptr; }
   bool is_reading() { return problems() != nullptr; }
+  /// Whether every field is asked for that there can be, as a schema does.
+  virtual bool describes() { return false; }
   /// A writer puts the block on one line.
   virtual void on_one_line() {}
 
@@ -110,6 +112,9 @@ class FieldVisitor {
   /// A list of numbers; size_min <= length <= size_max.
   void field(const char* key, std::vector<double>& value, const NumberRange& range, std::size_t size_min,
              std::size_t size_max, const char* description);
+  /// A list of lists of numbers; `width` of them in each, for 0 any number.
+  void field(const char* key, std::vector<std::vector<double>>& rows, const NumberRange& range, std::size_t width,
+             const char* description);
   /// A list of texts, written on one line or a line each.
   void field(const char* key, std::vector<std::string>& value, const char* description, bool on_one_line = true);
   /// A block of numbers by name; an empty one is left out.
@@ -253,8 +258,8 @@ std::vector<FieldDifference> field_differences(const YamlTree& there, const Yaml
 
 /// JSON Schema (draft 7) of a block of fields, with descriptions, defaults and ranges.
 YamlTree schema_of_block(const VisitFields& visit);
-/// A key of what the program writes by hand: its dotted path ("stops[].x_m", "cameras.NAME.folder"; a "?" at the end of
-/// a part = may be absent), its type and its meaning.
+/// A key of what the program writes by hand: its dotted path ("stops[].x_m", "cameras.NAME.folder", "[].x" of a list; a
+/// "?" at the end of a part = may be absent), its type and its meaning.
 /// Types: number, integer, text, boolean, numbers, texts, anything, "a | b" for one of several texts, each also with
 /// " or null".
 struct KeyLine {
@@ -264,9 +269,8 @@ struct KeyLine {
 };
 
 struct SchemaOptions {
-  std::int64_t version = 1;   ///< of the file's format
-  bool includes = true;       ///< whether `include:` is read
-  std::vector<KeyLine> more;  ///< keys beside the fields
+  std::int64_t version = 1;  ///< of the file's format
+  bool includes = true;      ///< whether `include:` is read
 };
 /// The same of a file with its title, as JSON.
 std::string schema_of_fields(const std::string& title, const VisitFields& visit, const SchemaOptions& options = {});
@@ -276,10 +280,6 @@ std::string schema_of(const std::string& title, const SchemaOptions& options = {
   return schema_of_fields(
       title, [&value](FieldVisitor& visitor) { visit_fields(visitor, value); }, options);
 }
-
-/// Keys of each finding of a list, and of a frame that was left out.
-std::vector<KeyLine> finding_keys(const std::string& list);
-std::vector<KeyLine> exclusion_keys(const std::string& list);
 
 /// JSON Schema of what is written by hand.
 std::string schema_of_keys(const std::string& title, const std::vector<KeyLine>& keys, std::int64_t version = 1);

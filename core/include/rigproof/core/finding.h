@@ -22,8 +22,6 @@ enum class Severity {
   kCause,          ///< the likely cause of a contradiction
 };
 const char* severity_name(Severity severity);
-/// Absent for a name that is none.
-std::optional<Severity> severity_named(const std::string& name);
 
 /// A named figure, whose unit is in the name ("off_mm", "board_deg"), or text ("unit": "feet").
 struct FindingValue {

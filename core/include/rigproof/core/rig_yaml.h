@@ -43,7 +43,7 @@ void visit_fields(FieldVisitor& visitor, AcceptLimits& accept);
 /// {translation_m: [x, y, z], quaternion_xyzw: [x, y, z, w]}. A norm within 1e-3 of 1 is normalised.
 void visit_fields(FieldVisitor& visitor, Rigid3& T);
 /// The same two keys in a block that has others, too.
-void visit_pose(FieldVisitor& visitor, Rigid3& T);
+void visit_pose(FieldVisitor& visitor, Rigid3& T, bool is_required = true);
 /// Further keys of a camera; a reader has appended the camera to the list before.
 using VisitMount = std::function<void(FieldVisitor&)>;
 /// The map `cameras:`, in the file's order; each has sensor folder link intrinsics camera_info depth.
