@@ -77,7 +77,7 @@ void add_features(CLI::App* command, VisionArguments& vision) {
   command
       ->add_option(
           "--ground", vision.ground,
-          "What the ground plane is found in: depth; images (triangulated features); auto (images for those cameras "
+          "Where the ground plane comes from: depth, images (triangulated features), or auto (images for the cameras "
           "whose depth shows too little ground)")
       ->check(CLI::IsMember(ground_source_names()))
       ->capture_default_str();
@@ -108,9 +108,9 @@ void add_observe(CLI::App& app, Action& action) {
 void add_accept(CLI::App* command, std::string& accept) {
   command->add_option(
       "--accept", accept,
-      "Check results without truth (stated uncertainty, two halves, held-out stops) by the limits in a file, or by the "
-      "shipped ones: default. The accept limits of rig.yaml are checked without this option, too; they replace the "
-      "file's limits of uncertainty");
+      "Check results without truth (stated uncertainty, two halves, held-out stops) against the limits in a file; "
+      "`default` is the shipped one. The accept limits of rig.yaml are always checked, and replace the limits on "
+      "uncertainty in the file");
 }
 
 void add_calibrate(CLI::App& app, Action& action) {
@@ -134,9 +134,8 @@ void add_validate(CLI::App& app, Action& action) {
                   "rigproof validate runs/demo theirs.yaml --budget ci.yaml --junit out.xml", validate_command);
   command->add_option("RUN", arguments.run, "Folder of a generated run, with its truth/")->required();
   command->add_option("RESULT", arguments.results, "Result files; default every one in the run's results/");
-  command->add_option(
-      "--budget", arguments.budget,
-      "Limits on the error: a file, or ci, paper, honest; default: 4 of the stated standard deviations");
+  command->add_option("--budget", arguments.budget,
+                      "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations");
   command->add_option("--junit", arguments.junit, "Also write the checks as JUnit XML");
   command->add_flag("--paper", arguments.paper, "Also print the errors that the MEMROC paper published");
   add_common(command, arguments.common);
@@ -148,9 +147,8 @@ void add_run(CLI::App& app, Action& action) {
                   "rigproof run demo.yaml", run_command);
   add_generate_options(command, arguments.generate);
   command->add_option("-m,--method", arguments.methods, kMethodHelp);
-  command->add_option(
-      "--budget", arguments.budget,
-      "Limits on the error: a file, or ci, paper, honest; default: 4 of the stated standard deviations");
+  command->add_option("--budget", arguments.budget,
+                      "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations");
   add_vision(command, arguments.vision);
   add_accept(command, arguments.accept);
   command->add_option("--junit", arguments.junit, "Also write the checks as JUnit XML");

@@ -31,7 +31,7 @@ Observations observe_with_progress(const Input& input, int jobs, const Terminal&
 Observations observe_with_progress(const Input& input, const Vision& vision, int jobs, const Terminal& terminal) {
   const GroundSource source = ground_source_by_name(vision.ground);
   if (source == GroundSource::kImages && !input.recording)
-    throw Error(input.path.string() + ": --ground images needs images, and the input is observations alone");
+    throw Error(input.path.string() + ": --ground images needs images, but the input holds observations only");
   Observations observations = observe_with_progress(input, jobs, terminal);
   ProgressLine progress(terminal, "ground", "images");
   MethodInput images = method_input(input, observations, vision, jobs);

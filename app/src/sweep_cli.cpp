@@ -23,7 +23,7 @@ void add_start(CLI::App* sweep, Action& action) {
       ->envname("RIGPROOF_CACHE");
   command
       ->add_option("--cache-limit-gb", arguments.cache_limit_gb,
-                   "Keep the cache below this size by deleting the pictures that were unused for longest; 0 = keep all")
+                   "Keep the cache below this size by deleting the least recently used pictures; 0 = keep all")
       ->check(number_in(0.0, 1e6))
       ->capture_default_str();
   add_overrides(command, arguments.set,

@@ -17,7 +17,7 @@ void add_places(CLI::App* command, SuggestArguments& arguments) {
       ->check(number_in(-kFarthest_m, kFarthest_m));
   command
       ->add_option("--reach", arguments.reach_m,
-                   "Without --area: how far beyond the places where it has stood the robot may go, metres")
+                   "Without --area: how far the robot may go beyond where it has stood, metres")
       ->check(number_in(0.01, kFarthest_m))
       ->capture_default_str();
   command
@@ -27,10 +27,10 @@ void add_places(CLI::App* command, SuggestArguments& arguments) {
       ->capture_default_str();
   command
       ->add_option("--min-turn", arguments.min_turn_deg,
-                   "Degrees; smaller turns are asked for only where the board would be missed without")
+                   "Smallest turn to ask for, degrees; less only where the board would otherwise be missed")
       ->check(number_in(0.0, 90.0))
       ->capture_default_str();
-  command->add_option("--min-cameras", arguments.min_cameras, "Cameras that see the whole board from every stop")
+  command->add_option("--min-cameras", arguments.min_cameras, "How many cameras must see the whole board at every stop")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_option("--candidates", arguments.candidates, "Number of random places to choose from")
@@ -49,9 +49,8 @@ void add_suggest(CLI::App& app, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--criterion", arguments.criterion,
-                   "What to shrink: worst, the largest standard deviation relative to what is accepted; D, the "
-                   "determinant of the "
-                   "covariance; E, its largest eigenvalue")
+                   "What to shrink: worst, the largest standard deviation relative to its accept limit; D, the "
+                   "determinant of the covariance; E, its largest eigenvalue")
       ->check(CLI::IsMember({"worst", "D", "E"}))
       ->capture_default_str();
   command->add_option("-o,--output", arguments.output,
@@ -75,15 +74,16 @@ void add_moved(CLI::App& app, Action& action) {
   command->add_option("RESULT", arguments.previous, "The earlier result, with its uncertainty")->required();
   command
       ->add_option("--significance", arguments.significance_percent,
-                   "Probability of a false alarm where nothing moved, of all cameras together, per cent")
+                   "Probability of a false alarm when nothing moved, for all cameras together, per cent")
       ->check(number_in(1e-7, 49.0))
       ->capture_default_str();
   command
       ->add_option("--smallest-cm", arguments.smallest_cm,
-                   "A camera \"cannot tell\" where a shift of this size would show with less than 90 % probability")
+                   "Report \"cannot tell\" for a camera where a shift of this size would be found with less than 90 % "
+                   "probability")
       ->check(number_in(1e-4, 1e4))
       ->capture_default_str();
-  command->add_option("--smallest-deg", arguments.smallest_deg, "The same for a turn")
+  command->add_option("--smallest-deg", arguments.smallest_deg, "The same for a rotation")
       ->check(number_in(1e-4, 180.0))
       ->capture_default_str();
   add_common(command, arguments.common);

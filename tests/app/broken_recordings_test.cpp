@@ -68,7 +68,7 @@ const Broken kBroken[] = {
     {"BoardTooLarge", "board's size", [](const fs::path& r) { edit_rig(r, "square_mm", 1.1, 0.0); }},
     {"BoardTooSmall", "board's size", [](const fs::path& r) { edit_rig(r, "square_mm", 0.94, 0.0); }},
     {"FocalLengths", "intrinsics of all cameras", [](const fs::path& r) { edit_rig(r, "f[xy]_px", 1.1, 0.0); }},
-    {"HalfAPixel", "half-pixel slip between the corners and the intrinsics of all cameras",
+    {"HalfAPixel", "half-pixel offset between the corners and the intrinsics of all cameras",
      [](const fs::path& r) { edit_rig(r, "c[xy]_px", 1.0, 0.5); }},
     {"PrincipalPoints", "principal point of all cameras", [](const fs::path& r) { edit_rig(r, "c[xy]_px", 1.0, 6.0); }},
     {"Mirrored", "odometry is mirrored",

@@ -29,7 +29,7 @@ TEST(Rivals, AMethodThatCannotRunSaysSo) {
   const ProcessOutput output =
       rigproof_command({"calibrate", observations, "-m", "sensorx2car", "-m", "li", "-o", results});
   EXPECT_EQ(output.exit_code, 3) << output.err;
-  EXPECT_THAT(output.out, HasSubstr("observations alone"));
+  EXPECT_THAT(output.out, HasSubstr("observations only"));
   EXPECT_EQ(load_result(scratch / "results/sensorx2car.yaml").status, ResultStatus::kRefused);
   EXPECT_EQ(load_result(scratch / "results/li.yaml").status, ResultStatus::kSolved);
 }
@@ -73,7 +73,7 @@ TEST(ImageGround, MistakesAreNamed) {
   EXPECT_FALSE(std::filesystem::exists(observations));
   ASSERT_EQ(rigproof_command({"observe", run, "-o", observations}).exit_code, 0);
   EXPECT_THAT(error({"calibrate", observations, "--ground", "images", "-o", (scratch / "r").string()}),
-              HasSubstr("observations alone"));
+              HasSubstr("observations only"));
 }
 
 TEST(External, ADescriptionStandsWhereAMethodDoes) {

@@ -25,8 +25,8 @@ TEST(Exclusions, StampsWithoutOdometryAreNoMissingBoard) {
                                       {0, 1, "left/depth/1.png", unreadable("truncated PNG"), true},
                                       {1, 2, "right/2.png", Finding("board.not_found")}};
   EXPECT_EQ(lack_of_views(all, 0),
-            "it has no pose: none of its 3 images is used (2: odometry gap, 1: no odometry); give stamps in seconds of "
-            "the odometry's clock, and odometry beside them");
+            "it has no pose: none of its 3 images is used (2: odometry gap, 1: no odometry); give stamps in seconds on "
+            "the odometry's clock, and odometry that covers them");
   EXPECT_EQ(lack_of_views(all, 1),
             "it has no pose: none of its 1 images is used (1: no board); let it see the whole board");
   EXPECT_EQ(lack_of_views(all, 2), "it has no pose: the board is in none of its images");
@@ -48,8 +48,8 @@ TEST(Exclusions, TheMostFrequentReasonOfDepthIsGivenInFull) {
                                       {0, 3, "c/3.png", Finding("board.not_found")}};
   const Finding unseen = Finding("ground.unseen").along({"z"});
   EXPECT_EQ(worded(with_lack_of_depth(unseen, all, 0)),
-            "z unobservable: no ground seen: depth of 3 images is left out, as of d/1.png: only 8 points in the "
-            "sensor's range; add depth images that show the floor");
+            "z unobservable: no ground seen: the depth of 3 images is left out, for example d/1.png: only 8 points in "
+            "the sensor's range; add depth images that show the floor");
   EXPECT_EQ(with_lack_of_depth(unseen, all, 1), unseen);
 }
 

@@ -100,7 +100,7 @@ TEST_F(External, GetsTheMemrocLayout) {
 
 TEST_F(External, NeedsARecordingUnlessItWantsObservations) {
   const auto wants_images = script("true");
-  EXPECT_THAT(worded(wants_images->why_not({observations_})), HasSubstr("It wants the images"));
+  EXPECT_THAT(worded(wants_images->why_not({observations_})), HasSubstr("It needs the images"));
   EXPECT_EQ(run_method(*wants_images, {observations_}).status, ResultStatus::kRefused);
   const auto wants_none = script("cp \"$3/answer.yaml\" \"$2\"", "input: observations\n");
   EXPECT_EQ(run_method(*wants_none, {observations_}).status, ResultStatus::kSolved);

@@ -166,10 +166,10 @@ TEST_F(SweepRun, WhatBreaksIsAFailedRowWithItsReason) {
   is("crash", SweepStatus::kFailed, "signal 11");
   is("hang", SweepStatus::kFailed, "longer than its limit of 0.2 s");
   is("garbage", SweepStatus::kFailed, "is no result");
-  is("images", SweepStatus::kCouldNotRun, "wants the images");
+  is("images", SweepStatus::kCouldNotRun, "needs the images");
   const SweepForecast forecast = forecast_sweep(config(one_task), options("a"));
   ASSERT_EQ(forecast.cannot_run.size(), 1U);
-  EXPECT_THAT(forecast.cannot_run[0], HasSubstr("images: It wants the images"));
+  EXPECT_THAT(forecast.cannot_run[0], HasSubstr("images: It needs the images"));
 }
 
 TEST_F(SweepRun, AConfigurationThatLeavesNothingToCalibrateIsAFailedRow) {

@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Recordings, Broken, testing::Range<std::size_t>(0, brea
 // The levels of suspension and odometry grow with the slip and hide it, four and a half deviations deep.
 TEST(Lenses, AHalfPixelIsJudgedByTheLevelsWithoutIt) {
   const auto slip = std::find_if(breakages().begin(), breakages().end(), [](const Breakage& breakage) {
-    return std::string(breakage.name) == "half-pixel slip";
+    return std::string(breakage.name) == "half-pixel offset";
   });
   ASSERT_NE(slip, breakages().end());
   for (const std::uint64_t seed : {6U, 7U, 8U, 9U}) {

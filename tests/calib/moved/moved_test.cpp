@@ -195,7 +195,7 @@ TEST(Moved, CameraToCameraIsEnough) {
   const MovedOptions options = rigid_robot();
   const MovedReport still = detect_movement(previous, another_day(7, 4), options);
   EXPECT_EQ(still.outcome, MovedOutcome::kNothingMoved);
-  EXPECT_THAT(worded(still.notes), Contains(HasSubstr("only in each other")));
+  EXPECT_THAT(worded(still.notes), Contains(HasSubstr("only the poses between cameras")));
   const MovedReport moved = detect_movement(previous, another_day(7, 4, 1, shift_of(1, 0.03)), options);
   EXPECT_EQ(moved.cameras[1].verdict, MovedVerdict::kMoved);
 }
@@ -220,7 +220,7 @@ TEST_P(MovedByOdometry, NothingHas) {
     day.odometry_noise = {};
     const MovedReport report = detect_movement(previous, day, rigid_robot());
     EXPECT_EQ(report.outcome, MovedOutcome::kNothingMoved) << seed << ": " << testing::PrintToString(report.reasons);
-    EXPECT_THAT(worded(report.notes), Contains(HasSubstr("The odometry does not count, for it contradicts the images")))
+    EXPECT_THAT(worded(report.notes), Contains(HasSubstr("The odometry is ignored because it contradicts the images")))
         << seed;
     for (const std::string& note : worded(report.notes))
       named += note.find(GetParam().cause) != std::string::npos ? 1 : 0;

@@ -163,7 +163,7 @@ TEST(SensorX2Car, NeedsStraightStepsAndImages) {
   for (const Rigid3& pose : steps.poses)
     observations.stops.push_back({0.0, pose.translation.x(), pose.translation.y(), yaw_of(pose), 0.0});
   const Recording recording;
-  EXPECT_THAT(worded(find_method("sensorx2car").why_not({observations})), HasSubstr("observations alone"));
+  EXPECT_THAT(worded(find_method("sensorx2car").why_not({observations})), HasSubstr("observations only"));
   EXPECT_THAT(worded(find_method("sensorx2car").why_not({observations, &recording, 1})), HasSubstr("0 straight steps"));
   EXPECT_EQ(run_method(find_method("sensorx2car"), {observations, &recording, 1}).status, ResultStatus::kRefused);
 }
@@ -183,7 +183,7 @@ TEST(RobotAutocalib, FindsPoseAndScaleFromFeatures) {
 
 TEST(RobotAutocalib, NeedsImages) {
   const Observations observations;
-  EXPECT_THAT(worded(find_method("robot_autocalib").why_not({observations})), HasSubstr("observations alone"));
+  EXPECT_THAT(worded(find_method("robot_autocalib").why_not({observations})), HasSubstr("observations only"));
 }
 
 /// Fails the test where an image is looked at.
@@ -207,7 +207,7 @@ TEST(RobotAutocalib, NeedsThreeTurns) {
   input.features = &unasked;
   const Result result = run_method(find_method("robot_autocalib"), input);
   EXPECT_EQ(result.status, ResultStatus::kRefused);
-  EXPECT_THAT(text(result.reasons), HasSubstr("turns 2 times by 2 deg or more; three at least are needed"));
+  EXPECT_THAT(text(result.reasons), HasSubstr("2 turns of 2 deg or more; at least three are needed"));
   // Turns are counted between images that the camera has: without the third one the two turns remain.
   drive.observations.stops[1].yaw_rad += deg_to_rad(3.0);
   EXPECT_FALSE(find_method("robot_autocalib").why_not(input));
