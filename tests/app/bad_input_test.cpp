@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <csignal>
 #include <sstream>
 
 #include "cli_fixture.h"
@@ -270,41 +271,52 @@ TEST(BadInput, AFolderOfSomethingElseIsLeftAlone) {
 
 // ---- interrupted ---------------------------------------------------------------------------------------------------
 
-std::string generate_line(const fs::path& run) {
-  return program_path() + " generate --set poses=24 --set image_scale=0.5 --set sensor_noise=none -o " + run.string();
+std::vector<std::string> generate_command(const fs::path& run) {
+  return {program_path(), "generate",          "--set", "poses=12",  "--set", "image_scale=0.5",
+          "--set",        "sensor_noise=none", "-o",    run.string()};
 }
 
-// Starts a generation, waits until it has begun to write, sends the signal and returns the exit code.
-ProcessOutput interrupted_generation(const fs::path& run, const std::string& signal) {
-  return run_process({"sh", "-c",
-                      generate_line(run) + " & pid=$!; until ls " + run.string() +
-                          "/recording/*/color/*.png >/dev/null 2>&1; do sleep 0.05; done; kill -" + signal +
-                          " $pid; wait $pid"});
+bool holds_an_image(const fs::path& folder) {
+  std::error_code none;
+  for (fs::recursive_directory_iterator entry(folder, none), end; entry != end; entry.increment(none))
+    if (entry->path().extension() == ".png") return true;
+  return false;
+}
+
+// Starts a generation and sends the signal as soon as it has begun to write.
+ProcessOutput interrupted_generation(const fs::path& run, int signal) {
+  BackgroundProcess generation(generate_command(run));
+  generation.wait_until([&] { return holds_an_image(run / "recording"); });
+  generation.send(signal);
+  return generation.wait();
 }
 
 TEST(Interrupt, TheSameCommandResumesToTheSameBytes) {
   const TempFolder scratch;
   const fs::path run = scratch / "run";
-  const ProcessOutput interrupted = interrupted_generation(run, "TERM");
+  const ProcessOutput interrupted = interrupted_generation(run, SIGTERM);
   EXPECT_EQ(interrupted.exit_code, 75) << interrupted.out << interrupted.err;
   EXPECT_THAT(interrupted.err, HasSubstr("resumes"));
-  EXPECT_EQ(run_process({"sh", "-c", generate_line(run)}).exit_code, 0);
+  EXPECT_EQ(run_process(generate_command(run)).exit_code, 0);
   const fs::path killed = scratch / "killed";
-  EXPECT_EQ(interrupted_generation(killed, "KILL").exit_code, 128 + 9);
+  EXPECT_EQ(interrupted_generation(killed, SIGKILL).exit_code, 128 + SIGKILL);
   // Two at once: one of them waits or gives way, and nothing is spoiled.
-  const ProcessOutput both = run_process(
-      {"sh", "-c", generate_line(killed) + " & " + generate_line(killed) + "; a=$?; wait $!; exit $((a + $?))"});
-  EXPECT_THAT(both.exit_code, AnyOf(0, 2, 75)) << both.out << both.err;
+  BackgroundProcess one(generate_command(killed)), other(generate_command(killed));
+  const ProcessOutput first = one.wait(), second = other.wait();
+  EXPECT_THAT((std::vector<int>{first.exit_code, second.exit_code}), testing::Contains(0)) << first.err << second.err;
+  EXPECT_THAT(first.exit_code + second.exit_code, AnyOf(0, 2, 75)) << first.err << second.err;
   EXPECT_EQ(tree_content(run), tree_content(killed));
 }
 
 TEST(Interrupt, WhileDrivingItEndsSoonAndNothingIsWritten) {
   const TempFolder scratch;
   const fs::path run = scratch / "run";
-  // A drive of ten seconds and more, and time enough to begin with it.
-  const ProcessOutput interrupted = run_process({"sh", "-c",
-                                                 program_path() + " generate --set motion=drive --set poses=100 -o " +
-                                                     run.string() + " & pid=$!; sleep 2; kill -TERM $pid; wait $pid"});
+  // Signals before the drive are heard as it begins.
+  BackgroundProcess drive(
+      {program_path(), "generate", "--set", "motion=drive", "--set", "poses=30", "-o", run.string()});
+  drive.wait_until_it_handles(SIGTERM);
+  drive.send(SIGTERM);
+  const ProcessOutput interrupted = drive.wait();
   EXPECT_EQ(interrupted.exit_code, 75) << interrupted.out << interrupted.err;
   EXPECT_THAT(interrupted.err, HasSubstr("interrupted while driving; the same command starts the drive again"));
   EXPECT_FALSE(fs::exists(run));

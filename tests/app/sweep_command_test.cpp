@@ -1,6 +1,8 @@
 // `rigproof sweep` as a user types it.
 #include <algorithm>
+#include <csignal>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli_fixture.h"
 #include "paths.h"
@@ -26,21 +28,23 @@ class SweepCommand : public testing::Test {
     arguments.insert(arguments.begin(), "sweep");
     return rigproof_command(arguments, folder_.path().string());
   }
-  // Starts a long sweep, waits until it works, and runs a shell command with $pid; prints the sweep's exit code.
-  ProcessOutput beside_a_long_sweep(const std::string& command) {
+  // Starts a long sweep and waits until it works.
+  void start_a_long_one() {
     std::string text = kSweep;
     text.replace(text.find("seeds: 2"), 8, "seeds: 3000");
     folder_.write("long.yaml", text);
-    const std::string program = program_path();
-    return run_process({"sh", "-c",
-                        program +
-                            " sweep start long.yaml -j 1 & pid=$!; "
-                            "until [ -n \"$(ls sweeps/long/tasks 2>/dev/null)\" ]; do sleep 0.1; done; " +
-                            command + "; wait $pid; echo sweep ended with $?"},
-                       folder_.path().string());
+    long_.emplace(std::vector<std::string>{program_path(), "sweep", "start", "long.yaml", "-j", "1"},
+                  folder_.path().string());
+    const fs::path tasks = folder_ / "sweeps/long/tasks";
+    long_->wait_until([&] { return fs::exists(tasks) && !fs::is_empty(tasks); });
+  }
+  ProcessOutput interrupt_the_long_one() {
+    long_->send(SIGTERM);
+    return long_->wait();
   }
 
   TempFolder folder_;
+  std::optional<BackgroundProcess> long_;
 };
 
 TEST_F(SweepCommand, SetsFieldsFromTheCommandLine) {
@@ -120,18 +124,20 @@ TEST_F(SweepCommand, SaysWhatIsWrong) {
 }
 
 TEST_F(SweepCommand, AnInterruptKeepsWhatIsFinished) {
-  const ProcessOutput output = beside_a_long_sweep("kill -TERM $pid");
-  EXPECT_THAT(output.out, HasSubstr("sweep ended with 75"));
+  start_a_long_one();
+  const ProcessOutput output = interrupt_the_long_one();
+  EXPECT_EQ(output.exit_code, 75);
   EXPECT_THAT(output.err, HasSubstr("interrupted; the same command goes on"));
   EXPECT_TRUE(fs::exists(folder_ / "sweeps/long/rows.csv"));
 }
 
 TEST_F(SweepCommand, ASecondOneInTheFolderIsRefused) {
-  const std::string program = program_path();
-  const ProcessOutput output = beside_a_long_sweep(program + " sweep start long.yaml; echo second ended with $?; " +
-                                                   program + " sweep status sweeps/long; kill -TERM $pid");
-  EXPECT_THAT(output.out, AllOf(HasSubstr("second ended with 75"), HasSubstr("running")));
-  EXPECT_THAT(output.err, HasSubstr("another rigproof sweeps in this folder"));
+  start_a_long_one();
+  const ProcessOutput second = sweep({"start", "long.yaml"});
+  EXPECT_EQ(second.exit_code, 75);
+  EXPECT_THAT(second.err, HasSubstr("another rigproof sweeps in this folder"));
+  EXPECT_THAT(sweep({"status", "sweeps/long"}).out, HasSubstr("running"));
+  EXPECT_EQ(interrupt_the_long_one().exit_code, 75);
 }
 
 TEST_F(SweepCommand, ItsSchemaKnowsTheRunsFields) {

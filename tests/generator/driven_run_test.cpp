@@ -8,6 +8,7 @@
 
 #include "drive_store.h"
 #include "error_text.h"
+#include "rigproof/core/child_process.h"
 #include "rigproof/core/random.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/generator/generate.h"
@@ -99,9 +100,10 @@ TEST(DrivenRun, KilledAtAnyMomentItResumesToTheSameBytes) {
   RandomStream random(5, "kill");
   for (int trial = 0; trial < 3; ++trial) {
     const TempFolder folder;
-    const pid_t pid = in_background([&] { generate(driven_config(), into(folder / "run")); });
+    ChildProcess generation([&] { return generate(driven_config(), into(folder / "run")).complete ? 0 : 1; });
     std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform() * std::min(whole_s, 2.0)));
-    kill_group(pid);
+    generation.kill_all();
+    generation.wait();
     EXPECT_TRUE(generate(driven_config(), into(folder / "run")).complete);
     EXPECT_EQ(contents(folder / "run"), reference()) << "trial " << trial;
   }

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -16,6 +15,7 @@
 
 #include "error_text.h"
 #include "rigproof/calib/vision/checkerboard.h"
+#include "rigproof/core/child_process.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/random.h"
@@ -184,9 +184,10 @@ TEST(Generation, KilledAtAnyMomentItResumesToTheSameBytes) {
   for (int trial = 0; trial < trials; ++trial) {
     const TempFolder folder;
     const fs::path run = folder.path() / "run";
-    const pid_t pid = in_background([&] { generate(small_config(), into(run)); });
+    ChildProcess generation([&] { return generate(small_config(), into(run)).complete ? 0 : 1; });
     std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform(0.2, 1.0) * std::min(whole_s, 3.0)));
-    kill_group(pid);
+    generation.kill_all();
+    generation.wait();
     // What is visible is whole.
     if (fs::exists(run)) {
       for (const auto& [path, hash] : contents(run)) {

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <array>
 #include <set>
 
 #include "rigproof/core/error.h"
@@ -82,19 +83,26 @@ TEST(WorkerPool, ExceptionArrivesAsItsMessage) {
 
 // With jobs unread the kernel reports a broken connection before the message.
 TEST(WorkerPool, FailureToPrepareIsToldThoughJobsWait) {
+  std::array<int, 2> submitted{}, alive{};
+  ASSERT_EQ(::pipe(submitted.data()), 0);
+  ASSERT_EQ(::pipe(alive.data()), 0);
+  char byte = 0;
   WorkerPool pool(
       1,
-      [](std::string*) -> WorkerPool::Handler {
-        ::usleep(20000);
+      [&](std::string*) -> WorkerPool::Handler {
+        EXPECT_EQ(::read(submitted[0], &byte, 1), 1);
         throw Error("no EGL");
       },
       kPatienceS);
+  ::close(alive[1]);
   pool.submit(1);
   pool.submit(2);
-  ::usleep(100000);
+  ASSERT_EQ(::write(submitted[1], &byte, 1), 1);
+  ASSERT_EQ(::read(alive[0], &byte, 1), 0);  // the process, which held the other end, is gone
   const WorkerEvent event = first_trouble(&pool);
   EXPECT_EQ(event.kind, WorkerEvent::Kind::kFailed);
   EXPECT_EQ(event.text, "no EGL");
+  for (const int end : {submitted[0], submitted[1], alive[0]}) ::close(end);
 }
 
 TEST(WorkerPool, ProcessThatHangsCountsAsDead) {

@@ -1,8 +1,12 @@
 // Methods from outside: what they are given, what becomes of their answers, and of those that misbehave.
 #include "rigproof/study/workflow/external.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <chrono>
 
@@ -144,12 +148,17 @@ TEST_F(External, ACrashIsAFailedRow) {
 
 TEST_F(External, AHangIsEndedWithEverythingThatItStarted) {
   const auto start = std::chrono::steady_clock::now();
-  const Result result = run("(sleep 2; touch \"$3/alive\") & sleep 60", "time_limit_s: 0.3\n");
+  // What it started holds the pipe open for as long as it lives.
+  const std::string held = (scratch_ / "held").string();
+  ASSERT_EQ(mkfifo(held.c_str(), 0600), 0);
+  pollfd alive{open(held.c_str(), O_RDONLY | O_NONBLOCK), POLLIN, 0};
+  ASSERT_GE(alive.fd, 0);
+  const Result result = run("sleep 60 > \"$3/held\" & sleep 60", "time_limit_s: 0.3\n");
   EXPECT_THAT(text(result.reasons), HasSubstr("ran longer than its limit of 0.3 s"));
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
-  // The grandchild would have spoken by now.
-  sleep(3);
-  EXPECT_FALSE(fs::exists(scratch_ / "alive"));
+  EXPECT_EQ(poll(&alive, 1, 10000), 1) << "it was not started, or still lives";
+  EXPECT_TRUE((alive.revents & POLLHUP) != 0);
+  close(alive.fd);
 }
 
 TEST_F(External, GarbageIsAFailedRow) {

@@ -1,14 +1,15 @@
 // Sweeps without pictures: the same bytes however they come about, and nothing done twice.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <map>
+#include <thread>
 
 #include "error_text.h"
+#include "rigproof/core/child_process.h"
 #include "rigproof/core/folder_lock.h"
 #include "rigproof/study/sweep/sweep.h"
 #include "temp_folder.h"
@@ -217,15 +218,10 @@ TEST_F(SweepRun, KilledAtAnyMomentItGoesOn) {
   const SweepConfig sweep = config();
   run_sweep(sweep, options("whole"));
   for (int kill_number = 0; kill_number < 6; ++kill_number) {
-    const pid_t pid = fork();
-    ASSERT_GE(pid, 0);
-    if (pid == 0) {
-      run_sweep(sweep, options("a"));
-      _exit(0);
-    }
-    usleep(static_cast<useconds_t>(20000 + 40000 * kill_number));
-    kill(pid, SIGKILL);
-    waitpid(pid, nullptr, 0);
+    ChildProcess killed([&] { return run_sweep(sweep, options("a")).complete ? 0 : 1; });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + 40 * kill_number));
+    killed.send(SIGKILL);
+    killed.wait();
   }
   EXPECT_TRUE(run_sweep(sweep, options("a")).complete);
   EXPECT_EQ(tables("a"), tables("whole"));

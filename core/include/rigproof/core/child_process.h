@@ -34,6 +34,7 @@ class ChildProcess {
   ChildProcess& operator=(ChildProcess&& other) noexcept;
 
   bool is_running() const { return pid_ >= 0; }
+  pid_t pid() const { return pid_; }
   /// How it ended, once; nothing while it runs.
   std::optional<ProcessEnd> poll();
   /// How it ended, once.
