@@ -140,7 +140,7 @@ function(rigproof_add_shards target name timeout labels fixture)
   foreach(shard RANGE ${last})
     add_test(NAME "${name}.shard${shard}" COMMAND ${target} --gtest_brief=1)
     set_tests_properties("${name}.shard${shard}" PROPERTIES
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard}" TIMEOUT ${shard_timeout}
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard};RIGPROOF_TRIALS=least" TIMEOUT ${shard_timeout}
       LABELS "${labels}" FIXTURES_REQUIRED "${fixture}")
   endforeach()
 endfunction()

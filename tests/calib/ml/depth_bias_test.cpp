@@ -17,6 +17,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
+#include "trials.h"
 
 namespace rigproof {
 namespace {
@@ -114,25 +115,23 @@ MlOptions told_options() {
   return options;
 }
 
-TEST(DepthBias, ToldItIsInTheUncertainty) {
-  constexpr int kTrials = 40;  // the mean of chi-square with 18 degrees of freedom scatters by 0.95
+TEST(DepthBias, ToldItIsInTheUncertaintyOverTrials) {
+  const Trials trials(10, 40);
   double mean = 0.0, height_square = 0.0;
-  for (int seed = 0; seed < kTrials; ++seed) {
+  for (int seed = 0; seed < trials.count(); ++seed) {
     const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), true);
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told_options());
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
-    mean += nees(estimate, poses_of(run.truth)) / kTrials;
+    mean += nees(estimate, poses_of(run.truth)) / trials.count();
     for (std::size_t c = 0; c < run.truth.cameras.size(); ++c) {
       const auto z = 6 * static_cast<Eigen::Index>(c) + 2;
       const double error =
           estimate.state.T_robot_camera[c].translation.z() - run.truth.cameras[c].T_robot_camera.translation.z();
-      height_square += error * error / (*estimate.result.joint_covariance)(z, z) / (3.0 * kTrials);
+      height_square += error * error / (*estimate.result.joint_covariance)(z, z) / (3.0 * trials.count());
     }
   }
-  EXPECT_NEAR(mean, 18.0, 3.0);
-  RecordProperty("nees", std::to_string(mean));
-  RecordProperty("height_mean_square", std::to_string(height_square));
-  EXPECT_NEAR(height_square, 1.0, 0.4) << "the heights alone";
+  EXPECT_NEAR(mean, 18.0, trials.chi_square_tolerance(18));
+  EXPECT_NEAR(height_square, 1.0, trials.chi_square_tolerance(3) / 3.0) << "the heights alone, of three cameras";
 }
 
 TEST(DepthBias, UntoldItMakesHeightsSilentlyWrong) {
@@ -143,12 +142,11 @@ TEST(DepthBias, UntoldItMakesHeightsSilentlyWrong) {
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told_options());
     if (estimate.result.joint_covariance) mean += nees(estimate, poses_of(run.truth)) / kTrials;
   }
-  RecordProperty("nees", std::to_string(mean));
   EXPECT_GT(mean, 60.0);
 }
 
-TEST(DepthBias, OfFloorsIsWhatDrawnOnesDo) {
-  constexpr int kTrials = 300;
+TEST(DepthBias, OfFloorsIsWhatDrawnOnesDoOverTrials) {
+  const Trials trials(60, 300);
   const GeometricRun run = run_with_bias(1, true);
   const std::vector<Eigen::Matrix3d> stated = ground_plane_biases(run.observations, DepthScaleSource::kDevice);
   ASSERT_EQ(stated.size(), 3U);
@@ -158,13 +156,13 @@ TEST(DepthBias, OfFloorsIsWhatDrawnOnesDo) {
     if (plane.camera == 0) floor = &plane;
   ASSERT_NE(floor, nullptr);
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < kTrials; ++i) {
+  for (int i = 0; i < trials.count(); ++i) {
     const DrawnBias bias(camera.camera, static_cast<std::uint64_t>(i), 7);
     const Eigen::Vector3d error = bias.on_plane(bias.floor_pixels(floor->inverse_depth_plane, *camera.depth));
-    scatter += error * error.transpose() / kTrials;
+    scatter += error * error.transpose() / trials.count();
   }
   const Eigen::Vector3d ratio = scatter.diagonal().cwiseQuotient(stated[0].diagonal());
-  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(ratio[axis], 1.0, 0.3) << "axis " << axis;
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(ratio[axis], 1.0, trials.chi_square_tolerance(1)) << "axis " << axis;
 }
 
 TEST(DepthBias, IsInTheHeightOfMemrocToo) {

@@ -7,6 +7,7 @@
 #include "pose_near.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/geometric/geometric.h"
+#include "trials.h"
 #include "worded.h"
 
 namespace rigproof {
@@ -200,11 +201,11 @@ TEST(Refusal, AnUndecidedOdometryModelIsPartOfTheUncertainty) {
   }
 }
 
-TEST(Refusal, HealthyDrivesAreNot) {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+TEST(Refusal, HealthyDrivesAreNotOverTrials) {
+  for (int seed = 0; seed < Trials(16, 60).count(); ++seed) {
     GeometricConfig config;
-    config.seed = seed;
-    config.stops = 5 + static_cast<int>(seed % 4) * 5;
+    config.seed = static_cast<std::uint64_t>(seed);
+    config.stops = 5 + seed % 4 * 5;
     config.lambda = seed % 2 == 0 ? 0.0 : 1.0;
     const Result result = estimate_maximum_likelihood(draw_geometric_run(config).observations).result;
     EXPECT_EQ(result.status, ResultStatus::kSolved)

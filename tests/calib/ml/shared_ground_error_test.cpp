@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "random_values.h"
+#include "trials.h"
 
 namespace rigproof::ml {
 namespace {
@@ -63,17 +64,17 @@ TEST(SharedGroundError, OneWildPlaneHidesNothing) {
   EXPECT_GT(whitened(shared.front())(1, 1), 0.7);
 }
 
-TEST(SharedGroundError, IsNotSeenInNoiseAsStated) {
+TEST(SharedGroundError, IsNotSeenInNoiseAsStatedOverTrials) {
   RandomStream random(3, "shared ground error");
   for (const int planes : {1, 2, 3, 4, 5, 8, 20, 100})
-    for (int trial = 0; trial < 1000; ++trial)
+    for (int trial = 0; trial < Trials(150, 1000).count(); ++trial)
       ASSERT_TRUE(shared_ground_errors(planes_with(planes, {1.0, 1.0, 1.0}, &random)).empty()) << planes << " planes";
 }
 
 // Noise laws of sensors are not known better.
-TEST(SharedGroundError, IsNotSeenInThreeQuartersOfTheStatedNoise) {
+TEST(SharedGroundError, IsNotSeenInThreeQuartersOfTheStatedNoiseOverTrials) {
   RandomStream random(4, "shared ground error");
-  for (int trial = 0; trial < 300; ++trial)
+  for (int trial = 0; trial < Trials(60, 300).count(); ++trial)
     EXPECT_TRUE(shared_ground_errors(planes_with(20, {0.75, 0.75, 0.75}, &random)).empty());
 }
 
