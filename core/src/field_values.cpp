@@ -6,6 +6,7 @@
 
 #include "rigproof/core/fields.h"
 #include "rigproof/core/includes.h"
+#include "schema_nodes.h"
 
 namespace rigproof {
 namespace {
@@ -14,14 +15,8 @@ const char* const kUniform = "uniform";
 const char* const kNormal = "normal";
 const char* const kChoice = "choice";
 
-YamlTree typed(const char* type) {
-  YamlTree schema = YamlTree::map();
-  schema.set("type", YamlTree::text(type));
-  return schema;
-}
-
 YamlTree number_schema(const char* type, const NumberRange& range) {
-  YamlTree schema = typed(type);
+  YamlTree schema = schema_of_type(type);
   if (range.min == std::numeric_limits<double>::min())
     schema.set("exclusiveMinimum", YamlTree::number(0.0));
   else if (std::isfinite(range.min))
@@ -31,8 +26,7 @@ YamlTree number_schema(const char* type, const NumberRange& range) {
 }
 
 YamlTree list_schema(YamlTree items, std::size_t size_min, std::size_t size_max) {
-  YamlTree schema = typed("array");
-  schema.set("items", std::move(items));
+  YamlTree schema = schema_of_list(std::move(items));
   if (size_min > 0) schema.set("minItems", YamlTree::integer(static_cast<std::int64_t>(size_min)));
   if (size_max != std::numeric_limits<std::size_t>::max())
     schema.set("maxItems", YamlTree::integer(static_cast<std::int64_t>(size_max)));
@@ -127,7 +121,7 @@ YamlTree tree_of_distribution(const Distribution& distribution) {
 }
 
 YamlTree only(const char* key, YamlTree value) {
-  YamlTree schema = typed("object");
+  YamlTree schema = schema_of_type("object");
   schema.set("properties", YamlTree::map()).set(key, std::move(value));
   schema.set("additionalProperties", YamlTree::boolean(false));
   schema.set("required", YamlTree::sequence()).add(YamlTree::text(key));
@@ -136,19 +130,14 @@ YamlTree only(const char* key, YamlTree value) {
 
 YamlTree distribution_schema(const NumberRange& range) {
   const YamlTree number = number_schema("number", range);
-  YamlTree normal = typed("object");
+  YamlTree normal = schema_of_type("object");
   YamlTree& properties = normal.set("properties", YamlTree::map());
   properties.set("mean", number);
   properties.set("stddev", number_schema("number", {0.0}));
   normal.set("additionalProperties", YamlTree::boolean(false));
   normal.set("required", YamlTree::texts({"mean", "stddev"}));
-  YamlTree schema = YamlTree::map();
-  YamlTree& kinds = schema.set("anyOf", YamlTree::sequence());
-  kinds.add(number);
-  kinds.add(only(kUniform, list_schema(number, 2, 2)));
-  kinds.add(only(kNormal, normal));
-  kinds.add(only(kChoice, list_schema(number, 1, std::numeric_limits<std::size_t>::max())));
-  return schema;
+  return schema_of_any({number, only(kUniform, list_schema(number, 2, 2)), only(kNormal, normal),
+                        only(kChoice, list_schema(number, 1, std::numeric_limits<std::size_t>::max()))});
 }
 
 // Whether the file says true or false; text that only looks like it is neither.
@@ -251,7 +240,8 @@ void FieldVisitor::field(const char* key, bool& member, const char* description)
   const FieldValue boolean = {[&member](const YamlTree& tree, const std::string& path, Problems* problems) {
                                 read_boolean(&member, tree, path, problems);
                               },
-                              [&member] { return YamlTree::boolean(member); }, [] { return typed("boolean"); }};
+                              [&member] { return YamlTree::boolean(member); },
+                              [] { return schema_of_type("boolean"); }};
   value(key, boolean, description);
 }
 
@@ -261,7 +251,7 @@ void FieldVisitor::field(const char* key, std::string& member, const TextChoices
                            },
                            [&member] { return YamlTree::text(member); },
                            [&choices] {
-                             YamlTree schema = typed("string");
+                             YamlTree schema = schema_of_type("string");
                              if (!choices.choices.empty()) schema.set("enum", YamlTree::texts(choices.choices));
                              return schema;
                            }};
@@ -308,10 +298,7 @@ void FieldVisitor::field(const char* key, std::vector<std::vector<double>>& rows
       rows.push_back(read_numbers(tree.items[i], path + "[" + std::to_string(i) + "]", width, longest, range, problems)
                          .value_or(std::vector<double>()));
   };
-  const auto schema = [&] {
-    const std::size_t any = std::numeric_limits<std::size_t>::max();
-    return list_schema(list_schema(number_schema("number", range), width, longest), 0, any);
-  };
+  const auto schema = [&] { return schema_of_list(list_schema(number_schema("number", range), width, longest)); };
   value(key, {read, write, schema}, description);
 }
 
@@ -324,7 +311,7 @@ void FieldVisitor::field(const char* key, std::vector<std::string>& member, cons
                               list.flow = on_one_line;
                               return list;
                             },
-                            [] { return list_schema(typed("string"), 0, std::numeric_limits<std::size_t>::max()); }};
+                            [] { return schema_of_list(schema_of_type("string")); }};
   value(key, texts, description);
 }
 
@@ -341,8 +328,8 @@ void FieldVisitor::field(const char* key, std::map<std::string, double>& members
                                 return tree;
                               },
                               [] {
-                                YamlTree schema = typed("object");
-                                schema.set("additionalProperties", typed("number"));
+                                YamlTree schema = schema_of_type("object");
+                                schema.set("additionalProperties", schema_of_type("number"));
                                 return schema;
                               }};
   value(key, numbers, description);

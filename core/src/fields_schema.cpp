@@ -3,21 +3,20 @@
 #include <set>
 
 #include "rigproof/core/fields.h"
+#include "schema_nodes.h"
 
 namespace rigproof {
 namespace {
 
 YamlTree object_schema(YamlTree properties) {
-  YamlTree schema = YamlTree::map();
-  schema.set("type", YamlTree::text("object"));
+  YamlTree schema = schema_of_type("object");
   schema.set("additionalProperties", YamlTree::boolean(false));
   schema.set("properties", std::move(properties));
   return schema;
 }
 
 YamlTree text_schema(const TextInstead& text) {
-  YamlTree schema = YamlTree::map();
-  schema.set("type", YamlTree::text("string"));
+  YamlTree schema = schema_of_type("string");
   if (!text.choices.empty()) schema.set("enum", YamlTree::texts(text.choices));
   schema.set("description", YamlTree::text(text.description));
   return schema;
@@ -39,15 +38,12 @@ class SchemaWriter : public FieldVisitor {
             const std::function<void(std::size_t, FieldVisitor&)>& visit, const char* description) override {
     const bool empty = size() == 0;
     if (empty) resize(1);
-    YamlTree schema = YamlTree::map();
-    schema.set("type", YamlTree::text("array"));
-    schema.set("items", schema_of_block([&visit](FieldVisitor& inner) { visit(0, inner); }));
+    YamlTree element = schema_of_block([&visit](FieldVisitor& inner) { visit(0, inner); });
     if (empty) resize(0);
-    add_block(key, std::move(schema), description);
+    add_block(key, schema_of_list(std::move(element)), description);
   }
   void map(const char* key, const FieldMap& map, const char* description) override {
-    YamlTree schema = YamlTree::map();
-    schema.set("type", YamlTree::text("object"));
+    YamlTree schema = schema_of_type("object");
     if (map.size_min > 0) schema.set("minProperties", YamlTree::integer(static_cast<std::int64_t>(map.size_min)));
     if (map.size_max < FieldMap().size_max)
       schema.set("maxProperties", YamlTree::integer(static_cast<std::int64_t>(map.size_max)));
@@ -69,12 +65,7 @@ class SchemaWriter : public FieldVisitor {
     YamlTree schema = object_schema(properties_);
     if (!tolerated_.empty()) schema.set("patternProperties", YamlTree::map()).set("^" + tolerated_, YamlTree::map());
     if (!required_.empty()) schema.set("required", YamlTree::texts({required_.begin(), required_.end()}));
-    if (!instead_) return schema;
-    YamlTree either = YamlTree::map();
-    YamlTree& kinds = either.set("anyOf", YamlTree::sequence());
-    kinds.add(*instead_);
-    kinds.add(std::move(schema));
-    return either;
+    return instead_ ? schema_of_any({*instead_, std::move(schema)}) : schema;
   }
 
  private:
@@ -90,42 +81,30 @@ class SchemaWriter : public FieldVisitor {
 };
 
 YamlTree described(const char* type, const char* description) {
-  YamlTree schema = YamlTree::map();
-  schema.set("type", YamlTree::text(type));
+  YamlTree schema = schema_of_type(type);
   schema.set("description", YamlTree::text(description));
   return schema;
 }
 
 YamlTree include_schema() {
-  YamlTree name = YamlTree::map();
-  name.set("type", YamlTree::text("string"));
-  YamlTree names = YamlTree::map();
-  names.set("type", YamlTree::text("array"));
-  names.set("items", name);
   YamlTree schema = YamlTree::map();
   schema.set("description", YamlTree::text("File, or list of files, read first: relative to this one, or a preset."));
-  YamlTree& kinds = schema.set("anyOf", YamlTree::sequence());
-  kinds.add(std::move(name));
-  kinds.add(std::move(names));
+  const YamlTree name = schema_of_type("string");
+  schema.entries.push_back(schema_of_any({name, schema_of_list(name)}).entries.front());
   return schema;
 }
 
 // --------------------------------------------------------------------------------------------------- schema from keys
 
-YamlTree schema_of_type(const std::string& type) {
+YamlTree schema_of_key(const std::string& type) {
   const std::string null = " or null";
   YamlTree schema = YamlTree::map();
   if (type == "anything") return schema;
   if (type.size() > null.size() && type.compare(type.size() - null.size(), null.size(), null) == 0) {
-    schema = schema_of_type(type.substr(0, type.size() - null.size()));
-    YamlTree either = YamlTree::map();
-    YamlTree& kinds = either.set("anyOf", YamlTree::sequence());
-    kinds.add(std::move(schema));
-    kinds.add(YamlTree::map()).set("type", YamlTree::text("null"));
-    return either;
+    return schema_of_any({schema_of_key(type.substr(0, type.size() - null.size())), schema_of_type("null")});
   }
   if (type.find(" | ") != std::string::npos) {
-    schema.set("type", YamlTree::text("string"));
+    schema = schema_of_type("string");
     YamlTree& names = schema.set("enum", YamlTree::sequence());
     for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 3) {
       end = type.find(" | ", begin);
@@ -133,11 +112,9 @@ YamlTree schema_of_type(const std::string& type) {
     }
     return schema;
   }
-  const bool is_list = type == "numbers" || type == "texts";
-  const std::string item = type == "numbers" ? "number" : type == "text" || type == "texts" ? "string" : type;
-  schema.set("type", YamlTree::text(is_list ? "array" : item));
-  if (is_list) schema.set("items", YamlTree::map()).set("type", YamlTree::text(item));
-  return schema;
+  if (type == "numbers") return schema_of_list(schema_of_type("number"));
+  if (type == "texts") return schema_of_list(schema_of_type("string"));
+  return schema_of_type(type == "text" ? "string" : type.c_str());
 }
 
 // "a.b" is {a, b}; nothing remains of the last part.
@@ -180,13 +157,8 @@ YamlTree schema_of_part(const KeyPart& part) {
     else
       inner.push_back(line);
   }
-  YamlTree schema = is_leaf ? schema_of_type(part.lines.front().type) : schema_of_lines(inner);
-  if (part.is_list) {
-    YamlTree list = YamlTree::map();
-    list.set("type", YamlTree::text("array"));
-    list.set("items", std::move(schema));
-    schema = std::move(list);
-  }
+  YamlTree schema = is_leaf ? schema_of_key(part.lines.front().type) : schema_of_lines(inner);
+  if (part.is_list) schema = schema_of_list(std::move(schema));
   if (!description.empty()) schema.set("description", YamlTree::text(description));
   return schema;
 }
@@ -202,8 +174,7 @@ YamlTree schema_of_lines(const std::vector<KeyLine>& lines) {
     properties.set(part.key, schema_of_part(part));
     if (!part.is_optional) required.add(YamlTree::text(part.key));
   }
-  YamlTree schema = YamlTree::map();
-  schema.set("type", YamlTree::text("object"));
+  YamlTree schema = schema_of_type("object");
   schema.set("additionalProperties", std::move(others));
   schema.set("properties", std::move(properties));
   if (!required.items.empty()) schema.set("required", std::move(required));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rigproof/core/fields.h"
+#include "schema_nodes.h"
 
 namespace rigproof {
 namespace {
@@ -36,12 +37,6 @@ FindingValues read_values(const YamlTree& tree, const std::string& path, Problem
       values.emplace_back(name, *text);
   }
   return values;
-}
-
-YamlTree schema_of_type(const char* type) {
-  YamlTree schema = YamlTree::map();
-  schema.set("type", YamlTree::text(type));
-  return schema;
 }
 
 FieldValue values_value(FindingValues& values) {
@@ -142,12 +137,8 @@ std::string findings_json(const std::vector<Finding>& findings, const Wording& w
 void visit_findings(FieldVisitor& visitor, const char* key, std::vector<Finding>& findings, Severity severity,
                     const Wording& wording, const char* description) {
   const auto schema = [] {
-    YamlTree list = schema_of_type("array");
-    list.set("items", schema_of_block([](FieldVisitor& inner) {
-               Finding finding;
-               visit_finding(inner, finding, {});
-             }));
-    return list;
+    Finding finding;
+    return schema_of_list(schema_of_block([&](FieldVisitor& inner) { visit_finding(inner, finding, {}); }));
   };
   const FieldValue list = {[&findings, severity](const YamlTree& tree, const std::string& path, Problems* problems) {
                              findings = read_findings(tree, path, severity, problems);

@@ -11,6 +11,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/yaml.h"
+#include "schema_nodes.h"
 
 namespace rigproof {
 namespace {
@@ -280,13 +281,9 @@ void visit_estimates(FieldVisitor& visitor, const char* key, std::vector<Estimat
     return list;
   };
   const auto schema = [parent_is_camera] {
-    YamlTree list = YamlTree::map();
-    list.set("type", YamlTree::text("array"));
-    list.set("items", schema_of_block([=](FieldVisitor& inner) {
-               EstimatedTransform estimate;
-               visit_estimate(inner, estimate, parent_is_camera);
-             }));
-    return list;
+    EstimatedTransform estimate;
+    return schema_of_list(
+        schema_of_block([&](FieldVisitor& inner) { visit_estimate(inner, estimate, parent_is_camera); }));
   };
   visitor.value(key, {read, write, schema}, description);
 }
