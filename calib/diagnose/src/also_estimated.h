@@ -1,4 +1,4 @@
-// What was estimated of lenses and clocks beside the poses, as users see it.
+// Estimates of lenses and clocks beside the poses, as reported to users.
 #pragma once
 
 #include <Eigen/Core>

@@ -8,7 +8,7 @@
 
 namespace rigproof::ml {
 
-/// Contradictions, and what they make unusable.
+/// Contradictions, and the parts of the answer that they make unusable.
 struct Contradictions {
   std::vector<Finding> odometry;  ///< x, y and yaw in the robot cannot be trusted
   std::vector<Finding> cameras;   ///< nothing can be trusted

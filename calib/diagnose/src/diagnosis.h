@@ -22,7 +22,7 @@ struct Trial {
 /// @param same_views whether only the odometry was changed, so that the board's poses in the views still hold
 using Refit = std::function<std::optional<Trial>(const Observations&, bool same_views)>;
 
-/// What of the solution contradicts itself.
+/// The contradictions in the solution.
 struct Symptoms {
   bool odometry = false;
   bool lenses = false;
@@ -42,7 +42,7 @@ struct Cause {
 /// The most likely cause, or several where the data do not tell them apart; absent if none leaves the data in order.
 std::optional<Cause> find_cause(const Observations& observations, const Symptoms& symptoms, const Refit& refit);
 
-/// Stops that are looked at: causes act on all of them alike.
+/// Number of stops that are examined: causes act on all stops alike.
 inline constexpr int kDiagnosedStops = 24;
 
 }  // namespace rigproof::ml

@@ -1,4 +1,4 @@
-// What in a solution contradicts itself, and the likely cause of it.
+// Contradictions in a solution, and their likely cause.
 #pragma once
 
 #include <optional>
@@ -23,7 +23,8 @@ struct Examination {
   std::optional<Cause> cause;
   std::vector<Finding> wrong_frames;
   std::vector<Finding> notes;
-  /// Where the motion leaves the mounting open, a solution is one of many: its residuals blame no lens and no frame.
+  /// If the motion does not determine the mounting, the solution is one of many: its residuals accuse no lens and no
+  /// frame.
   bool motion_suffices() const { return motion.kind == MotionKind::kSufficient; }
   bool lens_spoils() const { return cause && cause->spoils_all; }
 };

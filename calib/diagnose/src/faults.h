@@ -23,22 +23,22 @@ struct Fault {
 /// Odometry in another unit, of another handedness or inverted, and odometry whose stamps are off by whole stops.
 std::vector<Fault> odometry_faults(const Observations& observations);
 
-/// Odometry that runs ahead of the images by `stops` stops (negative: behind), fractions lying on the way between two.
+/// Odometry that runs ahead of the images by `stops` stops (negative: behind); fractions are interpolated between two.
 Fault odometry_ahead(const Observations& observations, double stops);
 
 /// Odometry whose translations are `factor` times those that the cameras see.
 Fault odometry_scaled(double factor);
 
-/// Frames of one camera that were taken a stop earlier or later than is said.
+/// Frames of one camera that were taken a stop earlier or later than stated.
 std::vector<Fault> camera_shift_faults(const Observations& observations);
 
 /// Exchanges what two cameras saw at a stop.
 void swap_frames(int stop, int first, int second, Observations* observations);
 
-/// Without the stop: one whose row or frames are wrong where there are too few to outvote it.
+/// Leaves out the stop: its row or frames may be wrong, with too few other stops to outvote it.
 Fault wrong_stop(const Observations& observations, int stop);
 
-/// The first `stops` stops, as a run of its own.
+/// The first `stops` stops, as a separate run.
 Observations first_stops(const Observations& observations, int stops);
 
 }  // namespace rigproof::ml

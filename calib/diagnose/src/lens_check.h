@@ -12,19 +12,19 @@ namespace rigproof::ml {
 /// Of focal length and principal point together, before the intrinsics are doubted.
 inline constexpr double kLensMinDeviations = 5.0;
 
-/// Relative error of the focal length, shift of cx and of cy [px]: what one step from the stated intrinsics says.
+/// Relative error of the focal length, shift of cx and of cy [px]: one step from the stated intrinsics.
 struct LensEstimate {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma = Eigen::Vector3d::Constant(1e9);
   double deviations = 0.0;  ///< of all three together from zero
   /// Inverse covariance; zero where a value is believed.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  /// Beyond five standard deviations (chance: one in 70,000), and beyond what calibrations and prints are off by anyway
+  /// Beyond five standard deviations (chance: one in 70,000), and beyond the usual error of calibrations and prints
   /// (1 %, 0.25 px).
   bool contradicts() const;
   /// Worth a second look: the same from 2.5 standard deviations (chance: one in 23 for a shift).
   bool may_contradict() const;
-  /// Of intrinsics that were moved by as much before.
+  /// Of intrinsics that have already been moved by this much.
   void move_by(const Eigen::Vector3d& moved);
 };
 

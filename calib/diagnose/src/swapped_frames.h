@@ -11,7 +11,7 @@
 
 namespace rigproof::ml {
 
-/// Stops at which a frame of one camera shows what the other must have seen.
+/// Stops at which a frame of one camera shows what the other camera should have seen.
 struct SwappedFrames {
   int first = 0, second = 0;  ///< cameras
   std::vector<int> stops;
@@ -20,8 +20,8 @@ struct SwappedFrames {
 /// @param doubtful stops with a view or an odometry row that nothing else agrees with; only these are looked at
 std::vector<SwappedFrames> find_swapped_frames(const Observations& observations, const std::vector<ViewPose>& views,
                                                const State& state, const std::vector<bool>& doubtful);
-/// Those of them that the likelihood prefers to the frames as they are filed: a stop whose odometry row is wild is also
-/// predicted wrongly, and chance puts what another camera would see there.
+/// Those of them for which the likelihood prefers the swap: a stop with a wild odometry row is also predicted wrongly,
+/// and by chance that prediction may match another camera.
 /// @param problem at the solution's levels, with what was left out
 std::vector<SwappedFrames> likelier_swapped(const Problem& problem, const State& state,
                                             const std::vector<SwappedFrames>& candidates);

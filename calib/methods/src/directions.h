@@ -1,4 +1,4 @@
-// Directions that many steps of a drive show, and the one that they agree on.
+// Directions from many steps of a drive, and their robust mean.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// The way ahead and the vertical in every camera, as a network sees them in single images.
+// The forward direction and the vertical in every camera, from a network's answers to single images.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace rigproof::rivals {
 
-/// One entry a camera. Looked at are the images at the stops and in straight segments; the way ahead counts only where
-/// the robot drives straight: in the segments, and at stops from which it goes on straight.
+/// One entry a camera, from the images at the stops and in straight segments. The forward direction counts only where
+/// the robot drives straight: in the segments, and at stops from which it continues straight.
 struct HorizonDirections {
   std::vector<Directions> ahead, up;
 };

@@ -1,4 +1,4 @@
-// How certain the parts of a camera's pose are that hold where the motion does not determine all of it.
+// Covariance of the determined part of a camera's pose, if the motion does not determine all of it.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Who sees the board when: the bipartite graph of cameras and stops, and a spanning tree through its best edges.
+// Which camera sees the board at which stop: a bipartite graph, and a spanning tree through its best edges.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// One camera in another from the stops at which both saw the board: needs neither odometry nor motion.
+// The pose of one camera in another, from stops at which both saw the board: needs neither odometry nor motion.
 #pragma once
 
 #include <optional>

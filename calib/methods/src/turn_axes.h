@@ -1,4 +1,4 @@
-// Where up is in a camera, from the turns of a drive: their common axis, with the odometry's sense.
+// The vertical in a camera, from the turns of a drive: their common axis, with the sign from the odometry.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,16 +11,16 @@
 
 namespace rigproof::rivals {
 
-/// What one turn tells of a camera's vertical.
+/// The vertical in a camera, from one turn.
 struct TurnAxis {
   Eigen::Vector3d up;   ///< unit vector in the camera's frame
   double weight = 0.0;  ///< square of the angle
 };
 
-/// Absent where the step turns too little, or the images show another angle than the odometry.
+/// Absent if the step turns too little, or if the images show another angle than the odometry.
 std::optional<TurnAxis> turn_axis(const Step& step, const RelativePose& pose);
 
-/// Why turns cannot tell where up is; absent if they can in one camera at least. Opens no image.
+/// Why turns do not determine the vertical; absent if they do in at least one camera. Opens no image.
 std::optional<Finding> why_no_vertical(const Observations& observations, const Recording& recording);
 
 }  // namespace rigproof::rivals

@@ -1,5 +1,5 @@
-// Where up is in a camera, from line segments of its images: the vanishing point of what is plumb, for drives that
-// turn too little to show it otherwise.
+// The vertical in a camera, from line segments of its images: the vanishing point of plumb edges, for drives with too
+// few turns.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,9 +25,10 @@ struct PlumbLines {
 };
 
 /// The direction that most of the lines' length shares, among those within 45 degrees of the image's columns and 5
-/// degrees of perpendicular to the way ahead, since the robot drives on the level. So the camera must be mounted less
-/// than 45 degrees off upright. Sample consensus over pairs of lines of one image, then least squares under Cauchy's
-/// loss. Absent where fewer than three images agree, or no more of the length than lines in any direction would.
+/// degrees of perpendicular to the forward direction, since the robot drives on the level. So the camera must be
+/// mounted less than 45 degrees off upright. Sample consensus over pairs of lines of one image, then least squares
+/// under Cauchy's loss. Absent if fewer than three images agree, or no more of the length than for randomly directed
+/// lines.
 /// @param images lines of every image of one camera; the vertical is one direction in all of them
 /// @param ahead unit vector in the camera's frame
 /// @param camera gives each camera its own random stream

@@ -27,7 +27,7 @@ class Floor {
   const DriveArea& area() const { return area_; }  ///< in the first stop's frame
   const Rigid3& T_world_first() const { return T_world_first_; }
   bool may_stand(const Place& place) const;
-  /// True if the straight way keeps its distance from the board: as much as asked for, or as at its start.
+  /// True if the straight path keeps the required distance from the board, or at least that at its start.
   bool may_drive(const Place& from, const Place& to) const;
 
  private:
@@ -39,8 +39,8 @@ class Floor {
   std::vector<Eigen::Vector2d> outline_;  // of the board, projected to the floor
 };
 
-/// Whole degrees and centimetres; the shorter turns of driving forwards and backwards; turns below the smallest one are
-/// left out where that is asked for.
+/// Whole degrees and centimetres; forwards or backwards, whichever needs smaller turns; turns below the smallest one
+/// are omitted if so asked.
 DriveCommand command_between(const Place& from, const Place& to, double min_turn_rad);
 
 }  // namespace rigproof::suggest

@@ -1,4 +1,4 @@
-// New observations, linearised where the cameras stand as before.
+// New observations, linearised near the previous poses of the cameras.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,14 @@
 
 namespace rigproof::moved {
 
-/// What observations tell of the cameras, linearised where they stand as before as far as the observations allow.
+/// Information of the observations about the cameras, linearised as near to the previous poses as the observations
+/// allow.
 ///
-/// Few stops tell some directions poorly: where the rig sits on the robot, or, from one view, where a camera stands on
-/// a circle about the board. There their optimum lies decimetres from the truth, and what is linear at the one is not
-/// so at the other. The previous result knows such directions hundreds of times better. So it takes part while the
-/// state is found, with thirty times its standard deviations: it decides where the observations leave things open and
-/// nowhere else. What the observations want without it is one step from there.
+/// Few stops determine some directions poorly: the place of the rig on the robot or, from one view, the place of a
+/// camera on a circle about the board. Along these, the optimum lies decimetres from the truth, too far for a
+/// linearisation there to hold at the truth. The previous result knows such directions hundreds of times better. It
+/// therefore enters as a prior, with thirty times its standard deviations, while the state is found: it decides only
+/// what the observations leave open. The estimate without the prior is one step from there.
 ///
 /// Absent where the equations cannot be solved.
 std::optional<Knowledge> held_knowledge(const Knowledge& before, const Observations& used,

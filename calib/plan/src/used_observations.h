@@ -1,4 +1,4 @@
-// What of the observations `ml` really uses.
+// The part of the observations that `ml` uses.
 #pragma once
 
 #include "rigproof/calib/geometry/trajectory_alignment.h"
@@ -7,8 +7,7 @@
 
 namespace rigproof {
 
-/// Without the views that the result leaves out, the planes that are not the ground and those of cameras that have no
-/// pose.
+/// Without views that the result leaves out, planes that are not the ground, and planes of cameras without a pose.
 Observations used_observations(const Result& result, const Observations& observations, const GroundCheck& ground);
 
 }  // namespace rigproof

@@ -8,7 +8,7 @@
 
 namespace rigproof::detection {
 
-/// The depth points of one frame, told apart by where they project.
+/// The depth points of one frame, separated by where they project.
 struct SplitPoints {
   DepthPoints on_board;   ///< well inside the squares
   DepthPoints elsewhere;  ///< well outside of the board and its border

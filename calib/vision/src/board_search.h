@@ -1,4 +1,4 @@
-// Where in the image a board may lie, to a pixel or so.
+// Candidate places of a board in the image, to about a pixel.
 #pragma once
 
 #include <vector>

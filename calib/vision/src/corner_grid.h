@@ -10,7 +10,7 @@
 
 namespace rigproof::detection {
 
-/// Corners that hang together, at integer coordinates (i, j); j's axis is clockwise of i's in the image.
+/// Connected corners, at integer coordinates (i, j); j's axis is clockwise of i's in the image.
 struct CornerGrid {
   std::map<std::pair<int, int>, Eigen::Vector2d> corners;  ///< positions in pixels of the level
   /// True if the square between (0, 0) and (1, 1) is dark; colours alternate.

@@ -1,4 +1,4 @@
-// A second opinion where the own search finds only part of a board.
+// A second opinion if our own search finds only part of a board.
 #pragma once
 
 #include <optional>

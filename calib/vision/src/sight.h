@@ -1,4 +1,4 @@
-// What is found in one picture of a recording, and the bytes in which it is kept.
+// The findings in one picture of a recording, and the bytes in which they are kept.
 #pragma once
 
 #include <optional>

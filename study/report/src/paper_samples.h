@@ -1,4 +1,4 @@
-// Errors of a method out of a sweep's rows, as the paper counts them.
+// Errors of a method from a sweep's rows, as the paper counts them.
 #pragma once
 
 #include <array>
@@ -52,8 +52,8 @@ std::vector<double> absolute(std::vector<double> values);
 /// The value below which a share of the sorted values lies, interpolated; absent without values.
 std::optional<double> quantile(std::vector<double> values, double share);
 
-/// The same sweep with every pair's error told against that of a method in the same task, as where there is no truth.
-/// Pairs for which that method gives none are left out, and so is the method itself.
+/// The same sweep with every pair's error relative to that of one method in the same task, as if there were no truth.
+/// Pairs without an answer of that method are left out, and so is the method itself.
 SweepRows against_method(const SweepRows& rows, const std::string& method);
 
 }  // namespace rigproof::paper

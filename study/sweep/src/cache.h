@@ -1,4 +1,4 @@
-// What sweeps have made, on disk, by the hash of what it depends on: pictures, what was found in them, solutions.
+// Products of sweeps on disk, by the hash of what they depend on: pictures, detections, solutions.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace rigproof {
 
-/// Neither a method's nor a configuration's fault: no answer can be told from it.
+/// A failure of the machine: neither the method's nor the configuration's fault, so it gives no answer.
 class MachineError : public Error {
  public:
   using Error::Error;
@@ -36,9 +36,9 @@ class SweepCache {
   std::filesystem::path clean_renders() const { return folder_ / "renders"; }
   /// A run, as `generate` writes it.
   RunFolder pictures(const std::string& key) const { return {folder_ / "pictures" / key}; }
-  /// Held alone by who makes the pictures of a set.
+  /// Exclusive: held by the process that makes the pictures of a set.
   std::filesystem::path making_lock(const std::string& key) const { return folder_ / "locks" / key; }
-  /// Held shared by who reads images of a set, alone by who deletes them.
+  /// Held shared by processes that read images of a set, exclusively by the one that deletes them.
   std::filesystem::path reading_lock(const std::string& key) const { return folder_ / "locks" / (key + ".read"); }
   std::filesystem::path finding(const std::string& key) const;
 
@@ -65,7 +65,7 @@ class SweepCache {
   std::filesystem::path folder_;
 };
 
-/// Findings in the pictures of one set, kept as small files. A file that cannot be written is told afterwards by
+/// Findings in the pictures of one set, kept as small files. A file that cannot be written is reported later by
 /// rethrow() as MachineError: a full disk is no property of a picture.
 class CachedFindings : public PictureMemory {
  public:

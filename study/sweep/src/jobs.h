@@ -1,5 +1,5 @@
-// Pieces of work, each in a process of its own: one that crashes takes nobody with it, and none leaves anything behind
-// in memory that the next one could depend on.
+// Pieces of work, each in its own process: a crash affects no other piece, and none leaves anything in memory that the
+// next one could depend on.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +35,7 @@ class ForkedJobs {
 
   void start(std::size_t job, const Work& work);
   std::size_t running() const { return children_.size(); }
-  /// Lines in the order in which each job told them, then its end; empty after timeout_ms.
+  /// Lines of each job in the order in which it sent them, then its end; empty after timeout_ms.
   std::vector<News> wait(int timeout_ms);
   /// Asks all jobs to end (SIGTERM), and ends those that do not within two seconds.
   void stop();

@@ -1,4 +1,4 @@
-// Noise of corners and planes as observations of pictures state it, for observations that are drawn without pictures.
+// Noise of corners and planes, as stated in observations of pictures, for observations that are drawn without pictures.
 #pragma once
 
 #include <filesystem>

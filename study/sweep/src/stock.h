@@ -1,4 +1,4 @@
-// What a start of a sweep finds done, and what is left.
+// What a start of a sweep finds finished, and what remains.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What the processes of a sweep do, and the lines by which they tell their owner of it.
+// The work of a sweep's processes, and the lines by which they report to their owner.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ JobMessage read_message(const std::string& line);
 
 /// The work of a process that makes a set's pictures with so many processes of its own.
 ForkedJobs::Work picture_work(const SweepStart& start, const PendingPictures& pictures, int processes);
-/// The work of a process that lets what is left of a task's methods solve it; their answers are kept as they come.
+/// The work of a process that runs the remaining methods of a task; their answers are kept as they come.
 ForkedJobs::Work task_work(const SweepStart& start, const PendingTask& task);
 
 }  // namespace rigproof

@@ -1,4 +1,4 @@
-// What the processes of a sweep do: make and search pictures, put observations together, solve, judge.
+// The work of a sweep's processes: make and search pictures, assemble observations, solve, judge.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What the data of a run allow at best: the Cramer-Rao bound, evaluated at the truth.
+// The best accuracy that the data of a run allow: the Cramer-Rao bound, evaluated at the truth.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Why checks fail: the smallest single cause that explains all of them.
+// Why checks fail: the simplest single cause that explains all of them.
 #pragma once
 
 #include <optional>

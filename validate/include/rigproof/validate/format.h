@@ -21,9 +21,9 @@ std::string format_errors(const Comparison& comparison, const Gate* gate = nullp
 std::string format_verdict(const Comparison& comparison, const Gate& gate, const Budget& budget,
                            const Wording& wording = {});
 
-/// Where one camera's one axis is to blame, what the same data gave others: "The data allow 0.003 cm (1 sigma of ml).
-/// Same run: ml +.003, joint_memroc +.012." Empty if nothing or nobody compares. `same_run` may hold `comparison` too,
-/// which is left out by its method's name.
+/// If one axis of one camera is to blame, the results of other methods on the same data: "The data allow 0.003 cm (1
+/// sigma of ml). Same run: ml +.003, joint_memroc +.012." Empty if nothing or nobody compares. `same_run` may hold
+/// `comparison` too, which is left out by its method's name.
 std::string format_same_run(const Comparison& comparison, const Budget& budget,
                             const std::vector<Comparison>& same_run);
 

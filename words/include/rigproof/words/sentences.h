@@ -1,4 +1,4 @@
-// Findings as people read them. The one place where sentences are made of them.
+// Findings as people read them. The only place where they are turned into sentences.
 #pragma once
 
 #include <exception>
@@ -16,8 +16,8 @@ std::string sentence_of(const Finding& finding);
 /// Without what differs from frame to frame: "blurred" for "blurred (edges 4.1 px wide)".
 std::string short_of(const Finding& finding);
 
-/// One after the other, none twice. What is the same of several cameras is said once, of `all_cameras` as "all
-/// cameras: ..", and alternative causes are one sentence.
+/// One after the other, without repetition. What holds for several cameras is said once, for `all_cameras` as "all
+/// cameras: .."; alternative causes are one sentence.
 std::vector<std::string> sentences_of(const std::vector<Finding>& findings,
                                       const std::vector<std::string>& all_cameras = {});
 

@@ -1,4 +1,4 @@
-// What an answer's uncertainty is stated from.
+// What the uncertainty of an answer is computed from.
 #pragma once
 
 #include <optional>

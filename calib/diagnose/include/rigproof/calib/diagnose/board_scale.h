@@ -10,8 +10,8 @@
 
 namespace rigproof::ml {
 
-/// What the odometry says of lengths: measured = scale * seen by the cameras, in whose eyes
-/// the board is as large as stated. Absent: it says nothing to be trusted.
+/// Scale of the odometry: measured = scale * length seen by the cameras, given the stated board size. Absent if it
+/// cannot be trusted.
 struct OdometryScale {
   double scale = 1.0;
   double sigma = 0.0;
@@ -29,10 +29,9 @@ struct BoardScale {
 
 /// Compares the depth at the board's centre with the distance at which its stated squares look as they do.
 ///
-/// A real sensor's depth scale is itself off by 1 % (one sigma; data sheets promise 2 %), and sensors of one make by
-/// the same, so that many cameras are no better than one. Refused is therefore what is beyond 4 of those and of
-/// the measurement's own sigmas, or beyond 2.5 when the odometry (2 %, one sigma) says the same and both together are
-/// beyond 4.
+/// A real sensor's depth scale is off by 1 % (one sigma; data sheets promise 2 %), and sensors of one make are off
+/// alike, so many cameras are no better than one. Refused is a deviation beyond 4 sigmas of both, or beyond 2.5 if the
+/// odometry (2 %, one sigma) agrees and both together are beyond 4.
 BoardScale check_board_scale(const Observations& observations, const std::vector<ViewPose>& views,
                              const std::optional<OdometryScale>& odometry);
 

@@ -32,15 +32,15 @@ class Method {
  public:
   virtual ~Method() = default;
   virtual MethodTraits traits() const = 0;
-  /// Every setting with its value, where a method has settings: with other ones it is another method.
+  /// All settings with their values, if the method has any: other values make another method.
   virtual std::string settings_text() const { return {}; }
-  /// What `ml` is asked for where this is `ml`, which alone predicts images that it was not given; else nothing.
+  /// The options of `ml`, the only method that predicts images it was not given; absent for others.
   virtual std::optional<MlOptions> prediction_options() const { return std::nullopt; }
-  /// Never throws on data: what cannot be answered is a refused or partial Result with reasons.
+  /// Never throws on data: an unanswerable question gives a refused or partial Result with reasons.
   virtual Result solve(const Observations& observations) const = 0;
-  /// Why the method cannot run on this input; absent if it can. Told before anything is solved, so cheap.
+  /// Why the method cannot run on this input; absent if it can. Cheap: checked before anything is solved.
   virtual std::optional<Finding> why_not(const MethodInput& input) const;
-  /// As solve(), for methods that read images or clouds, too. The others see the observations alone.
+  /// As solve(), for methods that also read images or clouds. Others only see the observations.
   virtual Result solve_recording(const MethodInput& input) const;
 };
 

@@ -12,8 +12,7 @@
 
 namespace rigproof {
 
-/// Priors of what `ml` otherwise believes, one sigma each; 0 = believed. docs/guides/lenses-and-clocks.md tells what
-/// they do.
+/// Priors of values that `ml` otherwise believes, one sigma each; 0 = believed. See docs/guides/lenses-and-clocks.md.
 struct MlSettings {
   std::string name = "ml";     ///< in tables and results/NAME.yaml
   std::vector<double> sigmas;  ///< in the order and the units of prior_settings()
@@ -23,12 +22,12 @@ struct MlSettings {
   MlOptions options() const;
 };
 
-/// What begins the name of a method with settings.
+/// Prefix of the name of a method with settings.
 inline constexpr const char* kMlPrefix = "ml:";
 
-/// Whether the text behind the prefix names a file, and no settings.
+/// Whether the text after the prefix names a file rather than settings.
 bool names_ml_file(const std::string& text);
-/// Settings from "KEY=VALUE,KEY=VALUE", or from a YAML file (whose name is the method's, unless it says another).
+/// Settings from "KEY=VALUE,KEY=VALUE", or from a YAML file (whose name is that of the method unless it sets one).
 /// Throws Error with every problem found.
 MlSettings read_ml_settings(const std::string& text);
 std::string ml_settings_schema();

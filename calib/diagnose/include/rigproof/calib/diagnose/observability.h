@@ -16,7 +16,7 @@
 
 namespace rigproof {
 
-/// How the robot moved, as far as calibration cares.
+/// Kind of motion, as far as it matters for calibration.
 enum class MotionKind {
   kSufficient,
   kTooFewPoses,  ///< fewer than three
@@ -41,8 +41,8 @@ struct MotionVerdict {
 
 inline constexpr double kMotionGate = 5.0;
 
-/// Judges the motion from what the given cameras saw of the board, without the odometry (which only names
-/// the centre). Views that contradict the planar motion are left aside.
+/// Judges the motion from the given cameras' views of the board, without the odometry (which only serves to name the
+/// centre). Views that contradict the planar motion are ignored.
 /// @param cameras indices; the cameras of a method that solves them jointly, or a single one.
 MotionVerdict assess_motion(const Observations& observations, const std::vector<ViewPose>& views,
                             const TrajectoryAlignment& alignment, const InitialGuess& guess,

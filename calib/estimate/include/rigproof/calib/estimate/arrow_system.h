@@ -26,7 +26,7 @@ struct ArrowSystem {
   int poses() const { return static_cast<int>(diagonal.size()); }
   int globals() const { return static_cast<int>(global.rows()); }
   int fixed_unknowns = 0;
-  /// Takes an unknown of a pose out of the equations: its step and its variance are zero.
+  /// Removes an unknown of a pose from the equations: its step and its variance are zero.
   void fix_pose_unknown(int pose, int unknown);
   void fix_global_unknown(int unknown);
 };

@@ -1,4 +1,4 @@
-// Images whose stamps are early or late: where the robot was when they were taken.
+// Images whose stamps differ from the stop's: the robot's pose when they were taken.
 #pragma once
 
 #include <Eigen/Core>

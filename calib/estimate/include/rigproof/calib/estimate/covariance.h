@@ -12,9 +12,9 @@ Eigen::MatrixXd camera_chart(const State& state, const Layout& layout);
 /// Derivative of the error of X_j^-1 X_k by the errors of all cameras (six a camera, same chart).
 Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent, int child);
 
-/// Adds to the cameras' covariance (six a camera, same chart) what no data tell and moves all cameras alike: where
-/// along x the point lies about which the robot turns, which wheels that are integrated along the way take for the
-/// origin; and how much higher a robot rides on its tyres while it moves, which carries its cameras along.
+/// Adds to the cameras' covariance (six a camera, same chart) the errors that no data determine and that move all
+/// cameras alike: the position along x of the point about which the robot turns (odometry along the way takes that
+/// point for the origin), and how much higher the robot rides on its tyres while it moves.
 void add_common_errors(const PriorSigmas& priors, bool along_way, Eigen::MatrixXd* joint);
 
 }  // namespace rigproof::ml

@@ -1,4 +1,4 @@
-// What the fixed, smooth error of a depth sensor over its view (DepthNoise::inverse_depth_bias) does to planes.
+// Effect on planes of a depth sensor's fixed, smooth error over its view (DepthNoise::inverse_depth_bias).
 #pragma once
 
 #include <Eigen/Core>
@@ -8,20 +8,19 @@
 
 namespace rigproof {
 
-/// Where the scale of depth comes from: as the device has it, or from depth on the board, whose bias it takes over.
+/// Source of the depth scale: the device, or depth on the board, whose bias it then inherits.
 enum class DepthScaleSource { kDevice, kBoard };
 
-/// Covariance [1/m^2] of the error that it gives all ground planes of a camera alike, one a camera: zero where no bias
-/// is stated or no ground was seen; empty if that is every camera. The floor is taken to fill the image below its
-/// horizon, from the sensor's least range to where the planes' covariances say that it ends.
+/// Covariance [1/m^2] of the error that it adds to all ground planes of a camera alike, one a camera: zero if no bias
+/// is stated or no ground was seen; empty if that holds for every camera. The floor is assumed to fill the image below
+/// its horizon, from the sensor's least range to the end implied by the planes' covariances.
 std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observations, DepthScaleSource scale);
 
-/// One sigma of the height above the ground that it leaves, over that height, one a camera; 0 where none is stated.
+/// One sigma of the resulting error of the height above ground, over that height, one a camera; 0 if no bias is stated.
 std::vector<double> relative_height_biases(const Observations& observations);
 
-/// Covariance [1/m^2] of the error that it gives each of the board's planes, zero where no bias is stated; empty if no
-/// camera states one. Views of other places in the image have other errors; what all of them share is in
-/// ground_plane_biases().
+/// Covariance [1/m^2] of the error that it adds to each board plane, zero if no bias is stated; empty if no camera
+/// states one. The error depends on the place in the image; the part common to all views is in ground_plane_biases().
 std::vector<Eigen::Matrix3d> board_plane_biases(const Observations& observations);
 
 /// `of_each` and `more` together; either may be empty.

@@ -1,4 +1,4 @@
-// What each group of residuals contributes: sums by which noise levels are estimated and contradictions are found.
+// Sums over each group of residuals, from which noise levels are estimated and contradictions are found.
 #pragma once
 
 #include <array>
@@ -24,10 +24,10 @@ struct GroupSum {
   void add(double whitened_square, double weight, double dimensions);
   /// Dimensions that the unknowns do not absorb.
   double redundancy() const { return dimensions - leverage; }
-  /// Without the outliers, as long as they are few: even a bounded loss lets each count for several residuals.
+  /// Without the outliers, if they are few: even under a bounded loss each of them would count like several residuals.
   GroupSum without_outliers() const;
 };
-/// [group][camera]; groups that know no cameras use camera 0.
+/// [group][camera]; groups without cameras use camera 0.
 using GroupSums = std::array<std::vector<GroupSum>, kGroupCount>;
 inline GroupSum& sum_of(GroupSums& sums, Group group, int camera = 0) {
   return sums[static_cast<std::size_t>(group)][static_cast<std::size_t>(camera)];

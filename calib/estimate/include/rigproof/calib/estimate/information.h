@@ -23,8 +23,8 @@ struct CalibrationState {
 /// Standard deviations of what is not in the observations themselves. Corners and planes carry their covariances.
 struct CalibrationNoise {
   OdometryModel odometry_model = OdometryModel::kPerIncrement;
-  /// Increments only: the sigmas are those after a way of one metre and a turn of one radian, and grow with the square
-  /// root of either along Stop::way; a turn's error bends the way after it.
+  /// Increments only: the sigmas hold after one metre and after a turn of one radian, and grow with the square root of
+  /// either along Stop::way; an error in a turn bends the path after it.
   bool along_way = false;
   double odometry_xy_m = 0.002;
   double odometry_yaw_rad = 0.01;
@@ -42,13 +42,13 @@ struct InformationBound {
   };
   std::vector<Pair> camera_to_camera;
   Eigen::MatrixXd joint;  ///< 6 cameras x 6 cameras
-  /// Degrees of freedom of all cameras that the information leaves open; their variances above are then not to be
-  /// used. One column a direction, same chart as `joint`.
+  /// Undetermined directions of all cameras; do not use the variances above along them. One column a direction, same
+  /// chart as `joint`.
   Eigen::MatrixXd free_directions;
 };
 
 /// Inverse information at the given state: no unbiased estimator has a smaller covariance. Measured values are not
-/// used, only which corners and planes were seen and their covariances. Depth scales have the priors of
+/// used, only the covariances of the corners and planes that were seen. Depth scales have the priors of
 /// DepthNoise::scale_sigma. Throws Error if the state does not fit the observations.
 InformationBound cramer_rao_bound(const Observations& observations, const CalibrationState& state,
                                   const CalibrationNoise& noise);

@@ -1,4 +1,4 @@
-// What the maximum-likelihood estimate is asked for.
+// Options of the maximum-likelihood estimate.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace rigproof {
 
-/// Largest standard deviations with which a degree of freedom still counts as answered.
+/// Largest standard deviations at which a degree of freedom still counts as answered.
 struct PosteriorLimits {
   double xy_m = 0.05;
   double z_m = 0.02;
@@ -22,8 +22,8 @@ struct MlOptions {
   bool estimate_corner_level = true;
   bool estimate_plane_level = true;
   PriorSigmas priors = usual_priors();
-  /// Declared odometry noise is that along the way (CalibrationNoise::along_way). Where no model is declared, that is
-  /// tried if the observations know the ways.
+  /// Declared odometry noise is along the way (CalibrationNoise::along_way). If no model is declared, this one is tried
+  /// when the observations contain the ways.
   bool along_way = false;
   PosteriorLimits limits;
   /// Where to start instead of the closed-form guess.

@@ -1,4 +1,4 @@
-// Rows of the odometry that the cameras contradict, one by one, and stamps that run ahead or behind.
+// Single odometry rows that contradict the cameras, and stamps that run ahead or behind.
 #pragma once
 
 #include <vector>
@@ -18,10 +18,10 @@ struct WildRow {
   double off_rad = 0.0;
 };
 std::vector<WildRow> find_wild_rows(const Observations& observations, const NoiseLevels& noise, const State& state);
-/// A note that it does not count.
+/// A note that it is ignored.
 Finding finding_of(const WildRow& row, const Observations& observations);
 
-/// By how many stops the odometry runs ahead of the images, by the residuals' slope along the drive.
+/// By how many stops the odometry runs ahead of the images, from the slope of the residuals along the drive.
 struct StampShift {
   double stops = 0.0;
   double deviations = 0.0;  ///< standard deviations from zero

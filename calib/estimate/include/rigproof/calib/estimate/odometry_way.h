@@ -1,4 +1,4 @@
-// Odometry along the way from one stop to the next: what its scale, its yaw factor and its noise make of the end.
+// Odometry along the way between two stops: effect of its scale, its yaw factor and its noise on the end.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,15 +9,15 @@
 
 namespace rigproof::ml {
 
-/// A wrong yaw factor bends the way: a turn that is measured too large turns all that follows. Hence the way is
-/// integrated anew for every factor, in arcs of constant twist.
+/// A wrong yaw factor bends the path: a turn measured too large rotates everything after it. Hence the path is
+/// integrated again for every factor, in arcs of constant twist.
 class OdometryWay {
  public:
-  /// The way to `to` from the stop before; a single arc where nothing is known of it.
+  /// The way to `to` from the previous stop; a single arc if its samples are unknown.
   OdometryWay(const Stop& from, const Stop& to);
 
-  /// Motion to the end of the way in the frame of its beginning, with turns 1 / yaw_factor of what was measured:
-  /// x, y [m], yaw as it was measured, full turns included.
+  /// Motion to the end of the way in the frame of its start, with turns of 1 / yaw_factor times the measured ones: x, y
+  /// [m], yaw as it was measured, full turns included.
   struct Motion {
     Eigen::Vector3d value;
     Eigen::Vector2d xy_by_yaw_factor;
@@ -25,7 +25,7 @@ class OdometryWay {
   Motion motion(double yaw_factor) const;
 
   /// Covariances of the motion's error for unit levels: translation noise of 1 m after a way of 1 m, and heading noise
-  /// of 1 rad after a turn of 1 rad, which bends all that follows. Both are random walks.
+  /// of 1 rad after a turn of 1 rad, which bends the path after it. Both are random walks.
   const Eigen::Matrix3d& noise_of_translation() const { return translation_; }
   const Eigen::Matrix3d& noise_of_turning() const { return turning_; }
 
@@ -51,7 +51,7 @@ struct WayNoise {
 };
 WayNoise way_noise(const OdometryWay& way, const NoiseLevels& levels, const Stop& from, const Stop& to);
 
-/// Levels per increment whose mean variances over the observed ways are those of levels along the way.
+/// Levels per increment with the same mean variances over the observed ways as the levels along the way.
 NoiseLevels per_increment(const NoiseLevels& along_way, const Observations& observations);
 
 }  // namespace rigproof::ml

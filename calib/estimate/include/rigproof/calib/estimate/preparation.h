@@ -1,4 +1,4 @@
-// What a solution starts from: usable observations, board poses of the views, the motion and a first guess.
+// Input of a solution: usable observations, board poses of the views, the motion and an initial guess.
 #pragma once
 
 #include <vector>
@@ -36,8 +36,8 @@ struct Preparation {
   bool has_pose(std::size_t view) const;
   bool solved(int camera) const { return guess.T_robot_camera[static_cast<std::size_t>(camera)].has_value(); }
   std::vector<int> solved_cameras() const;
-  /// A number for each camera: alike where two stops at which both see the board, or a chain of such pairs, connect
-  /// cameras. One stop alone is no match for a whole drive that is wrong.
+  /// A number for each camera, equal for cameras that are connected: by two stops at which both see the board, or by a
+  /// chain of such pairs. A single stop could not outweigh a whole drive that is wrong.
   /// @param left_out views that do not count, by index into the board's views
   std::vector<int> seen_together(const std::vector<bool>& left_out) const;
   /// Those of the options; the error that all heights share by the share of the stops at which the robot moves.

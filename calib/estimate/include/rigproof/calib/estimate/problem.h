@@ -45,7 +45,7 @@ class Problem {
   /// -2 ln of the normalisation of the residuals: sum of 2 ln sigma over every residual whose sigma may be estimated.
   double log_normalisation() const;
   ViewFit view_fit(const State& state, std::size_t view) const;
-  /// Views that are left out from now on.
+  /// Whether each view is left out.
   std::vector<bool> view_left_out;
   /// Cameras that saw nothing stay where they are.
   std::vector<bool> camera_fixed;
@@ -56,7 +56,7 @@ class Problem {
   Evaluation at(const State& state, Weighting weighting) const;
   void visit_blocks(const State& state, Weighting weighting, BlockSink* sink) const;
   void visit_odometry(const Evaluation& at, int stop, BlockSink* sink) const;
-  // Absolute odometry knows nothing of some rows.
+  // Absolute odometry does not depend on some rows.
   bool counts(Nuisance nuisance) const;
   void add_priors(const State& state, ArrowSystem* system, double* cost) const;
   void fix_unknowns(ArrowSystem* system) const;

@@ -36,9 +36,9 @@ struct EstimatedLevels {
 SolverSummary minimise_with_levels(const EstimatedLevels& levels, const SolverOptions& options, Problem* problem,
                                    State* state);
 
-/// -2 ln of the restricted likelihood at a minimum, up to a constant that does not depend on the noise model. The prior
-/// of every mounting is a metre and a radian wide, so that what nothing determines is the same in every model. Infinite
-/// where board or robot poses are not determined either.
+/// -2 ln of the restricted likelihood at a minimum, up to a constant that does not depend on the noise model. Every
+/// mounting has a prior of one metre and one radian, so undetermined directions contribute the same to every model.
+/// Infinite if board or robot poses are not determined either.
 double minus_two_log_likelihood(const Problem& problem, const State& state);
 
 }  // namespace rigproof::ml

@@ -1,4 +1,4 @@
-// What the maximum-likelihood method estimates, and where each part stands in the vector of unknowns.
+// The unknowns of the maximum-likelihood method, and their places in the vector of unknowns.
 #pragma once
 
 #include <Eigen/Core>
@@ -50,7 +50,7 @@ class Layout {
   int board() const { return 6 * cameras; }
   /// Whether the row is among the unknowns.
   bool has(Nuisance nuisance) const { return first_[static_cast<std::size_t>(nuisance)] >= 0; }
-  /// Where the values of a row that is among them begin; those of the next camera follow.
+  /// Index of the first value of a row that is among them; the values of the next camera follow.
   int place(Nuisance nuisance, int c = 0) const {
     const NuisanceRow& row = row_of(nuisance);
     return first_[static_cast<std::size_t>(nuisance)] + (row.per_camera ? c * row.size() : 0);

@@ -1,5 +1,5 @@
-// The one table of what is unknown beside cameras, board and robot poses: systematic errors of odometry, depth, lenses
-// and clocks. Settings, priors, layout, state, covariance and what is reported of them follow from it.
+// The one table of the unknowns beside cameras, board and robot poses: systematic errors of odometry, depth, lenses and
+// clocks. Settings, priors, layout, state, covariance and report follow from it.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,21 +18,21 @@ struct PriorSigmas {
   /// Of each camera's focal length (relative) and principal point; 0 = the stated intrinsics are believed.
   double focal_relative = 0.0;
   double principal_point_px = 0.0;
-  /// Of what the stamps of each camera's images are later than the odometry's clock; 0 = they are believed. Only stops
-  /// with a velocity tell it.
+  /// Of the delay of each camera's stamps against the odometry's clock; 0 = the stamps are believed. Only stops with a
+  /// velocity determine it.
   double clock_offset_s = 0.0;
-  /// Where clock offsets are estimated: by how much the body may turn later than its wheels (15 ms were seen where
-  /// tyres give way; straight ways lag by less than 1 ms), which tells only where the robot drives straight, too.
+  /// With clock offsets only: of the delay between the turning of the wheels and of the body (15 ms measured on soft
+  /// tyres; less than 1 ms when driving straight). Needs straight driving, too, to be separated from the clock offsets.
   double turn_lag_s = 0.0;
-  /// Odometry along the way only: how well it is known along x where the point lies that turns leave in place, which
-  /// integrated wheels take for the robot's origin. Nothing but a prior tells; all cameras move by as much.
+  /// Odometry along the way only: of the position along x of the point about which the robot turns, which integrated
+  /// wheel odometry takes for the robot's origin. Known by the prior alone; it shifts all cameras alike.
   double rotation_centre_m = 0.0;
-  /// How much higher or lower the robot may ride while it moves (0.2 mm were seen on tyres that turns strain). By the
-  /// share of stops that move it is in the heights of all cameras, and nothing but a prior tells.
+  /// Of the change in the robot's height on its tyres while it moves (0.2 mm measured while turning). Known by the
+  /// prior alone; it enters the heights of all cameras, scaled by the share of stops at which the robot moves.
   double riding_height_m = 0.0;
 };
 
-/// What an estimate assumes where nothing else is said.
+/// The priors of an estimate without settings.
 PriorSigmas usual_priors();
 
 namespace ml {
@@ -105,7 +105,8 @@ class NuisanceValues {
   Eigen::VectorXd values_;
 };
 
-/// An error that no data tell: it moves all cameras alike along an axis of the robot, and adds to their uncertainty.
+/// An error that no data determine: it moves all cameras alike along an axis of the robot, and adds to their
+/// uncertainty.
 struct CommonError {
   double PriorSigmas::*sigma_m;
   int axis;

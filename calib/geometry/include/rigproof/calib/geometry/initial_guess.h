@@ -24,9 +24,9 @@ struct InitialGuess {
 /// with a the odometry from a stop seen by camera k to one seen by camera l, B the same in the board's levelled frame,
 /// delta the CAMERAS' turn; linear in (t_1 .. t_K, cos psi, sin psi); then the t again with psi fixed. Links between
 /// cameras at one stop need no odometry; cameras without overlap are linked through the odometry. Where the motion
-/// leaves degrees of freedom open (see observability.h) they take small, consistent values, so that
-/// camera-to-camera transforms hold. Heights come from the accepted ground planes; without any, the lowest
-/// camera is put at height zero.
+/// leaves degrees of freedom open (see observability.h) they take small, consistent values, so camera-to-camera
+/// transforms are still right. Heights come from the accepted ground planes; without any, the lowest camera is put at
+/// height zero.
 InitialGuess initial_guess(const Observations& observations, const std::vector<ViewPose>& views,
                            const TrajectoryAlignment& alignment, const GroundCheck& ground);
 

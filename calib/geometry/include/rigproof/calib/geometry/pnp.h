@@ -16,8 +16,8 @@ struct BoardPose {
   /// Covariance of the pose in the chart of transform_error(), from the corners' covariances.
   Matrix6d covariance = Matrix6d::Zero();
   double reprojection_rms_px = 0.0;
-  /// Reprojection error of the other of IPPE's two poses over that of this one; near 1 the view is ambiguous, infinite
-  /// where the other pose is impossible.
+  /// Reprojection error of IPPE's second pose over that of this one; near 1 the view is ambiguous, infinite if the
+  /// second pose is impossible.
   double ambiguity_ratio = 0.0;
 };
 

@@ -1,4 +1,4 @@
-// The vertical, from how the cameras moved past the board, and which planes are therefore the ground.
+// The vertical from the cameras' motion relative to the board, and the planes that are therefore the ground.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ enum class VerticalSource {
 };
 
 /// The robot moves on a plane, so in the board frame every camera turns about one axis and stays at one height; in a
-/// camera the vertical is one constant direction. Both hold whatever the lever arm between robot and camera is.
+/// camera the vertical is one constant direction. Both hold for any lever arm between robot and camera.
 struct TrajectoryAlignment {
   VerticalSource source = VerticalSource::kNone;
   Eigen::Vector3d up_board = Eigen::Vector3d::UnitZ();    ///< vertical in the board frame

@@ -1,4 +1,4 @@
-// What calibration is given: the one thing that rooms which look at images and rooms which solve both know.
+// Input of calibration, shared by the modules that read images and those that solve.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@ class FeatureSource;
 class HorizonSource;
 class PictureMemory;
 
-/// What a method is given: what calibration saw and, where there is one, the recording in which it was seen. A
-/// recording holds what a robot could record and never the truth.
+/// Input of a method: the observations and, if there is one, the recording that they come from. A recording holds what
+/// a robot could record, never the truth.
 struct MethodInput {
   const Observations& observations;
   const Recording* recording = nullptr;     ///< none where the input was observations alone

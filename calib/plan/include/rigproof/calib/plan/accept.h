@@ -26,14 +26,14 @@ struct AcceptCriteria {
   std::optional<double> between_angle_rad;
   /// On |difference| over its stated standard deviation, of solutions from the first and the second half of the drive.
   std::optional<double> split_half_max_z;
-  /// On the whitened chi-square a dimension with which images that were left out are predicted by the others: 1 where
-  /// all is as stated.
+  /// On the whitened chi-square per dimension of images that were left out and predicted by the others: 1 if everything
+  /// is as stated.
   std::optional<double> held_out_max_ratio;
   int held_out_folds = 5;
   std::string name;  ///< "default.yaml"
 };
 
-/// Throws Error with every problem found; criteria without any limit are one.
+/// Throws Error with every problem found; criteria without any limit are a problem.
 AcceptCriteria load_accept_criteria(const std::filesystem::path& file);
 /// The JSON Schema of such files.
 std::string accept_criteria_schema();
@@ -56,16 +56,16 @@ struct AcceptReport {
   std::size_t failures() const;
 };
 
-/// Applies the criteria to a result of the method on these observations. A degree of freedom that the result refuses
-/// fails where its uncertainty is limited, and so does a gate that cannot be checked (a half that is refused, a method
-/// without uncertainty). Solves anew for split halves and held-out stops.
+/// Applies the criteria to a result of the method on these observations. A refused degree of freedom fails if its
+/// uncertainty is limited, and so does a gate that cannot be checked (a refused half, a method without uncertainty).
+/// Solves again for split halves and held-out stops.
 AcceptReport check_acceptance(const Method& method, const Result& result, const Observations& observations,
                               const AcceptCriteria& criteria);
 
 /// The observations of the stops `first` <= i < `last` by themselves.
 Observations stops_of(const Observations& observations, int first, int last);
 
-/// How well the images of some stops are predicted by those of all others, the drive between being known by odometry
+/// How well the images of some stops are predicted by those of all others, with the motion between known by odometry
 /// alone: whitened chi-square and its expectation, over folds that leave out every n-th stop.
 struct HeldOut {
   double chi_square = 0.0;

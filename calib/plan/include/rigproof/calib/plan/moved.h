@@ -12,12 +12,14 @@
 namespace rigproof {
 
 struct MovedOptions {
-  /// Probability of a false alarm where nothing moved, of all cameras together.
+  /// Probability of a false alarm when nothing moved, for all cameras together.
   double significance = 1e-3;
-  /// Shifts of one camera that must show (with 90 % probability): where one would not, that camera cannot be told.
+  /// Shifts of one camera that the test must find with 90 % probability; otherwise the camera's verdict is "cannot
+  /// tell".
   double smallest_shift_m = 0.02;
   double smallest_turn_rad = 0.00873;
-  /// Standard deviations of the suspension; absent: estimated, and at least nominal, few stops telling little of it.
+  /// Standard deviations of the suspension; absent: estimated, and at least nominal, since few stops hardly determine
+  /// it.
   std::optional<double> suspension_height_sigma_m;
   std::optional<double> suspension_tilt_sigma_rad;
 };
@@ -33,12 +35,13 @@ const char* moved_verdict_name(MovedVerdict verdict);
 struct CameraShift {
   std::string camera;
   MovedVerdict verdict = MovedVerdict::kCannotTell;
-  /// If it is this camera that moved: new pose minus old one, in the chart of transform_error() (tx ty tz rx ry rz
-  /// along the robot's axes), and its standard deviations; absent where the data do not tell.
+  /// If this camera moved: new pose minus old one, in the chart of transform_error() (tx ty tz rx ry rz along the
+  /// robot's axes), and its standard deviations; absent where the data do not determine it.
   std::array<std::optional<double>, 6> shift;
   std::array<std::optional<double>, 6> sigma;
   double p_value = 1.0;  ///< that noise shows as large a shift of this camera, the others standing
-  /// Shifts in the worst direction that would show with 90 % probability; infinite where some would never.
+  /// Smallest shifts that the test finds with 90 % probability in the worst direction; infinite if it finds none in
+  /// some direction.
   double detectable_shift_m = 0.0;
   double detectable_turn_rad = 0.0;
 };
@@ -57,11 +60,11 @@ struct MovedReport {
 };
 
 /// Solves the new observations with all cameras free, starting at the previous result, and compares the directions that
-/// both determine: the difference, whitened by the sum of both covariances, is chi-square if nothing moved. Where it is
-/// too large, the fewest cameras (or the rig as one body) are named whose shift explains it; others that explain it
-/// about as well (likelihood ratio below 100) are suspects. With one stop, or poor odometry, cameras are compared with
-/// each other and with the ground alone. See docs/theory/moved.md.
-/// Throws Error if the previous result states no uncertainty, or knows none of the cameras.
+/// both determine: the difference, whitened by the sum of both covariances, is chi-square if nothing moved. If it is
+/// too large, the smallest set of cameras (or the rig as one body) whose shift explains it is named; others that
+/// explain it about as well (likelihood ratio below 100) are suspects. With one stop, or poor odometry, cameras are
+/// compared only with each other and with the ground. See docs/theory/moved.md.
+/// Throws Error if the previous result states no uncertainty, or contains none of the cameras.
 MovedReport detect_movement(const Result& previous, const Observations& observations, const MovedOptions& options = {});
 
 }  // namespace rigproof

@@ -1,4 +1,4 @@
-// Where the robot should go next: the few stops that shrink the worst uncertainty most, as commands to drive.
+// Where the robot should go next: the few stops that reduce the worst uncertainty most, as drive commands.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace rigproof {
 
-/// What "better" means. All are lower-is-better figures of the covariance of all cameras in the robot, with lengths and
-/// angles in units of SuggestOptions::limits.
+/// The criterion to minimise: a function of the covariance of all cameras in the robot, with lengths and angles in
+/// units of SuggestOptions::limits.
 enum class SuggestCriterion {
   kWorstAxis,    ///< the largest standard deviation of any camera's axis
   kDeterminant,  ///< D-optimal: the volume of the uncertainty
@@ -33,9 +33,9 @@ struct DriveArea {
 struct SuggestOptions {
   int stops = 3;
   SuggestCriterion criterion = SuggestCriterion::kWorstAxis;
-  /// Standard deviations that count as equally bad. Observations::accept takes their place where it is given.
+  /// Standard deviations that count as equally bad. Observations::accept replaces them if it is given.
   AcceptLimits limits{0.005, 0.003, 0.00174533};
-  /// Where the robot may stand; absent: not farther than reach_m from the rectangle that it has stood in.
+  /// Where the robot may stand; absent: within reach_m of the rectangle in which it has stood.
   std::optional<DriveArea> area;
   double reach_m = 1.0;
   double clearance_m = 1.0;         ///< of the robot's origin from the board, on the way too
@@ -81,18 +81,18 @@ struct Suggestion {
   ResultStatus status_then = ResultStatus::kRefused;  ///< of `ml` on the observations with the forecast ones
   std::vector<Finding> reasons_now;
   std::vector<Finding> reasons_then;
-  /// Why fewer stops than asked for are suggested, or what the forecast does not hold.
+  /// Why fewer stops than asked for are suggested, or what the forecast leaves out.
   std::vector<Finding> notes;
-  /// As estimated. Where x, y or yaw are not determined yet they have small, consistent values.
+  /// As estimated. Undetermined x, y or yaw have small, consistent values.
   Rigid3 T_world_board;
   std::vector<Rigid3> T_world_robot;  ///< of the stops so far
 };
 
 /// Places are drawn on the free floor, aimed so that a camera sees the whole board; the best ones are chosen one by one
 /// (greedy) and then exchanged as long as that helps. The information of a stop is that of `ml`, linearised at the
-/// estimate with its noise levels, and of views that are like the nearest ones so far; the odometry links a stop to the
-/// one before. Works from a refused result as well: open directions count as one metre or radian.
-/// Throws Error on options out of range, and where no camera ever saw the board.
+/// estimate with its noise levels; the covariances of its views are those of the nearest views so far, and the odometry
+/// links it to the previous stop. Works from a refused result as well: undetermined directions count as one metre or
+/// radian. Throws Error on options out of range, and where no camera ever saw the board.
 Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options = {});
 
 }  // namespace rigproof

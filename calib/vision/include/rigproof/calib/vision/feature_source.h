@@ -1,4 +1,4 @@
-// Points of interest in an image with descriptors, from whatever finds them, and their matches.
+// Keypoints of an image with descriptors, from an exchangeable source, and their matches.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ class FeatureSource {
   virtual ~FeatureSource() = default;
   /// Deterministic. An image in which nothing is found gives no features.
   virtual ImageFeatures detect(const Image8& grey) const = 0;
-  /// Equal only for sources that find the same in every image; empty: nothing that it finds may be kept for later.
+  /// Equal only for sources that find the same in every image; empty: its findings must not be cached.
   virtual std::string identity() const { return {}; }
 };
 

@@ -21,9 +21,9 @@ struct DepthPoints {
   /// Range of the sensor: near its ends noise is cut off on one side, so such points are not fitted.
   double min_m = 0.0;
   double max_m = std::numeric_limits<double>::infinity();
-  /// Of 1/z of each point [1/m], where a sensor's noise does not tell it; empty: it does.
+  /// Sigma of 1/z of each point [1/m]; empty: that of the sensor's noise.
   std::vector<double> inverse_depth_sigmas_per_m = {};
-  /// Of the image, within the range or not, for messages; 0: not known, or it holds no depth at all.
+  /// Of the whole image, for messages; 0: unknown, or no depth at all.
   double nearest_m = 0.0;
   double farthest_m = 0.0;
 };
@@ -52,8 +52,8 @@ struct GroundPlaneFit {
 /// independent points, by the stated correlation or by that of the residuals if it is longer.
 /// Deterministic; about a millisecond for 10,000 points.
 /// @param up_camera expected up direction in the camera frame, from the rotation axis of the camera's own motion: the
-///        lowest plane of that normal is taken, so that a table is not the floor; absent: the largest plane below
-///        the camera is taken, and walls are told by the later trajectory check.
+///        lowest plane of that normal is taken, so that a table is not the floor; absent: the largest plane below the
+/// camera is taken, and the later trajectory check rejects walls.
 GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noise,
                                 const std::optional<Eigen::Vector3d>& up_camera,
                                 const GroundPlaneOptions& options = {});

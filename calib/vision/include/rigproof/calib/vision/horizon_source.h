@@ -1,4 +1,4 @@
-// What a single image tells of the horizon and of the way ahead, from whatever sees them.
+// The horizon and the forward direction in a single image, from an exchangeable source.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Which image stands for a camera at a stop: for methods that read images besides the observations.
+// The image that represents a camera at a stop, for methods that read images besides the observations.
 #pragma once
 
 #include <map>

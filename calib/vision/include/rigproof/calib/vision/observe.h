@@ -16,8 +16,8 @@ struct ObserveOptions {
   /// Largest gap between odometry samples across which a frame's pose is interpolated [s].
   double max_odometry_gap_s = 0.5;
   bool use_depth = true;
-  /// Called from one thread at a time with (frames done, frames in all), and with all of all while planes are looked
-  /// for; return false to interrupt, which throws Error with ExitCode::kTryAgain.
+  /// Called from one thread at a time with (frames done, frames in all), and with the total for both while planes are
+  /// searched; return false to interrupt, which throws Error with ExitCode::kTryAgain.
   std::function<bool(std::size_t, std::size_t)> progress;
 };
 

@@ -1,4 +1,4 @@
-// Finding something in a picture only where nobody found it before.
+// Finding something in a picture unless it has been found before.
 #pragma once
 
 #include <optional>

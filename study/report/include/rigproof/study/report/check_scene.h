@@ -1,4 +1,4 @@
-// Does a world do? A few stops of it are generated and observed as any recording, and measured against the truth.
+// Is a world suitable? A few stops of it are generated, observed like any recording, and compared with the truth.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ struct SceneCheckOptions {
   std::function<bool(std::size_t, std::size_t)> progress;
 };
 
-/// What was found, with the rig husky_3x_d455 and its sensors' noise.
+/// The measurements, with the rig husky_3x_d455 and its sensors' noise.
 struct SceneCheck {
   std::string name;
   std::string description;

@@ -9,7 +9,7 @@
 
 namespace rigproof {
 
-/// What the simulated sensor makes of a wall.
+/// The simulated depth of a wall.
 struct NoisePoint {
   double z_m = 0.0;
   double law_m = 0.0;       ///< sigma by the preset's law
@@ -22,8 +22,8 @@ struct NoisePoint {
 /// 640x480 pixels each, in the order of distance. Throws Error if the sensor has no depth.
 std::vector<NoisePoint> measure_noise(const SensorDevice& device, int count = 8);
 
-/// Law and rounding at many distances, and what was simulated at some: columns z_m, law_mm, recorded_mm, simulated_mm,
-/// mean_error_mm; the last two are empty where only the law is told.
+/// Law and rounding at many distances, and the simulation at some: columns z_m, law_mm, recorded_mm, simulated_mm,
+/// mean_error_mm; the last two are empty without a simulation.
 std::string noise_csv(const SensorDevice& device, const std::vector<NoisePoint>& points);
 
 /// Draws that into a PNG, PDF or SVG by draw_figures(); the CSV lies beside it. Throws Error.

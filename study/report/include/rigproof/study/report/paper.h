@@ -1,4 +1,4 @@
-// The experiments of the MEMROC paper (Allegro, Terreran, Ghidoni 2024) made anew: tables beside the published rows,
+// The experiments of the MEMROC paper (Allegro, Terreran, Ghidoni 2024) reproduced: tables beside the published rows,
 // and the figures.
 #pragma once
 
@@ -23,7 +23,7 @@ const PaperExperiment& find_paper_experiment(const std::string& name);
 /// The row of a published table that a method of ours stands beside; empty if the paper has none.
 std::string published_name_of(const std::string& method);
 
-/// A table of one condition, and what is to be said of it.
+/// A table of one condition, and remarks on it.
 struct PaperTable {
   std::string title;
   std::vector<std::string> head;               ///< of the columns

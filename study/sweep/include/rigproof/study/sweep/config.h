@@ -1,4 +1,4 @@
-// The configuration of a sweep, and the tasks that it makes. docs/guides/sweeps.md tells it by example.
+// The configuration of a sweep, and its tasks. docs/guides/sweeps.md explains it by example.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Runs a sweep on one machine: pictures and detections once, every (task, method) once, whatever interrupts it.
+// Runs a sweep on one machine: pictures and detections once, every (task, method) once, in spite of interruptions.
 #pragma once
 
 #include <cstddef>
@@ -45,9 +45,9 @@ struct SweepReport {
   double seconds = 0.0;
 };
 
-/// Does what is not done yet, then writes rows, times, counters and summary of all that is there. The rows are
-/// byte-identical at any number of jobs. Throws Error with ExitCode::kTryAgain if another process works in the folder,
-/// and Error where no answer can be blamed on a method or a configuration: no driver, a full disk.
+/// Does what is not done yet, then writes rows, times, counters and summary of everything. The rows are byte-identical
+/// at any number of jobs. Throws Error with ExitCode::kTryAgain if another process works in the folder, and Error for
+/// failures of the machine (no driver, a full disk), which are no answer of a method.
 SweepReport run_sweep(const SweepConfig& config, const SweepOptions& options);
 
 /// What a start would do.
@@ -64,7 +64,7 @@ struct SweepForecast {
 };
 SweepForecast forecast_sweep(const SweepConfig& config, const SweepOptions& options);
 
-/// How far a sweep is.
+/// Progress of a sweep.
 struct SweepState {
   std::string name;
   std::size_t tasks = 0, answers = 0, answers_there = 0;
