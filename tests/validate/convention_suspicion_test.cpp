@@ -8,6 +8,7 @@
 #include "rigproof/validate/body_angles.h"
 #include "rigproof/validate/validate.h"
 #include "synthetic.h"
+#include "trials.h"
 
 namespace rigproof {
 namespace {
@@ -126,9 +127,11 @@ TEST(ConventionSuspicion, OneCameraAloneIsEnough) {
   }
 }
 
-TEST(ConventionSuspicion, HonestErrorsOfAnySizeAreNotAccused) {
+const auto kTrials = static_cast<std::uint64_t>(Trials(250, 2000).count());
+
+TEST(ConventionSuspicion, HonestErrorsOfAnySizeAreNotAccusedOverTrials) {
   const Truth truth = make_truth();
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+  for (std::uint64_t seed = 0; seed < kTrials; ++seed) {
     // From a tenth of a millimetre to ten metres, from a thousandth of a degree to any rotation.
     RandomStream random(seed, "size");
     const double size = std::pow(10.0, random.uniform(-4.0, 1.0));
@@ -137,11 +140,11 @@ TEST(ConventionSuspicion, HonestErrorsOfAnySizeAreNotAccused) {
   }
 }
 
-TEST(ConventionSuspicion, RandomPosesAreNotAccused) {
+TEST(ConventionSuspicion, RandomPosesAreNotAccusedOverTrials) {
   Truth truth = make_truth();
   truth.cameras.resize(1);  // a single camera is the easiest to match by chance
   int accused = 0;
-  for (std::uint64_t seed = 0; seed < 2000; ++seed)
+  for (std::uint64_t seed = 0; seed < kTrials; ++seed)
     if (compare(noisy_result(truth, seed, 0.4, 1.5), truth).suspicion) ++accused;
   // Some 150 conventions and pairs of them each hit a random pose with a chance of about 1e-6.
   EXPECT_LE(accused, 2);

@@ -9,6 +9,7 @@
 #include "pose_near.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
+#include "trials.h"
 
 namespace rigproof {
 namespace {
@@ -54,7 +55,8 @@ TEST(BoardPose, RecoversExactPosesThroughEveryLens) {
   }
 }
 
-TEST(BoardPose, CovarianceMatchesMonteCarlo) {
+TEST(BoardPose, CovarianceMatchesMonteCarloOverTrials) {
+  const Trials trials(100, 400);
   const double sigma_px = 0.1;
   for (const Camera& camera : cameras()) {
     const Rigid3 T = board_in_view(camera, kBoard, 1.8, 0.7, 0.9, 0.4, {700.0, 300.0});
@@ -63,21 +65,20 @@ TEST(BoardPose, CovarianceMatchesMonteCarlo) {
     double nees = 0.0;
     Matrix6d scatter = Matrix6d::Zero();
     Matrix6d stated = Matrix6d::Zero();
-    constexpr int kTrials = 400;
-    for (int trial = 0; trial < kTrials; ++trial) {
+    for (int trial = 0; trial < trials.count(); ++trial) {
       std::vector<CornerObservation> corners = exact;
       for (CornerObservation& corner : corners) corner.pixel += sigma_px * Vector2d(random.normal(), random.normal());
       const auto pose = estimate_board_pose(corners, kBoard, camera);
       ASSERT_TRUE(pose.has_value());
       const Vector6d error = transform_error(pose->T_camera_board, T);
-      nees += error.dot(pose->covariance.ldlt().solve(error)) / kTrials;
-      scatter += error * error.transpose() / kTrials;
-      stated += pose->covariance / kTrials;
+      nees += error.dot(pose->covariance.ldlt().solve(error)) / trials.count();
+      scatter += error * error.transpose() / trials.count();
+      stated += pose->covariance / trials.count();
     }
     // 6 degrees of freedom; the mean of 400 has a standard deviation of 0.17, four of them allowed.
-    EXPECT_NEAR(nees, 6.0, 0.7);
+    EXPECT_NEAR(nees, 6.0, trials.tolerance(0.7));
     // Each sigma from 400 trials is good to 3.5 %; four of them.
-    for (int i = 0; i < 6; ++i) EXPECT_NEAR(std::sqrt(scatter(i, i) / stated(i, i)), 1.0, 0.14) << i;
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(std::sqrt(scatter(i, i) / stated(i, i)), 1.0, trials.tolerance(0.14)) << i;
   }
 }
 
