@@ -73,7 +73,7 @@ std::optional<AcceptReport> judge_acceptance(const Terminal& terminal, const Met
                                              const Observations& observations, const Gates& gates) {
   if (!gates.asked_for && states_no_uncertainty(result)) {
     terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + result.method +
-                  " states no uncertainty: the limits of the rig (accept) cannot be held against it.");
+                  " states no uncertainty: the limits of the rig (accept) cannot be checked.");
     return std::nullopt;
   }
   AcceptReport report = check_acceptance(method, result, observations, gates.criteria);

@@ -46,7 +46,7 @@ std::string verdict_text(const MovedReport& report, double significance) {
     case MovedOutcome::kCannotTell:
       break;
   }
-  return "REFUSED  not every camera can be told" + (report.degrees_of_freedom > 0 ? " (" + test + ")" : "");
+  return "REFUSED  not every camera can be judged" + (report.degrees_of_freedom > 0 ? " (" + test + ")" : "");
 }
 
 void print(const Terminal& terminal, const MovedReport& report, double significance) {
