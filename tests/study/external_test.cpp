@@ -213,7 +213,7 @@ TEST_F(External, StandsBesideMethodsOfOurOwn) {
   EXPECT_THAT(error_text([] { methods_by_name({"external:/no/such.yaml"}); }), HasSubstr("/no/such.yaml"));
 }
 
-// The example of docs/guides/external-methods.md, as it stands there.
+// The example of docs/guides/external-methods.md.
 TEST(ExternalExample, TwentyLinesOfPythonFindHeightAndTilt) {
   GeometricConfig config;
   config.stops = 20;
