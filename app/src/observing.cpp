@@ -5,6 +5,7 @@
 #include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/error.h"
 #include "rigproof/study/workflow/workflow.h"
+#include "rigproof/words/sentences.h"
 
 namespace rigproof {
 
@@ -36,7 +37,8 @@ Observations observe_with_progress(const Input& input, const Vision& vision, int
   ProgressLine progress(terminal, "ground", "images");
   MethodInput images = method_input(input, observations, vision, jobs);
   images.progress = progress.callback();
-  for (const std::string& line : take_ground_from(source, images, &observations).lines) terminal.line(line);
+  for (const Finding& finding : take_ground_from(source, images, &observations).findings)
+    terminal.line(words::sentence_of(finding));
   return observations;
 }
 

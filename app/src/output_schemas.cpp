@@ -47,6 +47,7 @@ const Lines kLeftOut = {{".stop", "integer", "index of the stop; -1 = none"},
 
 const Lines kFailures = {{"failures[].method", "text", "its name"},
                          {"failures[].status", "text", "how it ended"},
+                         {"failures[].code", "text", "of the first finding"},
                          {"failures[].reason", "text", "why"},
                          {"failures[].tasks", "integer", "how many ended so"}};
 

@@ -125,6 +125,7 @@ int sweep_status_command(const SweepFolderArguments& arguments) {
     for (const FailureCount& failure : state.failures)
       failures.push_back({{"method", failure.method},
                           {"status", sweep_status_name(failure.status)},
+                          {"code", failure.code},
                           {"reason", failure.reason},
                           {"tasks", failure.tasks}});
     const nlohmann::json json = {{"name", state.name},        {"tasks", state.tasks},

@@ -157,17 +157,18 @@ TEST_F(SweepRun, WhatBreaksIsAFailedRowWithItsReason) {
   one_task.replace(one_task.find("[0.5, 2]"), 8, "[1]");
   const SweepReport report = run_sweep(config(one_task), run);
   EXPECT_TRUE(report.complete) << "a failure is an answer";
-  const auto is = [this](const std::string& method, SweepStatus status, const char* reason) {
+  const auto is = [this](const std::string& method, SweepStatus status, const char* code, const char* reason) {
     const std::vector<SweepRow> rows = rig_rows("a", method);
     ASSERT_EQ(rows.size(), 1U) << method;
     EXPECT_EQ(rows[0].status, status) << method;
+    EXPECT_EQ(rows[0].code, code) << method;
     EXPECT_THAT(rows[0].reason, HasSubstr(reason)) << method;
   };
-  is("gone", SweepStatus::kFailed, "cannot be started: /no/such/program");
-  is("crash", SweepStatus::kFailed, "signal 11");
-  is("hang", SweepStatus::kFailed, "longer than its limit of 0.2 s");
-  is("garbage", SweepStatus::kFailed, "is no result");
-  is("images", SweepStatus::kCouldNotRun, "needs the images");
+  is("gone", SweepStatus::kFailed, "program.failed", "cannot be started: /no/such/program");
+  is("crash", SweepStatus::kFailed, "program.failed", "signal 11");
+  is("hang", SweepStatus::kFailed, "program.failed", "longer than its limit of 0.2 s");
+  is("garbage", SweepStatus::kFailed, "program.bad_answer", "is no result");
+  is("images", SweepStatus::kCouldNotRun, "method.needs_recording", "needs the images");
   const SweepForecast forecast = forecast_sweep(config(one_task), options("a"));
   ASSERT_EQ(forecast.cannot_run.size(), 1U);
   EXPECT_THAT(forecast.cannot_run[0], HasSubstr("images: It needs the images"));
@@ -186,6 +187,7 @@ methods: [ml]
   const std::vector<SweepRow> rows = rig_rows("blind", "ml");
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].status, SweepStatus::kFailed);
+  EXPECT_EQ(rows[0].code, "task.nothing_to_calibrate");
   EXPECT_THAT(rows[0].reason, HasSubstr("Nothing to calibrate from"));
 }
 

@@ -127,6 +127,21 @@ TEST(SweepSummary, FailuresAreCountedAndNamed) {
   EXPECT_THAT(summary_as_markdown(summary), HasSubstr("- 1 x theirs refused: no turn"));
 }
 
+TEST(SweepSummary, FailuresOfOneFindingAreOneKindWhateverTheirWords) {
+  MadeUpSweep sweep(1, 3, {"ml"});
+  for (std::size_t seed = 0; seed < 3; ++seed)
+    sweep.fail(0, seed, "ml", SweepStatus::kRefused, std::string(seed + 1, 'x') + " views");
+  std::vector<SweepRow>& rows = sweep.rows().rows;
+  for (SweepRow& row : rows) row.code = "method.too_few_views";
+  const std::vector<FailureCount> failures = count_failures(rows);
+  ASSERT_EQ(failures.size(), 1U);
+  EXPECT_EQ(failures[0].tasks, 3);
+  EXPECT_EQ(failures[0].code, "method.too_few_views");
+  EXPECT_EQ(failures[0].reason, "x views");
+  for (SweepRow& row : rows) row.code = "stated";
+  EXPECT_EQ(count_failures(rows).size(), 3U) << "somebody else's sentences are all that is known";
+}
+
 TEST(SweepSummary, AMethodThatNeverAnswersAnAxisDoesNotEmptyTheCommonTasks) {
   MadeUpSweep sweep(1, 2, {"ml", "li"});
   for (std::size_t seed = 0; seed < 2; ++seed) {

@@ -82,7 +82,8 @@ GroundReport take_ground_from(GroundSource source, const MethodInput& input, Obs
     const std::string& name = observations->cameras[static_cast<std::size_t>(camera)].name;
     const int found = count_of(ground.planes, camera), had = count_of(observations->ground_planes, camera);
     if (found == 0 && source == GroundSource::kAuto) {
-      report.lines.push_back(name + ": images show no ground" + (had > 0 ? "; depth is kept" : ""));
+      report.findings.push_back(
+          Finding("ground.not_in_images", had > 0 ? FindingValues{{"of_depth", had}} : FindingValues()).of(name));
       continue;
     }
     report.cameras.push_back(camera);
@@ -95,9 +96,8 @@ GroundReport take_ground_from(GroundSource source, const MethodInput& input, Obs
       if (plane.camera == camera) observations->ground_planes.push_back(plane);
     for (const Exclusion& exclusion : ground.rejected)
       if (exclusion.camera == camera) observations->exclusions.push_back(exclusion);
-    report.lines.push_back(name + ": ground from images, " + std::to_string(found) +
-                           (found == 1 ? " plane" : " planes") +
-                           (had > 0 ? " instead of " + std::to_string(had) + " from depth" : ""));
+    const Finding taken = Finding("ground.from_images", {{"planes", found}}).of(name);
+    report.findings.push_back(had > 0 ? taken.with({{"instead_of", had}}) : taken);
   }
   std::stable_sort(observations->ground_planes.begin(), observations->ground_planes.end(), before);
   return report;

@@ -53,13 +53,11 @@ bool above(double ours, double published) { return std::round(100.0 * ours) > st
 
 // The most frequent reason why a method gave nothing.
 std::string why_nothing(const SweepRows& rows, const Condition& condition, const std::string& method) {
-  std::map<std::string, int> counts;
+  std::vector<SweepRow> unsolved;
   for (const SweepRow& row : rows.rows)
-    if (row.method == method && row.subject == SweepSubject::kRig && meets(row, condition) && !row.reason.empty())
-      ++counts[row.reason];
-  const auto most =
-      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == counts.end() ? std::string() : ": " + most->first;
+    if (row.method == method && meets(row, condition) && !row.reason.empty()) unsolved.push_back(row);
+  const std::vector<FailureCount> failures = count_failures(unsolved);
+  return failures.empty() ? std::string() : ": " + failures.front().reason;
 }
 
 // Methods without a single figure are named below the table, not in it.

@@ -33,6 +33,7 @@ json json_of(const SweepRow& row) {
           {"camera", row.camera},
           {"status", static_cast<int>(row.status)},
           {"reason", row.reason},
+          {"code", row.code},
           {"error", json_of(row.error)},
           {"sigma", json_of(row.sigma)},
           {"bound", json_of(row.bound)},
@@ -51,6 +52,7 @@ SweepRow row_of(const json& object) {
   row.status = static_cast<SweepStatus>(status);
   row.camera = object.at("camera").get<std::string>();
   row.reason = object.at("reason").get<std::string>();
+  row.code = object.value("code", "");
   read(object.at("error"), &row.error);
   read(object.at("sigma"), &row.sigma);
   read(object.at("bound"), &row.bound);

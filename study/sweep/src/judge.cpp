@@ -65,14 +65,25 @@ void add_error(const TransformError& error, SweepRow* row) {
   for (std::size_t i = 0; i < 3; ++i) row->roll_pitch_yaw[i] = rad_to_deg(angles[static_cast<Eigen::Index>(i)]);
 }
 
-SweepRow subject_row(SweepSubject subject, const std::string& camera, SweepStatus method_status,
-                     const std::string& reason) {
-  const bool answered = method_status == SweepStatus::kSolved || method_status == SweepStatus::kPartial;
+void give_reasons(const std::vector<Finding>& reasons, SweepRow* row) {
+  row->reason = words::text_of(reasons);
+  row->code = reasons.empty() ? "" : reasons.front().code;
+}
+
+// Of the whole rig, from which rows of its parts are made.
+SweepRow rig_row(SweepStatus status, const std::vector<Finding>& reasons) {
   SweepRow row;
+  row.camera = "all";
+  row.status = status;
+  give_reasons(reasons, &row);
+  return row;
+}
+
+SweepRow subject_row(SweepSubject subject, const std::string& camera, const SweepRow& rig) {
+  SweepRow row = rig;
   row.subject = subject;
   row.camera = camera;
-  row.status = answered ? SweepStatus::kNotGiven : method_status;
-  row.reason = reason;
+  if (rig.status == SweepStatus::kSolved || rig.status == SweepStatus::kPartial) row.status = SweepStatus::kNotGiven;
   return row;
 }
 
@@ -80,16 +91,12 @@ SweepRow subject_row(SweepSubject subject, const std::string& camera, SweepStatu
 
 std::vector<SweepRow> rows_of(const Result& result, SweepStatus status, const TaskData& data) {
   const Comparison comparison = compare(result, data.truth);
-  const std::string reason = words::text_of(result.reasons);
-  SweepRow rig;
-  rig.camera = "all";
-  rig.status = status;
-  rig.reason = reason;
-  rig.nees = comparison.nees;
-  rig.nees_degrees_of_freedom = comparison.nees_degrees_of_freedom;
+  const SweepRow rig = rig_row(status, result.reasons);
   std::vector<SweepRow> rows = {rig};
+  rows.front().nees = comparison.nees;
+  rows.front().nees_degrees_of_freedom = comparison.nees_degrees_of_freedom;
   for (const TrueCamera& camera : data.truth.cameras) {
-    SweepRow row = subject_row(SweepSubject::kCamera, camera.name, status, reason);
+    SweepRow row = subject_row(SweepSubject::kCamera, camera.name, rig);
     add_bound(data, "robot", camera.name, &row);
     if (const TransformError* error = error_of(comparison.camera_to_robot, "", camera.name)) add_error(*error, &row);
     for (const CameraNees& nees : comparison.camera_nees) {
@@ -102,23 +109,20 @@ std::vector<SweepRow> rows_of(const Result& result, SweepStatus status, const Ta
   for (std::size_t j = 0; j < data.truth.cameras.size(); ++j) {
     for (std::size_t k = j + 1; k < data.truth.cameras.size(); ++k) {
       const std::string &parent = data.truth.cameras[j].name, &child = data.truth.cameras[k].name;
-      SweepRow row = subject_row(SweepSubject::kPair, parent + "-" + child, status, reason);
+      SweepRow row = subject_row(SweepSubject::kPair, parent + "-" + child, rig);
       add_bound(data, parent, child, &row);
       if (const TransformError* error = error_of(comparison.camera_to_camera, parent, child)) add_error(*error, &row);
       rows.push_back(std::move(row));
     }
   }
   for (SweepRow& row : rows)
-    if (row.status == SweepStatus::kSolved) row.reason.clear();
+    if (row.status == SweepStatus::kSolved) give_reasons({}, &row);
   return rows;
 }
 
-SweepAnswer failed_answer(SweepStatus status, const std::string& reason) {
+SweepAnswer failed_answer(const Finding& reason) {
   SweepAnswer answer;
-  SweepRow& rig = answer.rows.emplace_back();
-  rig.camera = "all";
-  rig.status = status;
-  rig.reason = reason;
+  answer.rows = {rig_row(SweepStatus::kFailed, {reason})};
   return answer;
 }
 
@@ -138,20 +142,15 @@ SweepAnswer answer_of(const Method& method, const TaskData& data, const SweepSig
   SweepAnswer answer;
   Result nothing;
   const std::optional<Finding> why_not = method.why_not(input);
-  const auto* outside = dynamic_cast<const OutsideMethod*>(&method);
   const auto start = std::chrono::steady_clock::now();
   const double cpu_start = cpu_seconds();
   try {
     if (why_not) {
       answer.rows = could_not_run(*why_not, data).rows;
-    } else if (outside != nullptr) {
-      const OutsideMethod::Outcome outcome = outside->run(input);
-      answer.rows =
-          rows_of(outcome.result, outcome.failed ? SweepStatus::kFailed : status_of(outcome.result.status), data);
     } else {
       const Result result = method.solve_recording(input);
       answer.times.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      answer.rows = rows_of(result, status_of(result.status), data);
+      answer.rows = rows_of(result, program_broke(result) ? SweepStatus::kFailed : status_of(result.status), data);
     }
   } catch (const Error& error) {
     if (error.exit_code() == ExitCode::kTryAgain) throw;

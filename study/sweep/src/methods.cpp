@@ -41,7 +41,7 @@ std::string hash_of(const SweepVision& vision) {
 
 // A file by its absolute path: a sweep may go on from another folder.
 std::string with_absolute_path(const std::string& spec) {
-  const std::string external = "external:", ml = kMlPrefix;
+  const std::string external = kExternal, ml = kMlPrefix;
   const auto absolute = [](const std::filesystem::path& file) {
     return std::filesystem::absolute(file).lexically_normal().string();
   };
@@ -64,13 +64,9 @@ SweepMethod sweep_method(const SweepMethodChoice& choice) {
   entry.reads_images = traits.reads != MethodReads::kObservations;
   entry.seconds_a_view = traits.seconds_a_view;
   entry.matches_features = traits.reads == MethodReads::kFeatures || choice.vision.ground == "images";
-  if (const auto* outside = dynamic_cast<const OutsideMethod*>(method.get())) {
-    entry.outside = true;
-    entry.hash = outside->content_hash();
-  } else {
-    const std::string settings = method->settings_text();
-    entry.hash = settings.empty() ? program_hash() : sha256_hex(program_hash() + settings);
-  }
+  entry.outside = choice.method.rfind(kExternal, 0) == 0;
+  const std::string settings = method->settings_text();
+  entry.hash = entry.outside ? settings : settings.empty() ? program_hash() : sha256_hex(program_hash() + settings);
   entry.stored = traits.name;
   if (!choice.name.empty()) entry.hash = sha256_hex(entry.hash + " " + choice.method);
   if (choice.vision.text() == SweepVision().text()) return entry;

@@ -42,6 +42,7 @@ void visit_columns(const SweepRow& row, const Text& text, const Number& number) 
       "bound_", [&row](std::size_t i) { return row.bound[i]; }, true);
   number("nees", row.nees);
   number("nees_dof", row.nees ? std::optional<double>(row.nees_degrees_of_freedom) : std::nullopt);
+  text("code", row.code);
 }
 
 std::string rows_as_csv(const SweepRows& rows) {
@@ -186,7 +187,7 @@ SweepState sweep_state(const std::filesystem::path& folder) {
   state.answers = rows.tasks.size() * rows.methods.size();
   for (const SweepRow& row : rows.rows) state.answers_there += row.subject == SweepSubject::kRig ? 1 : 0;
   state.running = FolderLock::is_held(folder);
-  state.failures = count_failures(rows);
+  state.failures = count_failures(rows.rows);
   state.counters = load_counters({folder});
   return state;
 }

@@ -174,7 +174,7 @@ class Dispatcher {
                   ExitCode::kTryAgain);
     if (!again) {
       keep_answer(start_, *pending.task, *pending.current,
-                  failed_answer(SweepStatus::kFailed, "The method's process " + end.in_words() + "."));
+                  failed_answer(Finding("method.died", {{"text", end.in_words()}})));
       finish_current(&pending);
       pending.starts = 0;
     }

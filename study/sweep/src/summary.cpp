@@ -269,17 +269,9 @@ void add_status(const ByTask& tasks, const std::vector<std::size_t>& members, Su
   }
 }
 
-// Reasons that differ in figures only are one.
-std::string without_numbers(const std::string& text) {
-  std::string kind;
-  for (const char c : text) {
-    const bool figure = (c >= '0' && c <= '9') || c == '.';
-    if (!figure)
-      kind += c;
-    else if (kind.empty() || kind.back() != '#')
-      kind += '#';
-  }
-  return kind;
+// What somebody else says has no code of its own.
+const std::string& kind_of(const SweepRow& row) {
+  return row.code.empty() || row.code == "stated" ? row.reason : row.code;
 }
 
 }  // namespace
@@ -297,14 +289,15 @@ const char* summary_axis_unit(SummaryAxis axis) {
              : "deg";
 }
 
-std::vector<FailureCount> count_failures(const SweepRows& rows) {
+std::vector<FailureCount> count_failures(const std::vector<SweepRow>& rows) {
   std::map<std::tuple<std::string, SweepStatus, std::string>, FailureCount> counts;
-  for (const SweepRow& row : rows.rows) {
+  for (const SweepRow& row : rows) {
     if (row.subject != SweepSubject::kRig || row.status == SweepStatus::kSolved) continue;
-    FailureCount& failure = counts[{row.method, row.status, without_numbers(row.reason)}];
+    FailureCount& failure = counts[{row.method, row.status, kind_of(row)}];
     if (failure.tasks++ > 0) continue;
     failure.method = row.method;
     failure.status = row.status;
+    failure.code = row.code;
     failure.reason = row.reason;
   }
   std::vector<FailureCount> failures;
@@ -320,7 +313,7 @@ SweepSummary summarise(const SweepRows& table) {
   summary.axes = table.axes;
   summary.methods = table.methods;
   summary.reference = table.reference;
-  summary.failures = count_failures(table);
+  summary.failures = count_failures(table.rows);
   const ByTask tasks = by_task(table);
   std::vector<std::vector<std::string>> points;
   std::map<std::vector<std::string>, std::vector<std::size_t>> members;

@@ -249,6 +249,7 @@ std::string summary_as_json(const SweepSummary& summary) {
   for (const FailureCount& failure : summary.failures)
     failures.push_back({{"method", failure.method},
                         {"status", sweep_status_name(failure.status)},
+                        {"code", failure.code},
                         {"reason", failure.reason},
                         {"tasks", failure.tasks}});
   const ordered_json object = {{"name", summary.name},           {"axes", summary.axes}, {"methods", summary.methods},

@@ -57,7 +57,7 @@ std::unique_ptr<FolderLock> lock_images(const SweepStart& start, const PendingTa
 
 // Nothing, and the reason in `no_data`, where the task has nothing to calibrate from.
 std::optional<TaskData> try_data_of(const SweepStart& start, const SweepTask& task, const Tell& tell,
-                                    std::string* no_data) {
+                                    Finding* why_not) {
   try {
     return data_of(task, start.cache, counting(tell), start.options.keep_going);
   } catch (const MachineError&) {
@@ -65,7 +65,7 @@ std::optional<TaskData> try_data_of(const SweepStart& start, const SweepTask& ta
   } catch (const Error& error) {
     if (error.exit_code() == ExitCode::kTryAgain) throw;
     const std::string run = start.cache.pictures(task.pictures).root.string() + "/";
-    *no_data = "Nothing to calibrate from: " + replaced(words::message_of(error), run, "");
+    *why_not = Finding("task.nothing_to_calibrate", {{"text", replaced(words::message_of(error), run, "")}});
     return std::nullopt;
   }
 }
@@ -81,13 +81,13 @@ SweepAnswer answer_by(const SweepMethod& choice, const Method& method, const Tas
 void solve(const SweepStart& start, const PendingTask& pending, const Tell& tell) {
   const SweepTask& task = *pending.task;
   const std::unique_ptr<FolderLock> reading = lock_images(start, pending);
-  std::string no_data;
-  const std::optional<TaskData> data = try_data_of(start, task, tell, &no_data);
+  Finding why_not;
+  const std::optional<TaskData> data = try_data_of(start, task, tell, &why_not);
   const ExternalOptions options{start.folder.logs(task.key), start.options.keep_going};
   for (const SweepMethod* method : pending.methods) {
     tell(line_of({{"start", method->name}}));
-    SweepAnswer answer = data ? answer_by(*method, *methods_by_name({method->spec}, options).front(), *data)
-                              : failed_answer(SweepStatus::kFailed, no_data);
+    SweepAnswer answer =
+        data ? answer_by(*method, *methods_by_name({method->spec}, options).front(), *data) : failed_answer(why_not);
     if (data && data->findings) {
       data->findings->tell(counting(tell));
       data->findings->rethrow();

@@ -65,9 +65,9 @@ SweepAnswer answer_of(const Method& method, const TaskData& data, const SweepSig
 /// That of a method that cannot be run.
 SweepAnswer could_not_run(const Finding& reason, const TaskData& data);
 /// Where there was nothing to judge.
-SweepAnswer failed_answer(SweepStatus status, const std::string& reason);
+SweepAnswer failed_answer(const Finding& reason);
 
-/// The rows of a result, without those of the task; `failed` as OutsideMethod::Outcome has it.
+/// The rows of a result, without what the task says of itself.
 std::vector<SweepRow> rows_of(const Result& result, SweepStatus status, const TaskData& data);
 
 }  // namespace rigproof

@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPrefix = "external:";
 constexpr std::uintmax_t kMaxAnswerBytes = 16U << 20U;
 constexpr std::uintmax_t kMaxLogBytes = 64U << 20U;
 constexpr std::size_t kShownLines = 3;
@@ -48,7 +47,7 @@ struct Garbage {
   std::string reason;
 };
 
-class ExternalMethod : public OutsideMethod {
+class ExternalMethod : public Method {
  public:
   ExternalMethod(ExternalConfig config, const fs::path& file, ExternalOptions options)
       : config_(std::move(config)),
@@ -56,7 +55,8 @@ class ExternalMethod : public OutsideMethod {
         here_(file_.parent_path()),
         options_(std::move(options)) {}
 
-  std::string content_hash() const override {
+  // By the content of the description and of every file that its command names.
+  std::string settings_text() const override {
     std::string text = sha256_hex_of_file(file_);
     for (const std::string& word : config_.command) {
       const fs::path named = here_ / replaced(word, "{here}", here_.string());
@@ -79,31 +79,26 @@ class ExternalMethod : public OutsideMethod {
 
   Result solve(const Observations& observations) const override { return solve_recording({observations}); }
 
-  Result solve_recording(const MethodInput& input) const override { return run(input).result; }
-
-  Outcome run(const MethodInput& input) const override {
-    Outcome outcome;
-    Result& result = outcome.result;
+  Result solve_recording(const MethodInput& input) const override {
+    Result result;
     result.method = config_.name;
     const ScratchFolder scratch("external");
     const ProgramReport report = start(input, scratch.path());
     keep_log(scratch.path());
     if (report.interrupted) throw Error("interrupted", ExitCode::kTryAgain);
     if (!report.failure.empty()) {
-      outcome.failed = true;
       result.reasons.push_back(Finding("program.failed", {{"text", report.failure}}));
       for (const std::string& line : last_lines(text_of(scratch.path() / kErrorName, kMaxLogBytes)))
         result.notes.push_back(Finding("program.said", {{"text", line}}));
-      return outcome;
+      return result;
     }
     try {
       result = answer(input.observations, scratch.path());
     } catch (const Garbage& garbage) {
-      outcome.failed = true;
       result.reasons.push_back(Finding("program.bad_answer", {{"text", garbage.reason}}));
     }
     result.method = config_.name;
-    return outcome;
+    return result;
   }
 
  private:
@@ -271,7 +266,11 @@ ExternalConfig load_external_config(const fs::path& file) {
 
 std::string external_config_schema() { return schema_of<ExternalConfig>("Rigproof external method"); }
 
-std::shared_ptr<const OutsideMethod> make_external_method(const fs::path& file, const ExternalOptions& options) {
+bool program_broke(const Result& result) {
+  return has_code(result.reasons, "program.failed") || has_code(result.reasons, "program.bad_answer");
+}
+
+std::shared_ptr<const Method> make_external_method(const fs::path& file, const ExternalOptions& options) {
   ExternalConfig config = load_external_config(file);
   for (const Method* method : all_methods())
     if (method->traits().name == config.name)
@@ -310,7 +309,7 @@ std::vector<std::shared_ptr<const Method>> methods_by_name(const std::vector<std
                                                            const ExternalOptions& options) {
   const auto keep_nothing = [](const Method*) {};
   std::vector<std::shared_ptr<const Method>> methods;
-  const std::string prefix = kPrefix;
+  const std::string prefix = kExternal;
   for (const std::string& name : names) {
     if (name.rfind(prefix, 0) == 0)
       methods.push_back(make_external_method(name.substr(prefix.size()), options));

@@ -103,13 +103,13 @@ TEST(GroundSource, GivesACameraWithoutDepthItsHeight) {
   RoomDrive drive = drive_through_room(before_the_board(), cameras, true, folder.path());
   const MethodInput input{drive.observations, &drive.recording, 2};
   Observations depth = drive.observations;
-  EXPECT_TRUE(take_ground_from(GroundSource::kDepth, input, &depth).lines.empty());
+  EXPECT_TRUE(take_ground_from(GroundSource::kDepth, input, &depth).findings.empty());
   EXPECT_TRUE(depth.ground_planes.empty());
   EXPECT_FALSE(find_method("memroc").solve(depth).camera_to_robot.at(0).observable[2]);
   Observations images = drive.observations;
   const GroundReport report = take_ground_from(GroundSource::kAuto, input, &images);
-  ASSERT_EQ(report.lines.size(), 1U);
-  EXPECT_THAT(report.lines[0], testing::HasSubstr("camera0: ground from images"));
+  ASSERT_EQ(report.findings.size(), 1U);
+  EXPECT_EQ(report.findings[0].code, "ground.from_images");
   const Result result = find_method("memroc").solve(images);
   ASSERT_EQ(result.status, ResultStatus::kSolved) << testing::PrintToString(result.reasons);
   EXPECT_NEAR(result.camera_to_robot[0].T_parent_child.translation.z(), cameras[0].translation.z(), 0.02);
@@ -141,11 +141,12 @@ TEST(GroundSource, TrustsDepthThatShowsTheGroundOftenEnough) {
   EXPECT_EQ(cameras_without_trusted_depth(with_planes(2)), std::vector<int>{0});
   EXPECT_TRUE(cameras_without_trusted_depth(with_planes(6)).empty());
   Observations enough = with_planes(6);
-  EXPECT_TRUE(take_ground_from(GroundSource::kAuto, input, &enough).lines.empty());
+  EXPECT_TRUE(take_ground_from(GroundSource::kAuto, input, &enough).findings.empty());
   EXPECT_TRUE(enough.cameras[0].depth.has_value());
   const GroundReport report = take_ground_from(GroundSource::kImages, input, &enough);
-  ASSERT_EQ(report.lines.size(), 1U);
-  EXPECT_THAT(report.lines[0], testing::HasSubstr("instead of 6 from depth"));
+  ASSERT_EQ(report.findings.size(), 1U);
+  ASSERT_NE(report.findings[0].find("instead_of"), nullptr);
+  EXPECT_EQ(*report.findings[0].find("instead_of"), FindingValue("instead_of", 6));
   EXPECT_DOUBLE_EQ(enough.cameras[0].depth.value().noise.scale_sigma, 0.001);
   EXPECT_GE(enough.ground_planes.size(), 4U);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rigproof/calib/input/method_input.h"
+#include "rigproof/core/finding.h"
 
 namespace rigproof {
 
@@ -22,10 +23,9 @@ GroundSource ground_source_by_name(const std::string& name);
 /// with the vertical and each other, and planes in a fifth of those images, are wanted. By index.
 std::vector<int> cameras_without_trusted_depth(const Observations& observations);
 
-/// What became of the observations: a line for people of each camera that was to take its ground from images, and those
-/// that do.
+/// What became of the observations: a note on each camera that was to take its ground from images, and those that do.
 struct GroundReport {
-  std::vector<std::string> lines;
+  std::vector<Finding> findings;
   std::vector<int> cameras;  ///< by index
 };
 /// Replaces the ground planes of the cameras that `source` gives to images by triangulated ones (image_ground.h). The

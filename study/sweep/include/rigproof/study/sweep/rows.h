@@ -37,6 +37,7 @@ struct SweepRow {
   std::string camera;  ///< "left", "left-center" (parent-child); "all" for the rig
   SweepStatus status = SweepStatus::kFailed;
   std::string reason;  ///< why it is not solved, in sentences
+  std::string code;    ///< of the first finding of that (docs/reference/findings.md)
   AxisFigures error;   ///< chart of transform_error(): estimate minus truth, along the parent's axes
   AxisFigures sigma;   ///< stated standard deviation
   AxisFigures bound;   ///< Cramer-Rao bound of these data at the truth, one standard deviation
@@ -119,16 +120,17 @@ struct SummaryRow {
   PairedTest against_reference;
 };
 
-/// A way not to solve, and how often. Reasons that differ in figures only are counted together.
+/// A way not to solve, and how often. Reasons whose first finding is the same are counted together.
 struct FailureCount {
   std::string method;
   SweepStatus status = SweepStatus::kFailed;
+  std::string code;    ///< of the finding
   std::string reason;  ///< of the first such task
   int tasks = 0;
 };
 
-/// Every (method, status, reason) that is not solved, the most frequent first.
-std::vector<FailureCount> count_failures(const SweepRows& rows);
+/// Every (method, status, code) that is not solved, the most frequent first.
+std::vector<FailureCount> count_failures(const std::vector<SweepRow>& rows);
 
 struct SweepSummary {
   std::string name;

@@ -39,24 +39,16 @@ struct ExternalOptions {
   std::function<bool()> keep_going;
 };
 
-/// A method that is a program of somebody else's.
-class OutsideMethod : public Method {
- public:
-  struct Outcome {
-    Result result;
-    bool failed = false;  ///< the program broke (missing, crash, time limit, garbage) rather than refusing
-  };
-  virtual Outcome run(const MethodInput& input) const = 0;
-  /// Hash of the description and of every file that its command names: another one is another method.
-  virtual std::string content_hash() const = 0;
-};
+/// How a specification of such a method begins; the file follows.
+inline constexpr const char* kExternal = "external:";
 
 /// The program as a method. A command that is missing, crashes, hangs, or prints garbage gives a refused Result with
 /// the reason. Its working folder is a temporary one that holds the copy of the input and nothing else; it is removed
 /// afterwards. The program is trusted as much as any other that the user starts: this is no sandbox.
 /// @param file the description; paths in the command may begin with {here}, its folder
-std::shared_ptr<const OutsideMethod> make_external_method(const std::filesystem::path& file,
-                                                          const ExternalOptions& options);
+std::shared_ptr<const Method> make_external_method(const std::filesystem::path& file, const ExternalOptions& options);
+/// Whether the program broke (missing, crash, time limit, garbage) rather than refusing.
+bool program_broke(const Result& result);
 
 /// `text` with every `from` replaced.
 std::string replaced(std::string text, const std::string& from, const std::string& to);
