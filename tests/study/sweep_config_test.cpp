@@ -128,8 +128,8 @@ seeds: [4, 2]
 methods: [memroc, li]
 )");
   EXPECT_EQ(config.reference, "memroc");
-  const SweepConfig again = read(emit_yaml(config.resolved));
-  EXPECT_EQ(emit_yaml(again.resolved), emit_yaml(config.resolved));
+  const SweepConfig again = read(emit_yaml(resolved_sweep(config)));
+  EXPECT_EQ(emit_yaml(resolved_sweep(again)), emit_yaml(resolved_sweep(config)));
   const SweepPlan one = plan_sweep(config), two = plan_sweep(again);
   ASSERT_EQ(one.tasks.size(), two.tasks.size());
   for (std::size_t i = 0; i < one.tasks.size(); ++i) EXPECT_EQ(one.tasks[i].key, two.tasks[i].key);
@@ -151,8 +151,8 @@ reference: memroc_image_ground
   EXPECT_EQ(config.methods[2].vision.ground, "images");
   EXPECT_THAT(config.methods[2].vision.features, AllOf(StartsWith("onnx:/"), EndsWith("/net.onnx")));
   EXPECT_EQ(config.reference, "memroc_image_ground");
-  const SweepConfig again = read(emit_yaml(config.resolved));
-  EXPECT_EQ(emit_yaml(again.resolved), emit_yaml(config.resolved));
+  const SweepConfig again = read(emit_yaml(resolved_sweep(config)));
+  EXPECT_EQ(emit_yaml(resolved_sweep(again)), emit_yaml(resolved_sweep(config)));
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(again.methods[i].label(), config.methods[i].label());
     EXPECT_EQ(again.methods[i].vision.text(), config.methods[i].vision.text());
@@ -165,7 +165,7 @@ reference: memroc_image_ground
   EXPECT_THAT(problem_of("horizon: sift"), HasSubstr("must be onnx:FILE"));
   EXPECT_THAT(problem_of("methods:\n  - {method: ml,\n     grond: images}\n"),
               AllOf(HasSubstr("trial.yaml:3"), HasSubstr("did you mean \"ground\"")));
-  EXPECT_THAT(problem_of("methods: [{name: a}]"), HasSubstr("methods.method"));
+  EXPECT_THAT(problem_of("methods: [{name: a}]"), HasSubstr("methods[0].method"));
   EXPECT_THAT(problem_of("methods: [{method: ml, name: a b}]"), HasSubstr("must be letters, digits"));
   EXPECT_THAT(problem_of("methods: [ml, {method: ml, ground: images}]"),
               HasSubstr("ml is in the list twice; `name` tells one method's variants apart"));

@@ -11,6 +11,7 @@
 #include "rigproof/core/includes.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/parameters.h"
+#include "rigproof/study/workflow/external.h"
 #include "rigproof/study/workflow/overrides.h"
 
 namespace rigproof {
@@ -18,12 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExternal = "external:";
 constexpr const char* kImages = "images";
 constexpr const char* kGeometric = "geometric.";
 constexpr const char* kMeasured = "geometric.measured";  // a file, which is no level
-constexpr std::size_t kMaxLevels = 10000;
-constexpr std::int64_t kMaxSeed = 9007199254740992;
+constexpr double kMaxLevels = 10000.0;
+constexpr double kMaxSeed = 9007199254740992.0;
+constexpr const char* kNameSigns = "_-.+";
+constexpr const char* kNameRule = "must be letters, digits, _, -, + and .";
 
 bool is_word(const std::string& text, const char* more) {
   return !text.empty() && text.size() < 100 && text[0] != '.' &&
@@ -73,387 +75,441 @@ std::string label_of(const YamlTree& value) {
   return "{" + joined(items) + "}";
 }
 
-class ConfigReader {
- public:
-  ConfigReader(const YamlTree& tree, const fs::path& file) : map_(tree, "", &problems_), file_(file) {}
+void refuse(FieldVisitor& visitor, const YamlTree& where, const std::string& path, const std::string& value,
+            const std::string& message) {
+  visitor.problems()->add({where.file, where.line, path, value, message});
+}
 
-  SweepConfig read() {
-    config_.name = map_.text("name").value_or(file_.stem().string());
-    if (!is_word(config_.name, "_-.+")) map_.problem("name", "must be letters, digits, _, -, + and .");
-    config_.geometric = map_.text("mode", {"rendered", "geometric"}).value_or("rendered") == "geometric";
-    read_blocks();
-    read_axes();
-    read_seeds();
-    read_methods();
-    map_.finish();
-    refuse_fields_set_twice();
-    problems_.sort();
-    problems_.throw_if_any();
-    resolve();
-    plan_sweep(config_);  // throws where a level's value is not allowed
-    return std::move(config_);
+// A file that is named here, relative to the sweep's file, else to the working folder.
+std::string path_beside(const fs::path& file, const fs::path& named) {
+  const fs::path beside = fs::absolute(file).parent_path() / named;
+  std::error_code ignored;
+  return (fs::exists(beside, ignored) ? beside : fs::absolute(named)).lexically_normal().string();
+}
+
+// Part of the file that others read: left out where it is nothing.
+void raw(FieldVisitor& visitor, const char* key, YamlTree& tree, const std::function<YamlTree()>& schema,
+         const char* description) {
+  const auto write = [&tree]() -> std::optional<YamlTree> {
+    return tree.is_null() || (tree.is_map() && tree.entries.empty()) ? std::nullopt : std::optional<YamlTree>(tree);
+  };
+  visitor.value(key, {[&tree](const YamlTree& given, const std::string&, Problems*) { tree = given; }, write, schema},
+                description);
+}
+
+void raw(FieldVisitor& visitor, const char* key, YamlTree& tree, const char* type, const char* description) {
+  const auto schema = [type] {
+    YamlTree of_type = YamlTree::map();
+    of_type.set("type", YamlTree::text(type));
+    return of_type;
+  };
+  raw(visitor, key, tree, schema, description);
+}
+
+// ------------------------------------------------------------------------------------------------------------- blocks
+
+YamlTree run_schema() {
+  YamlTree schema = parse_yaml(generate_config_schema(), "run");
+  const auto of_a_file = [](const auto& entry) {
+    return entry.first == "$schema" || entry.first == "title" || entry.first == "version";
+  };
+  schema.entries.erase(std::remove_if(schema.entries.begin(), schema.entries.end(), of_a_file), schema.entries.end());
+  return schema;
+}
+
+YamlTree geometric_schema() {
+  GeometricSweepConfig config;
+  return schema_of_block([&config](FieldVisitor& visitor) { config.visit(visitor); });
+}
+
+void visit_blocks(FieldVisitor& visitor, SweepConfig& config, const fs::path& file) {
+  raw(visitor, "run", config.run, run_schema, "the configuration that is varied");
+  raw(visitor, "geometric", config.geometric_block, geometric_schema,
+      "mode geometric: what observations are drawn from");
+  if (!visitor.is_reading()) return;
+  visitor.check(visitor.given("geometric") == nullptr || config.geometric, "geometric", "belongs to mode: geometric");
+  for (auto& [key, value] : config.geometric_block.entries)
+    if (key == "measured" && value.is_scalar()) value.scalar = path_beside(file, value.scalar);
+  if (!config.run.is_null()) config.run = resolve_includes(config.run);
+  const YamlTree* scenes = config.run.find("scenes");
+  if (scenes == nullptr || (scenes->is_sequence() && scenes->items.empty())) return;
+  refuse(visitor, *scenes, "run.scenes", scenes->shown(),
+         "a sweep varies `scene` by an axis: world: {field: scene, values: [..], pool: true}");
+}
+
+// --------------------------------------------------------------------------------------------------------------- axes
+
+// The levels of a range, or why there are none.
+std::vector<double> values_of(const SweepRange& range, FieldVisitor& visitor) {
+  const bool has_step = range.step.has_value();
+  const bool one_way = has_step != (range.count > 0);
+  const bool log_works = !range.log || (!has_step && range.from > 0.0 && range.to > 0.0);
+  const double steps =
+      has_step ? std::floor((range.to - range.from) / *range.step + 1e-9) : static_cast<double>(range.count - 1);
+  const bool fits = steps >= 0.0 && steps < kMaxLevels;
+  visitor.check(one_way, "", "needs a step or a count");
+  visitor.check(log_works, "spacing", "log needs a count and ends above 0");
+  visitor.check(fits || !one_way, has_step ? "step" : "count", "must lead from `from` to `to` in at most 10000 levels");
+  if (!one_way || !log_works || !fits) return {};
+  std::vector<double> values;
+  for (int i = 0; i <= static_cast<int>(steps); ++i) {
+    const double share = steps > 0.0 ? i / steps : 0.0;
+    const double linear = has_step ? range.from + i * *range.step : range.from + share * (range.to - range.from);
+    const double value = range.log ? range.from * std::pow(range.to / range.from, share) : linear;
+    // 0.1 * 3 is 0.3 to a person.
+    values.push_back(parse_number(short_text(value, 12)).value_or(value));
   }
+  return values;
+}
 
- private:
-  void read_blocks() {
-    config_.run = YamlTree::map();
-    if (const YamlTree* run = map_.find("run"); run != nullptr && !run->is_null()) config_.run = resolve_includes(*run);
-    for (const char* key : {"name", "scenes"}) {
-      const YamlTree* entry = config_.run.find(key);
-      if (entry == nullptr || std::string(key) == "name") continue;
-      if (entry->is_sequence() && entry->items.empty()) continue;
-      problems_.add({entry->file, entry->line, "run.scenes", entry->shown(),
-                     "a sweep varies `scene` by an axis: world: {field: scene, values: [..], pool: true}"});
-    }
-    const YamlTree* geometric = map_.find("geometric");
-    config_.geometric_block = geometric == nullptr ? YamlTree::map() : *geometric;
-    for (auto& [key, value] : config_.geometric_block.entries)
-      if (key == "measured" && value.is_scalar()) value.scalar = path_beside(value.scalar);
-    if (geometric != nullptr && !config_.geometric) map_.problem("geometric", "belongs to mode: geometric");
+void check_field(FieldVisitor& visitor, const std::string& field, const YamlTree& where, const std::string& path,
+                 bool geometric) {
+  const std::vector<std::string>& known = known_fields();
+  if (std::find(known.begin(), known.end(), field) == known.end())
+    refuse(visitor, where, path, field, "is no field that can be varied; " + field_suggestion(field));
+  if (field.rfind(kGeometric, 0) == 0 && !geometric) refuse(visitor, where, path, field, "belongs to mode: geometric");
+}
+
+using LevelFields = std::vector<std::pair<std::string, YamlTree>>;
+
+// Its value is the label where that is a number, else its place.
+SweepLevel level_of(const std::string& label, LevelFields fields, std::size_t place) {
+  return {label, parse_number(label).value_or(static_cast<double>(place)), std::move(fields)};
+}
+
+std::vector<SweepLevel> levels_of_values(const SweepAxis& axis, FieldVisitor& visitor) {
+  std::vector<YamlTree> values = axis.values.items;
+  visitor.check(visitor.given("values") == nullptr || !values.empty(), "values", "must be a list");
+  for (const double value : axis.range ? axis.range->values : std::vector<double>()) {
+    values.push_back(YamlTree::number(value));
+    values.back().file = visitor.given("range")->file;
+    values.back().line = visitor.given("range")->line;
   }
+  std::vector<SweepLevel> levels;
+  for (const YamlTree& value : values)
+    levels.push_back(level_of(label_of(value), {{axis.field, value}}, levels.size()));
+  return levels;
+}
 
-  void read_axes() {
-    const YamlTree* axes = map_.find("axes");
-    if (axes == nullptr || axes->is_null()) return;
-    if (!axes->is_map()) return map_.problem("axes", "must be a block of axes by their names");
-    for (const auto& [name, tree] : axes->entries) read_axis(name, tree);
+std::vector<SweepLevel> levels_of_link(const SweepAxis& axis, FieldVisitor& visitor) {
+  const auto& fields = axis.link.entries;
+  visitor.check(!fields.empty(), "link", "must be a block of fields, each with a list of values");
+  const std::size_t count = fields.empty() ? 0 : fields.front().second.items.size();
+  for (const auto& [field, values] : fields) {
+    if (!values.items.empty() && values.items.size() == count) continue;
+    refuse(visitor, values, "axes." + axis.name + ".link." + field, values.shown(),
+           "must be a list, as long as those of the other fields");
+    return {};
   }
-
-  void read_axis(const std::string& name, const YamlTree& tree) {
-    static const std::set<std::string> taken = {"task",   "seed", "method", "subject", "camera",   "status",
-                                                "reason", "axis", "unit",   "tasks",   "answered", "n"};
-    const std::string path = "axes." + name;
-    if (!is_word(name, "_") || taken.count(name) > 0)
-      problems_.add(
-          {tree.file, tree.line, path, "", "the name of an axis is letters, digits and _, and no other column's"});
-    MapReader map(tree, path, &problems_);
-    SweepAxis axis;
-    axis.name = name;
-    axis.title = map.text("title").value_or(name);
-    axis.pooled = map.boolean("pool").value_or(false);
-    const int ways = map.has("values") + map.has("range") + map.has("link") + map.has("points");
-    if (ways != 1) map.problem("", "needs one of values, range, link, points");
-    if (map.has("values") || map.has("range")) read_field_axis(&map, &axis);
-    if (const YamlTree* link = map.find("link")) read_link(*link, &map, &axis);
-    if (const YamlTree* points = map.find("points")) read_points(*points, &map, &axis);
-    read_labels(&map, &axis);
-    map.finish();
-    refuse_equal_labels(tree, path, axis);
-    config_.axes.push_back(std::move(axis));
+  std::vector<SweepLevel> levels;
+  for (std::size_t i = 0; i < count; ++i) {
+    LevelFields linked;
+    for (const auto& [field, values] : fields) linked.emplace_back(field, values.items[i]);
+    levels.push_back(level_of(label_of(linked.front().second), linked, i));
   }
+  return levels;
+}
 
-  void read_field_axis(MapReader* map, SweepAxis* axis) {
-    map->require("field", "the dotted path of a field");
-    const std::optional<std::string> field = map->text("field");
-    if (!field) return;
-    check_field(*field, *map->find("field"), map->path_of("field"));
-    if (const YamlTree* values = map->find("values")) {
-      if (!values->is_sequence() || values->items.empty()) return map->problem("values", "must be a list");
-      for (const YamlTree& value : values->items) add_level(axis, {{*field, value}}, label_of(value));
-    }
-    if (const YamlTree* range = map->find("range"))
-      for (const YamlTree& value : values_of_range(*range, map->path_of("range")))
-        add_level(axis, {{*field, value}}, label_of(value));
+std::vector<SweepLevel> levels_of_points(const SweepAxis& axis, FieldVisitor& visitor) {
+  visitor.check(!axis.points.entries.empty(), "points",
+                "must be a block of points by their labels, each with the fields that it sets");
+  std::vector<SweepLevel> levels;
+  for (const auto& [label, point] : axis.points.entries) {
+    if (!point.is_map() && !point.is_null())
+      refuse(visitor, point, "axes." + axis.name + ".points." + label, point.shown(), "must be a block of fields");
+    levels.push_back(level_of(label, point.entries, levels.size()));
   }
+  return levels;
+}
 
-  std::vector<YamlTree> values_of_range(const YamlTree& tree, const std::string& path) {
-    MapReader map(tree, path, &problems_);
-    map.require("from", "a number");
-    map.require("to", "a number");
-    const auto from = map.number("from"), to = map.number("to"), step = map.number("step");
-    const auto count = map.integer("count", {1, static_cast<double>(kMaxLevels)});
-    const bool log = map.text("spacing", {"linear", "log"}).value_or("linear") == "log";
-    map.finish();
-    std::vector<YamlTree> values;
-    if (!from || !to) return values;
-    if (step.has_value() == count.has_value()) {
-      map.problem("", "needs a step or a count");
-      return values;
-    }
-    if (log && (step || *from <= 0.0 || *to <= 0.0)) {
-      map.problem("spacing", "log needs a count and ends above 0");
-      return values;
-    }
-    const double steps = step ? std::floor((*to - *from) / *step + 1e-9) : static_cast<double>(*count - 1);
-    if (!(steps >= 0.0) || steps >= static_cast<double>(kMaxLevels)) {
-      map.problem(step ? "step" : "count", "must lead from `from` to `to` in at most 10000 levels");
-      return values;
-    }
-    for (int i = 0; i <= static_cast<int>(steps); ++i) {
-      const double share = steps > 0.0 ? i / steps : 0.0;
-      double value = step ? *from + i * *step : *from + share * (*to - *from);
-      if (log) value = *from * std::pow(*to / *from, share);
-      // 0.1 * 3 is 0.3 to a person.
-      value = parse_number(short_text(value, 12)).value_or(value);
-      YamlTree node = YamlTree::number(value);
-      node.file = tree.file;
-      node.line = tree.line;
-      values.push_back(std::move(node));
-    }
-    return values;
+std::vector<SweepLevel> levels_of(const SweepAxis& axis, FieldVisitor& visitor) {
+  std::vector<SweepLevel> levels;
+  if (visitor.given("points") != nullptr)
+    levels = levels_of_points(axis, visitor);
+  else if (visitor.given("link") != nullptr)
+    levels = levels_of_link(axis, visitor);
+  else
+    levels = levels_of_values(axis, visitor);
+  visitor.check(axis.labels.empty() || axis.labels.size() == levels.size(), "labels",
+                "must be as many as the levels, " + std::to_string(levels.size()));
+  for (std::size_t i = 0; i < std::min(axis.labels.size(), levels.size()); ++i) levels[i].label = axis.labels[i];
+  return levels;
+}
+
+void check_axis(FieldVisitor& visitor, const SweepAxis& axis, bool geometric) {
+  const std::string path = "axes." + axis.name;
+  if (const YamlTree* field = visitor.given("field"); field != nullptr && !axis.field.empty())
+    check_field(visitor, axis.field, *field, path + ".field", geometric);
+  for (const auto& [field, values] : axis.link.entries) check_field(visitor, field, values, path + ".link", geometric);
+  for (const auto& [label, point] : axis.points.entries)
+    for (const auto& [field, value] : point.entries)
+      check_field(visitor, field, value, path + ".points." + label, geometric);
+  std::set<std::string> seen;
+  for (const SweepLevel& level : axis.levels)
+    visitor.check(seen.insert(level.label).second, "",
+                  level.label + ": two levels have this label; `labels` tells them apart");
+}
+
+void visit_axis(FieldVisitor& visitor, SweepAxis& axis, bool geometric) {
+  const auto given = [&visitor](const char* key) { return visitor.given(key) != nullptr; };
+  if (given("values") || given("range")) visitor.require("field", "the dotted path of a field");
+  visitor.optional("field", axis.field, "dotted path of a run's field, of geometric.*, or images");
+  raw(visitor, "values", axis.values, "array", "any values that the field takes");
+  visitor.nested("range", axis.range, "both ends included; a step or a count");
+  raw(visitor, "link", axis.link, "object", "fields varied together: lists of one length");
+  raw(visitor, "points", axis.points, "object", "named points, each with the fields that it sets");
+  if (visitor.takes("labels", !axis.labels.empty())) visitor.field("labels", axis.labels, "of the levels");
+  visitor.optional("title", axis.title, "of the axis, for people and figures; default its name");
+  if (visitor.takes("pool", axis.pooled))
+    visitor.field("pool", axis.pooled, "the summary takes the levels as repetitions");
+  if (!visitor.is_reading()) return;
+  visitor.check(given("values") + given("range") + given("link") + given("points") == 1, "",
+                "needs one of values, range, link, points");
+  axis.levels = levels_of(axis, visitor);
+  check_axis(visitor, axis, geometric);
+}
+
+void visit_axes(FieldVisitor& visitor, SweepConfig& config) {
+  static const std::set<std::string> taken = {"task", "seed", "method", "subject", "camera",   "status", "reason",
+                                              "code", "axis", "unit",   "tasks",   "answered", "n"};
+  const bool geometric = config.geometric;
+  FieldMap axes = map_by_name(
+      config.axes, [geometric](FieldVisitor& inner, SweepAxis& axis) { visit_axis(inner, axis, geometric); });
+  axes.is_name = [](const std::string& name) { return is_word(name, "_") && taken.count(name) == 0; };
+  axes.name_rule = "the name of an axis is letters, digits and _, and no other column's";
+  if (visitor.takes("axes", !config.axes.empty()))
+    visitor.map("axes", axes, "axes by their names; every combination of levels is a point");
+}
+
+// -------------------------------------------------------------------------------------------------------------- seeds
+
+const std::vector<std::string>& seed_names() {
+  static const std::vector<std::string> names = {"seed", "sensing.seed", "odometry.seed"};
+  return names;
+}
+
+YamlTree either(std::vector<YamlTree> kinds) {
+  YamlTree schema = YamlTree::map();
+  schema.set("anyOf", YamlTree::sequence()).items = std::move(kinds);
+  return schema;
+}
+
+YamlTree list_of(YamlTree items) {
+  YamlTree schema = YamlTree::map();
+  schema.set("type", YamlTree::text("array"));
+  schema.set("items", std::move(items));
+  return schema;
+}
+
+YamlTree seed_schema() { return parse_yaml("{type: integer, minimum: 0}", "seeds"); }
+
+std::vector<std::int64_t> read_seed_list(const YamlTree& tree, const std::string& path, Problems* problems) {
+  std::vector<std::int64_t> seeds;
+  if (!tree.is_sequence() || tree.items.empty() || tree.items.size() > static_cast<std::size_t>(kMaxLevels))
+    problems->add({tree.file, tree.line, path, tree.shown(), "must be a list of whole numbers"});
+  for (const YamlTree& item : tree.items) {
+    const auto seed = read_integer(item, path, {0.0, kMaxSeed}, problems);
+    if (!seed) continue;
+    if (std::find(seeds.begin(), seeds.end(), *seed) != seeds.end())
+      problems->add({item.file, item.line, path, item.shown(), "is in the list twice"});
+    seeds.push_back(*seed);
   }
+  return seeds;
+}
 
-  void read_link(const YamlTree& link, MapReader* map, SweepAxis* axis) {
-    if (!link.is_map() || link.entries.empty())
-      return map->problem("link", "must be a block of fields, each with a list of values");
-    std::size_t count = 0;
-    for (const auto& [field, values] : link.entries) {
-      check_field(field, values, map->path_of("link"));
-      if (!values.is_sequence() || values.items.empty() || (count != 0 && values.items.size() != count))
-        return problems_.add({values.file, values.line, map->path_of("link") + "." + field, values.shown(),
-                              "must be a list, as long as those of the other fields"});
-      count = values.items.size();
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      std::vector<std::pair<std::string, YamlTree>> fields;
-      for (const auto& [field, values] : link.entries) fields.emplace_back(field, values.items[i]);
-      const std::string label = label_of(fields.front().second);
-      add_level(axis, std::move(fields), label);
-    }
-  }
+std::vector<std::int64_t> counted_seeds(std::int64_t first, std::int64_t count) {
+  std::vector<std::int64_t> seeds;
+  for (std::int64_t i = 0; i < count; ++i) seeds.push_back(first + i);
+  return seeds;
+}
 
-  void read_points(const YamlTree& points, MapReader* map, SweepAxis* axis) {
-    if (!points.is_map() || points.entries.empty())
-      return map->problem("points", "must be a block of points by their labels, each with the fields that it sets");
-    for (const auto& [label, point] : points.entries) {
-      if (!point.is_map() && !point.is_null()) {
-        problems_.add(
-            {point.file, point.line, map->path_of("points") + "." + label, point.shown(), "must be a block of fields"});
-        continue;
-      }
-      std::vector<std::pair<std::string, YamlTree>> fields;
-      for (const auto& [field, value] : point.entries) {
-        check_field(field, value, map->path_of("points") + "." + label);
-        fields.emplace_back(field, value);
-      }
-      add_level(axis, std::move(fields), label);
-    }
-  }
+void visit_seed_fields(FieldVisitor& visitor, std::vector<std::string>& fields) {
+  const auto read = [&fields](const YamlTree& tree, const std::string& path, Problems* problems) {
+    fields = tree.is_sequence() ? read_texts(tree, path, problems).value_or(std::vector<std::string>())
+                                : std::vector<std::string>{tree.scalar};
+    for (const std::string& name : fields)
+      if (std::find(seed_names().begin(), seed_names().end(), name) == seed_names().end())
+        problems->add({tree.file, tree.line, path, name, "is no seed; " + suggestion(name, seed_names())});
+  };
+  const auto schema = [] {
+    YamlTree name = YamlTree::map();
+    name.set("enum", YamlTree::texts(seed_names()));
+    return either({name, list_of(name)});
+  };
+  const auto write = [&fields] {
+    return fields.empty() ? std::nullopt : std::optional<YamlTree>(YamlTree::texts(fields));
+  };
+  visitor.value("field", {read, write, schema}, "what the seeds are given to; default seed");
+}
 
-  static void add_level(SweepAxis* axis, std::vector<std::pair<std::string, YamlTree>> fields,
-                        const std::string& label) {
-    SweepLevel level;
-    level.label = label;
-    const std::optional<double> number = parse_number(label);
-    level.value = number ? *number : static_cast<double>(axis->levels.size());
-    level.fields = std::move(fields);
-    axis->levels.push_back(std::move(level));
-  }
+void visit_seed_block(FieldVisitor& visitor, SweepConfig& config) {
+  std::int64_t first = 0, count = 1;
+  visit_seed_fields(visitor, config.seed_fields);
+  if (visitor.takes("first", false))
+    visitor.field("first", first, {0.0, kMaxSeed}, "of `count` that follow each other");
+  if (visitor.takes("count", false)) visitor.field("count", count, {1.0, kMaxLevels}, "of seeds");
+  const auto read = [&config](const YamlTree& tree, const std::string& path, Problems* problems) {
+    config.seeds = read_seed_list(tree, path, problems);
+  };
+  const auto write = [&config]() -> std::optional<YamlTree> {
+    if (config.seed_fields.empty()) return std::nullopt;
+    YamlTree list = YamlTree::sequence();
+    list.flow = true;
+    for (const std::int64_t seed : config.seeds) list.add(YamlTree::integer(seed));
+    return list;
+  };
+  visitor.value("values", {read, write, [] { return list_of(seed_schema()); }}, "the seeds, one by one");
+  if (!visitor.is_reading()) return;
+  const bool counts = visitor.given("count") != nullptr, lists = visitor.given("values") != nullptr;
+  visitor.check(counts || lists, "", "needs a count, or values");
+  visitor.check(!lists || (!counts && visitor.given("first") == nullptr), "values",
+                "stands instead of first and count");
+  if (!lists) config.seeds = counted_seeds(first, count);
+}
 
-  static void read_labels(MapReader* map, SweepAxis* axis) {
-    const std::optional<std::vector<std::string>> labels = map->texts("labels");
-    if (!labels) return;
-    if (labels->size() != axis->levels.size())
-      return map->problem("labels", "must be as many as the levels, " + std::to_string(axis->levels.size()));
-    for (std::size_t i = 0; i < labels->size(); ++i) axis->levels[i].label = (*labels)[i];
-  }
+void visit_seeds(FieldVisitor& visitor, SweepConfig& config) {
+  const auto visit = [&config](FieldVisitor& block) { visit_seed_block(block, config); };
+  const auto read = [&config, &visit](const YamlTree& tree, const std::string& path, Problems* problems) {
+    config.seed_fields = {seed_names().front()};
+    if (tree.is_sequence())
+      config.seeds = read_seed_list(tree, path, problems);
+    else if (tree.is_scalar())
+      config.seeds = counted_seeds(0, read_integer(tree, path, {1.0, kMaxLevels}, problems).value_or(1));
+    else
+      read_fields_of_block(tree, path, problems, visit);
+  };
+  const auto write = [&config, &visit] {
+    return config.seed_fields.empty() ? std::nullopt : std::optional<YamlTree>(tree_of_fields(visit));
+  };
+  const auto schema = [&visit] {
+    return either({parse_yaml("{type: integer, minimum: 1}", "seeds"), list_of(seed_schema()), schema_of_block(visit)});
+  };
+  visitor.value("seeds", {read, write, schema},
+                "repetitions of every point, on the same seeds: a number, a list, or a block");
+}
 
-  void refuse_equal_labels(const YamlTree& tree, const std::string& path, const SweepAxis& axis) {
-    std::set<std::string> seen;
+// ------------------------------------------------------------------------------------------------------------ methods
+
+// One from outside, or settings in a file, by an absolute path.
+std::string method_path(const fs::path& file, const std::string& method) {
+  const bool ml = method.rfind(kMlPrefix, 0) == 0;
+  const std::string prefix = ml ? kMlPrefix : kExternal;
+  if (method.rfind(prefix, 0) != 0 || (ml && !names_ml_file(method.substr(prefix.size())))) return method;
+  return prefix + path_beside(file, method.substr(prefix.size()));
+}
+
+void visit_network(FieldVisitor& visitor, const char* key, bool or_sift, std::string& value, const fs::path& file,
+                   const char* description) {
+  const std::string onnx = "onnx:";
+  visitor.field(key, value, TextChoices{}, description);
+  if (visitor.given(key) == nullptr) return;
+  const bool is_network = value.rfind(onnx, 0) == 0 && value.size() > onnx.size();
+  visitor.check(is_network || (or_sift && value == "sift"), key,
+                or_sift ? "must be sift or onnx:FILE" : "must be onnx:FILE");
+  if (is_network) value = onnx + path_beside(file, value.substr(onnx.size()));
+}
+
+// What differs from what holds anyway.
+void visit_vision(FieldVisitor& visitor, SweepVision& vision, const SweepVision& usual, const fs::path& file) {
+  if (visitor.takes("ground", vision.ground != usual.ground))
+    visitor.field("ground", vision.ground, TextChoices{ground_source_names()}, "where the ground planes come from");
+  if (visitor.takes("features", vision.features != usual.features))
+    visit_network(visitor, "features", true, vision.features, file,
+                  "where methods that follow features get them: sift, or onnx:FILE");
+  if (visitor.takes("horizon", vision.horizon != usual.horizon))
+    visit_network(visitor, "horizon", false, vision.horizon, file,
+                  "network that sees horizon and way ahead: onnx:FILE");
+}
+
+// A text, or a block of a method with what is special about it.
+void visit_method(FieldVisitor& visitor, SweepMethodChoice& choice, const SweepVision& usual, const fs::path& file) {
+  static const char* const kNames = "as `rigproof methods` lists them, or external:FILE.yaml";
+  const auto read = [&](const std::string& text) { choice.method = method_path(file, text); };
+  const auto write = [&] {
+    const bool says_all = choice.name.empty() && choice.vision.text() == usual.text();
+    return says_all ? std::optional<std::string>(choice.method) : std::nullopt;
+  };
+  if (visitor.instead({{}, "ml:KEY=VALUE,.. or ml:FILE.yaml (schema ml), too", read, write})) return;
+  visitor.on_one_line();
+  visitor.require("method", kNames);
+  visitor.field("method", choice.method, TextChoices{}, kNames);
+  if (visitor.is_reading()) choice.method = method_path(file, choice.method);
+  visitor.optional("name", choice.name, "in the tables; default the method's own");
+  visitor.check(choice.name.empty() || is_word(choice.name, kNameSigns), "name", kNameRule);
+  visit_vision(visitor, choice.vision, usual, file);
+}
+
+void visit_methods(FieldVisitor& visitor, SweepConfig& config, const fs::path& file) {
+  visit_vision(visitor, config.vision, SweepVision(), file);
+  const auto resize = [&config](std::size_t size) { config.methods.assign(size, {"ml", "", config.vision}); };
+  if (visitor.is_reading()) resize(1);
+  visitor.list(
+      "methods", [&config] { return config.methods.size(); }, resize,
+      [&](std::size_t i, FieldVisitor& inner) { visit_method(inner, config.methods[i], config.vision, file); },
+      "as `rigproof methods` lists them, or external:FILE.yaml; or a block with what is special");
+  visitor.check(!config.methods.empty(), "methods", "must name a method");
+}
+
+void visit_reference(FieldVisitor& visitor, SweepConfig& config, const fs::path& file) {
+  std::set<std::string> labels;
+  for (const SweepMethodChoice& choice : config.methods)
+    visitor.check(labels.insert(choice.label()).second, "methods",
+                  choice.label() + " is in the list twice; `name` tells one method's variants apart");
+  const bool has_ml = labels.count("ml") > 0 || config.methods.empty();
+  if (visitor.is_reading()) config.reference = has_ml ? "ml" : config.methods.front().label();
+  visitor.field("reference", config.reference, TextChoices{}, "method that the others are tested against");
+  if (labels.count(config.reference) == 0) config.reference = method_path(file, config.reference);
+  visitor.check(labels.count(config.reference) > 0 || visitor.given("reference") == nullptr, "reference",
+                "must be one of the methods");
+}
+
+// -------------------------------------------------------------------------------------------------------------- whole
+
+void refuse_fields_set_twice(FieldVisitor& visitor, const SweepConfig& config) {
+  std::map<std::string, std::string> set_by;
+  if (config.seeds.size() > 1)
+    for (const std::string& field : config.seed_fields) set_by[field] = "the seeds";
+  for (const SweepAxis& axis : config.axes) {
+    std::set<std::string> fields;
     for (const SweepLevel& level : axis.levels)
-      if (!seen.insert(level.label).second)
-        problems_.add(
-            {tree.file, tree.line, path, level.label, "two levels have this label; `labels` tells them apart"});
-  }
-
-  void check_field(const std::string& field, const YamlTree& where, const std::string& path) {
-    const std::vector<std::string>& known = known_fields();
-    if (std::find(known.begin(), known.end(), field) == known.end())
-      problems_.add(
-          {where.file, where.line, path, field, "is no field that can be varied; " + field_suggestion(field)});
-    if (field.rfind(kGeometric, 0) == 0 && !config_.geometric)
-      problems_.add({where.file, where.line, path, field, "belongs to mode: geometric"});
-  }
-
-  void read_seeds() {
-    const YamlTree* tree = map_.find("seeds");
-    if (tree == nullptr) return config_.seed_fields.clear();  // the run's own
-    if (tree->is_scalar()) {
-      if (const auto count = map_.integer("seeds", {1, static_cast<double>(kMaxLevels)})) count_seeds(0, *count);
-      return;
-    }
-    if (tree->is_sequence()) return read_seed_list(*tree, "seeds");
-    MapReader map(*tree, "seeds", &problems_);
-    if (const YamlTree* field = map.find("field")) {
-      config_.seed_fields = field->is_sequence() ? map.texts("field").value_or(std::vector<std::string>{})
-                                                 : std::vector<std::string>{field->scalar};
-      for (const std::string& name : config_.seed_fields) check_seed_field(name, *field);
-    }
-    const auto first = map.integer("first", {0, static_cast<double>(kMaxSeed)});
-    const auto count = map.integer("count", {1, static_cast<double>(kMaxLevels)});
-    if (const YamlTree* values = map.find("values")) {
-      if (first || count) map.problem("values", "stands instead of first and count");
-      read_seed_list(*values, "seeds.values");
-    } else if (count) {
-      count_seeds(first.value_or(0), *count);
-    } else {
-      map.problem("", "needs a count, or values");
-    }
-    map.finish();
-  }
-
-  void check_seed_field(const std::string& name, const YamlTree& where) {
-    static const std::vector<std::string> fields = {"seed", "sensing.seed", "odometry.seed"};
-    if (std::find(fields.begin(), fields.end(), name) == fields.end())
-      problems_.add({where.file, where.line, "seeds.field", name, "is no seed; " + suggestion(name, fields)});
-  }
-
-  void read_seed_list(const YamlTree& tree, const std::string& path) {
-    config_.seeds.clear();
-    if (!tree.is_sequence() || tree.items.empty() || tree.items.size() > kMaxLevels)
-      return problems_.add({tree.file, tree.line, path, tree.shown(), "must be a list of whole numbers"});
-    for (const YamlTree& item : tree.items) {
-      const auto seed = read_integer(item, path, {0, static_cast<double>(kMaxSeed)}, &problems_);
-      if (!seed) continue;
-      if (std::find(config_.seeds.begin(), config_.seeds.end(), *seed) != config_.seeds.end())
-        problems_.add({item.file, item.line, path, item.shown(), "is in the list twice"});
-      config_.seeds.push_back(*seed);
+      for (const auto& [field, value] : level.fields) fields.insert(field);
+    for (const std::string& field : fields) {
+      const auto [other, is_new] = set_by.emplace(field, "axis " + axis.name);
+      visitor.check(is_new, "axes", field + " is set by axis " + axis.name + " and by " + other->second);
     }
   }
+}
 
-  void count_seeds(std::int64_t first, std::int64_t count) {
-    config_.seeds.clear();
-    for (std::int64_t i = 0; i < count; ++i) config_.seeds.push_back(first + i);
-  }
-
-  // A file that is named here, relative to this file, else to the working folder.
-  std::string path_beside(const fs::path& named) const {
-    const fs::path beside = fs::absolute(file_).parent_path() / named;
-    std::error_code ignored;
-    return (fs::exists(beside, ignored) ? beside : fs::absolute(named)).lexically_normal().string();
-  }
-
-  void read_methods() {
-    config_.vision = read_vision(&map_, SweepVision());
-    if (const YamlTree* methods = map_.find("methods")) {
-      config_.methods.clear();
-      if (!methods->is_sequence()) map_.problem("methods", "must be a list");
-      for (const YamlTree& item : methods->items) read_method(item);
-      if (methods->is_sequence() && methods->items.empty()) map_.problem("methods", "must name a method");
-    }
-    for (SweepMethodChoice& choice : config_.methods)
-      if (!map_.has("methods")) choice.vision = config_.vision;
-    std::set<std::string> labels;
-    for (const SweepMethodChoice& choice : config_.methods)
-      if (!labels.insert(choice.label()).second)
-        map_.problem("methods", choice.label() + " is in the list twice; `name` tells one method's variants apart");
-    const auto named = map_.text("reference");
-    config_.reference = labels.count("ml") > 0 || config_.methods.empty() ? "ml" : config_.methods.front().label();
-    if (named) config_.reference = labels.count(*named) > 0 ? *named : method_path(*named);
-    if (named && labels.count(config_.reference) == 0) map_.problem("reference", "must be one of the methods");
-  }
-
-  // A text, or a block of a method with what is special about it.
-  void read_method(const YamlTree& item) {
-    SweepMethodChoice choice;
-    choice.vision = config_.vision;
-    if (!item.is_map()) {
-      const auto name = read_text(item, "methods", {}, &problems_);
-      if (!name) return;
-      choice.method = method_path(*name);
-    } else {
-      MapReader map(item, "methods", &problems_);
-      map.require("method", "as `rigproof methods` lists them, or external:FILE.yaml");
-      if (const auto method = map.text("method")) choice.method = method_path(*method);
-      choice.name = map.text("name").value_or("");
-      if (!choice.name.empty() && !is_word(choice.name, "_-.+"))
-        map.problem("name", "must be letters, digits, _, -, + and .");
-      choice.vision = read_vision(&map, config_.vision);
-      map.finish();
-    }
-    config_.methods.push_back(std::move(choice));
-  }
-
-  SweepVision read_vision(MapReader* map, SweepVision vision) {
-    vision.ground = map->text("ground", ground_source_names()).value_or(vision.ground);
-    const std::string onnx = "onnx:";
-    const auto network = [&](const char* key, bool or_sift, std::string* value) {
-      const auto text = map->text(key);
-      if (!text) return;
-      const bool is_network = text->rfind(onnx, 0) == 0 && text->size() > onnx.size();
-      *value = is_network ? onnx + path_beside(text->substr(onnx.size())) : *text;
-      if (!is_network && !(or_sift && *text == "sift"))
-        map->problem(key, or_sift ? "must be sift or onnx:FILE" : "must be onnx:FILE");
-    };
-    network("features", true, &vision.features);
-    network("horizon", false, &vision.horizon);
-    return vision;
-  }
-
-  // One from outside, or settings in a file, by an absolute path.
-  std::string method_path(const std::string& method) const {
-    const bool ml = method.rfind(kMlPrefix, 0) == 0;
-    const std::string prefix = ml ? kMlPrefix : kExternal;
-    if (ml && !names_ml_file(method.substr(prefix.size()))) return method;
-    return method.rfind(prefix, 0) == 0 ? prefix + path_beside(method.substr(prefix.size())) : method;
-  }
-
-  void refuse_fields_set_twice() {
-    std::map<std::string, std::string> set_by;
-    if (config_.seeds.size() > 1)
-      for (const std::string& field : config_.seed_fields) set_by[field] = "the seeds";
-    for (const SweepAxis& axis : config_.axes) {
-      std::set<std::string> fields;
-      for (const SweepLevel& level : axis.levels)
-        for (const auto& [field, value] : level.fields) fields.insert(field);
-      for (const std::string& field : fields) {
-        const auto [other, is_new] = set_by.emplace(field, "axis " + axis.name);
-        if (!is_new) map_.problem("axes", field + " is set by axis " + axis.name + " and by " + other->second);
-      }
-    }
-  }
-
-  // What the sweep's folder keeps.
-  void resolve() {
-    YamlTree& tree = config_.resolved = YamlTree::map();
-    tree.set("name", YamlTree::text(config_.name));
-    tree.set("mode", YamlTree::text(config_.geometric ? "geometric" : "rendered"));
-    tree.set("run", config_.run);
-    if (config_.geometric) tree.set("geometric", config_.geometric_block);
-    if (const YamlTree* axes = map_.find("axes"); axes != nullptr && !axes->is_null()) tree.set("axes", *axes);
-    resolve_seeds(&tree);
-    set_vision(config_.vision, SweepVision(), &tree);
-    YamlTree& methods = tree.set("methods", YamlTree::sequence());
-    for (const SweepMethodChoice& choice : config_.methods) methods.add(resolved_method(choice));
-    tree.set("reference", YamlTree::text(config_.reference));
-  }
-
-  YamlTree resolved_method(const SweepMethodChoice& choice) const {
-    if (choice.name.empty() && choice.vision.text() == config_.vision.text()) return YamlTree::text(choice.method);
-    YamlTree tree = YamlTree::inline_map();
-    tree.set("method", YamlTree::text(choice.method));
-    if (!choice.name.empty()) tree.set("name", YamlTree::text(choice.name));
-    set_vision(choice.vision, config_.vision, &tree);
-    return tree;
-  }
-
-  // What differs from what holds anyway.
-  static void set_vision(const SweepVision& vision, const SweepVision& usual, YamlTree* tree) {
-    if (vision.ground != usual.ground) tree->set("ground", YamlTree::text(vision.ground));
-    if (vision.features != usual.features) tree->set("features", YamlTree::text(vision.features));
-    if (vision.horizon != usual.horizon) tree->set("horizon", YamlTree::text(vision.horizon));
-  }
-
-  void resolve_seeds(YamlTree* tree) const {
-    if (config_.seed_fields.empty()) return;
-    YamlTree& seeds = tree->set("seeds", YamlTree::map());
-    YamlTree& fields = seeds.set("field", YamlTree::sequence());
-    for (const std::string& field : config_.seed_fields) fields.add(YamlTree::text(field));
-    YamlTree& values = seeds.set("values", YamlTree::sequence());
-    values.flow = true;
-    for (const std::int64_t seed : config_.seeds) values.add(YamlTree::integer(seed));
-  }
-
-  Problems problems_;
-  MapReader map_;
-  fs::path file_;
-  SweepConfig config_;
-};
+// `file` is what the names of other files are relative to.
+void visit_sweep(FieldVisitor& visitor, SweepConfig& config, const fs::path& file) {
+  visitor.field("name", config.name, TextChoices{}, "of the sweep; default the file's name");
+  visitor.check(is_word(config.name, kNameSigns), "name", kNameRule);
+  visitor.choice("mode", config.geometric, {{"rendered", false}, {"geometric", true}},
+                 "rendered: with images; geometric: observations drawn from geometry and noise, without images");
+  visit_blocks(visitor, config, file);
+  visit_axes(visitor, config);
+  visit_seeds(visitor, config);
+  visit_methods(visitor, config, file);
+  visit_reference(visitor, config, file);
+  refuse_fields_set_twice(visitor, config);
+}
 
 }  // namespace
 
 std::string SweepVision::text() const {
   return "ground " + ground + ", features " + features + (horizon.empty() ? "" : ", horizon " + horizon);
+}
+
+void SweepRange::visit(FieldVisitor& visitor) {
+  const std::size_t before = visitor.is_reading() ? visitor.problems()->all().size() : 0;
+  visitor.required("from", from, {}, "first level");
+  visitor.required("to", to, {}, "last level");
+  visitor.field("step", step, {}, "from level to level");
+  if (visitor.takes("count", count > 0))
+    visitor.field("count", count, {0.0, kMaxLevels}, "of levels, instead of a step; 0 = none");
+  visitor.choice("spacing", log, {{"linear", false}, {"log", true}}, "log: levels have one ratio");
+  if (!visitor.is_reading() || visitor.problems()->all().size() > before) return;
+  values = values_of(*this, visitor);
 }
 
 void GeometricSweepConfig::visit(FieldVisitor& visitor) {
@@ -499,7 +555,21 @@ void GeometricSweepConfig::visit(FieldVisitor& visitor) {
 SweepConfig load_sweep_config(const fs::path& file, const std::vector<std::string>& overrides) {
   YamlTree tree = read_yaml_file(file);
   if (!overrides.empty()) merge_into(&tree, parse_yaml(overrides_as_yaml(overrides), "--set"));
-  return ConfigReader(tree, file).read();
+  SweepConfig config;
+  config.name = file.stem().string();
+  read_fields_of_tree(tree, [&](FieldVisitor& visitor) { visit_sweep(visitor, config, file); });
+  plan_sweep(config);  // throws where a level's value is not allowed
+  return config;
+}
+
+YamlTree resolved_sweep(SweepConfig config) {
+  return tree_of_fields([&config](FieldVisitor& visitor) { visit_sweep(visitor, config, {}); });
+}
+
+std::string sweep_config_schema() {
+  SweepConfig config;
+  return schema_of_fields("Rigproof sweep", [&config](FieldVisitor& visitor) { visit_sweep(visitor, config, {}); },
+                          {1, false});
 }
 
 }  // namespace rigproof

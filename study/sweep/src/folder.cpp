@@ -64,7 +64,7 @@ SweepRows table_of(const SweepConfig& config, const SweepPlan& plan, const std::
   table.name = config.name;
   for (const SweepAxis& axis : config.axes) {
     table.axes.push_back(axis.name);
-    table.axis_titles.push_back(axis.title);
+    table.axis_titles.push_back(axis.title.empty() ? axis.name : axis.title);
     table.pooled.push_back(axis.pooled);
     std::vector<std::string>& labels = table.levels.emplace_back();
     std::vector<double>& values = table.level_values.emplace_back();

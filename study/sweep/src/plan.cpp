@@ -55,167 +55,182 @@ std::string render_group_of(const GenerateConfig& config) {
   return sha256_hex(resolved_text(group));
 }
 
-class Planner {
- public:
-  explicit Planner(const SweepConfig& config) : config_(config) {}
-
-  SweepPlan plan() {
-    std::size_t count = config_.seeds.size();
-    for (const SweepAxis& axis : config_.axes) {
-      count *= axis.levels.size();
-      if (count > kMaxTasks)
-        throw Error(config_.name + ": more than " + std::to_string(kMaxTasks) + " tasks: fewer levels or seeds");
-    }
-    std::vector<std::size_t> levels(config_.axes.size(), 0);
-    do {
-      for (const std::int64_t seed : config_.seeds) add_task(levels, seed);
-    } while (next(&levels));
-    problems_.throw_if_any();
-    return std::move(plan_);
-  }
-
- private:
-  bool next(std::vector<std::size_t>* levels) const {
-    for (std::size_t i = levels->size(); i-- > 0;) {
-      if (++(*levels)[i] < config_.axes[i].levels.size()) return true;
-      (*levels)[i] = 0;
-    }
-    return false;
-  }
-
-  void add_task(const std::vector<std::size_t>& levels, std::int64_t seed) {
-    SweepTask task;
-    task.levels = levels;
-    task.seed = seed;
-    YamlTree run = config_.run, geometric = config_.geometric_block, images;
-    set_levels(levels, seed, &run, &geometric, &images);
-    Problems problems;
-    read_fields_of_block(run, "run", &problems, [&task](FieldVisitor& visitor) { task.config.visit(visitor); });
-    task.config.scenes.clear();
-    if (config_.seed_fields.empty()) task.seed = task.config.seed;
-    task.config.name.clear();
-    if (config_.geometric)
-      read_fields_of_block(geometric, "geometric", &problems,
-                           [&task](FieldVisitor& visitor) { task.geometric.visit(visitor); });
-    read_images(images, &task, &problems);
-    check_geometric(task, &problems);
-    for (const Problem& problem : problems.all())
-      if (told_.insert(problem.text()).second) problems_.add(problem);
-    if (problems_.empty()) finish_task(std::move(task));
-  }
-
-  void set_levels(const std::vector<std::size_t>& levels, std::int64_t seed, YamlTree* run, YamlTree* geometric,
-                  YamlTree* images) const {
-    for (const std::string& field : config_.seed_fields) set_field(run, field, YamlTree::integer(seed));
-    const std::string prefix = "geometric.";
-    for (std::size_t i = 0; i < levels.size(); ++i) {
-      for (const auto& [field, value] : config_.axes[i].levels[levels[i]].fields) {
-        if (field == "images")
-          *images = value;
-        else if (field.rfind(prefix, 0) == 0)
-          set_field(geometric, field.substr(prefix.size()), value);
-        else
-          set_field(run, field, value);
-      }
-    }
-  }
-
-  static void read_images(const YamlTree& images, SweepTask* task, Problems* problems) {
-    if (images.is_null()) return;
-    const auto count = read_integer(images, "images", {1, 1e6}, problems);
-    if (!count) return;
-    task->images = *count;
-    if (task->config.viewpoints.planner == "sampled" && *count > task->config.poses)
-      problems->add({images.file, images.line, "images", images.shown(),
-                     "must be at most the run's poses, " + std::to_string(task->config.poses)});
-  }
-
-  // Fields that would have no effect are a slip of whoever varies them.
-  void check_geometric(const SweepTask& task, Problems* problems) const {
-    if (!config_.geometric) return;
-    const GenerateConfig& config = task.config;
-    const auto problem = [&](const char* field, const std::string& value, const char* message) {
-      problems->add({config_.run.file, config_.run.line, std::string("run.") + field, value, message});
-    };
-    if (config.motion != "teleport") problem("motion", config.motion, "must be teleport in mode geometric");
-    if (task.geometric.rig == "run") return;
-    if (config.odometry.model != "per_increment" && config.odometry.model != "per_pose")
-      problem("odometry.model", config.odometry.model,
-              "must be per_increment or per_pose in mode geometric, unless geometric.rig is run");
-    if (!plan_.tasks.empty()) return;
-    static const std::set<std::string> effective = {"seed",
-                                                    "poses",
-                                                    "odometry.model",
-                                                    "odometry.lambda",
-                                                    "odometry.scale",
-                                                    "odometry.yaw_factor",
-                                                    "odometry.declared",
-                                                    "odometry.seed"};
-    for (const SweepAxis& axis : config_.axes)
-      for (const SweepLevel& level : axis.levels)
-        for (const auto& [field, value] : level.fields)
-          if (effective.count(field) == 0 && field != "images" && field.rfind("geometric.", 0) != 0)
-            problems->add({value.file, value.line, "axes." + axis.name, field,
-                           "has no effect in mode geometric unless geometric.rig is run"});
-  }
-
-  const std::string& inputs_of(const GenerateConfig& config) {
-    GenerateConfig part;
-    part.scene = config.scene;
-    part.rig = config.rig;
-    part.randomize = config.randomize;
-    part.board = config.board;
-    part.seed = config.seed;
-    std::string& text = inputs_[resolved_text(part)];
-    if (text.empty()) text = joined(run_inputs(config), "\n") + "\n";
-    return text;
-  }
-
-  // A file that the geometric mode takes noise from: another content, another task.
-  const std::string& content_of(const std::string& file) {
-    std::string& hash = contents_[file];
-    if (!file.empty() && hash.empty()) {
-      load_observations(file);
-      hash = sha256_hex_of_file(file);
-    }
-    return hash;
-  }
-
-  void finish_task(SweepTask task) {
-    const bool needs_world = !config_.geometric || task.geometric.rig == "run";
-    std::string text = kFormat + std::string(version()) + "\n" + resolved_text(task.config);
-    if (needs_world) text += std::string(World::mujoco_version()) + "\n" + inputs_of(task.config);
-    if (config_.geometric) text += text_of(task.geometric) + content_of(task.geometric.measured);
-    text += "images: " + std::to_string(task.images) + "\n";
-    task.key = sha256_hex(text).substr(0, kKeyDigits);
-    if (!config_.geometric) task.pictures = add_pictures(task.config);
-    plan_.tasks.push_back(std::move(task));
-  }
-
-  std::string add_pictures(const GenerateConfig& config) {
-    PictureSet set;
-    set.config = picture_config(config);
-    const std::string text = kFormat + generator_version() + " pictures\n" + resolved_text(set.config) +
-                             World::mujoco_version() + "\n" + inputs_of(config);
-    set.key = sha256_hex(text).substr(0, 2 * kKeyDigits);
-    if (sets_.insert(set.key).second) {
-      set.render_group = render_group_of(set.config);
-      plan_.pictures.push_back(set);
-    }
-    return set.key;
-  }
-
-  const SweepConfig& config_;
-  SweepPlan plan_;
-  Problems problems_;
-  std::set<std::string> told_;
-  std::set<std::string> sets_;
-  std::map<std::string, std::string> inputs_;
-  std::map<std::string, std::string> contents_;
+// What is read of files or hashed once for all tasks.
+struct Seen {
+  std::map<std::string, std::string> inputs;    // by the part of the configuration that names them
+  std::map<std::string, std::string> contents;  // hashes of files
 };
+
+// The next point, the last axis fastest; false after the last one.
+bool next(const SweepConfig& config, std::vector<std::size_t>* levels) {
+  for (std::size_t i = levels->size(); i-- > 0;) {
+    if (++(*levels)[i] < config.axes[i].levels.size()) return true;
+    (*levels)[i] = 0;
+  }
+  return false;
+}
+
+// What a task's fields are read from.
+struct TaskBlocks {
+  YamlTree run, geometric, images;
+};
+
+TaskBlocks blocks_of(const SweepConfig& config, const std::vector<std::size_t>& levels, std::int64_t seed) {
+  TaskBlocks blocks{config.run, config.geometric_block, {}};
+  for (const std::string& field : config.seed_fields) set_field(&blocks.run, field, YamlTree::integer(seed));
+  const std::string prefix = "geometric.";
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    for (const auto& [field, value] : config.axes[i].levels[levels[i]].fields) {
+      if (field == "images")
+        blocks.images = value;
+      else if (field.rfind(prefix, 0) == 0)
+        set_field(&blocks.geometric, field.substr(prefix.size()), value);
+      else
+        set_field(&blocks.run, field, value);
+    }
+  }
+  return blocks;
+}
+
+std::int64_t read_images(const YamlTree& images, const GenerateConfig& run, Problems* problems) {
+  if (images.is_null()) return 0;
+  const std::int64_t count = read_integer(images, "images", {1, 1e6}, problems).value_or(0);
+  if (run.viewpoints.planner == "sampled" && count > run.poses)
+    problems->add({images.file, images.line, "images", images.shown(),
+                   "must be at most the run's poses, " + std::to_string(run.poses)});
+  return count;
+}
+
+// Fields that would have no effect are a slip of whoever varies them.
+void check_fields(const SweepConfig& config, Problems* problems) {
+  static const std::set<std::string> effective = {"seed",
+                                                  "poses",
+                                                  "odometry.model",
+                                                  "odometry.lambda",
+                                                  "odometry.scale",
+                                                  "odometry.yaw_factor",
+                                                  "odometry.declared",
+                                                  "odometry.seed"};
+  for (const SweepAxis& axis : config.axes)
+    for (const SweepLevel& level : axis.levels)
+      for (const auto& [field, value] : level.fields)
+        if (effective.count(field) == 0 && field != "images" && field.rfind("geometric.", 0) != 0)
+          problems->add({value.file, value.line, "axes." + axis.name, field,
+                         "has no effect in mode geometric unless geometric.rig is run"});
+}
+
+void check_geometric(const SweepConfig& config, const SweepTask& task, Problems* problems) {
+  if (!config.geometric) return;
+  const GenerateConfig& run = task.config;
+  const auto problem = [&](const char* field, const std::string& value, const char* message) {
+    problems->add({config.run.file, config.run.line, std::string("run.") + field, value, message});
+  };
+  if (run.motion != "teleport") problem("motion", run.motion, "must be teleport in mode geometric");
+  if (task.geometric.rig == "run") return;
+  if (run.odometry.model != "per_increment" && run.odometry.model != "per_pose")
+    problem("odometry.model", run.odometry.model,
+            "must be per_increment or per_pose in mode geometric, unless geometric.rig is run");
+}
+
+// Without its key.
+SweepTask read_task(const SweepConfig& config, const std::vector<std::size_t>& levels, std::int64_t seed,
+                    Problems* problems) {
+  SweepTask task;
+  task.levels = levels;
+  const TaskBlocks blocks = blocks_of(config, levels, seed);
+  read_fields_of_block(blocks.run, "run", problems, [&task](FieldVisitor& visitor) { task.config.visit(visitor); });
+  task.config.scenes.clear();
+  task.config.name.clear();
+  task.seed = config.seed_fields.empty() ? task.config.seed : seed;
+  if (config.geometric)
+    read_fields_of_block(blocks.geometric, "geometric", problems,
+                         [&task](FieldVisitor& visitor) { task.geometric.visit(visitor); });
+  task.images = read_images(blocks.images, task.config, problems);
+  check_geometric(config, task, problems);
+  return task;
+}
+
+const std::string& inputs_of(const GenerateConfig& config, Seen* seen) {
+  GenerateConfig part;
+  part.scene = config.scene;
+  part.rig = config.rig;
+  part.randomize = config.randomize;
+  part.board = config.board;
+  part.seed = config.seed;
+  std::string& text = seen->inputs[resolved_text(part)];
+  if (text.empty()) text = joined(run_inputs(config), "\n") + "\n";
+  return text;
+}
+
+// A file that the geometric mode takes noise from: another content, another task.
+const std::string& content_of(const std::string& file, Seen* seen) {
+  std::string& hash = seen->contents[file];
+  if (!file.empty() && hash.empty()) {
+    load_observations(file);
+    hash = sha256_hex_of_file(file);
+  }
+  return hash;
+}
+
+std::string key_of(const SweepTask& task, bool geometric, Seen* seen) {
+  const bool needs_world = !geometric || task.geometric.rig == "run";
+  std::string text = kFormat + std::string(version()) + "\n" + resolved_text(task.config);
+  if (needs_world) text += std::string(World::mujoco_version()) + "\n" + inputs_of(task.config, seen);
+  if (geometric) text += text_of(task.geometric) + content_of(task.geometric.measured, seen);
+  text += "images: " + std::to_string(task.images) + "\n";
+  return sha256_hex(text).substr(0, kKeyDigits);
+}
+
+PictureSet pictures_of(const GenerateConfig& config, Seen* seen) {
+  PictureSet set;
+  set.config = picture_config(config);
+  const std::string text = kFormat + generator_version() + " pictures\n" + resolved_text(set.config) +
+                           World::mujoco_version() + "\n" + inputs_of(config, seen);
+  set.key = sha256_hex(text).substr(0, 2 * kKeyDigits);
+  return set;
+}
+
+std::vector<SweepTask> read_tasks(const SweepConfig& config) {
+  std::vector<SweepTask> tasks;
+  Problems problems;
+  std::set<std::string> told;
+  std::vector<std::size_t> levels(config.axes.size(), 0);
+  do {
+    for (const std::int64_t seed : config.seeds) {
+      Problems of_task;
+      tasks.push_back(read_task(config, levels, seed, &of_task));
+      if (tasks.size() == 1 && config.geometric && tasks[0].geometric.rig != "run") check_fields(config, &of_task);
+      for (const Problem& problem : of_task.all())
+        if (told.insert(problem.text()).second) problems.add(problem);
+    }
+  } while (next(config, &levels));
+  problems.throw_if_any();
+  return tasks;
+}
 
 }  // namespace
 
-SweepPlan plan_sweep(const SweepConfig& config) { return Planner(config).plan(); }
+SweepPlan plan_sweep(const SweepConfig& config) {
+  std::size_t count = config.seeds.size();
+  for (const SweepAxis& axis : config.axes) {
+    count *= axis.levels.size();
+    if (count > kMaxTasks)
+      throw Error(config.name + ": more than " + std::to_string(kMaxTasks) + " tasks: fewer levels or seeds");
+  }
+  SweepPlan plan;
+  plan.tasks = read_tasks(config);
+  Seen seen;
+  std::set<std::string> sets;
+  for (SweepTask& task : plan.tasks) {
+    task.key = key_of(task, config.geometric, &seen);
+    if (config.geometric) continue;
+    PictureSet pictures = pictures_of(task.config, &seen);
+    task.pictures = pictures.key;
+    if (!sets.insert(pictures.key).second) continue;
+    pictures.render_group = render_group_of(pictures.config);
+    plan.pictures.push_back(std::move(pictures));
+  }
+  return plan;
+}
 
 }  // namespace rigproof

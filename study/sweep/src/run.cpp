@@ -245,7 +245,7 @@ SweepReport run_sweep(const SweepConfig& config, const SweepOptions& options) {
   refuse_unknown(options.redo, start.methods);
   const FolderLock lock(start.folder.root, "another rigproof sweeps in this folder");
   start.plan = plan_sweep(config);
-  write_file_atomically(start.folder.config_file(), emit_yaml(config.resolved));
+  write_file_atomically(start.folder.config_file(), emit_yaml(resolved_sweep(config)));
   save_folder_plan(start.folder, {table_of(config, start.plan, start.methods), start.added});
   remove_leftovers(start.folder.tasks());
   const SweepCounters before = load_counters(start.folder);

@@ -44,11 +44,27 @@ struct SweepLevel {
   std::vector<std::pair<std::string, YamlTree>> fields;
 };
 
+/// Levels at equal distances, or ratios.
+struct SweepRange {
+  double from = 0.0, to = 0.0;
+  std::optional<double> step;
+  std::int64_t count = 0;  ///< instead of a step; 0 = none
+  bool log = false;
+  std::vector<double> values;  ///< what it says
+
+  void visit(FieldVisitor& visitor);
+};
+
 struct SweepAxis {
   std::string name;
-  std::string title;
+  std::string title;  ///< for people; empty = the name
   bool pooled = false;
-  std::vector<SweepLevel> levels;
+  std::string field;  ///< of values and range
+  YamlTree values;    ///< as the file has them, or nothing; as link and points
+  std::optional<SweepRange> range;
+  YamlTree link, points;
+  std::vector<std::string> labels;
+  std::vector<SweepLevel> levels;  ///< what all of these say
 };
 
 /// How images are looked at: --ground, --features and --horizon of `rigproof calibrate`.
@@ -73,20 +89,21 @@ struct SweepMethodChoice {
 struct SweepConfig {
   std::string name;
   bool geometric = false;
-  YamlTree run;              ///< block of a run's fields, includes merged in
-  YamlTree geometric_block;  ///< fields of GeometricSweepConfig
+  YamlTree run = YamlTree::map();              ///< block of a run's fields, includes merged in
+  YamlTree geometric_block = YamlTree::map();  ///< fields of GeometricSweepConfig
   std::vector<SweepAxis> axes;
   std::vector<std::int64_t> seeds = {0};
-  std::vector<std::string> seed_fields = {"seed"};  ///< that the seeds are given to; none: the run's own seeds stand
-  SweepVision vision;                               ///< of methods that say nothing else
+  std::vector<std::string> seed_fields;  ///< that the seeds are given to; none: the run's own seeds stand
+  SweepVision vision;                    ///< of methods that say nothing else
   std::vector<SweepMethodChoice> methods = {SweepMethodChoice()};
   std::string reference = "ml";  ///< SweepMethodChoice::label() of one of them
-  YamlTree resolved;             ///< the same as a file that reads back to it
 };
 
 /// Reads a sweep's file. Throws Error with every problem found, those of the levels' values among them.
 /// @param overrides "run.poses=20", "seeds=2": FIELD=VALUE by dotted paths in the file, as overrides.h has them
 SweepConfig load_sweep_config(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+/// The same as a file that reads back to it.
+YamlTree resolved_sweep(SweepConfig config);
 /// JSON Schema of a sweep's file.
 std::string sweep_config_schema();
 
