@@ -1,12 +1,17 @@
 #!/usr/bin/env python3
-"""Runs clang-tidy over the program's sources in the compilation database of build/release, one answer a core.
+"""Runs clang-tidy over the program's sources in the compilation database of build/release, one run a core.
 
 Tests and benchmarks are left to the compilers: they would double the time.
+
+Most of a run goes into the headers of Eigen and the standard library. So files of one folder are analysed a few at a
+time, as one translation unit. Where that finds anything (names of two files may clash), the files are analysed in two
+halves, in the end each by itself: only a finding in a single file counts.
 
 A file that passed is remembered by the hash of everything that went into the answer (the text of all files that its
 build has read, its flags, .clang-tidy and the tool's version), under ~/.cache/rigproof/analysis, and is not analysed
 again. Which files a build has read is in ninja's log: a file that was not built yet is always analysed.
 """
+import collections
 import concurrent.futures
 import functools
 import hashlib
@@ -17,11 +22,11 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 DATABASE = ROOT / "build/release/compile_commands.json"
-# The same commands without g++'s precompiled headers, which clang cannot read: each file must include what it uses.
-OWN_DATABASE = ROOT / "build/analysis/compile_commands.json"
+BATCH = 8
 CACHE = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache")) / "rigproof/analysis"
 TIDY = shutil.which("clang-tidy-14") or shutil.which("clang-tidy")
 CLANG = shutil.which("clang++-14") or shutil.which("clang++")
@@ -32,7 +37,7 @@ def is_test(name: str) -> bool:
 
 
 def compile_flags(command: str) -> tuple[list[str], str]:
-    """Flags of a compile command, without the compiler, its output and precompiled headers; and that output."""
+    """Flags of a compile command, without compiler, files and precompiled headers; and the object that it makes."""
     words = shlex.split(command)
     if os.path.basename(words[0]) == "ccache":
         words = words[1:]
@@ -44,22 +49,22 @@ def compile_flags(command: str) -> tuple[list[str], str]:
             output = next(rest)
         elif word == "-include":
             next(rest)
-        elif word not in ("-c", "-Winvalid-pch", "-fpch-preprocess"):
+        elif word in ("-MT", "-MF"):
+            next(rest)
+        elif word not in ("-c", "-MD", "-Winvalid-pch", "-fpch-preprocess"):
             flags.append(word)
-    return flags, output
+    return flags[:-1], output
 
 
 def read_database() -> list[dict]:
-    """One entry for each file of the repository that build/release compiles, written to OWN_DATABASE, too."""
+    """One entry for each file of the repository that build/release compiles."""
     entries = []
     for entry in json.loads(DATABASE.read_text()):
         if os.path.relpath(entry["file"], ROOT).split(os.sep)[0] in ("build", ".."):
             continue
         flags, entry["output"] = compile_flags(entry.pop("command"))
-        entry["arguments"] = [CLANG, *flags, "-c"]
+        entry["arguments"] = [CLANG, *flags]
         entries.append(entry)
-    OWN_DATABASE.parent.mkdir(parents=True, exist_ok=True)
-    OWN_DATABASE.write_text(json.dumps(entries))
     return entries
 
 
@@ -96,17 +101,37 @@ def answer_key(entry: dict, salt: bytes, dependencies: dict[str, list[str]]) -> 
     return key.hexdigest()
 
 
-def analyse(entry: dict, key: str) -> tuple[str, bool, str]:
-    name = os.path.relpath(entry["file"], ROOT)
-    if key and (CACHE / key).exists():
-        return name, True, ""
-    run = subprocess.run([TIDY, "--quiet", "-p", str(OWN_DATABASE.parent), entry["file"]],
-                         capture_output=True, text=True, check=False)
+def run_tidy(files: list[str], arguments: list[str]) -> subprocess.CompletedProcess:
+    """Analyses one file, or several as if they were one."""
+    with tempfile.TemporaryDirectory(prefix="rigproof-analysis-") as folder:
+        unit = files[0]
+        if len(files) > 1:
+            unit = os.path.join(folder, "unit.cpp")
+            pathlib.Path(unit).write_text("".join(f'#include "{file}"\n' for file in files))
+        return subprocess.run([TIDY, "--quiet", f"--config-file={ROOT / '.clang-tidy'}", unit, "--", *arguments[1:]],
+                              capture_output=True, text=True, check=False, cwd=DATABASE.parent)
+
+
+def analyse(entries: list[dict]) -> list[tuple[str, str]]:
+    """Names and findings of the files that have any; remembers those that have none."""
+    run = run_tidy([entry["file"] for entry in entries], entries[0]["arguments"])
     if run.returncode == 0:
-        if key:
-            (CACHE / key).touch()
-        return name, True, ""
-    return name, False, run.stdout + run.stderr
+        for entry in entries:
+            if entry["key"]:
+                (CACHE / entry["key"]).touch()
+        return []
+    if len(entries) == 1:
+        return [(os.path.relpath(entries[0]["file"], ROOT), run.stdout + run.stderr)]
+    middle = len(entries) // 2
+    return analyse(entries[:middle]) + analyse(entries[middle:])
+
+
+def batches(entries: list[dict]) -> list[list[dict]]:
+    """Files of the same folder and flags, up to BATCH together."""
+    groups = collections.defaultdict(list)
+    for entry in entries:
+        groups[os.path.dirname(entry["file"]), *entry["arguments"]].append(entry)
+    return [group[start:start + BATCH] for group in groups.values() for start in range(0, len(group), BATCH)]
 
 
 def main() -> int:
@@ -124,12 +149,14 @@ def main() -> int:
     version = subprocess.run([TIDY, "--version"], capture_output=True, check=False).stdout
     salt = version + (ROOT / ".clang-tidy").read_bytes()
     dependencies = read_dependencies()
+    for entry in entries:
+        entry["key"] = answer_key(entry, salt, dependencies)
+    unseen = [entry for entry in entries if not (entry["key"] and (CACHE / entry["key"]).exists())]
     failures = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for name, passed, text in pool.map(
-                lambda entry: analyse(entry, answer_key(entry, salt, dependencies)), entries):
-            if not passed:
-                failures += 1
+        for findings in pool.map(analyse, batches(unseen)):
+            failures += len(findings)
+            for name, text in findings:
                 print(f"{name}\n{text}")
     print(f"clang-tidy: {len(entries)} files, {failures} with findings")
     return 1 if failures else 0
