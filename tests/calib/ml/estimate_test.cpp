@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "calibration_truth.h"
@@ -39,9 +38,8 @@ void expect_exact(const GeometricRun& run, const MlEstimate& estimate, double to
         << "camera " << c;
 }
 
-// Exact data leave only rounding. The normal equations square it, so that they keep half of a double's digits: 1.5e-8 m
-// and rad.
-const double kRounding = std::sqrt(std::numeric_limits<double>::epsilon());
+// Exact data leave only rounding. The normal equations square it: they keep half of a double's digits, 1.5e-8.
+constexpr double kRounding = 1e-8;
 
 constexpr int kUnknowns = 18;  // of three cameras: the mean of their NEES
 const Trials kManyTrials(30, 150), kTrials(15, 60);
@@ -385,8 +383,10 @@ TEST(MlRig, ASwappedViewIsLeftOutAndNamed) {
   EXPECT_LT(nees(estimate, poses_of(run.truth)), 45.0);
 }
 
-// The result must not depend on names and frames that we choose. Solved until a step is 1e-9 of a standard deviation,
-// which is a centimetre at most: what is left, too, is rounding.
+// A solution is good to 1e-9 of a standard deviation, which is a centimetre at most; the rest is margin for rounding.
+constexpr double kSolved = 1e-9;
+
+// The result must not depend on names and frames that we choose.
 struct Equivariance : testing::Test {
   Equivariance() {
     GeometricConfig config;
@@ -401,7 +401,7 @@ struct Equivariance : testing::Test {
     for (const EstimatedTransform& expected : base.result.camera_to_robot) {
       const EstimatedTransform* actual = other.result.find(expected.parent, expected.child);
       ASSERT_NE(actual, nullptr);
-      EXPECT_TRUE(IsPoseNear(expected.T_parent_child, actual->T_parent_child, kRounding, kRounding)) << expected.child;
+      EXPECT_TRUE(IsPoseNear(expected.T_parent_child, actual->T_parent_child, kSolved, kSolved)) << expected.child;
     }
   }
   GeometricRun run;
