@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <functional>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/yaml.h"
 #include "rigproof/validate/body_angles.h"
 #include "rigproof/validate/proof.h"
 #include "synthetic.h"
@@ -162,34 +162,21 @@ TEST(ProofOfCorners, UnknownCamerasAndStampsAreErrors) {
   EXPECT_THROW(prove_corners_only(observations, truth), Error);
 }
 
-TEST(ProofFile, RoundTrips) {
+TEST(ProofFile, HoldsWhatWasProved) {
   const auto folder = fresh_folder("proof_file");
   const Truth truth = make_truth();
   Proof proof = prove_corners_only(make_observations(truth, kSigmaPx), truth);
   proof.problems = {"left: \"quoted\", with: colon", "second"};
   save_proof(proof, folder / "proof.yaml");
-  const Proof read = load_proof(folder / "proof.yaml");
-  EXPECT_EQ(read.passed, proof.passed);
-  EXPECT_EQ(read.problems, proof.problems);
-  EXPECT_EQ(read.notes, proof.notes);
-  ASSERT_EQ(read.cameras.size(), proof.cameras.size());
-  for (std::size_t i = 0; i < read.cameras.size(); ++i) {
-    EXPECT_EQ(read.cameras[i].camera, proof.cameras[i].camera);
-    EXPECT_EQ(read.cameras[i].corners, proof.cameras[i].corners);
-    EXPECT_EQ(read.cameras[i].corner_bias_px, proof.cameras[i].corner_bias_px);
-    EXPECT_EQ(read.cameras[i].corner_max_px, proof.cameras[i].corner_max_px);
-    EXPECT_EQ(read.cameras[i].depth_rms_mm, proof.cameras[i].depth_rms_mm);
-  }
-  std::filesystem::remove_all(folder);
-}
-
-TEST(ProofFile, BadFilesAreRefused) {
-  const auto folder = fresh_folder("bad_proof");
-  for (const char* text :
-       {"", "passed: maybe\ncameras: []\n", "passed: true\n", "passed: true\ncameras: [{camera: left}]\n"}) {
-    std::filesystem::remove(folder / "proof.yaml");
-    { std::ofstream(folder / "proof.yaml") << text; }
-    EXPECT_THROW(load_proof(folder / "proof.yaml"), Error) << text;
+  const YamlTree file = read_yaml_file(folder / "proof.yaml");
+  EXPECT_EQ(file.find("passed")->scalar, proof.passed ? "true" : "false");
+  EXPECT_EQ(file.find("problems")->items.at(0).scalar, proof.problems[0]);
+  const std::vector<YamlTree>& cameras = file.find("cameras")->items;
+  ASSERT_EQ(cameras.size(), proof.cameras.size());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    EXPECT_EQ(cameras[i].find("camera")->scalar, proof.cameras[i].camera);
+    EXPECT_EQ(cameras[i].find("corners")->scalar, std::to_string(proof.cameras[i].corners));
+    EXPECT_EQ(parse_number(cameras[i].find("corner_max_px")->scalar), proof.cameras[i].corner_max_px);
   }
   std::filesystem::remove_all(folder);
 }

@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/yaml.h"
 #include "rigproof/validate/proof.h"
 #include "synthetic.h"
 
@@ -132,12 +133,11 @@ TEST_F(ProofOfImageNoise, IsKeptInTheFile) {
   const Proof proof = prove_with({});
   const std::filesystem::path file = folder_ / "proof.yaml";
   save_proof(proof, file);
-  const Proof again = load_proof(file);
-  ASSERT_EQ(again.cameras[0].image_noise.size(), proof.cameras[0].image_noise.size());
-  for (std::size_t i = 0; i < again.cameras[0].image_noise.size(); ++i) {
-    EXPECT_EQ(again.cameras[0].image_noise[i].sigma_electrons, proof.cameras[0].image_noise[i].sigma_electrons);
-    EXPECT_EQ(again.cameras[0].image_noise[i].samples, proof.cameras[0].image_noise[i].samples);
-  }
+  const YamlTree camera = read_yaml_file(file).find("cameras")->items.at(0);
+  const std::vector<YamlTree>& noise = camera.find("image_noise")->items;
+  ASSERT_EQ(noise.size(), proof.cameras[0].image_noise.size());
+  for (std::size_t i = 0; i < noise.size(); ++i)
+    EXPECT_EQ(parse_number(noise[i].find("sigma_electrons")->scalar), proof.cameras[0].image_noise[i].sigma_electrons);
 }
 
 TEST_F(ProofOfImageNoise, IsNotComparedWhereThereIsNoneOrWhereJpegChangesIt) {

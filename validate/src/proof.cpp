@@ -115,12 +115,6 @@ void save_proof(const Proof& proof, const std::filesystem::path& file) {
   write_file_atomically(file, write_fields([&copy](FieldVisitor& visitor) { visit_proof(visitor, copy); }));
 }
 
-Proof load_proof(const std::filesystem::path& file) {
-  Proof proof;
-  read_fields_of_tree(read_yaml_file(file), [&proof](FieldVisitor& visitor) { visit_proof(visitor, proof); });
-  return proof;
-}
-
 std::string proof_schema() {
   Proof proof;
   return schema_of_fields("Rigproof proof: truth/proof.yaml",

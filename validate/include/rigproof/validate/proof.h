@@ -76,7 +76,6 @@ struct Proof {
 Proof prove(const Recording& recording, const Observations& observations, const Truth& truth,
             const ProofOptions& options = {});
 void save_proof(const Proof& proof, const std::filesystem::path& file);
-Proof load_proof(const std::filesystem::path& file);
 /// JSON Schema of truth/proof.yaml.
 std::string proof_schema();
 
