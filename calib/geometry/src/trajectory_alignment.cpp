@@ -463,4 +463,11 @@ int GroundCheck::count(const Observations& observations, int camera) const {
   return planes;
 }
 
+std::vector<PlaneObservation> GroundCheck::planes(const Observations& observations) const {
+  std::vector<PlaneObservation> planes;
+  for (std::size_t i = 0; i < accepted.size(); ++i)
+    if (accepted[i]) planes.push_back(observations.ground_planes[i]);
+  return planes;
+}
+
 }  // namespace rigproof

@@ -29,9 +29,6 @@ struct MotionCost {
     hand_eye_residual(RigidOf<T>::from(A), RigidOf<T>::at(X_reference, error), RigidOf<T>::from(B), residual);
     return true;
   }
-  static ceres::CostFunction* Create(const MotionCost& cost) {
-    return new ceres::AutoDiffCostFunction<MotionCost, 6, 6>(new MotionCost(cost));
-  }
 };
 
 // Both directions of a pair, each with half the weight, so that the order of the cameras does not matter.
@@ -47,9 +44,6 @@ struct CameraPairCost {
     for (int i = 0; i < 12; ++i) residual[i] *= T(M_SQRT1_2);
     return true;
   }
-  static ceres::CostFunction* Create(const CameraPairCost& cost) {
-    return new ceres::AutoDiffCostFunction<CameraPairCost, 12, 6, 6>(new CameraPairCost(cost));
-  }
 };
 
 struct HeightCost {
@@ -60,9 +54,6 @@ struct HeightCost {
   bool operator()(const T* error, T* residual) const {
     residual[0] = X_reference.translation.z() + error[2] - height_m;
     return true;
-  }
-  static ceres::CostFunction* Create(const HeightCost& cost) {
-    return new ceres::AutoDiffCostFunction<HeightCost, 1, 6>(new HeightCost(cost));
   }
 };
 
@@ -109,9 +100,10 @@ void evaluate(Block* block) {
   block->cost->Evaluate(parameters.data(), block->residual.data(), jacobians.data());
 }
 
-Block make_block(ceres::CostFunction* cost, std::vector<std::size_t> cameras, double weight) {
+template <typename Cost, int... kSizes>
+Block make_block(const Cost& cost, std::vector<std::size_t> cameras, double weight) {
   Block block;
-  block.cost.reset(cost);
+  block.cost = std::make_unique<ceres::AutoDiffCostFunction<Cost, kSizes...>>(new Cost(cost));
   block.cameras = std::move(cameras);
   block.weight = weight;
   evaluate(&block);
@@ -125,12 +117,12 @@ struct Blocks {
 Blocks make_blocks(const HandEyeProblem& problem) {
   Blocks blocks;
   for (const MotionTerm& term : problem.motions)
-    blocks.motions.push_back(make_block(MotionCost::Create(cost_of(problem, term)), {term.camera}, term.weight));
+    blocks.motions.push_back(make_block<MotionCost, 6, 6>(cost_of(problem, term), {term.camera}, term.weight));
   for (const CameraPairTerm& term : problem.pairs)
     blocks.pairs.push_back(
-        make_block(CameraPairCost::Create(cost_of(problem, term)), {term.camera_j, term.camera_k}, term.weight));
+        make_block<CameraPairCost, 12, 6, 6>(cost_of(problem, term), {term.camera_j, term.camera_k}, term.weight));
   for (const HeightTerm& term : problem.heights)
-    blocks.heights.push_back(make_block(HeightCost::Create(cost_of(problem, term)), {term.camera}, term.weight));
+    blocks.heights.push_back(make_block<HeightCost, 1, 6>(cost_of(problem, term), {term.camera}, term.weight));
   return blocks;
 }
 
@@ -202,25 +194,21 @@ bool solve_once(const Blocks& blocks, const std::array<double, 3>& scales, HandE
   return summary.IsSolutionUsable();
 }
 
-double cauchy_weight(const Block& block, double scale) {
-  return 1.0 / (1.0 + block.residual.squaredNorm() / (scale * scale));
+template <typename Term>
+void store_residuals(double scale, std::vector<Block>* blocks, std::vector<Term>* terms) {
+  for (std::size_t i = 0; i < terms->size(); ++i) {
+    Block& block = (*blocks)[i];
+    (*terms)[i].residual = block.residual;
+    (*terms)[i].weight = block.weight = 1.0 / (1.0 + block.residual.squaredNorm() / (scale * scale));
+  }
 }
 
 // Residuals and robust weights at problem->X, in the terms and in the blocks that are returned.
 Blocks store_residuals(const std::array<double, 3>& scales, HandEyeProblem* problem) {
   Blocks blocks = make_blocks(*problem);
-  for (std::size_t i = 0; i < blocks.motions.size(); ++i) {
-    problem->motions[i].residual = blocks.motions[i].residual;
-    problem->motions[i].weight = blocks.motions[i].weight = cauchy_weight(blocks.motions[i], scales[0]);
-  }
-  for (std::size_t i = 0; i < blocks.pairs.size(); ++i) {
-    problem->pairs[i].residual = blocks.pairs[i].residual;
-    problem->pairs[i].weight = blocks.pairs[i].weight = cauchy_weight(blocks.pairs[i], scales[1]);
-  }
-  for (std::size_t i = 0; i < blocks.heights.size(); ++i) {
-    problem->heights[i].residual_m = blocks.heights[i].residual(0);
-    problem->heights[i].weight = blocks.heights[i].weight = cauchy_weight(blocks.heights[i], scales[2]);
-  }
+  store_residuals(scales[0], &blocks.motions, &problem->motions);
+  store_residuals(scales[1], &blocks.pairs, &problem->pairs);
+  store_residuals(scales[2], &blocks.heights, &problem->heights);
   return blocks;
 }
 
@@ -316,41 +304,41 @@ class NoisePropagation {
 
   void add_motion(const MotionTerm& term, const Block& block) {
     const MotionCost cost = cost_of(problem_, term);
-    const Rigid3 &from = term.from->T_camera_board, &to = term.to->T_camera_board;
-    const Sensitivity D_from = sensitivity(
-        [&](const Vector6d& error) {
-          return residual_of(cost.A, cost.X_reference, relative_view(apply_transform_error(from, error), to));
-        },
-        kAllAxes);
-    const Sensitivity D_to = sensitivity(
-        [&](const Vector6d& error) {
-          return residual_of(cost.A, cost.X_reference, relative_view(from, apply_transform_error(to, error)));
-        },
-        kAllAxes);
-    add_response(block, D_from, view_source(*term.from));
-    add_response(block, D_to, view_source(*term.to));
-    const Eigen::Vector2d pnp = explained(D_from, term.from->covariance) + explained(D_to, term.to->covariance);
+    Eigen::Vector2d pnp = Eigen::Vector2d::Zero();
+    add_views(
+        block, std::array<const ViewPose*, 2>{term.from, term.to},
+        [&](const auto& T) { return residual_of(cost.A, cost.X_reference, relative_view(T[0], T[1])); }, &pnp);
     add_odometry(term, cost, block, pnp);
   }
 
   void add_pair(const CameraPairTerm& term, const Block& block) {
-    const CameraPairCost cost = cost_of(problem_, term);
-    const std::array<const ViewPose*, 4> views = {term.from_j, term.to_j, term.from_k, term.to_k};
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const Sensitivity D = sensitivity(
-          [&](const Vector6d& error) {
-            std::array<Rigid3, 4> poses;
-            for (std::size_t v = 0; v < views.size(); ++v)
-              poses[v] = v == i ? apply_transform_error(views[v]->T_camera_board, error) : views[v]->T_camera_board;
-            const CameraPairCost noisy = {relative_view(poses[0], poses[1]), relative_view(poses[2], poses[3]),
-                                          cost.X_reference_j, cost.X_reference_k};
-            constexpr std::array<double, 6> kZero{};
-            Vector12d residual;
-            noisy(kZero.data(), kZero.data(), residual.data());
-            return residual;
-          },
-          kAllAxes);
+    CameraPairCost cost = cost_of(problem_, term);
+    add_views(block, std::array<const ViewPose*, 4>{term.from_j, term.to_j, term.from_k, term.to_k},
+              [&](const auto& T) {
+                constexpr std::array<double, 6> kZero{};
+                cost.B_j = relative_view(T[0], T[1]);
+                cost.B_k = relative_view(T[2], T[3]);
+                Vector12d residual;
+                cost(kZero.data(), kZero.data(), residual.data());
+                return residual;
+              });
+  }
+
+  // The noise of every view that a residual of their poses depends on; `pnp` sums what it explains of the residual.
+  template <std::size_t kViews, typename Residual>
+  void add_views(const Block& block, const std::array<const ViewPose*, kViews>& views, const Residual& residual,
+                 Eigen::Vector2d* pnp = nullptr) {
+    std::array<Rigid3, kViews> T;
+    for (std::size_t i = 0; i < kViews; ++i) T[i] = views[i]->T_camera_board;
+    for (std::size_t i = 0; i < kViews; ++i) {
+      const auto noisy = [&](const Vector6d& error) {
+        std::array<Rigid3, kViews> moved = T;
+        moved[i] = apply_transform_error(T[i], error);
+        return residual(moved);
+      };
+      const Sensitivity D = sensitivity(noisy, kAllAxes);
       add_response(block, D, view_source(*views[i]));
+      if (pnp != nullptr) *pnp += explained(D, views[i]->covariance);
     }
   }
 
@@ -418,7 +406,7 @@ class NoisePropagation {
     for (const HeightTerm& term : problem_.heights) {
       const Eigen::Index z = row(term.camera) + 2;
       // A frame whose height is further off than its sigma says is as uncertain as that.
-      const double sigma = std::max(term.sigma_m, std::abs(term.residual_m));
+      const double sigma = std::max(term.sigma_m, std::abs(term.residual(0)));
       meat(z, z) += std::pow(term.weight * sigma, 2);
       scale(z) += term.weight * term.height_m * problem_.depth_scale_sigma[term.camera];
     }

@@ -36,7 +36,7 @@ struct HeightTerm {
   double height_m;
   double sigma_m;
   double weight = 1.0;
-  double residual_m = 0.0;
+  Eigen::Matrix<double, 1, 1> residual = Eigen::Matrix<double, 1, 1>::Zero();  ///< [m]
 };
 
 struct HandEyeProblem {

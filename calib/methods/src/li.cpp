@@ -22,27 +22,12 @@ std::vector<std::string> names_of(const Observations& observations, const std::v
 // T_j_k = T_j_root T_k_root^-1 with the covariance of both.
 EstimatedTransform pair_of(const Observations& observations, const PatternBundle& bundle, std::size_t a,
                            std::size_t b) {
-  const auto name = [&](std::size_t i) {
-    return observations.cameras[static_cast<std::size_t>(bundle.part.cameras[i])].name;
-  };
-  const Rigid3 &E_j = bundle.part.T_camera_root[a], &E_k = bundle.part.T_camera_root[b];
-  const Rigid3 T_j_k = E_j * E_k.inverse();
-  const Eigen::Matrix3d R = T_j_k.rotation_matrix();
-  const Eigen::Matrix3d lever = skew(R * E_k.translation);
-  Matrix6d J_j = Matrix6d::Identity(), J_k = Matrix6d::Zero();
-  J_j.topRightCorner<3, 3>() = lever;
-  J_k.topLeftCorner<3, 3>() = -R;
-  J_k.topRightCorner<3, 3>() = -lever * R;
-  J_k.bottomRightCorner<3, 3>() = -R;
+  const rivals::Quotient T_j_k(bundle.part.T_camera_root[a], bundle.part.T_camera_root[b]);
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, bundle.covariance.cols());
-  if (a > 0) J.middleCols<6>(6 * (static_cast<Eigen::Index>(a) - 1)) = J_j;
-  if (b > 0) J.middleCols<6>(6 * (static_cast<Eigen::Index>(b) - 1)) = J_k;
-  EstimatedTransform transform;
-  transform.parent = name(a);
-  transform.child = name(b);
-  transform.T_parent_child = T_j_k;
-  transform.covariance = Matrix6d(J * bundle.covariance * J.transpose());
-  return transform;
+  if (a > 0) J.middleCols<6>(6 * (static_cast<Eigen::Index>(a) - 1)) = T_j_k.by_A;
+  if (b > 0) J.middleCols<6>(6 * (static_cast<Eigen::Index>(b) - 1)) = T_j_k.by_B;
+  const std::vector<std::string> names = names_of(observations, {bundle.part.cameras[a], bundle.part.cameras[b]});
+  return {names[0], names[1], T_j_k.T, Matrix6d(J * bundle.covariance * J.transpose())};
 }
 
 // Li, Heng, Koser, Pollefeys 2013: bundle adjustment of a pattern that several cameras see. Camera to camera only.
@@ -117,10 +102,7 @@ class LiMethod : public Method {
       groups.push_back("{" + rivals::listed(names_of(observations, part.cameras)) + "}");
     if (groups.size() > 1) result->reasons.push_back(Finding("cameras.apart", {{"groups", rivals::listed(groups)}}));
     if (observations.cameras.size() < 2) result->reasons.emplace_back("cameras.only_one");
-    if (result->camera_to_camera.empty())
-      result->status = ResultStatus::kRefused;
-    else
-      result->status = result->reasons.empty() ? ResultStatus::kSolved : ResultStatus::kPartial;
+    rivals::conclude(result->reasons.empty(), result);
   }
 };
 

@@ -20,6 +20,8 @@ namespace rigproof {
 namespace {
 
 using rivals::CloudPlane;
+using rivals::ReferenceMotion;
+using rivals::ReferencePair;
 using rivals::ReferenceProblem;
 
 constexpr double kRansacPixels = 15.0;
@@ -95,79 +97,48 @@ bool has_clouds(const Observations& observations, const Recording& recording) {
   return false;
 }
 
-class ReferenceSolver {
+/// By camera.
+struct Boards {
+  std::vector<BoardPoses> poses;
+  rivals::UsedViews used;
+};
+
+Boards find_boards(const Observations& observations) {
+  Boards boards;
+  boards.poses.resize(observations.cameras.size());
+  for (const BoardView& view : observations.board_views) {
+    const auto camera = static_cast<std::size_t>(view.camera);
+    const auto pose = ransac_pose(view, observations.board, observations.cameras[camera].camera);
+    if (!pose) continue;
+    boards.poses[camera][view.stop] = *pose;
+    boards.used.insert({view.stop, view.camera});
+  }
+  return boards;
+}
+
+std::vector<Eigen::Vector3f> read_cloud(const Recording& recording, const CameraFrame& frame, const RigCamera& camera) {
+  if (!frame.cloud_file.empty()) {
+    auto cloud = read_point_cloud(path_inside(recording.folder, frame.cloud_file));
+    if (auto* points = std::get_if<std::vector<Eigen::Vector3f>>(&cloud)) return std::move(*points);
+    return {};
+  }
+  if (frame.depth_file.empty() || !camera.depth) return {};
+  const auto depth = read_depth_image(path_inside(recording.folder, frame.depth_file));
+  const auto* image = std::get_if<Image16>(&depth);
+  return image == nullptr ? std::vector<Eigen::Vector3f>() : sampled_depth(*image, camera, kCloudPoints).points;
+}
+
+/// The planes of the clouds, or of what was observed where there is no recording.
+class PlaneSource {
  public:
-  ReferenceSolver(const MethodInput& input, bool joint)
-      : input_(input), observations_(input.observations), joint_(joint), pnp_(estimate_view_poses(observations_)) {}
-
-  Result solve() {
-    find_boards();
-    for (int k = 0; k < camera_count(); ++k) add_camera(k);
-    if (joint_) add_pairs();
-    rivals::minimise_reference(&problem_);
-    report();
-    return std::move(result_);
-  }
-
- private:
-  int camera_count() const { return static_cast<int>(observations_.cameras.size()); }
-  const RigCamera& camera(int k) const { return observations_.cameras[static_cast<std::size_t>(k)]; }
-
-  void find_boards() {
-    boards_.resize(observations_.cameras.size());
-    for (const BoardView& view : observations_.board_views) {
-      const std::optional<Rigid3> pose = ransac_pose(view, observations_.board, camera(view.camera).camera);
-      if (!pose) continue;
-      boards_[static_cast<std::size_t>(view.camera)][view.stop] = *pose;
-      used_.insert({view.stop, view.camera});
-    }
-  }
-
-  // Points of the camera's cloud; none where the recording has neither clouds nor depth, or they cannot be read.
-  std::vector<Eigen::Vector3f> cloud_of(const CameraFrame& frame, int k) const {
-    try {
-      return read_cloud(frame, k);
-    } catch (const Error&) {
-      return {};
-    }
-  }
-
-  std::vector<Eigen::Vector3f> read_cloud(const CameraFrame& frame, int k) const {
-    const std::filesystem::path& folder = input_.recording->folder;
-    if (!frame.cloud_file.empty()) {
-      auto cloud = read_point_cloud(path_inside(folder, frame.cloud_file));
-      if (auto* points = std::get_if<std::vector<Eigen::Vector3f>>(&cloud)) return std::move(*points);
-      return {};
-    }
-    if (frame.depth_file.empty() || !camera(k).depth) return {};
-    const auto depth = read_depth_image(path_inside(folder, frame.depth_file));
-    const auto* image = std::get_if<Image16>(&depth);
-    if (image == nullptr) return {};
-    int stride = 1;
-    while ((image->width / stride) * (image->height / stride) > kCloudPoints) ++stride;
-    return points_from_depth(*image, camera(k), stride).points;
-  }
-
-  std::optional<CloudPlane> plane_of_cloud(int stop, int k) const {
-    throw_if_interrupted(input_);
-    const CameraFrame* frame = frames_.empty() ? nullptr : rivals::frame_of(frames_, stop, k);
-    if (frame == nullptr) return std::nullopt;
-    const std::string content =
-        detection::content_of(input_.memory, frame->cloud_file.empty() ? frame->depth_file : frame->cloud_file);
-    const std::string key = content.empty() ? content : rivals::cloud_key(content, camera(k), kCloudPoints, stop, k);
-    std::optional<CloudPlane> plane;
-    detection::recall_or(input_.memory, PictureMemory::Finding::kClouds, key, &plane, [&] {
-      const std::vector<Eigen::Vector3f> cloud = cloud_of(*frame, k);
-      plane = rivals::largest_plane(cloud, RandomStream(0, "memroc_reference plane", stop, k));
-      return !cloud.empty();
-    });
-    return plane;
+  explicit PlaneSource(const MethodInput& input) : input_(input) {
+    if (input.recording != nullptr) frames_ = rivals::frames_by_stop(input.observations, *input.recording);
   }
 
   // Without a recording the observed plane is what the cloud would have shown.
-  std::optional<CloudPlane> plane_at(int stop, int k) const {
+  std::optional<CloudPlane> at(int stop, int k) const {
     if (input_.recording != nullptr) return plane_of_cloud(stop, k);
-    for (const PlaneObservation& plane : observations_.ground_planes) {
+    for (const PlaneObservation& plane : input_.observations.ground_planes) {
       if (plane.stop != stop || plane.camera != k) continue;
       const double size = plane.inverse_depth_plane.norm();
       return CloudPlane{-plane.inverse_depth_plane / size, 1.0 / size};
@@ -175,88 +146,111 @@ class ReferenceSolver {
     return std::nullopt;
   }
 
-  // |d| of a plane whose normal is up; a ceiling's may be, too.
-  std::optional<double> height_at(int stop, int k, const Eigen::Matrix3d& R_world_board) const {
-    const std::optional<CloudPlane> plane = plane_at(stop, k);
-    if (!plane) return std::nullopt;
-    const Rigid3& T_camera_board = boards_[static_cast<std::size_t>(k)].at(stop);
-    const Eigen::Vector3d normal = R_world_board * (T_camera_board.rotation.conjugate() * plane->normal);
-    if (normal.z() < kLevelNormal) return std::nullopt;
-    return std::abs(plane->d);
-  }
-
-  void add_camera(int k) {
-    const BoardPoses& boards = boards_[static_cast<std::size_t>(k)];
-    if (boards.empty()) {
-      result_.reasons.push_back(Finding("camera.no_whole_board").of(camera(k).name));
-      return;
-    }
-    if (input_.recording != nullptr && frames_.empty())
-      frames_ = rivals::frames_by_stop(observations_, *input_.recording);
-    const std::size_t index = problem_.X.size();
-    solved_.push_back(k);
-    const auto& [first_stop, first_board] = *boards.begin();
-    problem_.X.push_back(first_board * odometry_at(observations_, first_stop).inverse());
-    const Eigen::Matrix3d R_world_board = align_paths(observations_, boards);
-    std::size_t motions = 0, heights = 0;
-    for (auto to = std::next(boards.begin()); to != boards.end(); ++to) {
-      const auto from = std::prev(to);
-      if (to->first != from->first + 1) continue;
-      rivals::ReferenceMotion motion;
-      motion.camera = index;
-      motion.A = odometry_at(observations_, from->first).inverse() * odometry_at(observations_, to->first);
-      motion.B = from->second * to->second.inverse();
-      motion.height_m = height_at(to->first, k, R_world_board);
-      heights += motion.height_m.has_value();
-      ++motions;
-      problem_.motions.push_back(motion);
-    }
-    note_missing(k, motions, heights);
-  }
-
-  void note_missing(int k, std::size_t motions, std::size_t heights) {
-    if (motions == 0)
-      result_.notes.push_back(Finding("camera.at_start").of(camera(k).name));
-    else if (heights == 0)
-      result_.notes.push_back(Finding("camera.height_free").of(camera(k).name));
-  }
-
-  // Both orders, so that each pair counts twice.
-  void add_pairs() {
-    for (std::size_t j = 0; j < solved_.size(); ++j)
-      for (std::size_t k = 0; k < solved_.size(); ++k)
-        if (j != k) add_pair(j, k);
-  }
-
-  void add_pair(std::size_t j, std::size_t k) {
-    const BoardPoses& boards_j = boards_[static_cast<std::size_t>(solved_[j])];
-    const BoardPoses& boards_k = boards_[static_cast<std::size_t>(solved_[k])];
-    for (const auto& [stop, from_j] : boards_j) {
-      const auto to_j = boards_j.find(stop + 1), from_k = boards_k.find(stop), to_k = boards_k.find(stop + 1);
-      if (to_j == boards_j.end() || from_k == boards_k.end() || to_k == boards_k.end()) continue;
-      problem_.pairs.push_back({j, k, from_j * to_j->second.inverse(), from_k->second * to_k->second.inverse()});
+ private:
+  // None where the recording has neither clouds nor depth, or they cannot be read.
+  std::vector<Eigen::Vector3f> cloud_of(const CameraFrame& frame, const RigCamera& camera) const {
+    try {
+      return read_cloud(*input_.recording, frame, camera);
+    } catch (const Error&) {
+      return {};
     }
   }
 
-  void report() {
-    for (std::size_t i = 0; i < solved_.size(); ++i)
-      result_.camera_to_robot.push_back(rivals::camera_in_robot(observations_, solved_[i], problem_.X[i]));
-    rivals::add_pairs_from_robot(observations_, &result_);
-    rivals::report_use(observations_, pnp_.poses, used_, Finding("view.corner_outliers"), &result_);
-    rivals::conclude_by_cameras(observations_, &result_);
+  std::optional<CloudPlane> plane_of_cloud(int stop, int k) const {
+    throw_if_interrupted(input_);
+    const CameraFrame* frame = rivals::frame_of(frames_, stop, k);
+    if (frame == nullptr) return std::nullopt;
+    const RigCamera& camera = input_.observations.cameras[static_cast<std::size_t>(k)];
+    const std::string content =
+        detection::content_of(input_.memory, frame->cloud_file.empty() ? frame->depth_file : frame->cloud_file);
+    const std::string key = content.empty() ? content : rivals::cloud_key(content, camera, kCloudPoints, stop, k);
+    std::optional<CloudPlane> plane;
+    detection::recall_or(input_.memory, PictureMemory::Finding::kClouds, key, &plane, [&] {
+      const std::vector<Eigen::Vector3f> cloud = cloud_of(*frame, camera);
+      plane = rivals::largest_plane(cloud, RandomStream(0, "memroc_reference plane", stop, k));
+      return !cloud.empty();
+    });
+    return plane;
   }
 
   const MethodInput& input_;
-  const Observations& observations_;
-  const bool joint_;
-  const ViewPoses pnp_;
   rivals::FramesByStop frames_;
-  std::vector<BoardPoses> boards_;
-  std::vector<int> solved_;  ///< cameras, in the order of problem_.X
-  ReferenceProblem problem_;
-  rivals::UsedViews used_;
-  Result result_;
 };
+
+// |d| of a plane whose normal is up; a ceiling's may be, too.
+std::optional<double> height_of(const std::optional<CloudPlane>& plane, const Eigen::Quaterniond& R_camera_board,
+                                const Eigen::Matrix3d& R_world_board) {
+  if (!plane) return std::nullopt;
+  const Eigen::Vector3d normal = R_world_board * (R_camera_board.conjugate() * plane->normal);
+  if (normal.z() < kLevelNormal) return std::nullopt;
+  return std::abs(plane->d);
+}
+
+std::vector<ReferenceMotion> motions_of(const Observations& observations, const PlaneSource& planes, int k,
+                                        std::size_t index, const BoardPoses& boards) {
+  const Eigen::Matrix3d R_world_board = align_paths(observations, boards);
+  std::vector<ReferenceMotion> motions;
+  for (auto to = std::next(boards.begin()); to != boards.end(); ++to) {
+    const auto from = std::prev(to);
+    if (to->first != from->first + 1) continue;
+    motions.push_back({index, odometry_at(observations, from->first).inverse() * odometry_at(observations, to->first),
+                       from->second * to->second.inverse(),
+                       height_of(planes.at(to->first, k), to->second.rotation, R_world_board)});
+  }
+  return motions;
+}
+
+// Both orders, so that each pair counts twice.
+std::vector<ReferencePair> pairs_of(const std::vector<BoardPoses>& boards, const std::vector<int>& cameras) {
+  std::vector<ReferencePair> pairs;
+  for (std::size_t j = 0; j < cameras.size(); ++j) {
+    for (std::size_t k = 0; k < cameras.size(); ++k) {
+      const BoardPoses &of_j = boards[static_cast<std::size_t>(cameras[j])],
+                       &of_k = boards[static_cast<std::size_t>(cameras[k])];
+      for (const auto& [stop, from_j] : of_j) {
+        const auto to_j = of_j.find(stop + 1), from_k = of_k.find(stop), to_k = of_k.find(stop + 1);
+        if (j == k || to_j == of_j.end() || from_k == of_k.end() || to_k == of_k.end()) continue;
+        pairs.push_back({j, k, from_j * to_j->second.inverse(), from_k->second * to_k->second.inverse()});
+      }
+    }
+  }
+  return pairs;
+}
+
+Result solve_reference(const MethodInput& input, bool joint) {
+  const Observations& observations = input.observations;
+  const Boards boards = find_boards(observations);
+  const PlaneSource planes(input);
+  ReferenceProblem problem;
+  std::vector<int> solved;  // cameras, in the order of problem.X
+  Result result;
+  for (int k = 0; k < static_cast<int>(observations.cameras.size()); ++k) {
+    const BoardPoses& seen = boards.poses[static_cast<std::size_t>(k)];
+    const std::string& name = observations.cameras[static_cast<std::size_t>(k)].name;
+    if (seen.empty()) {
+      result.reasons.push_back(Finding("camera.no_whole_board").of(name));
+      continue;
+    }
+    const std::vector<ReferenceMotion> motions = motions_of(observations, planes, k, solved.size(), seen);
+    const auto has_height = [](const ReferenceMotion& motion) { return motion.height_m.has_value(); };
+    if (motions.empty())
+      result.notes.push_back(Finding("camera.at_start").of(name));
+    else if (std::none_of(motions.begin(), motions.end(), has_height))
+      result.notes.push_back(Finding("camera.height_free").of(name));
+    solved.push_back(k);
+    problem.X.push_back(seen.begin()->second * odometry_at(observations, seen.begin()->first).inverse());
+    problem.motions.insert(problem.motions.end(), motions.begin(), motions.end());
+  }
+  if (joint) problem.pairs = pairs_of(boards.poses, solved);
+  rivals::minimise_reference(&problem);
+  for (std::size_t i = 0; i < solved.size(); ++i)
+    result.camera_to_robot.push_back(rivals::camera_in_robot(observations, solved[i], problem.X[i]));
+  rivals::add_pairs_from_robot(observations, &result);
+  rivals::report_use(observations, estimate_view_poses(observations).poses, boards.used,
+                     Finding("view.corner_outliers"), &result);
+  rivals::conclude_by_cameras(observations, &result);
+  return result;
+}
 
 // MEMROC as the authors' program computes it, with its known failures: a start that takes the board's axes for the
 // robot's, rotations compared as rotation vectors, consecutive stops only, heights of the first stop never read, and
@@ -291,7 +285,7 @@ class MemrocReference : public Method {
   }
   Result solve(const Observations& observations) const override { return solve_recording({observations}); }
   Result solve_recording(const MethodInput& input) const override {
-    Result result = ReferenceSolver(input, joint_).solve();
+    Result result = solve_reference(input, joint_);
     result.method = traits().name;
     return result;
   }

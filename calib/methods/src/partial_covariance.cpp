@@ -19,13 +19,13 @@ struct GroundUncertainty {
   Eigen::Matrix3d up_covariance = Eigen::Matrix3d::Zero();  // of the mean normal, camera's axes
 };
 
-GroundUncertainty ground_uncertainty(const Observations& observations, int camera, const GroundCheck& ground) {
+GroundUncertainty ground_uncertainty(const Observations& observations, int camera,
+                                     const std::vector<PlaneObservation>& ground) {
   GroundUncertainty result;
   double height_sum = 0.0, mean_height = 0.0;
   Eigen::Vector3d mean_plane = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < observations.ground_planes.size(); ++i) {
-    const PlaneObservation& plane = observations.ground_planes[i];
-    if (!ground.accepted[i] || plane.camera != camera) continue;
+  for (const PlaneObservation& plane : ground) {
+    if (plane.camera != camera) continue;
     const double length = plane.inverse_depth_plane.norm();
     const Eigen::Vector3d normal = plane.inverse_depth_plane / length;
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - normal * normal.transpose();
@@ -60,7 +60,7 @@ double yaw_variance(const Observations& observations, const InitialGuess& guess)
   const std::vector<Rigid3> odometry = odometry_poses(observations);
   double across = 0.0, length = 0.0;
   int motions = 0;
-  for (std::size_t i = 1; i < odometry.size(); ++i) {
+  for (std::size_t i = 1; i < guess.T_world_robot.size(); ++i) {
     const Eigen::Vector3d seen = (guess.T_world_robot[i - 1].inverse() * guess.T_world_robot[i]).translation;
     const Eigen::Vector3d driven = (odometry[i - 1].inverse() * odometry[i]).translation;
     const double square = driven.head<2>().squaredNorm();
@@ -90,9 +90,8 @@ double heading_variance(const std::vector<ViewPose>& views, int camera, const Ri
 }  // namespace
 
 Matrix6d partial_covariance(const Observations& observations, const std::vector<ViewPose>& views, int camera,
-                            const Rigid3& T_robot_camera, const std::array<bool, 6>& observable,
-                            const TrajectoryAlignment& alignment, const GroundCheck& ground,
-                            const InitialGuess& guess) {
+                            const Rigid3& T_robot_camera, const TrajectoryAlignment& alignment,
+                            const std::vector<PlaneObservation>& ground, const InitialGuess& guess) {
   const GroundUncertainty seen = ground_uncertainty(observations, camera, ground);
   Matrix6d covariance = Matrix6d::Zero();
   covariance(2, 2) = seen.height_variance;
@@ -103,13 +102,7 @@ Matrix6d partial_covariance(const Observations& observations, const std::vector<
   } else {
     covariance(3, 3) = covariance(4, 4) = alignment.sigma_up_rad * alignment.sigma_up_rad;
   }
-  if (observable[5])
-    covariance(5, 5) = yaw_variance(observations, guess) + heading_variance(views, camera, T_robot_camera);
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    if (observable[static_cast<std::size_t>(i)]) continue;
-    covariance.row(i).setZero();
-    covariance.col(i).setZero();
-  }
+  covariance(5, 5) = yaw_variance(observations, guess) + heading_variance(views, camera, T_robot_camera);
   return covariance;
 }
 

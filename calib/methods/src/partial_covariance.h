@@ -1,7 +1,7 @@
 // Covariance of the determined part of a camera's pose, if the motion does not determine all of it.
 #pragma once
 
-#include <array>
+#include <vector>
 
 #include "rigproof/calib/geometry/initial_guess.h"
 #include "rigproof/calib/geometry/trajectory_alignment.h"
@@ -11,11 +11,11 @@
 
 namespace rigproof {
 
-/// Chart of transform_error(), zero where a degree is not observable. Height and tilt by the accepted ground planes (or
-/// tilt by the vertical of the motion), yaw by how far the odometry's path scatters about the seen one
+/// Chart of transform_error(), zero for x and y. Height and tilt by the accepted ground planes (or tilt by the vertical
+/// of the motion), yaw by how far the odometry's path scatters about the seen one
 /// and by how well the views know the camera's heading.
 Matrix6d partial_covariance(const Observations& observations, const std::vector<ViewPose>& views, int camera,
-                            const Rigid3& T_robot_camera, const std::array<bool, 6>& observable,
-                            const TrajectoryAlignment& alignment, const GroundCheck& ground, const InitialGuess& guess);
+                            const Rigid3& T_robot_camera, const TrajectoryAlignment& alignment,
+                            const std::vector<PlaneObservation>& ground, const InitialGuess& guess);
 
 }  // namespace rigproof

@@ -7,29 +7,45 @@
 
 namespace rigproof::rivals {
 
-void report_use(const Observations& observations, const std::vector<ViewPose>& views, const UsedViews& used,
-                const Finding& reason_for_others, Result* result) {
+void report_use(const Observations& observations, const std::vector<ViewPose>& views,
+                const std::vector<Exclusion>& left_out, Result* result) {
   for (std::size_t k = 0; k < observations.cameras.size(); ++k) {
     const int camera = static_cast<int>(k);
+    const std::vector<Exclusion> own = exclusions_of(left_out, camera);
     CameraUse use;
     use.camera = observations.cameras[k].name;
     use.left_out = exclusions_of(observations.exclusions, camera);
-    double sum = 0.0;
-    for (const ViewPose& view : views) {
-      if (view.camera != camera) continue;
-      if (used.count({view.stop, camera}) > 0) {
-        ++use.used;
-        sum += view.reprojection_rms_px * view.reprojection_rms_px;
-      } else {
-        const std::string& file = observations.board_views[static_cast<std::size_t>(view.view)].file;
-        use.left_out.push_back({camera, view.stop, file, reason_for_others});
-      }
-    }
-    use.reprojection_rms_px = use.used > 0 ? std::sqrt(sum / use.used) : 0.0;
+    use.left_out.insert(use.left_out.end(), own.begin(), own.end());
     std::stable_sort(use.left_out.begin(), use.left_out.end(),
                      [](const Exclusion& a, const Exclusion& b) { return a.stop < b.stop; });
+    double sum = 0.0;
+    for (const ViewPose& view : views) {
+      const auto is_it = [&view](const Exclusion& exclusion) { return exclusion.stop == view.stop; };
+      if (view.camera != camera || std::any_of(own.begin(), own.end(), is_it)) continue;
+      ++use.used;
+      sum += view.reprojection_rms_px * view.reprojection_rms_px;
+    }
+    use.reprojection_rms_px = use.used > 0 ? std::sqrt(sum / use.used) : 0.0;
     result->use.push_back(use);
   }
+}
+
+void report_use(const Observations& observations, const std::vector<ViewPose>& views, const UsedViews& used,
+                const Finding& reason_for_others, Result* result) {
+  std::vector<Exclusion> left_out;
+  for (const ViewPose& view : views) {
+    const std::string& file = observations.board_views[static_cast<std::size_t>(view.view)].file;
+    if (used.count({view.stop, view.camera}) == 0)
+      left_out.push_back({view.camera, view.stop, file, reason_for_others});
+  }
+  report_use(observations, views, left_out, result);
+}
+
+Quotient::Quotient(const Rigid3& A, const Rigid3& B) : T(A * B.inverse()) {
+  const Eigen::Matrix3d R = T.rotation_matrix();
+  by_A.topRightCorner<3, 3>() = skew(R * B.translation);
+  by_B.topLeftCorner<3, 3>() = by_B.bottomRightCorner<3, 3>() = -R;
+  by_B.topRightCorner<3, 3>() = -by_A.topRightCorner<3, 3>() * R;
 }
 
 EstimatedTransform camera_in_robot(const Observations& observations, int camera, const Rigid3& T_robot_camera) {
@@ -60,14 +76,16 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+void conclude(bool complete, Result* result) {
+  if (result->camera_to_robot.empty() && result->camera_to_camera.empty())
+    result->status = ResultStatus::kRefused;
+  else
+    result->status = complete ? ResultStatus::kSolved : ResultStatus::kPartial;
+}
+
 void conclude_by_cameras(const Observations& observations, Result* result) {
   if (observations.cameras.empty()) result->reasons.emplace_back("rig.no_camera");
-  if (result->camera_to_robot.empty())
-    result->status = ResultStatus::kRefused;
-  else if (result->camera_to_robot.size() < observations.cameras.size())
-    result->status = ResultStatus::kPartial;
-  else
-    result->status = ResultStatus::kSolved;
+  conclude(result->camera_to_robot.size() == observations.cameras.size(), result);
 }
 
 }  // namespace rigproof::rivals

@@ -14,15 +14,29 @@ namespace rigproof::rivals {
 /// (stop, camera) of the views that a method used.
 using UsedViews = std::set<std::pair<int, int>>;
 
-/// Fills Result::use: what observing left out, then the views that this method did, with the reason that it gives.
+/// Fills Result::use: what observing left out, then what this method did; all other views were used.
+void report_use(const Observations& observations, const std::vector<ViewPose>& views,
+                const std::vector<Exclusion>& left_out, Result* result);
+/// The same where all that was not used was left out for one reason.
 void report_use(const Observations& observations, const std::vector<ViewPose>& views, const UsedViews& used,
                 const Finding& reason_for_others, Result* result);
+
+/// A B^-1 and the derivatives of its error by those of A and of B, in the chart of transform_error().
+struct Quotient {
+  Quotient(const Rigid3& A, const Rigid3& B);
+
+  Rigid3 T;
+  Matrix6d by_A = Matrix6d::Identity(), by_B = Matrix6d::Zero();
+};
 
 /// A camera's pose in the robot, all six degrees.
 EstimatedTransform camera_in_robot(const Observations& observations, int camera, const Rigid3& T_robot_camera);
 
 /// Adds the pairs that the cameras' poses in the robot imply, where the method states none itself.
 void add_pairs_from_robot(const Observations& observations, Result* result);
+
+/// Solved if it is complete and partial if it is not; refused where there is no transform at all.
+void conclude(bool complete, Result* result);
 
 /// "a", "a and b", "a, b and c".
 std::string listed(const std::vector<std::string>& names);

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "rival_result.h"
+
 namespace rigproof {
 namespace {
 
@@ -12,21 +14,17 @@ struct Sample {
 };
 
 // T_j_k = T_j_board T_k_board^-1 with the noise of both.
-Sample make_sample(const ViewPose& j, const ViewPose& k) {
-  const Rigid3 T_j_k = j.T_camera_board * k.T_camera_board.inverse();
-  const Eigen::Matrix3d R = T_j_k.rotation_matrix();
-  const Eigen::Matrix3d lever = skew(R * k.T_camera_board.translation);
-  Matrix6d J_j = Matrix6d::Identity(), J_k = Matrix6d::Zero();
-  J_j.topRightCorner<3, 3>() = lever;
-  J_k.topLeftCorner<3, 3>() = -R;
-  J_k.topRightCorner<3, 3>() = -lever * R;
-  J_k.bottomRightCorner<3, 3>() = -R;
-  const Matrix6d covariance = J_j * j.covariance * J_j.transpose() + J_k * k.covariance * J_k.transpose();
-  return {T_j_k, covariance.ldlt().solve(Matrix6d::Identity())};
+Sample make_sample(const SharedView& view) {
+  const rivals::Quotient T_j_k(view.j->T_camera_board, view.k->T_camera_board);
+  const Matrix6d covariance = T_j_k.by_A * view.j->covariance * T_j_k.by_A.transpose() +
+                              T_j_k.by_B * view.k->covariance * T_j_k.by_B.transpose();
+  return {T_j_k.T, covariance.ldlt().solve(Matrix6d::Identity())};
 }
 
-std::vector<Sample> collect(const std::vector<ViewPose>& views, int camera_j, int camera_k) {
-  std::vector<Sample> samples;
+}  // namespace
+
+std::vector<SharedView> shared_views(const std::vector<ViewPose>& views, int camera_j, int camera_k) {
+  std::vector<SharedView> shared;
   for (std::size_t first = 0; first < views.size();) {
     std::size_t end = first;
     const ViewPose *j = nullptr, *k = nullptr;
@@ -34,17 +32,16 @@ std::vector<Sample> collect(const std::vector<ViewPose>& views, int camera_j, in
       if (views[end].camera == camera_j) j = &views[end];
       if (views[end].camera == camera_k) k = &views[end];
     }
-    if (j != nullptr && k != nullptr) samples.push_back(make_sample(*j, *k));
+    if (j != nullptr && k != nullptr) shared.push_back({j, k});
     first = end;
   }
-  return samples;
+  return shared;
 }
-
-}  // namespace
 
 std::optional<SharedViewTransform> transform_from_shared_views(const std::vector<ViewPose>& views, int camera_j,
                                                                int camera_k) {
-  const std::vector<Sample> samples = collect(views, camera_j, camera_k);
+  std::vector<Sample> samples;
+  for (const SharedView& view : shared_views(views, camera_j, camera_k)) samples.push_back(make_sample(view));
   if (samples.empty()) return std::nullopt;
   SharedViewTransform result{samples.front().T_j_k, Matrix6d::Zero(), static_cast<int>(samples.size())};
   // Cauchy at 3 sigma of a six-dimensional error, soft at first: a flipped pose counts nothing in the end.

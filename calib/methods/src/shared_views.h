@@ -9,6 +9,13 @@
 
 namespace rigproof {
 
+/// The board as two cameras saw it at one stop.
+struct SharedView {
+  const ViewPose *j, *k;
+};
+/// In the order of driving. The views must outlive what is returned.
+std::vector<SharedView> shared_views(const std::vector<ViewPose>& views, int camera_j, int camera_k);
+
 struct SharedViewTransform {
   Rigid3 T_j_k;
   Matrix6d covariance = Matrix6d::Zero();  ///< chart of transform_error()

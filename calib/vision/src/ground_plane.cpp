@@ -500,6 +500,12 @@ DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int
   return result;
 }
 
+DepthPoints sampled_depth(const Image16& depth, const RigCamera& camera, int most) {
+  int stride = 1;
+  while ((depth.width / stride) * (depth.height / stride) > most) ++stride;
+  return points_from_depth(depth, camera, stride);
+}
+
 namespace {
 
 Finding too_few(const DepthPoints& points, std::size_t measurements) {

@@ -69,9 +69,7 @@ std::vector<Eigen::Vector3f> points_of(const Recording& recording, const RigCame
   if (!frame.cloud_file.empty())
     return thinned(read_or_throw<std::vector<Eigen::Vector3f>>(recording, frame.cloud_file, read_point_cloud), most);
   const auto image = read_or_throw<Image16>(recording, frame.depth_file, read_depth_image);
-  int stride = 1;
-  while ((image.width / stride) * (image.height / stride) > most) ++stride;
-  return points_from_depth(image, camera, stride).points;
+  return sampled_depth(image, camera, most).points;
 }
 
 void add_stops(const Recording& recording, WriteJob* job) {

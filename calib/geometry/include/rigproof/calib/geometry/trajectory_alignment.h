@@ -47,6 +47,8 @@ struct GroundCheck {
   std::vector<bool> accepted;  ///< per ground plane
   std::vector<Exclusion> rejected;
   int count(const Observations& observations, int camera) const;
+  /// The accepted ones.
+  std::vector<PlaneObservation> planes(const Observations& observations) const;
 };
 
 /// Rejects walls and ceilings by their normal against the vertical of the motion, tables by their height.

@@ -31,6 +31,8 @@ struct DepthPoints {
 /// Points of a 16-bit depth image on a grid of every `stride` pixels, inside the sensor's range. Throws Error if the
 /// camera has no depth stream or the image another size.
 DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int stride);
+/// With the smallest stride at which there are no more than `most` pixels.
+DepthPoints sampled_depth(const Image16& depth, const RigCamera& camera, int most);
 
 struct GroundPlaneOptions {
   /// Largest angle between the plane's normal and the expected up direction, if that is known [rad].
