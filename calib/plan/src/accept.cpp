@@ -1,6 +1,7 @@
 #include "rigproof/calib/plan/accept.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rigproof/core/conventions.h"
@@ -27,27 +28,15 @@ AcceptCheck judged(AcceptCheck check, double value) {
   return check;
 }
 
-class Acceptance {
- public:
-  Acceptance(const Method& method, const Result& result, const Observations& observations,
-             const AcceptCriteria& criteria)
-      : method_(method), result_(result), observations_(observations), criteria_(criteria) {}
-
-  AcceptReport report() {
-    if (criteria_.uncertainty) check_uncertainty(*criteria_.uncertainty);
-    check_between_cameras();
-    if (criteria_.split_half_max_z) check_split_half(*criteria_.split_half_max_z);
-    if (criteria_.held_out_max_ratio) check_held_out(*criteria_.held_out_max_ratio);
-    return std::move(report_);
-  }
-
- private:
-  // One degree of freedom against a limit in metres or radians; 0 = not limited.
-  void check_sigma(const EstimatedTransform* transform, const std::string& name, std::size_t axis, double limit) {
-    if (!(limit > 0.0)) return;
+// Each degree of freedom against its limit in metres or radians; 0 = not limited.
+void check_sigmas(const Result& result, const std::string& parent, const std::string& child, const std::string& name,
+                  const std::array<double, 6>& limits, std::vector<AcceptCheck>* checks) {
+  const EstimatedTransform* transform = result.find(parent, child);
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    if (!(limits[axis] > 0.0)) continue;
     const bool length = axis < 3;
     const double unit = length ? 1000.0 : rad_to_deg(1.0);
-    AcceptCheck check = start(name + ": " + kDegreeOfFreedomNames[axis], unit * limit, length ? "mm" : "deg");
+    AcceptCheck check = start(name + ": " + kDegreeOfFreedomNames[axis], unit * limits[axis], length ? "mm" : "deg");
     const Eigen::Index i = static_cast<Eigen::Index>(axis);
     if (transform == nullptr || !transform->observable[axis])
       check = failed(check, "gate.undetermined");
@@ -55,79 +44,62 @@ class Acceptance {
       check = failed(check, "gate.no_uncertainty");
     else
       check = judged(check, unit * std::sqrt((*transform->covariance)(i, i)));
-    report_.checks.push_back(std::move(check));
+    checks->push_back(std::move(check));
   }
+}
 
-  void check_uncertainty(const AcceptLimits& limits) {
-    for (const RigCamera& camera : observations_.cameras) {
-      const EstimatedTransform* transform = result_.find(observations_.robot_frame, camera.name);
-      for (std::size_t axis = 0; axis < 6; ++axis)
-        check_sigma(transform, camera.name + " in " + observations_.robot_frame, axis,
-                    axis < 2   ? limits.xy_m
-                    : axis < 3 ? limits.z_m
-                               : limits.angle_rad);
-    }
+void check_uncertainty(const Result& result, const Observations& observations, const AcceptCriteria& criteria,
+                       std::vector<AcceptCheck>* checks) {
+  const AcceptLimits robot = criteria.uncertainty.value_or(AcceptLimits{0.0, 0.0, 0.0});
+  const double distance = criteria.between_distance_m.value_or(0.0), angle = criteria.between_angle_rad.value_or(0.0);
+  const std::vector<RigCamera>& cameras = observations.cameras;
+  for (const RigCamera& camera : cameras)
+    check_sigmas(result, observations.robot_frame, camera.name, camera.name + " in " + observations.robot_frame,
+                 {robot.xy_m, robot.xy_m, robot.z_m, robot.angle_rad, robot.angle_rad, robot.angle_rad}, checks);
+  for (std::size_t j = 0; j < cameras.size(); ++j)
+    for (std::size_t k = j + 1; k < cameras.size(); ++k)
+      check_sigmas(result, cameras[j].name, cameras[k].name, cameras[j].name + "-" + cameras[k].name,
+                   {distance, distance, distance, angle, angle, angle}, checks);
+}
+
+double worst_z(const EstimatedTransform& a, const EstimatedTransform& b) {
+  const Vector6d difference = transform_error(a.T_parent_child, b.T_parent_child);
+  const Vector6d variance = a.covariance->diagonal() + b.covariance->diagonal();
+  return difference.cwiseAbs().cwiseQuotient(variance.cwiseSqrt()).maxCoeff();
+}
+
+// Worst axis of every camera, in standard deviations of the difference.
+void check_split_half(const Method& method, const Observations& observations, double max_z,
+                      std::vector<AcceptCheck>* checks) {
+  const int stops = static_cast<int>(observations.stops.size());
+  const Result first = method.solve(stops_of(observations, 0, stops / 2));
+  const Result second = method.solve(stops_of(observations, stops / 2, stops));
+  for (const RigCamera& camera : observations.cameras) {
+    const EstimatedTransform* a = first.find(observations.robot_frame, camera.name);
+    const EstimatedTransform* b = second.find(observations.robot_frame, camera.name);
+    AcceptCheck check = start("split half: " + camera.name, max_z, "sigma");
+    if (a == nullptr || b == nullptr || !a->fully_observable() || !b->fully_observable())
+      check = failed(check, "gate.half_undetermined");
+    else if (!a->covariance || !b->covariance)
+      check = failed(check, "gate.no_uncertainty");
+    else
+      check = judged(check, worst_z(*a, *b));
+    checks->push_back(std::move(check));
   }
+}
 
-  void check_between_cameras() {
-    const double distance = criteria_.between_distance_m.value_or(0.0),
-                 angle = criteria_.between_angle_rad.value_or(0.0);
-    for (std::size_t j = 0; j < observations_.cameras.size(); ++j)
-      for (std::size_t k = j + 1; k < observations_.cameras.size(); ++k) {
-        const std::string &parent = observations_.cameras[j].name, &child = observations_.cameras[k].name;
-        for (std::size_t axis = 0; axis < 6; ++axis)
-          check_sigma(result_.find(parent, child), parent + "-" + child, axis, axis < 3 ? distance : angle);
-      }
-  }
-
-  // Worst axis of every camera, in standard deviations of the difference.
-  void check_split_half(double max_z) {
-    const int stops = static_cast<int>(observations_.stops.size());
-    const Result first = method_.solve(stops_of(observations_, 0, stops / 2));
-    const Result second = method_.solve(stops_of(observations_, stops / 2, stops));
-    for (const RigCamera& camera : observations_.cameras) {
-      const EstimatedTransform* a = first.find(observations_.robot_frame, camera.name);
-      const EstimatedTransform* b = second.find(observations_.robot_frame, camera.name);
-      AcceptCheck check = start("split half: " + camera.name, max_z, "sigma");
-      if (a == nullptr || b == nullptr || !a->fully_observable() || !b->fully_observable())
-        check = failed(check, "gate.half_undetermined");
-      else if (!a->covariance || !b->covariance)
-        check = failed(check, "gate.no_uncertainty");
-      else
-        check = judged(check, worst_z(*a, *b));
-      report_.checks.push_back(std::move(check));
-    }
-  }
-
-  static double worst_z(const EstimatedTransform& a, const EstimatedTransform& b) {
-    const Vector6d difference = transform_error(a.T_parent_child, b.T_parent_child);
-    const Vector6d variance = a.covariance->diagonal() + b.covariance->diagonal();
-    return difference.cwiseAbs().cwiseQuotient(variance.cwiseSqrt()).maxCoeff();
-  }
-
-  void check_held_out(double max_ratio) {
-    AcceptCheck check = start("held-out stops: chi-square a dimension", max_ratio, "");
-    const std::optional<MlOptions> options = method_.prediction_options();
-    if (!options) {
-      check = failed(check, "gate.only_ml");
-    } else if (result_.status != ResultStatus::kSolved) {
-      check = failed(check, "gate.unsolved");
-    } else if (const std::optional<HeldOut> held_out =
-                   predict_held_out(observations_, criteria_.held_out_folds, *options)) {
-      check = judged(check, held_out->chi_square / held_out->expected);
-      report_.notes.push_back(Finding("gate.held_out", {{"stops_left_out", held_out->stops}}));
-    } else {
-      check = failed(check, "gate.too_few_stops");
-    }
-    report_.checks.push_back(std::move(check));
-  }
-
-  const Method& method_;
-  const Result& result_;
-  const Observations& observations_;
-  const AcceptCriteria& criteria_;
-  AcceptReport report_;
-};
+void check_held_out(const Method& method, const Result& result, const Observations& observations,
+                    const AcceptCriteria& criteria, AcceptReport* report) {
+  const AcceptCheck check = start("held-out stops: chi-square a dimension", *criteria.held_out_max_ratio, "");
+  const auto fail = [&](const char* code) { report->checks.push_back(failed(check, code)); };
+  const std::optional<MlOptions> options = method.prediction_options();
+  if (!options) return fail("gate.only_ml");
+  if (result.status != ResultStatus::kSolved) return fail("gate.unsolved");
+  const std::optional<HeldOut> held_out = predict_held_out(observations, criteria.held_out_folds, *options);
+  if (!held_out) return fail("gate.too_few_stops");
+  report->checks.push_back(judged(check, held_out->chi_square / held_out->expected));
+  report->notes.push_back(Finding("gate.held_out", {{"stops_left_out", held_out->stops}}));
+}
 
 template <typename Item>
 void keep_stops(int first, int last, std::vector<Item>* items) {
@@ -151,7 +123,11 @@ Observations stops_of(const Observations& observations, int first, int last) {
 
 AcceptReport check_acceptance(const Method& method, const Result& result, const Observations& observations,
                               const AcceptCriteria& criteria) {
-  return Acceptance(method, result, observations, criteria).report();
+  AcceptReport report;
+  check_uncertainty(result, observations, criteria, &report.checks);
+  if (criteria.split_half_max_z) check_split_half(method, observations, *criteria.split_half_max_z, &report.checks);
+  if (criteria.held_out_max_ratio) check_held_out(method, result, observations, criteria, &report);
+  return report;
 }
 
 }  // namespace rigproof

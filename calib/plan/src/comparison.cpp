@@ -11,8 +11,8 @@ namespace {
 constexpr double kLever_m = 0.3;  // a radian weighs as much as it moves a camera at this distance
 
 // The same knowledge with the rig moved by D^-1 as one body.
-Knowledge moved_back(const Knowledge& knowledge, const Rigid3& D) {
-  Knowledge result = knowledge;
+KnownPoses moved_back(const KnownPoses& knowledge, const Rigid3& D) {
+  KnownPoses result = knowledge;
   Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(knowledge.covariance.rows(), knowledge.covariance.cols());
   for (Eigen::Index i = 0; i < turn.rows(); i += 3) turn.block<3, 3>(i, i) = D.rotation_matrix().transpose();
   for (Rigid3& T : result.T_robot_camera) T = D.inverse() * T;
@@ -73,9 +73,9 @@ Rigid3 common_motion(const std::vector<Rigid3>& before, const std::vector<Rigid3
   return D;
 }
 
-Difference difference(const Knowledge& before, const Knowledge& after) {
+Difference difference(const KnownPoses& before, const KnownPoses& after) {
   const Rigid3 D = common_motion(before.T_robot_camera, after.T_robot_camera);
-  const Knowledge now = moved_back(after, D);
+  const KnownPoses now = moved_back(after, D);
   const Eigen::Index n = before.covariance.rows();
   Eigen::MatrixXd free(n, before.free_directions.cols() + now.free_directions.cols());
   free << before.free_directions, now.free_directions;

@@ -10,7 +10,7 @@ namespace rigproof::moved {
 
 /// Poses of cameras in the robot: covariance (six a camera, chart of transform_error()) without the directions, one a
 /// column, that nothing determines.
-struct Knowledge {
+struct KnownPoses {
   std::vector<Rigid3> T_robot_camera;
   Eigen::MatrixXd covariance;
   Eigen::MatrixXd free_directions;
@@ -33,7 +33,7 @@ struct Difference {
   double statistic = 0.0;
   int rank = 0;
 };
-Difference difference(const Knowledge& before, const Knowledge& now);
+Difference difference(const KnownPoses& before, const KnownPoses& now);
 
 /// The best shift along the columns of E.
 struct Explanation {

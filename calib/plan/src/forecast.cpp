@@ -49,7 +49,7 @@ ml::NoiseLevels expected_levels(const ml::Basis& basis) {
   return basis.levels.along_way ? ml::per_increment(basis.levels, basis.used) : basis.levels;
 }
 
-Forecast::Forecast(const Knowledge& knowledge)
+Forecast::Forecast(const CalibrationSoFar& knowledge)
     : knowledge_(knowledge),
       state_(knowledge.determined ? knowledge.basis.state : ml::state_from(knowledge.estimate.state)),
       levels_(expected_levels(knowledge.basis)),

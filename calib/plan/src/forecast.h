@@ -16,20 +16,20 @@
 namespace rigproof::suggest {
 
 /// What calibration knows so far: the estimate of `ml` and what its uncertainty is stated from.
-struct Knowledge {
+struct CalibrationSoFar {
   MlEstimate estimate;
   ml::Basis basis;
   std::vector<bool> has_pose;  ///< cameras that saw the board
   bool determined = false;     ///< the poses of all these, whole
 };
 /// Throws Error if no camera ever saw the board.
-Knowledge knowledge_from(const Observations& observations, const MlOptions& options = {});
+CalibrationSoFar calibration_so_far(const Observations& observations, const MlOptions& options = {});
 
 /// Foresees what the cameras see from a place: views, planes and odometry without noise, with covariances as of the
 /// nearest view of the same camera.
 class Foresight {
  public:
-  Foresight(const Knowledge& knowledge, const SuggestOptions& options);
+  Foresight(const CalibrationSoFar& knowledge, const SuggestOptions& options);
 
   /// Cameras that see the whole board, not too obliquely.
   std::vector<int> cameras_with_board(const Rigid3& T_world_robot) const;
@@ -48,7 +48,7 @@ class Foresight {
   BoardView board_view(int stop, int camera, const Rigid3& T_camera_board) const;
   void append_board_plane(int stop, int camera, const Rigid3& T_camera_board, Observations* observations) const;
 
-  const Knowledge& knowledge_;
+  const CalibrationSoFar& knowledge_;
   double max_obliquity_rad_;
   double margin_share_;
   // Of each camera: where the board was in its views and with which sigma its corners were found; the covariance of its
@@ -77,7 +77,7 @@ struct StopInformation {
 /// driving.
 class Forecast {
  public:
-  explicit Forecast(const Knowledge& knowledge);
+  explicit Forecast(const CalibrationSoFar& knowledge);
 
   const ml::NoiseLevels& levels() const { return levels_; }  ///< of what is yet to be driven
   StopInformation information_of(const Foresight& foresight, const Place& place) const;
@@ -94,7 +94,7 @@ class Forecast {
                              const ml::State& state) const;
   void link(const ml::RobotPose& from, const ml::RobotPose& to, int index, ml::ArrowSystem* system) const;
 
-  const Knowledge& knowledge_;
+  const CalibrationSoFar& knowledge_;
   ml::State state_;
   ml::NoiseLevels levels_;
   ml::Priors priors_;

@@ -125,7 +125,7 @@ bool all_determined(const Result& result) {
 
 }  // namespace
 
-Knowledge knowledge_from(const Observations& observations, const MlOptions& options) {
+CalibrationSoFar calibration_so_far(const Observations& observations, const MlOptions& options) {
   std::optional<ml::Basis> basis;
   MlEstimate estimate = ml::estimate_with_basis(observations, options, &basis);
   if (!basis) {
@@ -133,7 +133,7 @@ Knowledge knowledge_from(const Observations& observations, const MlOptions& opti
     throw FindingError("suggest", reasons.empty() ? Finding("poses.undetermined") : reasons.front());
   }
   const bool determined = all_determined(estimate.result);
-  Knowledge knowledge{std::move(estimate), std::move(*basis), {}, determined};
+  CalibrationSoFar knowledge{std::move(estimate), std::move(*basis), {}, determined};
   const InitialGuess& guess = knowledge.basis.guess;
   for (const std::optional<Rigid3>& T : guess.T_robot_camera) knowledge.has_pose.push_back(T.has_value());
   if (determined) return knowledge;
@@ -142,7 +142,7 @@ Knowledge knowledge_from(const Observations& observations, const MlOptions& opti
   return knowledge;
 }
 
-Foresight::Foresight(const Knowledge& knowledge, const SuggestOptions& options)
+Foresight::Foresight(const CalibrationSoFar& knowledge, const SuggestOptions& options)
     : knowledge_(knowledge), max_obliquity_rad_(options.max_obliquity_rad) {
   // Where x, y or yaw are open, the board will not be quite where it is expected.
   margin_share_ = knowledge.determined ? 0.03 : 0.12;

@@ -9,7 +9,7 @@ namespace rigproof::moved {
 namespace {
 
 // The optimum with the rig moved back to where it was; the robot takes the motion over, the board stays.
-ml::State moved_back(const Knowledge& before, const CalibrationState& optimum) {
+ml::State moved_back(const KnownPoses& before, const CalibrationState& optimum) {
   const Rigid3 D = common_motion(before.T_robot_camera, optimum.T_robot_camera);
   CalibrationState start = optimum;
   for (Rigid3& T : start.T_robot_camera) T = D.inverse() * T;
@@ -27,7 +27,7 @@ Eigen::VectorXd errors(const std::vector<Rigid3>& now, const std::vector<Rigid3>
 // Gauss and Newton, with the previous result as a loose prior.
 class Holder {
  public:
-  Holder(const Knowledge& before, const ml::Problem& problem) : before_(before), problem_(problem) {
+  Holder(const KnownPoses& before, const ml::Problem& problem) : before_(before), problem_(problem) {
     // Of standard deviations: decides where the observations know thirty times less, and nothing elsewhere.
     constexpr double kLoose = 30.0;
     constexpr double kLeastVariance = 1e-14;  // files round
@@ -61,15 +61,15 @@ class Holder {
     system->global_gradient += J.transpose() * information_ * r;
   }
 
-  const Knowledge& before_;
+  const KnownPoses& before_;
   const ml::Problem& problem_;
   Eigen::MatrixXd information_;
 };
 
 }  // namespace
 
-std::optional<Knowledge> held_knowledge(const Knowledge& before, const Observations& used,
-                                        const CalibrationState& optimum, const CalibrationNoise& noise) {
+std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Observations& used,
+                                         const CalibrationState& optimum, const CalibrationNoise& noise) {
   const ml::Problem problem = ml::declared_problem(used, noise);
   ml::State state = moved_back(before, optimum);
   if (!Holder(before, problem).hold(&state)) return std::nullopt;
@@ -80,7 +80,7 @@ std::optional<Knowledge> held_knowledge(const Knowledge& before, const Observati
   if (!slope || !unit) return std::nullopt;
   const Eigen::MatrixXd J = ml::camera_chart(state, problem.layout());
   const ml::GlobalCovariance own = ml::invert_information(slope->schur()), all = ml::invert_information(unit->schur());
-  Knowledge knowledge;
+  KnownPoses knowledge;
   knowledge.T_robot_camera = state.T_robot_camera;
   knowledge.covariance = J * all.covariance * J.transpose() / ml::cauchy_moments(2).efficiency;
   knowledge.free_directions = J * all.free_directions;

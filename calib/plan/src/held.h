@@ -18,7 +18,7 @@ namespace rigproof::moved {
 /// what the observations leave open. The estimate without the prior is one step from there.
 ///
 /// Absent where the equations cannot be solved.
-std::optional<Knowledge> held_knowledge(const Knowledge& before, const Observations& used,
-                                        const CalibrationState& optimum, const CalibrationNoise& noise);
+std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Observations& used,
+                                         const CalibrationState& optimum, const CalibrationNoise& noise);
 
 }  // namespace rigproof::moved

@@ -68,9 +68,9 @@ Rigid3 about_in_robot(const Observations& observations, int camera) {
   return guess.T_robot_camera[static_cast<std::size_t>(camera)].value_or(Rigid3());
 }
 
-std::optional<Knowledge> camera_to_camera(const Result& previous, const Observations& observations,
-                                          const Match& match) {
-  Knowledge knowledge;
+std::optional<KnownPoses> camera_to_camera(const Result& previous, const Observations& observations,
+                                           const Match& match) {
+  KnownPoses knowledge;
   const std::string& first = match.names.front();
   knowledge.T_robot_camera.push_back(about_in_robot(observations, 0));
   std::vector<Matrix6d> blocks;
@@ -144,7 +144,7 @@ CalibrationNoise believed_noise(CalibrationNoise noise, const Observations& obse
   return noise;
 }
 
-Knowledge nothing_known(const Knowledge& before) {
+KnownPoses nothing_known(const KnownPoses& before) {
   const Eigen::Index n = before.covariance.rows();
   return {before.T_robot_camera, Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Identity(n, n), {}};
 }
@@ -158,7 +158,7 @@ struct Solution {
   MlEstimate estimate;
 };
 
-Solution solve(const Knowledge& before, const Observations& observations, const MovedOptions& options) {
+Solution solve(const KnownPoses& before, const Observations& observations, const MovedOptions& options) {
   Solution solution;
   const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
   const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));
@@ -256,9 +256,9 @@ Observations of_matched(const Observations& observations, const Match& match) {
   return part;
 }
 
-Knowledge previous_knowledge(const Result& previous, const Observations& observations, const Match& match,
-                             std::vector<Finding>* notes) {
-  Knowledge knowledge;
+KnownPoses previous_knowledge(const Result& previous, const Observations& observations, const Match& match,
+                              std::vector<Finding>* notes) {
+  KnownPoses knowledge;
   std::vector<Matrix6d> blocks;
   bool all_known = true, any_covariance = false;
   for (const std::string& name : match.names) {
@@ -285,7 +285,7 @@ Knowledge previous_knowledge(const Result& previous, const Observations& observa
     }
     return knowledge;
   }
-  if (const std::optional<Knowledge> pairs = camera_to_camera(previous, observations, match)) {
+  if (const std::optional<KnownPoses> pairs = camera_to_camera(previous, observations, match)) {
     notes->emplace_back("moved.only_pairs");
     return *pairs;
   }
@@ -293,7 +293,7 @@ Knowledge previous_knowledge(const Result& previous, const Observations& observa
               match.names.front());
 }
 
-NewKnowledge new_knowledge(const Knowledge& before, const Observations& observations, const MovedOptions& options,
+NewKnowledge new_knowledge(const KnownPoses& before, const Observations& observations, const MovedOptions& options,
                            std::vector<Finding>* reasons, std::vector<Finding>* notes) {
   Solution solution = solve(before, observations, options);
   const std::vector<Finding> contradictions = solution.estimate.contradictions;
@@ -313,7 +313,7 @@ NewKnowledge new_knowledge(const Knowledge& before, const Observations& observat
   const InformationBound bound = cramer_rao_bound(solution.used, estimate.state, noise);
   // The estimate rests on a robust loss, which keeps a little less than all of the information.
   const Eigen::MatrixXd covariance = bound.joint / ml::cauchy_moments(2).efficiency;
-  const Knowledge free = {estimate.state.T_robot_camera, covariance, bound.free_directions, {}};
+  const KnownPoses free = {estimate.state.T_robot_camera, covariance, bound.free_directions, {}};
   return {held_knowledge(before, solution.used, estimate.state, noise).value_or(free), free};
 }
 

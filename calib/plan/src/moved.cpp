@@ -36,7 +36,7 @@ struct Hypothesis {
 
 class Detective {
  public:
-  Detective(const moved::Match& match, const moved::Knowledge& before, const moved::NewKnowledge& now,
+  Detective(const moved::Match& match, const moved::KnownPoses& before, const moved::NewKnowledge& now,
             const MovedOptions& options)
       : match_(match), before_(before), now_(now), difference_(difference(before, now.held)), options_(options) {}
 
@@ -57,7 +57,8 @@ class Detective {
                                    [](const CameraShift& c) { return c.verdict == MovedVerdict::kStands; });
       report_.outcome = all ? MovedOutcome::kNothingMoved : MovedOutcome::kCannotTell;
     }
-    if (difference_.rank > 0) note_open_motions();
+    const std::vector<std::string> open = difference_.rank > 0 ? open_motions() : std::vector<std::string>();
+    if (!open.empty() && match_.names.size() > 1) report_.notes.push_back(Finding("moved.open_motions").along(open));
     return std::move(report_);
   }
 
@@ -205,7 +206,7 @@ class Detective {
   }
 
   // What the rig as one body could do unnoticed.
-  void note_open_motions() {
+  std::vector<std::string> open_motions() const {
     static const std::array<const char*, 6> kMotions = {"x", "y", "z", "roll", "pitch", "yaw"};
     const Eigen::MatrixXd E = moved::rig_motion(before_.T_robot_camera);
     std::vector<std::string> open;
@@ -213,12 +214,11 @@ class Detective {
       const double limit = axis < 3 ? options_.smallest_shift_m : options_.smallest_turn_rad;
       if (!(detectable(E.col(axis)) <= limit)) open.emplace_back(kMotions[static_cast<std::size_t>(axis)]);
     }
-    if (open.empty() || match_.names.size() < 2) return;
-    report_.notes.push_back(Finding("moved.open_motions").along(open));
+    return open;
   }
 
   const moved::Match& match_;
-  const moved::Knowledge& before_;
+  const moved::KnownPoses& before_;
   const moved::NewKnowledge& now_;
   moved::Difference difference_;
   const MovedOptions& options_;
@@ -259,7 +259,7 @@ MovedReport detect_movement(const Result& previous, const Observations& observat
   std::vector<Finding> notes, reasons;
   if (!match.names.empty()) {
     const Observations seen = moved::of_matched(observations, match);
-    const moved::Knowledge before = moved::previous_knowledge(previous, seen, match, &notes);
+    const moved::KnownPoses before = moved::previous_knowledge(previous, seen, match, &notes);
     const moved::NewKnowledge now = moved::new_knowledge(before, seen, options, &reasons, &notes);
     report = Detective(match, before, now, options).report();
   }

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "floor.h"
 #include "forecast.h"
@@ -19,10 +20,10 @@
 namespace rigproof {
 namespace {
 
+using suggest::CalibrationSoFar;
 using suggest::Floor;
 using suggest::Forecast;
 using suggest::Foresight;
-using suggest::Knowledge;
 using suggest::Place;
 using suggest::StopInformation;
 
@@ -59,7 +60,7 @@ double worst_axis(const Eigen::VectorXd& relative_sigmas) {
 
 class Suggester {
  public:
-  Suggester(const Knowledge& knowledge, const SuggestOptions& options, const AcceptLimits& limits)
+  Suggester(const CalibrationSoFar& knowledge, const SuggestOptions& options, const AcceptLimits& limits)
       : knowledge_(knowledge),
         options_(options),
         limits_(limits),
@@ -69,33 +70,51 @@ class Suggester {
         forecast_(knowledge) {
     for (std::size_t c = 0; c < knowledge.has_pose.size(); ++c)
       if (knowledge.has_pose[c]) posed_.push_back(c);
+    places_ = candidates();
+    for (const Place& place : places_) information_.push_back(forecast_.information_of(foresight_, place));
   }
 
-  Suggestion run() {
+  Suggestion run() const {
     Suggestion suggestion;
     suggestion.limits = limits_;
     suggestion.status_now = knowledge_.estimate.result.status;
     suggestion.reasons_now = knowledge_.estimate.result.reasons;
     suggestion.T_world_board = state_.T_world_board;
     suggestion.T_world_robot = state_.T_world_robot;
-    draw_candidates();
-    choose();
-    while (const std::optional<std::size_t> out_of_sight = command(in_driving_order(), &suggestion))
-      replace(*out_of_sight);
+    Choice choice = completed({});
+    while (const auto out_of_sight = command(in_driving_order(choice.places), &suggestion))
+      choice = completed(choice.without(*out_of_sight));
     foretell(&suggestion);
     return suggestion;
   }
 
  private:
-  void draw_candidates() {
+  /// Candidates by number.
+  struct Choice {
+    std::vector<std::size_t> places;
+    std::set<std::size_t> given_up = {};  ///< that no command leads to
+    double score = kImpossible;
+
+    bool may_take(std::size_t candidate) const {
+      return given_up.count(candidate) == 0 && std::find(places.begin(), places.end(), candidate) == places.end();
+    }
+    Choice without(std::size_t candidate) const {
+      Choice rest = *this;
+      rest.given_up.insert(candidate);
+      rest.places.erase(std::find(rest.places.begin(), rest.places.end(), candidate));
+      return rest;
+    }
+  };
+
+  std::vector<Place> candidates() const {
+    std::vector<Place> places;
     RandomStream random(options_.seed, "suggested places");
     const int tries = 200 * options_.candidates;
-    for (int i = 0; i < tries && static_cast<int>(places_.size()) < options_.candidates; ++i) {
+    for (int i = 0; i < tries && static_cast<int>(places.size()) < options_.candidates; ++i) {
       const Place place = aimed_place(&random);
-      if (floor_.may_stand(place) && sees_board_when_rounded(place)) places_.push_back(place);
+      if (floor_.may_stand(place) && sees_board_when_rounded(place)) places.push_back(place);
     }
-    for (const Place& place : places_) information_.push_back(forecast_.information_of(foresight_, place));
-    given_up_.assign(places_.size(), false);
+    return places;
   }
 
   bool enough(const std::vector<int>& cameras) const {
@@ -156,55 +175,46 @@ class Suggester {
 
   double limit_of(int axis) const { return axis < 2 ? limits_.xy_m : axis == 2 ? limits_.z_m : limits_.angle_rad; }
 
-  bool is_chosen(std::size_t candidate) const {
-    return std::find(chosen_.begin(), chosen_.end(), candidate) != chosen_.end();
-  }
-
   // The best candidate at the given position of the choice; false if none beats what is there.
-  bool improve(std::size_t position) {
-    std::vector<std::size_t> trial = chosen_;
+  bool improve(std::size_t position, Choice* choice) const {
+    std::vector<std::size_t> trial = choice->places;
     bool better = false;
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (given_up_[i] || is_chosen(i)) continue;
+      if (!choice->may_take(i)) continue;
       trial[position] = i;
       const double value = score(trial);
-      if (value >= best_) continue;
-      best_ = value;
-      chosen_[position] = i;
+      if (value >= choice->score) continue;
+      choice->score = value;
+      choice->places[position] = i;
       better = true;
     }
     return better;
   }
 
-  void choose() {
+  // With as many places as are wanted and help, each the next best one, then exchanged.
+  Choice completed(Choice choice) const {
     constexpr int kExchanges = 2;
     const std::size_t wanted = std::min(static_cast<std::size_t>(options_.stops), places_.size());
-    while (chosen_.size() < wanted) {
-      chosen_.push_back(places_.size());  // no candidate yet
-      best_ = kImpossible;
-      if (improve(chosen_.size() - 1)) continue;
-      chosen_.pop_back();
+    while (choice.places.size() < wanted) {
+      choice.places.push_back(places_.size());  // no candidate yet
+      choice.score = kImpossible;
+      if (improve(choice.places.size() - 1, &choice)) continue;
+      choice.places.pop_back();
       break;
     }
-    bool better = chosen_.size() > 1;
+    bool better = choice.places.size() > 1;
     for (int round = 0; better && round < kExchanges; ++round) {
       better = false;
-      for (std::size_t position = 0; position < chosen_.size(); ++position) better = improve(position) || better;
+      for (std::size_t i = 0; i < choice.places.size(); ++i) better = improve(i, &choice) || better;
     }
+    return choice;
   }
 
   Place last_place() const { return Place::of(state_.T_world_robot.back()); }
 
-  // The next best place in the place of one that no command leads to.
-  void replace(std::size_t candidate) {
-    given_up_[candidate] = true;
-    chosen_.erase(std::find(chosen_.begin(), chosen_.end(), candidate));
-    choose();
-  }
-
   // The shortest drive through the chosen places that keeps clear of the board.
-  std::vector<std::size_t> in_driving_order() const {
-    std::vector<std::size_t> left = chosen_, order;
+  std::vector<std::size_t> in_driving_order(std::vector<std::size_t> left) const {
+    std::vector<std::size_t> order;
     if (left.size() <= 6) return shortest(std::move(left));
     for (Place from = last_place(); !left.empty(); from = places_[order.back()]) {
       const auto cost = [&](std::size_t candidate) { return cost_between(from, places_[candidate]); };
@@ -359,7 +369,7 @@ class Suggester {
     return sigmas;
   }
 
-  const Knowledge& knowledge_;
+  const CalibrationSoFar& knowledge_;
   const SuggestOptions& options_;
   AcceptLimits limits_;
   const CalibrationState& state_;
@@ -369,9 +379,6 @@ class Suggester {
   std::vector<std::size_t> posed_;  // cameras that can be aimed
   std::vector<Place> places_;
   std::vector<StopInformation> information_;
-  std::vector<bool> given_up_;  // places that no command leads to
-  std::vector<std::size_t> chosen_;
-  double best_ = kImpossible;
 };
 
 }  // namespace
@@ -379,7 +386,7 @@ class Suggester {
 Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options) {
   check(options);
   const AcceptLimits limits = observations.accept.value_or(options.limits);
-  const Knowledge knowledge = suggest::knowledge_from(observations, options.ml);
+  const CalibrationSoFar knowledge = suggest::calibration_so_far(observations, options.ml);
   return Suggester(knowledge, options, limits).run();
 }
 

@@ -1,7 +1,6 @@
 #include "used_observations.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace rigproof {
 namespace {
@@ -15,18 +14,14 @@ bool was_left_out(const Result& result, const BoardView& view) {
 }  // namespace
 
 Observations used_observations(const Result& result, const Observations& observations, const GroundCheck& ground) {
-  const auto has_pose = [&](const PlaneObservation& plane) {
-    return result.find(observations.robot_frame, observations.cameras[static_cast<std::size_t>(plane.camera)].name) !=
+  const auto has_none = [&](const PlaneObservation& plane) {
+    return result.find(observations.robot_frame, observations.cameras[static_cast<std::size_t>(plane.camera)].name) ==
            nullptr;
   };
   Observations used = observations;
-  used.ground_planes.clear();
-  used.board_planes.clear();
-  for (std::size_t i = 0; i < observations.ground_planes.size(); ++i)
-    if (ground.accepted[i] && has_pose(observations.ground_planes[i]))
-      used.ground_planes.push_back(observations.ground_planes[i]);
-  std::copy_if(observations.board_planes.begin(), observations.board_planes.end(),
-               std::back_inserter(used.board_planes), has_pose);
+  used.ground_planes = ground.planes(observations);
+  for (auto* planes : {&used.ground_planes, &used.board_planes})
+    planes->erase(std::remove_if(planes->begin(), planes->end(), has_none), planes->end());
   used.board_views.erase(std::remove_if(used.board_views.begin(), used.board_views.end(),
                                         [&result](const BoardView& view) { return was_left_out(result, view); }),
                          used.board_views.end());

@@ -206,10 +206,7 @@ class GroundFinder {
     Observations voters = observations_;
     voters.ground_planes = result_.planes;
     const GroundCheck check = check_ground_planes(voters, alignment_);
-    std::vector<PlaneObservation> accepted;
-    for (std::size_t i = 0; i < result_.planes.size(); ++i)
-      if (check.accepted[i]) accepted.push_back(result_.planes[i]);
-    result_.planes = std::move(accepted);
+    result_.planes = check.planes(voters);
     for (const Exclusion& exclusion : check.rejected) result_.rejected.push_back(no_ground(exclusion));
   }
 

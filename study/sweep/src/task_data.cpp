@@ -2,6 +2,7 @@
 #include <chrono>
 
 #include "measured_noise.h"
+#include "rigproof/calib/plan/accept.h"
 #include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
@@ -39,15 +40,7 @@ void keep_first_stops(std::int64_t count, Observations* observations) {
   if (wanted > observations->stops.size())
     throw Error("images: " + std::to_string(count) + ": the drive has " + std::to_string(observations->stops.size()) +
                 " stops");
-  observations->stops.resize(wanted);
-  const auto drop = [count](auto* items) {
-    items->erase(std::remove_if(items->begin(), items->end(), [count](const auto& item) { return item.stop >= count; }),
-                 items->end());
-  };
-  drop(&observations->board_views);
-  drop(&observations->ground_planes);
-  drop(&observations->board_planes);
-  drop(&observations->exclusions);
+  *observations = stops_of(*observations, 0, static_cast<int>(count));
 }
 
 // Pictures come from the cache, and what was found in them; the odometry is this task's.

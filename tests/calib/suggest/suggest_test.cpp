@@ -151,7 +151,7 @@ void expect_now_as_stated(const Observations& observations, bool two_models = fa
   SuggestOptions options = wide_floor();
   options.ml = ml;
   const Suggestion suggestion = suggest_stops(observations, options);
-  const suggest::Knowledge knowledge = suggest::knowledge_from(observations, ml);
+  const suggest::CalibrationSoFar knowledge = suggest::calibration_so_far(observations, ml);
   const std::vector<AxisSigmas> forecast = suggest::Forecast(knowledge).sigmas({});
   ASSERT_EQ(suggestion.cameras.size(), 3U);
   ASSERT_EQ(forecast.size(), 3U);
