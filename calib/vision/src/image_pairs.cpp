@@ -103,13 +103,22 @@ std::map<int, std::vector<int>> stops_by_camera(const FramesByStop& frames) {
   return stops;
 }
 
-// Frames of a camera in a segment, where they lie in the recording.
-std::vector<const CameraFrame*> segment_frames(const Recording& recording, const RecordingSegment& segment,
-                                               std::size_t camera) {
+// Frames of one camera in one straight segment, where they lie in the recording.
+struct SegmentFrames {
+  int camera;
   std::vector<const CameraFrame*> frames;
-  for (const CameraFrame& frame : recording.frames[camera])
-    if (segment.holds(frame.stamp_s)) frames.push_back(&frame);
-  return frames;
+};
+
+std::vector<SegmentFrames> straight_segments(const Recording& recording) {
+  std::vector<SegmentFrames> all;
+  for (const RecordingSegment& segment : recording.segments) {
+    for (std::size_t k = 0; k < recording.frames.size() && segment.kind == kStraightSegment; ++k) {
+      SegmentFrames& of_camera = all.emplace_back(SegmentFrames{static_cast<int>(k), {}});
+      for (const CameraFrame& frame : recording.frames[k])
+        if (segment.holds(frame.stamp_s)) of_camera.frames.push_back(&frame);
+    }
+  }
+  return all;
 }
 
 }  // namespace
@@ -153,36 +162,24 @@ std::vector<ImagePair> match_consecutive_images(const MethodInput& input, const 
 std::vector<ImagePair> match_straight_segments(const MethodInput& input, const FeatureSource& source) {
   std::vector<ImagePair> pairs;
   if (input.recording == nullptr) return pairs;
-  for (const RecordingSegment& segment : input.recording->segments) {
-    for (std::size_t k = 0; k < input.recording->frames.size() && segment.kind == kStraightSegment; ++k) {
-      const std::vector<const CameraFrame*> frames = segment_frames(*input.recording, segment, k);
-      for (std::size_t i = 1; i < frames.size(); ++i)
-        pairs.push_back({static_cast<int>(k), -1, -1, {}, frames[i - 1], frames[i]});
-    }
-  }
+  for (const auto& [camera, frames] : straight_segments(*input.recording))
+    for (std::size_t i = 1; i < frames.size(); ++i) pairs.push_back({camera, -1, -1, {}, frames[i - 1], frames[i]});
   Matcher(input, source, &pairs).run();
   return pairs;
 }
 
 std::vector<std::pair<int, const CameraFrame*>> straight_segment_images(const Recording& recording) {
   std::vector<std::pair<int, const CameraFrame*>> images;
-  for (const RecordingSegment& segment : recording.segments)
-    for (std::size_t k = 0; k < recording.frames.size() && segment.kind == kStraightSegment; ++k)
-      for (const CameraFrame* frame : segment_frames(recording, segment, k))
-        images.emplace_back(static_cast<int>(k), frame);
+  for (const auto& [camera, frames] : straight_segments(recording))
+    for (const CameraFrame* frame : frames) images.emplace_back(camera, frame);
   return images;
 }
 
 std::size_t straight_segment_steps(const Recording& recording) {
   std::size_t most = 0;
-  for (std::size_t k = 0; k < recording.frames.size(); ++k) {
-    std::size_t steps = 0;
-    for (const RecordingSegment& segment : recording.segments) {
-      const std::size_t frames = segment.kind == kStraightSegment ? segment_frames(recording, segment, k).size() : 0;
-      steps += frames > 0 ? frames - 1 : 0;
-    }
-    most = std::max(most, steps);
-  }
+  std::map<int, std::size_t> steps;
+  for (const auto& [camera, frames] : straight_segments(recording))
+    if (!frames.empty()) most = std::max(most, steps[camera] += frames.size() - 1);
   return most;
 }
 
