@@ -8,21 +8,15 @@ void write(const Camera& camera, Writer* to) {
   for (const double value : camera.distortion) to->number(value);
 }
 
-void write(const Rigid3& T, Writer* to) {
-  to->matrix(T.rotation.coeffs());
-  to->matrix(T.translation);
-}
-
 void write(const DepthStream& depth, Writer* to) {
   const DepthNoise& noise = depth.noise;
   to->number(static_cast<int>(noise.law));
   for (const double value : {depth.unit_m, depth.min_m, depth.max_m, noise.inverse_depth_sigma_per_m, noise.constant_m,
                              noise.proportional, noise.correlation_px, noise.scale_sigma})
     to->number(value);
-  to->number(static_cast<std::uint8_t>(depth.own_camera.has_value()));
-  if (!depth.own_camera) return;
+  if (!to->present(depth.own_camera)) return;
   write(depth.own_camera->camera, to);
-  write(depth.own_camera->T_color_depth, to);
+  kTransformParts(*to, depth.own_camera->T_color_depth);
 }
 
 }  // namespace rigproof::detection

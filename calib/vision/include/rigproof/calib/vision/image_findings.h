@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ struct PixelMatch {
 /// The motion between two images, with the matches that agree: one flag for each match that it was found from.
 struct FoundMotion {
   std::optional<Rigid3> T_a_b;
-  std::vector<bool> agrees;
+  std::vector<std::uint8_t> agrees;
 };
 
 /// Findings to the bit.
