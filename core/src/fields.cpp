@@ -88,7 +88,7 @@ void Reader::list(const char* key, const std::function<std::size_t()>&, const st
                   const std::function<void(std::size_t, FieldVisitor&)>& visit, const char*) {
   const YamlTree* tree = map().find(key);
   if (tree == nullptr) return;
-  if (!tree->is_sequence()) return map().problem(key, "must be a list of blocks");
+  if (!tree->is_sequence()) return map().problem(key, "must be a list");
   // Through zero, so that every element starts from its defaults.
   resize(0);
   resize(tree->items.size());

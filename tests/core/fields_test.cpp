@@ -176,7 +176,7 @@ TEST(Fields, AnIncludeThatDoesNotExistIsNamed) {
 
 TEST(Fields, WrongShapesAreNamed) {
   EXPECT_EQ(problems_of("odometry: 5\n"), "demo.yaml:1: odometry: 5: must be a block of keys");
-  EXPECT_EQ(problems_of("wheels: {name: a}\n"), "demo.yaml:1: wheels: a block: must be a list of blocks");
+  EXPECT_EQ(problems_of("wheels: {name: a}\n"), "demo.yaml:1: wheels: a block: must be a list");
   EXPECT_EQ(problems_of("tags: a\n"), "demo.yaml:1: tags: a: must be a list of texts");
   EXPECT_EQ(problems_of("heights_m: [1, 1, 1, 1, 1]\n"),
             "demo.yaml:1: heights_m: a list of 5: must be a list of 1 to 4 numbers");

@@ -71,8 +71,8 @@ TEST(Findings, EveryOneHasWordsAndSaysWhatToDo) {
 
 TEST(Findings, ThePageIsMadeOfTheTable) {
   const std::string page = source_path("docs/reference/findings.md");
-  if (std::getenv("RIGPROOF_WRITE_DOCS") != nullptr) write_file_atomically(page, words::findings_page());
-  EXPECT_EQ(read_text_file(page, 1U << 20U), words::findings_page()) << "RIGPROOF_WRITE_DOCS=1 test_words writes it";
+  if (std::getenv("RIGPROOF_UPDATE_DOCS") != nullptr) write_file_atomically(page, words::findings_page());
+  EXPECT_EQ(read_text_file(page, 1U << 20U), words::findings_page()) << "RIGPROOF_UPDATE_DOCS=1 test_words writes it";
 }
 
 }  // namespace

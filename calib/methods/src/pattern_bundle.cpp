@@ -8,8 +8,6 @@
 namespace rigproof::rivals {
 namespace {
 
-using Matrix2x6 = Eigen::Matrix<double, 2, 6>;
-
 constexpr int kMaxIterations = 100;
 constexpr double kLossMedians = 3.0;
 constexpr double kMinLoss_px = 0.01;

@@ -13,11 +13,11 @@
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/calib/vision/picture_memory.h"
 #include "rigproof/calib/vision/recall.h"
+#include "rigproof/calib/vision/stops.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/exclusions.h"
 #include "rigproof/core/files.h"
 #include "sight.h"
-#include "stops.h"
 
 namespace rigproof {
 namespace {

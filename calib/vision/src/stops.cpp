@@ -1,4 +1,4 @@
-#include "stops.h"
+#include "rigproof/calib/vision/stops.h"
 
 #include <algorithm>
 #include <cmath>

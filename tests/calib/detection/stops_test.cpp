@@ -1,4 +1,4 @@
-#include "stops.h"
+#include "rigproof/calib/vision/stops.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,0 @@
-#pragma once
-
-#include "rigproof/calib/vision/stops.h"
