@@ -92,6 +92,11 @@ TEST(Statistics, JacobiansMatchDifferences) {
       return transform_error(moved_a.inverse() * moved_b, A.inverse() * B);
     });
     EXPECT_LT((relative - relative_error_jacobian(A, B)).norm(), 1e-8);
+    const auto of_inverses = numeric_jacobian<12>([&](const Eigen::Matrix<double, 12, 1>& e) {
+      const Rigid3 moved_a = apply_transform_error(A, e.head<6>()), moved_b = apply_transform_error(B, e.tail<6>());
+      return transform_error(moved_a * moved_b.inverse(), A * B.inverse());
+    });
+    EXPECT_LT((of_inverses - relative_error_jacobian_of_inverses(A, B)).norm(), 1e-8);
   }
 }
 

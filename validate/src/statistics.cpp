@@ -10,32 +10,6 @@ Interval chi_square_interval(double degrees_of_freedom, double probability) {
   return {chi_square_quantile(tail, degrees_of_freedom), chi_square_quantile(1.0 - tail, degrees_of_freedom)};
 }
 
-Matrix6d left_perturbation_jacobian(const Rigid3& T) {
-  Matrix6d J = Matrix6d::Identity();
-  J.topRightCorner<3, 3>() = skew(T.translation);
-  return J;
-}
-
-Matrix6d inverse_error_jacobian(const Rigid3& T) {
-  const Eigen::Matrix3d R_transposed = T.rotation_matrix().transpose();
-  Matrix6d J = Matrix6d::Zero();
-  J.topLeftCorner<3, 3>() = -R_transposed;
-  J.topRightCorner<3, 3>() = -R_transposed * skew(T.translation);
-  J.bottomRightCorner<3, 3>() = -R_transposed;
-  return J;
-}
-
-Eigen::Matrix<double, 6, 12> relative_error_jacobian(const Rigid3& T_r_j, const Rigid3& T_r_k) {
-  const Eigen::Matrix3d R_transposed = T_r_j.rotation_matrix().transpose();
-  Eigen::Matrix<double, 6, 12> J = Eigen::Matrix<double, 6, 12>::Zero();
-  J.block<3, 3>(0, 0) = -R_transposed;
-  J.block<3, 3>(0, 3) = R_transposed * skew(T_r_k.translation - T_r_j.translation);
-  J.block<3, 3>(0, 6) = R_transposed;
-  J.block<3, 3>(3, 3) = -R_transposed;
-  J.block<3, 3>(3, 9) = R_transposed;
-  return J;
-}
-
 std::optional<double> normalised_error_squared(const std::vector<Rigid3>& estimates, const std::vector<Rigid3>& truths,
                                                const Eigen::MatrixXd& covariance) {
   const Eigen::Index n = static_cast<Eigen::Index>(estimates.size());

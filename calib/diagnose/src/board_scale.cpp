@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "rigproof/core/median.h"
+
 namespace rigproof::ml {
 namespace {
 
@@ -21,12 +23,6 @@ struct Ratio {
   double sigma = 0.0;
   int planes = 0;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // One plane against the pose that the corners give; at the board's centre, where a wrong tilt of either matters least.
 std::optional<Ratio> ratio_of(const PlaneObservation& plane, const ViewPose& view, const Board& board) {

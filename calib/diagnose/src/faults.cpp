@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/median.h"
 #include "rigproof/core/rigid3.h"
 
 namespace rigproof::ml {
@@ -86,10 +88,7 @@ double median_interval_s(const Observations& observations) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < observations.stops.size(); ++i)
     intervals.push_back(observations.stops[i].stamp_s - observations.stops[i - 1].stamp_s);
-  if (intervals.empty()) return 0.0;
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return median(std::move(intervals));
 }
 
 Finding shifted_stamps(const Observations& observations, double stops) {

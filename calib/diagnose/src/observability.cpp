@@ -30,19 +30,6 @@ struct PlanarMotion {
   Vector3d driven;         // the same by odometry: x, y, turn
 };
 
-// Covariance of T_i T_j^-1 (translation, rotation vector) from those of the two views.
-Matrix6d relative_covariance(const ViewPose& from, const ViewPose& to, const Rigid3& T_from_to) {
-  // t = t_i - R t_j and R' = Exp(phi_i - R phi_j) R
-  const Matrix3d R = T_from_to.rotation_matrix();
-  const Matrix3d lever = skew(R * to.T_camera_board.translation);
-  Matrix6d J_from = Matrix6d::Identity(), J_to = Matrix6d::Zero();
-  J_from.topRightCorner<3, 3>() = lever;
-  J_to.topLeftCorner<3, 3>() = -R;
-  J_to.topRightCorner<3, 3>() = -lever * R;
-  J_to.bottomRightCorner<3, 3>() = -R;
-  return J_from * from.covariance * J_from.transpose() + J_to * to.covariance * J_to.transpose();
-}
-
 Rigid3 odometry_motion(const Observations& observations, int from, int to) {
   const Stop& a = observations.stops[static_cast<std::size_t>(from)];
   const Stop& b = observations.stops[static_cast<std::size_t>(to)];
@@ -61,7 +48,7 @@ PlanarMotion planar_motion(const Observations& observations, const ViewPair& pai
   PlanarMotion motion;
   motion.turn_rad = yaw_of(A);
   motion.translation_m = A.translation.head<2>();
-  motion.covariance = J * relative_covariance(*pair.from, *pair.to, B) * J.transpose();
+  motion.covariance = J * relative_covariance(*pair.from, *pair.to) * J.transpose();
   const double position = 2.0 * kPositionFloor_m * kPositionFloor_m, angle = 2.0 * kAngleFloor_rad * kAngleFloor_rad;
   motion.covariance.diagonal() += Vector3d(position, position, angle);
   const Rigid3 driven = odometry_motion(observations, pair.from->stop, pair.to->stop);
@@ -169,7 +156,8 @@ std::vector<ViewPose> trusted_views(const std::vector<ViewPose>& views, const Tr
                                     const std::vector<int>& cameras) {
   std::vector<ViewPose> trusted;
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (contains(cameras, views[i].camera) && alignment.view_weights[i] >= kOutlierWeight) trusted.push_back(views[i]);
+    if (contains(cameras, views[i].camera) && alignment.view_weights[i] >= kLeastPlanarWeight)
+      trusted.push_back(views[i]);
   return trusted;
 }
 

@@ -1,5 +1,7 @@
 #include "rigproof/calib/estimate/covariance.h"
 
+#include "rigproof/core/error_jacobians.h"
+
 namespace rigproof::ml {
 
 Eigen::MatrixXd camera_chart(const State& state, const Layout& layout) {
@@ -13,16 +15,11 @@ Eigen::MatrixXd camera_chart(const State& state, const Layout& layout) {
 }
 
 Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent, int child) {
-  const Rigid3& Xj = T_robot_camera[static_cast<std::size_t>(parent)];
-  const Rigid3& Xk = T_robot_camera[static_cast<std::size_t>(child)];
-  const Eigen::Matrix3d Rt = Xj.rotation_matrix().transpose();
+  const RelativeJacobian of_both = relative_error_jacobian(T_robot_camera[static_cast<std::size_t>(parent)],
+                                                           T_robot_camera[static_cast<std::size_t>(child)]);
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, 6 * static_cast<Eigen::Index>(T_robot_camera.size()));
-  // t_jk = R_j^T (t_k - t_j), and turning the parent by w turns what it sees by -w.
-  J.block<3, 3>(0, 6 * parent) = -Rt;
-  J.block<3, 3>(0, 6 * parent + 3) = Rt * skew(Xk.translation - Xj.translation);
-  J.block<3, 3>(3, 6 * parent + 3) = -Rt;
-  J.block<3, 3>(0, 6 * child) = Rt;
-  J.block<3, 3>(3, 6 * child + 3) = Rt;
+  J.middleCols<6>(6 * parent) = of_both.leftCols<6>();
+  J.middleCols<6>(6 * child) = of_both.rightCols<6>();
   return J;
 }
 

@@ -9,6 +9,7 @@
 
 #include "planes_of_cameras.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof {
 namespace {
@@ -273,7 +274,7 @@ std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observation
     const Eigen::Vector3d floor = median_plane(floors[c]);
     std::vector<double> mean_inverse_depths;
     for (const PlaneObservation* plane : floors[c]) mean_inverse_depths.push_back(mean_inverse_depth(*plane));
-    std::optional<Eigen::MatrixXd> response = bias.of_ground(floor, median_of(std::move(mean_inverse_depths)));
+    std::optional<Eigen::MatrixXd> response = bias.of_ground(floor, median(std::move(mean_inverse_depths)));
     if (!response) continue;
     // A scale that is too large makes the floor that is expected as much too far.
     if (scale == DepthScaleSource::kBoard) *response += floor * bias.of_scale(boards[c], views);

@@ -42,7 +42,6 @@ OdometryWay::OdometryWay(const Stop& from, const Stop& to) {
     const Eigen::Vector2d arc = unit_arc(turn);
     arcs_.push_back({product(step, {arc.x(), -arc.y()}) / arc.squaredNorm(), turn});
     length_m_ += arcs_.back().way.norm();
-    turning_rad_ += std::abs(turn);
     last = pose;
   };
   for (const Eigen::Vector3d& pose : to.way) add(pose);

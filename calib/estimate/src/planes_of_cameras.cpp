@@ -1,7 +1,8 @@
 #include "planes_of_cameras.h"
 
-#include <algorithm>
 #include <utility>
+
+#include "rigproof/core/median.h"
 
 namespace rigproof {
 
@@ -16,15 +17,9 @@ Eigen::Vector3d median_plane(const PlanesOfCamera& planes) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const PlaneObservation* plane : planes) values.push_back(plane->inverse_depth_plane[axis]);
-    result[axis] = median_of(std::move(values));
+    result[axis] = median(std::move(values));
   }
   return result;
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace rigproof

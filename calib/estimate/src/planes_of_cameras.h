@@ -16,6 +16,4 @@ std::vector<PlanesOfCamera> planes_of_cameras(const std::vector<PlaneObservation
 /// The median of each component of one or more inverse-depth planes [1/m].
 Eigen::Vector3d median_plane(const PlanesOfCamera& planes);
 
-double median_of(std::vector<double> values);
-
 }  // namespace rigproof

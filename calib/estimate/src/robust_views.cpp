@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rigproof/calib/estimate/noise.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof::ml {
 namespace {
@@ -50,12 +51,6 @@ bool linearise(const Camera& camera, const std::vector<Corner>& corners, const R
     step->squares.push_back(s);
   }
   return true;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void refine(const Camera& camera, const std::vector<Corner>& corners, ViewPose* view) {

@@ -3,10 +3,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof {
 namespace {
@@ -225,34 +227,27 @@ class ClosedForm {
   // Least squares for (t_1 .. t_K, cos psi, sin psi), or for the t alone where psi is given.
   // a = R(psi) B + t_k - R(turn) t_l
   VectorXd solve_linear(const std::optional<double>& psi) const {
-    const Eigen::Index unknowns = 2 * static_cast<Eigen::Index>(cameras_) + (psi ? 0 : 2);
+    const Eigen::Index translations = 2 * static_cast<Eigen::Index>(cameras_), unknowns = translations + (psi ? 0 : 2);
     MatrixXd H = MatrixXd::Zero(unknowns, unknowns);
     VectorXd g = VectorXd::Zero(unknowns);
-    for (Eigen::Index k = 0; k < 2 * static_cast<Eigen::Index>(cameras_); ++k)
-      H(k, k) = 1.0 / (kMountingSigma_m * kMountingSigma_m);
+    H.diagonal().head(translations).setConstant(1.0 / (kMountingSigma_m * kMountingSigma_m));
     for (const Link& link : links_) {
-      Eigen::Matrix<double, 2, Eigen::Dynamic> row = coefficients(link, unknowns, !psi);
-      Vector2d target = link.driven;
-      if (psi) target -= rotation2(*psi) * displacement(link);
+      const Vector2d B = displacement(link);
+      Matrix2d by_yaw;
+      by_yaw << B, quarter_turn(B);
+      const std::array<Matrix2d, 3> J = {Matrix2d::Identity(), -rotation2(turn(link)), by_yaw};
+      const std::array<Eigen::Index, 3> place = {2 * link.from->camera, 2 * link.to->camera, translations};
+      const Vector2d target = psi ? Vector2d(link.driven - rotation2(*psi) * B) : link.driven;
       const double weight = link.weight * link.from->weight * link.to->weight / variance_of(link);
-      H.noalias() += weight * row.transpose() * row;
-      g.noalias() += weight * row.transpose() * target;
+      for (std::size_t a = 0; a < (psi ? 2U : 3U); ++a) {
+        const Matrix2d weighted = weight * J[a].transpose();
+        for (std::size_t b = 0; b < (psi ? 2U : 3U); ++b) H.block<2, 2>(place[a], place[b]) += weighted * J[b];
+        g.segment<2>(place[a]) += weighted * target;
+      }
     }
     // The yaw may be open too; a weight this small decides only then.
     if (!psi) H.diagonal().tail<2>().array() += 1e-6;
     return H.ldlt().solve(g);
-  }
-
-  Eigen::Matrix<double, 2, Eigen::Dynamic> coefficients(const Link& link, Eigen::Index unknowns, bool with_yaw) const {
-    Eigen::Matrix<double, 2, Eigen::Dynamic> row = Eigen::Matrix<double, 2, Eigen::Dynamic>::Zero(2, unknowns);
-    row.middleCols<2>(2 * link.from->camera) += Matrix2d::Identity();
-    row.middleCols<2>(2 * link.to->camera) -= rotation2(turn(link));
-    if (with_yaw) {
-      const Vector2d B = displacement(link);
-      row.col(unknowns - 2) = B;
-      row.col(unknowns - 1) = quarter_turn(B);
-    }
-    return row;
   }
 
   Vector2d residual(const Link& link, const VectorXd& t, double psi) const {
@@ -301,26 +296,19 @@ class ClosedForm {
         heights->push_back(height_above(observations_.ground_planes[i]).height_m - base_m);
   }
 
-  static std::optional<double> median(std::vector<double> values) {
-    if (values.empty()) return std::nullopt;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  }
-
   // Height of the board's origin over the ground, from all cameras.
   std::optional<double> ground_offset() const {
     std::vector<double> offsets;
     for (std::size_t k = 0; k < cameras_; ++k)
       if (seen_[k]) collect_heights(static_cast<int>(k), mean_height_[k], &offsets);
-    return median(offsets);
+    return offsets.empty() ? std::nullopt : std::optional(median(offsets));
   }
 
   // A camera's own planes know its height best.
   double camera_height(std::size_t k) const {
     std::vector<double> heights;
     collect_heights(static_cast<int>(k), 0.0, &heights);
-    return median(heights).value_or(mean_height_[k] + board_height_);
+    return heights.empty() ? mean_height_[k] + board_height_ : median(heights);
   }
 
   Rigid3 camera_pose(std::size_t k) const {
@@ -363,7 +351,7 @@ class ClosedForm {
     std::vector<const LevelView*> by_stop(odometry_.size(), nullptr);
     for (const LevelView& view : level_) {
       const LevelView*& best = by_stop[static_cast<std::size_t>(view.stop)];
-      if (view.weight >= kOutlierWeight && (best == nullptr || certainty(view) > certainty(*best))) best = &view;
+      if (view.weight >= kLeastPlanarWeight && (best == nullptr || certainty(view) > certainty(*best))) best = &view;
     }
     std::vector<bool> placed(odometry_.size(), false);
     for (std::size_t i = 0; i < odometry_.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof {
 namespace {
@@ -91,13 +92,6 @@ Matrix3d planarity_matrix(const std::vector<Level>& levels, const std::vector<Ca
 double cauchy_weight(double squared_sigmas, double softness) {
   constexpr double kCauchySigmas = 3.0;
   return 1.0 / (1.0 + squared_sigmas / (kCauchySigmas * kCauchySigmas * softness * softness));
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Squares in units of the variance, shrunk where most views are worse than that: a floor that rocks every view

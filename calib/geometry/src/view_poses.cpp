@@ -1,5 +1,7 @@
 #include "rigproof/calib/geometry/view_poses.h"
 
+#include "rigproof/core/error_jacobians.h"
+
 namespace rigproof {
 
 Eigen::Vector3d camera_position_in_board(const Rigid3& T_camera_board) { return T_camera_board.inverse().translation; }
@@ -11,6 +13,12 @@ Eigen::Matrix3d camera_position_covariance(const ViewPose& view) {
   J << Eigen::Matrix3d::Identity(), skew(view.T_camera_board.translation);
   J = R_board_camera * J;
   return J * view.covariance * J.transpose();
+}
+
+Matrix6d relative_covariance(const ViewPose& from, const ViewPose& to) {
+  const RelativeJacobian J = relative_error_jacobian_of_inverses(from.T_camera_board, to.T_camera_board);
+  const auto J_from = J.leftCols<6>(), J_to = J.rightCols<6>();
+  return J_from * from.covariance * J_from.transpose() + J_to * to.covariance * J_to.transpose();
 }
 
 std::vector<ViewPair> consecutive_pairs(const std::vector<ViewPose>& views, int camera) {

@@ -45,7 +45,7 @@ Evidence evidence_of(const Observations& observations, const ViewPoses& pnp) {
   evidence.guess = initial_guess(observations, pnp.poses, evidence.alignment, evidence.check);
   evidence.ground = evidence.check.planes(observations);
   for (std::size_t i = 0; i < pnp.poses.size(); ++i) {
-    if (evidence.alignment.view_weights[i] >= kOutlierWeight)
+    if (evidence.alignment.view_weights[i] >= kLeastPlanarWeight)
       evidence.views.push_back(pnp.poses[i]);
     else
       evidence.leave_out(pnp.poses[i], Finding("view.off_plane"));

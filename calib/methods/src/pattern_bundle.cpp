@@ -12,7 +12,7 @@ constexpr int kMaxIterations = 100;
 constexpr double kLossMedians = 3.0;
 constexpr double kMinLoss_px = 0.01;
 // A view that the loss weighs less than this says nothing about the cameras.
-constexpr double kOutlierWeight = 0.1;
+constexpr double kLeastViewWeight = 0.1;
 
 /// One view of the part: indices into its cameras and stops.
 struct View {
@@ -206,7 +206,7 @@ class Bundle {
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const double w = weight(i, systems_);
       const int corners = static_cast<int>(views_[i].seen->corners.size());
-      if (w < kOutlierWeight) {
+      if (w < kLeastViewWeight) {
         result_.outliers.emplace_back(views_[i].seen->stop, views_[i].seen->camera);
         continue;
       }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigproof/core/error_jacobians.h"
 #include "rigproof/core/exclusions.h"
 
 namespace rigproof::rivals {
@@ -42,10 +43,9 @@ void report_use(const Observations& observations, const std::vector<ViewPose>& v
 }
 
 Quotient::Quotient(const Rigid3& A, const Rigid3& B) : T(A * B.inverse()) {
-  const Eigen::Matrix3d R = T.rotation_matrix();
-  by_A.topRightCorner<3, 3>() = skew(R * B.translation);
-  by_B.topLeftCorner<3, 3>() = by_B.bottomRightCorner<3, 3>() = -R;
-  by_B.topRightCorner<3, 3>() = -by_A.topRightCorner<3, 3>() * R;
+  const RelativeJacobian by_both = relative_error_jacobian_of_inverses(A, B);
+  by_A = by_both.leftCols<6>();
+  by_B = by_both.rightCols<6>();
 }
 
 EstimatedTransform camera_in_robot(const Observations& observations, int camera, const Rigid3& T_robot_camera) {

@@ -26,7 +26,7 @@ struct Quotient {
   Quotient(const Rigid3& A, const Rigid3& B);
 
   Rigid3 T;
-  Matrix6d by_A = Matrix6d::Identity(), by_B = Matrix6d::Zero();
+  Matrix6d by_A, by_B;
 };
 
 /// A camera's pose in the robot, all six degrees.

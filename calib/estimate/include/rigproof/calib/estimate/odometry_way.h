@@ -29,9 +29,6 @@ class OdometryWay {
   const Eigen::Matrix3d& noise_of_translation() const { return translation_; }
   const Eigen::Matrix3d& noise_of_turning() const { return turning_; }
 
-  double length_m() const { return length_m_; }
-  double turning_rad() const { return turning_rad_; }  ///< sum of absolute turns
-
  private:
   struct Arc {
     Eigen::Vector2d way;  // along the arc, straightened: x, y in the frame of its beginning
@@ -40,7 +37,7 @@ class OdometryWay {
   void add_noise();
 
   std::vector<Arc> arcs_;
-  double length_m_ = 0.0, turning_rad_ = 0.0;
+  double length_m_ = 0.0;
   Eigen::Matrix3d translation_, turning_;
 };
 

@@ -24,11 +24,12 @@ struct TrajectoryAlignment {
   Eigen::Vector3d up_board = Eigen::Vector3d::UnitZ();    ///< vertical in the board frame
   std::vector<std::optional<Eigen::Vector3d>> up_camera;  ///< per camera; absent without a view (or plane) to tell
   double sigma_up_rad = 0.0;                              ///< standard deviation of up_board's worst direction
-  /// Per view, 0 to 1: how well it fits the common planar motion; below kOutlierWeight it contradicts it.
+  /// Per view, 0 to 1: how well it fits the common planar motion; below kLeastPlanarWeight it contradicts it.
   std::vector<double> view_weights;
 };
 
-inline constexpr double kOutlierWeight = 0.05;
+/// Of a view that fits the common planar motion.
+inline constexpr double kLeastPlanarWeight = 0.05;
 
 /// Closed form: up is the smallest eigenvector of a 3x3 matrix made of all cameras' rotations and positions,
 /// reweighted until views that contradict the planar motion (a flipped board pose) count no more. The sign comes

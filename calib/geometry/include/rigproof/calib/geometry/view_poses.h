@@ -32,6 +32,9 @@ Eigen::Vector3d camera_position_in_board(const Rigid3& T_camera_board);
 /// Covariance of that position from the covariance of the pose.
 Eigen::Matrix3d camera_position_covariance(const ViewPose& view);
 
+/// Covariance of T_from_to = T_from_board T_to_board^-1 from those of the two poses, in the same chart.
+Matrix6d relative_covariance(const ViewPose& from, const ViewPose& to);
+
 /// Two neighbouring views of one camera, in the order of driving: the motion that hand-eye equations are made of.
 struct ViewPair {
   const ViewPose* from = nullptr;
