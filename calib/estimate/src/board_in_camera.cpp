@@ -47,12 +47,13 @@ void TwistSystem::chain(const BoardInCamera& seen, LocalBlock* block) const {
     start[a] = block->append(segment);
     H_by[a].noalias() = H_ * T;
     for (std::size_t b = 0; b <= a; ++b) {
-      const Matrix6d product = T.transpose() * H_by[b];
       const int columns = seen.parts[b].segment.size;
-      if (segment.size == 6 && columns == 6)
-        block->H.block<6, 6>(start[a], start[b]) = product;
-      else
-        block->H.block(start[a], start[b], segment.size, columns) = product.topLeftCorner(segment.size, columns);
+      if (segment.size == 6 && columns == 6) {
+        block->H.block<6, 6>(start[a], start[b]).noalias() = T.transpose() * H_by[b];
+        continue;
+      }
+      const Matrix6d product = T.transpose() * H_by[b];
+      block->H.block(start[a], start[b], segment.size, columns) = product.topLeftCorner(segment.size, columns);
     }
     const Vector6d g = T.transpose() * g_;
     block->g.segment(start[a], segment.size) = g.head(segment.size);

@@ -142,7 +142,8 @@ bool reseat_poses(const Preparation& prepared, const Problem& problem, State* st
 
 Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out_rounds, const Fit* other) {
   Fit fit;
-  Problem problem(prepared.used, prepared.priors, starting_levels(prepared.used, law, prepared.options));
+  Problem problem(prepared.used, prepared.priors, starting_levels(prepared.used, law, prepared.options),
+                  prepared.whitened);
   if (other != nullptr) {
     const NoiseLevels own = problem.noise;
     problem.noise = other->noise;
@@ -175,7 +176,7 @@ Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out
 }
 
 Problem problem_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels, const Priors& priors) {
-  Problem problem(prepared.used, priors, levels);
+  Problem problem(prepared.used, priors, levels, prepared.whitened);
   if (!fit.view_left_out.empty()) problem.view_left_out = fit.view_left_out;
   fix_unseen_cameras(prepared, &problem);
   return problem;

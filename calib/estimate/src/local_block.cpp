@@ -35,13 +35,17 @@ void BlockRows::set_normal(const Eigen::Matrix3d& share, const Eigen::Vector3d& 
     for (int i = 0; i < n; ++i) weighted(k, i) = factor * J_(k, i);
   const double *w0 = &weighted(0, 0), *w1 = &weighted(1, 0), *w2 = &weighted(2, 0);
   const Eigen::Vector3d shared_r = share * r;
-  for (int j = 0; j < n; ++j) {
+  for (int j = 0, first = 0, segment = 0; j < n; ++j) {
+    if (segment + 1 < block_.count && j == block_.starts[static_cast<std::size_t>(segment) + 1]) {
+      first = j;
+      ++segment;
+    }
     const double a = J_(0, j), b = J_(1, j), c = J_(2, j);
     const double s0 = share(0, 0) * a + share(0, 1) * b + share(0, 2) * c;
     const double s1 = share(1, 0) * a + share(1, 1) * b + share(1, 2) * c;
     const double s2 = share(2, 0) * a + share(2, 1) * b + share(2, 2) * c;
     double* column = &block_.H(0, j);
-    for (int i = 0; i < n; ++i) column[i] = w0[i] * s0 + w1[i] * s1 + w2[i] * s2;
+    for (int i = first; i < n; ++i) column[i] = w0[i] * s0 + w1[i] * s1 + w2[i] * s2;
     block_.g[j] = w0[j] * shared_r[0] + w1[j] * shared_r[1] + w2[j] * shared_r[2];
   }
 }

@@ -1,6 +1,7 @@
 #include "rigproof/calib/estimate/preparation.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "robust_views.h"
 
@@ -15,28 +16,44 @@ CalibrationState guessed(const InitialGuess& guess) {
   return state;
 }
 
+// Planes of the ground and of the board that solved cameras saw.
+void keep_usable_planes(const GroundCheck& ground, Preparation* prepared) {
+  const Observations& all = prepared->original;
+  std::vector<PlaneObservation>&ground_planes = prepared->used.ground_planes,
+  &board_planes = prepared->used.board_planes;
+  ground_planes.clear();
+  board_planes.clear();
+  for (std::size_t i = 0; i < all.ground_planes.size(); ++i)
+    if (ground.accepted[i] && prepared->solved(all.ground_planes[i].camera))
+      ground_planes.push_back(all.ground_planes[i]);
+  for (const PlaneObservation& plane : all.board_planes)
+    if (prepared->solved(plane.camera)) board_planes.push_back(plane);
+}
+
 }  // namespace
 
-Preparation::Preparation(const Observations& observations, const MlOptions& ml_options,
-                         const std::vector<ViewPose>* known_views)
-    : original(observations), options(ml_options), used(observations) {
+Preparation prepare(const Observations& observations, const MlOptions& options,
+                    const std::vector<ViewPose>* known_views) {
+  Preparation prepared(observations, options);
   if (known_views != nullptr) {
-    views = *known_views;
+    prepared.views = *known_views;
   } else {
-    ViewPoses poses = estimate_view_poses(original);
-    views = std::move(poses.poses);
-    excluded = std::move(poses.exclusions);
-    refine_robustly(original, &views);
+    ViewPoses poses = estimate_view_poses(observations);
+    prepared.views = std::move(poses.poses);
+    prepared.excluded = std::move(poses.exclusions);
+    refine_robustly(observations, &prepared.views);
   }
-  alignment = align_trajectories(original, views);
-  const GroundCheck ground = check_ground_planes(original, alignment);
-  rejected_planes = ground.rejected.size();
-  guess = initial_guess(original, views, alignment, ground);
-  excluded.insert(excluded.end(), ground.rejected.begin(), ground.rejected.end());
-  if (!solvable()) return;
-  keep_usable(ground);
-  start = state_from(options.start ? *options.start : guessed(guess));
-  priors = Priors::of({used, options.priors, options.estimate_plane_level});
+  prepared.alignment = align_trajectories(observations, prepared.views);
+  const GroundCheck ground = check_ground_planes(observations, prepared.alignment);
+  prepared.rejected_planes = ground.rejected.size();
+  prepared.guess = initial_guess(observations, prepared.views, prepared.alignment, ground);
+  prepared.excluded.insert(prepared.excluded.end(), ground.rejected.begin(), ground.rejected.end());
+  if (!prepared.solvable()) return prepared;
+  keep_usable_planes(ground, &prepared);
+  prepared.start = state_from(options.start ? *options.start : guessed(prepared.guess));
+  prepared.priors = Priors::of({prepared.used, options.priors, options.estimate_plane_level});
+  prepared.whitened = std::make_shared<const Whitened>(whitened(prepared.used));
+  return prepared;
 }
 
 std::vector<int> Preparation::solved_cameras() const {
@@ -44,16 +61,6 @@ std::vector<int> Preparation::solved_cameras() const {
   for (std::size_t c = 0; c < guess.T_robot_camera.size(); ++c)
     if (guess.T_robot_camera[c]) cameras.push_back(static_cast<int>(c));
   return cameras;
-}
-
-void Preparation::keep_usable(const GroundCheck& ground) {
-  used.ground_planes.clear();
-  used.board_planes.clear();
-  for (std::size_t i = 0; i < original.ground_planes.size(); ++i)
-    if (ground.accepted[i] && solved(original.ground_planes[i].camera))
-      used.ground_planes.push_back(original.ground_planes[i]);
-  for (const PlaneObservation& plane : original.board_planes)
-    if (solved(plane.camera)) used.board_planes.push_back(plane);
 }
 
 std::vector<int> Preparation::seen_together(const std::vector<bool>& left_out) const {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "factors.h"
-#include "rigproof/calib/estimate/depth_bias.h"
 
 namespace rigproof::ml {
 namespace {
@@ -112,16 +112,16 @@ void for_each_nuisance(const Layout& layout, const Visit& visit) {
 
 }  // namespace
 
-Problem::Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise_levels)
+Problem::Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise_levels,
+                 std::shared_ptr<const Whitened> whitened_before)
     : noise(noise_levels),
       view_left_out(observations.board_views.size(), false),
       camera_fixed(observations.cameras.size(), false),
       observations_(observations),
       layout_(Layout::of(observations, priors)),
       priors_(priors),
-      views_(whitened_views(observations)),
-      ground_planes_(whitened_planes(observations, observations.ground_planes, {})),
-      board_planes_(whitened_planes(observations, observations.board_planes, board_plane_biases(observations))) {
+      whitened_(whitened_before ? std::move(whitened_before)
+                                : std::make_shared<const Whitened>(whitened(observations))) {
   for (std::size_t i = 0; i + 1 < observations.stops.size(); ++i)
     increments_.push_back(measured_increment(observations.stops[i], observations.stops[i + 1]));
   for (std::size_t i = 0; noise_levels.along_way && i + 1 < observations.stops.size(); ++i)
@@ -144,10 +144,10 @@ void Problem::visit_odometry(const Evaluation& at, int stop, BlockSink* sink) co
 
 void Problem::visit_blocks(const State& state, Weighting weighting, BlockSink* sink) const {
   const Evaluation here = at(state, weighting);
-  for (std::size_t v = 0; v < views_.size(); ++v)
-    if (!view_left_out[v]) corners(here, views_[v], sink);
-  for (const WhitenedPlane& plane : board_planes_) board_plane(here, plane, sink);
-  for (const WhitenedPlane& plane : ground_planes_) ground_plane(here, plane, sink);
+  for (std::size_t v = 0; v < whitened_->views.size(); ++v)
+    if (!view_left_out[v]) corners(here, whitened_->views[v], sink);
+  for (const WhitenedPlane& plane : whitened_->board_planes) board_plane(here, plane, sink);
+  for (const WhitenedPlane& plane : whitened_->ground_planes) ground_plane(here, plane, sink);
   for (int stop = 0; stop < layout_.poses; ++stop) {
     visit_odometry(here, stop, sink);
     suspension(here, stop, sink);
@@ -227,19 +227,21 @@ double Problem::log_normalisation() const {
   for (int stop = noise.odometry_model == OdometryModel::kPerIncrement ? 1 : 0; stop < layout_.poses; ++stop)
     sum += 2.0 * log_odometry_sigmas(stop);
   sum += 2.0 * layout_.poses * (std::log(noise.suspension_height_m) + 2.0 * std::log(noise.suspension_tilt_rad));
-  for (std::size_t v = 0; v < views_.size(); ++v)
+  for (std::size_t v = 0; v < whitened_->views.size(); ++v) {
+    const WhitenedView& view = whitened_->views[v];
     if (!view_left_out[v])
-      sum += 4.0 * static_cast<double>(views_[v].corners.size()) *
-             std::log(noise.corner_scale[static_cast<std::size_t>(views_[v].camera)]);
-  for (const WhitenedPlane& plane : ground_planes_)
+      sum += 4.0 * static_cast<double>(view.corners.size()) *
+             std::log(noise.corner_scale[static_cast<std::size_t>(view.camera)]);
+  }
+  for (const WhitenedPlane& plane : whitened_->ground_planes)
     sum += 6.0 * std::log(noise.ground_scale[static_cast<std::size_t>(plane.camera)]);
-  for (const WhitenedPlane& plane : board_planes_)
+  for (const WhitenedPlane& plane : whitened_->board_planes)
     sum += 6.0 * std::log(noise.board_plane_scale[static_cast<std::size_t>(plane.camera)]);
   return sum;
 }
 
 ViewFit Problem::view_fit(const State& state, std::size_t view) const {
-  return ml::view_fit(at(state, Weighting::kRobust), views_[view]);
+  return ml::view_fit(at(state, Weighting::kRobust), whitened_->views[view]);
 }
 
 GroupSums Problem::empty_sums() const {

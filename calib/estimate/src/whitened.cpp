@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "rigproof/calib/estimate/depth_bias.h"
 #include "rigproof/calib/estimate/lens_change.h"
 
 namespace rigproof::ml {
@@ -21,12 +22,11 @@ double seconds_after_stop(const Observations& observations, int stop, int camera
   return view == views.end() ? 0.0 : view->stamp_s - at.stamp_s;
 }
 
-}  // namespace
-
 std::vector<WhitenedView> whitened_views(const Observations& observations) {
   std::vector<WhitenedView> views;
   for (const BoardView& view : observations.board_views) {
     WhitenedView prepared{view.stop, view.camera, seconds_after_stop(observations, view.stop, view.camera), {}};
+    prepared.corners.reserve(view.corners.size());
     for (const CornerObservation& corner : view.corners) {
       const Eigen::Matrix2d L = corner.covariance_px2.llt().matrixL();
       const Eigen::Matrix2d whitening = L.inverse();
@@ -38,6 +38,7 @@ std::vector<WhitenedView> whitened_views(const Observations& observations) {
   return views;
 }
 
+// @param biases added to the planes' covariances [1/m^2]; empty: none
 std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
                                            const std::vector<PlaneObservation>& planes,
                                            const std::vector<Eigen::Matrix3d>& biases) {
@@ -53,6 +54,13 @@ std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
                         is_registered(plane, observations.cameras[static_cast<std::size_t>(plane.camera)])});
   }
   return prepared;
+}
+
+}  // namespace
+
+Whitened whitened(const Observations& observations) {
+  return {whitened_views(observations), whitened_planes(observations, observations.ground_planes, {}),
+          whitened_planes(observations, observations.board_planes, board_plane_biases(observations))};
 }
 
 }  // namespace rigproof::ml

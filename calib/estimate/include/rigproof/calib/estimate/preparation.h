@@ -1,11 +1,13 @@
 // Input of a solution: usable observations, board poses of the views, the motion and an initial guess.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "rigproof/calib/estimate/ml_options.h"
 #include "rigproof/calib/estimate/noise.h"
 #include "rigproof/calib/estimate/state.h"
+#include "rigproof/calib/estimate/whitened.h"
 #include "rigproof/calib/geometry/initial_guess.h"
 #include "rigproof/calib/geometry/trajectory_alignment.h"
 #include "rigproof/calib/geometry/view_poses.h"
@@ -13,12 +15,10 @@
 
 namespace rigproof::ml {
 
-/// Stays where it is made: problems refer to its observations.
+/// Problems refer to its observations, which must therefore stay where they are.
 struct Preparation {
-  /// @param views what the same views gave before; null: they are looked at
-  Preparation(const Observations& observations, const MlOptions& options, const std::vector<ViewPose>* views = nullptr);
-  Preparation(const Preparation&) = delete;
-  Preparation& operator=(const Preparation&) = delete;
+  Preparation(const Observations& observations, const MlOptions& ml_options)
+      : original(observations), options(ml_options), used(observations) {}
 
   const Observations& original;
   const MlOptions& options;
@@ -30,6 +30,7 @@ struct Preparation {
   State start;
   std::size_t rejected_planes = 0;
   Priors priors;
+  std::shared_ptr<const Whitened> whitened;  ///< what is used
 
   /// False: no camera saw the board, there is nothing to solve.
   bool solvable() const { return guess.T_world_board.has_value(); }
@@ -42,9 +43,10 @@ struct Preparation {
   std::vector<int> seen_together(const std::vector<bool>& left_out) const;
   /// Those of the options; the error that all heights share by the share of the stops at which the robot moves.
   PriorSigmas sigmas() const;
-
- private:
-  void keep_usable(const GroundCheck& ground);
 };
+
+/// @param views what the same views gave before; null: they are looked at
+Preparation prepare(const Observations& observations, const MlOptions& options,
+                    const std::vector<ViewPose>* views = nullptr);
 
 }  // namespace rigproof::ml

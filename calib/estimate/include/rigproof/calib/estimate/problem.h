@@ -1,6 +1,7 @@
 // The whitened least-squares problem: its cost, its normal equations and what each group of residuals contributes.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -23,10 +24,12 @@ struct ViewFit {
   double mean_weight = 0.0;
 };
 
-/// Observations, whitened once, with the noise levels that may change between solutions.
+/// Whitened observations with the noise levels that may change between solutions.
 class Problem {
  public:
-  explicit Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise);
+  /// @param whitened the observations, if they were whitened before; null: they are whitened
+  explicit Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise,
+                   std::shared_ptr<const Whitened> whitened = nullptr);
 
   const Layout& layout() const { return layout_; }
   const Observations& observations() const { return observations_; }
@@ -64,9 +67,7 @@ class Problem {
   const Observations& observations_;
   Layout layout_;
   Priors priors_;
-  std::vector<WhitenedView> views_;
-  std::vector<WhitenedPlane> ground_planes_;
-  std::vector<WhitenedPlane> board_planes_;
+  std::shared_ptr<const Whitened> whitened_;
   std::vector<Eigen::Vector3d> increments_;  // [i]: from stop i to i + 1
   std::vector<OdometryWay> ways_;            // the same; only if the noise is that of the way
 };

@@ -27,11 +27,10 @@ struct WhitenedPlane {
   bool registered;  ///< errs with the intrinsics
 };
 
-/// One for each board view, without corners whose covariance is of no use.
-std::vector<WhitenedView> whitened_views(const Observations& observations);
-/// @param biases added to the planes' covariances [1/m^2]; empty: none
-std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
-                                           const std::vector<PlaneObservation>& planes,
-                                           const std::vector<Eigen::Matrix3d>& biases);
+struct Whitened {
+  std::vector<WhitenedView> views;  ///< one for each board view, without corners whose covariance is of no use
+  std::vector<WhitenedPlane> ground_planes, board_planes;
+};
+Whitened whitened(const Observations& observations);
 
 }  // namespace rigproof::ml
