@@ -11,235 +11,247 @@
 namespace rigproof::ml {
 namespace {
 
-class Examiner {
- public:
-  Examiner(const Preparation& prepared, const Fit& fit, const MotionVerdict& motion) : prepared_(prepared), fit_(fit) {
-    found_.motion = motion;
-  }
+// More than one in so many are no exception.
+constexpr std::size_t kMany = 5;
 
-  Examination run() {
-    const Problem problem = problem_at(prepared_, fit_, fit_.noise);
-    found_.sums = problem.sums_with_leverage(fit_.state);
-    if (found_.sums) found_.contradictions = find_contradictions(problem, fit_.state, *found_.sums);
-    check_upside_down();
-    look_at_odometry();
-    look_at_frames();
-    found_.lenses = lens_test();
-    look_again_at_lenses();
-    found_.symptoms.odometry = found_.symptoms.odometry || !found_.contradictions.odometry.empty();
-    found_.symptoms.bad_corners = found_.contradictions.bad_corners;
-    found_.symptoms.bad_corners.resize(prepared_.original.cameras.size(), false);
-    // Odometry in millimetres can bend the corners and agree with the bent ones.
-    for (const bool bad : found_.symptoms.bad_corners) found_.symptoms.odometry = found_.symptoms.odometry || bad;
-    note_lens_trust();
-    found_.symptoms.lenses = !found_.contradictions.cameras.empty() || (found_.lenses && found_.lenses->suspicious());
-    if (!found_.motion_suffices()) found_.symptoms.lenses = found_.symptoms.frames = false;
-    if (!found_.symptoms.any() || prepared_.original.stops.size() < 3 || !found_.wrong_frames.empty() ||
-        board_explains())
-      return std::move(found_);
-    found_.cause =
-        find_cause(prepared_.original, found_.symptoms, [this](const Observations& repaired, bool same_views) {
-          return refit(repaired, same_views, found_.symptoms.lenses);
-        });
-    return std::move(found_);
+// The sense of the odometry's turns tells up from down. Planes that then hang above the cameras say that the turns
+// are mirrored, or belong to other stops.
+bool hangs_upside_down(const Preparation& prepared) {
+  std::size_t above = 0;
+  for (const PlaneObservation& plane : prepared.original.ground_planes) {
+    const std::optional<Eigen::Vector3d>& up = prepared.alignment.up_camera[static_cast<std::size_t>(plane.camera)];
+    if (up && up->dot(-plane.inverse_depth_plane.normalized()) < -0.9) ++above;
   }
+  return above > 0 && 2 * above > prepared.original.ground_planes.size();
+}
 
- private:
-  // A board of another size bends the corners' solution where depth is believed, and looks like a wrong lens then.
-  bool board_explains() {
-    const BoardScale scale = check_board_scale(prepared_.used, prepared_.views, std::nullopt);
-    if (scale.depth_unit) return true;
-    if (scale.contradictions.empty() || !scale.log_depth_ratio) return false;
-    found_.symptoms.lenses = true;
-    Observations repaired = prepared_.original;
-    repaired.board.square_m *= std::exp(*scale.log_depth_ratio);
-    const std::optional<Trial> trial = refit(repaired, false, true);
-    return trial && trial->clean;
+Contradictions contradictions_of(const Problem& problem, const State& state, const std::optional<GroupSums>& sums,
+                                 bool upside_down) {
+  Contradictions found = sums ? find_contradictions(problem, state, *sums) : Contradictions();
+  if (upside_down) found.odometry.push_back(Finding("odometry.upside_down"));
+  return found;
+}
+
+// Views of a solution that nothing else agrees with.
+std::vector<const BoardView*> views_left_out(const Preparation& prepared, const Fit& fit) {
+  std::vector<const BoardView*> left_out;
+  for (std::size_t v = 0; v < prepared.used.board_views.size(); ++v)
+    if (fit.view_left_out[v] && prepared.has_pose(v)) left_out.push_back(&prepared.used.board_views[v]);
+  return left_out;
+}
+
+int count_of(const std::vector<const BoardView*>& views, int camera) {
+  return static_cast<int>(
+      std::count_if(views.begin(), views.end(), [camera](const BoardView* view) { return view->camera == camera; }));
+}
+
+std::vector<SwappedFrames> swapped_frames(const Preparation& prepared, const Fit& fit) {
+  std::vector<bool> doubtful(prepared.used.stops.size(), false);
+  for (const BoardView* view : views_left_out(prepared, fit)) doubtful[static_cast<std::size_t>(view->stop)] = true;
+  for (const WildRow& row : find_wild_rows(prepared.used, fit.noise, fit.state)) {
+    doubtful[static_cast<std::size_t>(row.stop)] = true;
+    if (row.slip) doubtful[static_cast<std::size_t>(row.stop) - 1] = true;
   }
+  return likelier_swapped(problem_at(prepared, fit, fit.noise), fit.state,
+                          find_swapped_frames(prepared.used, prepared.views, fit.state, doubtful));
+}
 
-  void look_at_odometry() {
-    const StampShift shift = estimate_stamp_shift(prepared_.used, fit_.noise, fit_.state);
-    found_.symptoms.stops_ahead = shift.stops;
-    found_.symptoms.odometry = shift.contradicts();
-    found_.symptoms.odometry_scale = fit_.state.odometry_scale();
-    found_.wild_rows = find_wild_rows(prepared_.used, fit_.noise, fit_.state);
-    constexpr std::size_t kMany = 5;  // more than one in five are no exception
-    if (kMany * found_.wild_rows.size() > std::max(kMany, prepared_.used.stops.size())) return;
-    for (const WildRow& row : found_.wild_rows) found_.notes.push_back(finding_of(row, prepared_.used));
+// At the stated levels wrong frames are outliers; estimated levels may have swallowed them.
+std::vector<Finding> find_wrong_frames(const Preparation& prepared, const Fit& fit) {
+  MlOptions strict = prepared.options;
+  strict.start.reset();
+  strict.estimate_corner_level = strict.estimate_plane_level = false;
+  const Preparation other = prepare(prepared.original, strict, &prepared.views);
+  const Fit other_fit = fit_model(other, {fit.noise.odometry_model, fit.noise.along_way});
+  std::vector<Finding> wrong;
+  for (const SwappedFrames& swapped : swapped_frames(other, other_fit))
+    wrong.push_back(finding_of(swapped, prepared.used));
+  return wrong;
+}
+
+// Of cameras of which many views had to be left out.
+std::vector<Finding> contradicting_cameras(const Observations& observations,
+                                           const std::vector<const BoardView*>& left_out) {
+  std::vector<const BoardView*> all;
+  for (const BoardView& view : observations.board_views) all.push_back(&view);
+  std::vector<Finding> findings;
+  for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
+    const int out = count_of(left_out, static_cast<int>(c)), views = count_of(all, static_cast<int>(c));
+    if (out > 1 && static_cast<int>(kMany) * out > views)
+      findings.push_back(
+          Finding("frames.contradict", {{"left_out", out}, {"views", views}}).of(observations.cameras[c].name));
   }
+  return findings;
+}
 
-  // Views of a solution that nothing else agrees with, per camera.
-  std::vector<int> views_left_out() const {
-    std::vector<int> count(prepared_.used.cameras.size(), 0);
-    for (std::size_t v = 0; v < prepared_.used.board_views.size(); ++v)
-      if (fit_.view_left_out[v] && prepared_.has_pose(v))
-        ++count[static_cast<std::size_t>(prepared_.used.board_views[v].camera)];
-    return count;
+std::optional<LensTest> lens_test(const Preparation& prepared, const Fit& fit) {
+  if (prepared.priors.has(Nuisance::kLens)) return std::nullopt;
+  return test_lenses(problem_at(prepared, fit, fit.noise, with_doubted_lenses(prepared.priors)), fit.state);
+}
+
+OdometryLaw likely_law(const Preparation& prepared, const Fit& fit, OdometryModel declared) {
+  if (declared == OdometryModel::kUnknown) return {OdometryModel::kPerIncrement, fit.noise.along_way};
+  return {declared, prepared.options.along_way};
+}
+
+// Whether nothing in the solution of a trial contradicts itself.
+bool is_clean(const Preparation& prepared, const Fit& fit, const Problem& problem,
+              const std::optional<LensTest>& lenses) {
+  const std::optional<GroupSums> sums = problem.sums_with_leverage(fit.state);
+  if (!sums || (lenses && lenses->suspicious())) return false;
+  const Contradictions found = contradictions_of(problem, fit.state, sums, hangs_upside_down(prepared));
+  if (!found.odometry.empty() || !found.cameras.empty()) return false;
+  const std::vector<const BoardView*> left_out = views_left_out(prepared, fit);
+  return std::none_of(left_out.begin(), left_out.end(),
+                      [&](const BoardView* view) { return count_of(left_out, view->camera) > 1; });
+}
+
+// -2 ln of the likelihood, where what was left out counts as very wrong: else leaving out would explain everything.
+double unexplained(const Preparation& prepared, const Fit& fit, const Problem& problem) {
+  constexpr double kVeryWrong = 1e4;     // whitened square
+  constexpr double kUnexplained = 1e15;  // -2 ln
+  const double sum = minus_two_log_likelihood(problem, fit.state);
+  double left_out = static_cast<double>(prepared.rejected_planes);
+  for (std::size_t v = 0; v < prepared.used.board_views.size(); ++v)
+    if (fit.view_left_out[v]) left_out += static_cast<double>(prepared.used.board_views[v].corners.size());
+  // Odometry of which nothing is left but its scale explains nothing.
+  const auto factors = fit.state.nuisances.of(Nuisance::kOdometryFactors).array().abs();
+  const auto sigmas = prepared.priors.covariance(Nuisance::kOdometryFactors).diagonal().array().sqrt();
+  if ((factors > 3.0 * sigmas).any() || !std::isfinite(sum)) return kUnexplained;
+  return sum + left_out * problem.loss.cost(kVeryWrong);
+}
+
+// The solution of repaired observations, by the law that the solution found.
+std::optional<Trial> refit(const Preparation& before, const Fit& fit, const Observations& repaired, bool same_views,
+                           bool with_lenses) {
+  MlOptions options = before.options;
+  options.start.reset();
+  options.tolerance = std::max(options.tolerance, 1e-4);
+  std::vector<ViewPose> views;
+  for (const ViewPose& view : before.views)
+    if (view.stop < static_cast<int>(repaired.stops.size())) views.push_back(view);
+  const Preparation prepared = prepare(repaired, options, same_views ? &views : nullptr);
+  if (!prepared.solvable()) return std::nullopt;
+  constexpr int kRounds = 1;
+  const Fit refitted = fit_model(prepared, likely_law(before, fit, repaired.odometry_noise.model), kRounds);
+  const Problem problem = problem_at(prepared, refitted, refitted.noise);
+  Trial trial;
+  trial.unexplained = unexplained(prepared, refitted, problem);
+  trial.odometry_xy_m = refitted.noise.odometry_xy_m;
+  trial.odometry_yaw_rad = refitted.noise.odometry_yaw_rad;
+  if (with_lenses) trial.lenses = lens_test(prepared, refitted);
+  trial.clean = is_clean(prepared, refitted, problem, trial.lenses);
+  return trial;
+}
+
+// A shift of all principal points widens the levels of suspension and odometry, which hide it then. Where there may
+// be one, it is judged by the levels that the data have without it.
+LensEstimate looked_at_again(const Preparation& prepared, const Fit& fit, const LensEstimate& shift) {
+  Observations repaired = prepared.original;
+  const Eigen::Vector3d change(0.0, shift.value[1], shift.value[2]);
+  for (std::size_t c = 0; c < repaired.cameras.size(); ++c) change_lens(static_cast<int>(c), change, &repaired);
+  const std::optional<Trial> trial = refit(prepared, fit, repaired, true, true);
+  if (!trial || !trial->lenses) return shift;
+  LensEstimate without = trial->lenses->common_shift;
+  without.move_by(shift.value);
+  return without;
+}
+
+std::optional<LensTest> examine_lenses(const Preparation& prepared, const Fit& fit, bool motion_suffices) {
+  std::optional<LensTest> lenses = lens_test(prepared, fit);
+  if (lenses && !lenses->suspicious() && motion_suffices && lenses->common_shift.may_contradict())
+    lenses->common_shift = looked_at_again(prepared, fit, lenses->common_shift);
+  return lenses;
+}
+
+Symptoms symptoms_of(const Preparation& prepared, const Fit& fit, const Examination& found) {
+  const StampShift shift = estimate_stamp_shift(prepared.used, fit.noise, fit.state);
+  Symptoms symptoms;
+  symptoms.stops_ahead = shift.stops;
+  symptoms.odometry_scale = fit.state.odometry_scale();
+  symptoms.bad_corners = found.contradictions.bad_corners;
+  symptoms.bad_corners.resize(prepared.original.cameras.size(), false);
+  // Odometry in millimetres can bend the corners and agree with the bent ones.
+  const bool bent = std::count(symptoms.bad_corners.begin(), symptoms.bad_corners.end(), true) > 0;
+  symptoms.odometry = shift.contradicts() || !found.contradictions.odometry.empty() || bent;
+  if (!found.motion_suffices()) return symptoms;
+  const bool cameras = !found.contradictions.cameras.empty();
+  symptoms.frames = cameras || !found.contradictions.odometry.empty();
+  symptoms.lenses = cameras || (found.lenses && found.lenses->suspicious());
+  return symptoms;
+}
+
+// A board of another size bends the corners' solution where depth is believed, and looks like a wrong lens then.
+bool board_is_clean(const Preparation& prepared, const Fit& fit, double log_depth_ratio) {
+  Observations repaired = prepared.original;
+  repaired.board.square_m *= std::exp(log_depth_ratio);
+  const std::optional<Trial> trial = refit(prepared, fit, repaired, false, true);
+  return trial && trial->clean;
+}
+
+std::optional<Cause> cause_of(const Preparation& prepared, const Fit& fit, Symptoms symptoms) {
+  const BoardScale scale = check_board_scale(prepared.used, prepared.views, std::nullopt);
+  if (scale.depth_unit) return std::nullopt;
+  if (!scale.contradictions.empty() && scale.log_depth_ratio) {
+    if (board_is_clean(prepared, fit, *scale.log_depth_ratio)) return std::nullopt;
+    symptoms.lenses = true;
   }
+  return find_cause(prepared.original, symptoms, [&](const Observations& repaired, bool same_views) {
+    return refit(prepared, fit, repaired, same_views, symptoms.lenses);
+  });
+}
 
-  std::vector<SwappedFrames> swapped_frames() const {
-    std::vector<bool> doubtful(prepared_.used.stops.size(), false);
-    for (std::size_t v = 0; v < prepared_.used.board_views.size(); ++v)
-      if (fit_.view_left_out[v] && prepared_.has_pose(v))
-        doubtful[static_cast<std::size_t>(prepared_.used.board_views[v].stop)] = true;
-    for (const WildRow& row : find_wild_rows(prepared_.used, fit_.noise, fit_.state)) {
-      doubtful[static_cast<std::size_t>(row.stop)] = true;
-      if (row.slip) doubtful[static_cast<std::size_t>(row.stop) - 1] = true;
-    }
-    return likelier_swapped(problem_at(prepared_, fit_, fit_.noise), fit_.state,
-                            find_swapped_frames(prepared_.used, prepared_.views, fit_.state, doubtful));
-  }
+std::vector<Finding> notes_of_rows(const Preparation& prepared, const std::vector<WildRow>& rows) {
+  std::vector<Finding> notes;
+  if (kMany * rows.size() > std::max(kMany, prepared.used.stops.size())) return notes;
+  for (const WildRow& row : rows) notes.push_back(finding_of(row, prepared.used));
+  return notes;
+}
 
-  // Swapped frames spoil a recording; single wrong ones are left out.
-  void look_at_frames() {
-    const std::vector<int> left_out = views_left_out();
-    std::vector<int> views(prepared_.used.cameras.size(), 0);
-    for (const BoardView& view : prepared_.used.board_views) ++views[static_cast<std::size_t>(view.camera)];
-    const bool suspicious = !found_.contradictions.odometry.empty() || !found_.contradictions.cameras.empty() ||
-                            std::any_of(left_out.begin(), left_out.end(), [](int count) { return count > 0; }) ||
-                            !found_.wild_rows.empty();
-    if (suspicious && prepared_.used.cameras.size() > 1 && found_.motion_suffices()) {
-      // At the stated levels wrong frames are outliers; estimated levels may have swallowed them.
-      MlOptions strict = prepared_.options;
-      strict.start.reset();
-      strict.estimate_corner_level = strict.estimate_plane_level = false;
-      const Preparation other(prepared_.original, strict, &prepared_.views);
-      const Fit other_fit = fit_model(other, {fit_.noise.odometry_model, fit_.noise.along_way});
-      for (const SwappedFrames& swapped : Examiner(other, other_fit, found_.motion).swapped_frames())
-        found_.wrong_frames.push_back(finding_of(swapped, prepared_.used));
-    }
-    found_.symptoms.frames = !found_.contradictions.cameras.empty() || !found_.contradictions.odometry.empty();
-    constexpr int kMany = 5;  // more than one in five
-    for (std::size_t c = 0; c < views.size(); ++c) {
-      if (left_out[c] <= 1 || kMany * left_out[c] <= views[c]) continue;
-      found_.symptoms.frames = true;
-      found_.contradictions.cameras.push_back(
-          Finding("frames.contradict", {{"left_out", left_out[c]}, {"views", views[c]}})
-              .of(prepared_.used.cameras[c].name));
-    }
-    if (found_.symptoms.frames) return;
-    for (std::size_t v = 0; v < prepared_.used.board_views.size(); ++v)
-      if (fit_.view_left_out[v] && prepared_.has_pose(v)) note_wrong_frame(prepared_.used.board_views[v]);
-  }
+Finding wrong_frame(const Observations& observations, const BoardView& view) {
+  return Finding("frame.contradicts")
+      .of(observations.cameras[static_cast<std::size_t>(view.camera)].name)
+      .at({view.stop});
+}
 
-  void note_wrong_frame(const BoardView& view) {
-    found_.notes.push_back(Finding("frame.contradicts")
-                               .of(prepared_.used.cameras[static_cast<std::size_t>(view.camera)].name)
-                               .at({view.stop}));
-  }
-
-  // Half a pixel turns a camera like a wrong mounting does: only views at the images' edges tell them apart.
-  void note_lens_trust() {
-    constexpr double kSlip_px = 0.5, kDetects = 5.0;
-    if (!found_.lenses || found_.lenses->suspicious()) return;
-    const double sigma_px = found_.lenses->common_shift.sigma.tail<2>().maxCoeff();
-    if (kDetects * sigma_px < kSlip_px || !(sigma_px < 1e3)) return;
-    found_.notes.push_back(Finding("lens.on_trust", {{"sigma_px", sigma_px}}));
-  }
-
-  std::optional<LensTest> lens_test() const {
-    if (prepared_.priors.has(Nuisance::kLens)) return std::nullopt;
-    return test_lenses(problem_at(prepared_, fit_, fit_.noise, with_doubted_lenses(prepared_.priors)), fit_.state);
-  }
-
-  // A shift of all principal points widens the levels of suspension and odometry, which hide it then. Where there may
-  // be one, it is judged by the levels that the data have without it.
-  void look_again_at_lenses() {
-    if (!found_.lenses || found_.lenses->suspicious() || !found_.motion_suffices()) return;
-    LensEstimate& shift = found_.lenses->common_shift;
-    if (!shift.may_contradict()) return;
-    Observations repaired = prepared_.original;
-    const Eigen::Vector3d change(0.0, shift.value[1], shift.value[2]);
-    for (std::size_t c = 0; c < repaired.cameras.size(); ++c) change_lens(static_cast<int>(c), change, &repaired);
-    const std::optional<Trial> trial = refit(repaired, true, true);
-    if (!trial || !trial->lenses) return;
-    LensEstimate without = trial->lenses->common_shift;
-    without.move_by(shift.value);
-    shift = without;
-  }
-
-  std::optional<Trial> refit(const Observations& repaired, bool same_views, bool with_lenses) const {
-    MlOptions options = prepared_.options;
-    options.start.reset();
-    std::vector<ViewPose> views;
-    for (const ViewPose& view : prepared_.views)
-      if (view.stop < static_cast<int>(repaired.stops.size())) views.push_back(view);
-    options.tolerance = std::max(options.tolerance, 1e-4);
-    const Preparation prepared(repaired, options, same_views ? &views : nullptr);
-    if (!prepared.solvable()) return std::nullopt;
-    constexpr int kRounds = 1;
-    const Fit refitted = fit_model(prepared, likely_law(repaired.odometry_noise.model), kRounds);
-    Examiner other(prepared, refitted, motion_of(prepared));
-    Trial trial;
-    trial.unexplained = other.unexplained();
-    trial.odometry_xy_m = refitted.noise.odometry_xy_m;
-    trial.odometry_yaw_rad = refitted.noise.odometry_yaw_rad;
-    if (with_lenses) trial.lenses = other.lens_test();
-    trial.clean = other.clean(trial.lenses);
-    return trial;
-  }
-
-  OdometryLaw likely_law(OdometryModel declared) const {
-    if (declared == OdometryModel::kUnknown) return {OdometryModel::kPerIncrement, fit_.noise.along_way};
-    return {declared, prepared_.options.along_way};
-  }
-
-  // Whether nothing in the solution of a trial contradicts itself.
-  bool clean(const std::optional<LensTest>& lenses) {
-    const Problem problem = problem_at(prepared_, fit_, fit_.noise);
-    const std::optional<GroupSums> sums = problem.sums_with_leverage(fit_.state);
-    if (!sums || (lenses && lenses->suspicious())) return false;
-    found_.contradictions = find_contradictions(problem, fit_.state, *sums);
-    check_upside_down();
-    if (!found_.contradictions.odometry.empty() || !found_.contradictions.cameras.empty()) return false;
-    for (const int count : views_left_out())
-      if (count > 1) return false;
-    return true;
-  }
-
-  // -2 ln of the likelihood, where what was left out counts as very wrong: else leaving out would explain everything.
-  double unexplained() const {
-    constexpr double kVeryWrong = 1e4;     // whitened square
-    constexpr double kUnexplained = 1e15;  // -2 ln
-    const Problem problem = problem_at(prepared_, fit_, fit_.noise);
-    const double sum = minus_two_log_likelihood(problem, fit_.state);
-    double left_out = static_cast<double>(prepared_.rejected_planes);
-    for (std::size_t v = 0; v < prepared_.used.board_views.size(); ++v)
-      if (fit_.view_left_out[v]) left_out += static_cast<double>(prepared_.used.board_views[v].corners.size());
-    // Odometry of which nothing is left but its scale explains nothing.
-    const auto factors = fit_.state.nuisances.of(Nuisance::kOdometryFactors).array().abs();
-    const auto sigmas = prepared_.priors.covariance(Nuisance::kOdometryFactors).diagonal().array().sqrt();
-    if ((factors > 3.0 * sigmas).any() || !std::isfinite(sum)) return kUnexplained;
-    return sum + left_out * problem.loss.cost(kVeryWrong);
-  }
-
-  // The sense of the odometry's turns tells up from down. Planes that then hang above the cameras say that the turns
-  // are mirrored, or belong to other stops.
-  void check_upside_down() {
-    int above = 0;
-    for (const PlaneObservation& plane : prepared_.original.ground_planes) {
-      const std::optional<Eigen::Vector3d>& up = prepared_.alignment.up_camera[static_cast<std::size_t>(plane.camera)];
-      if (up && up->dot(-plane.inverse_depth_plane.normalized()) < -0.9) ++above;
-    }
-    found_.upside_down = above > 0 && 2 * above > static_cast<int>(prepared_.original.ground_planes.size());
-    if (!found_.upside_down) return;
-    found_.contradictions.odometry.push_back(Finding("odometry.upside_down"));
-  }
-
-  const Preparation& prepared_;
-  const Fit& fit_;
-  Examination found_;
-};
+// Half a pixel turns a camera like a wrong mounting does: only views at the images' edges tell them apart.
+std::optional<Finding> note_of_lens_trust(const std::optional<LensTest>& lenses) {
+  constexpr double kSlip_px = 0.5, kDetects = 5.0;
+  if (!lenses || lenses->suspicious()) return std::nullopt;
+  const double sigma_px = lenses->common_shift.sigma.tail<2>().maxCoeff();
+  if (kDetects * sigma_px < kSlip_px || !(sigma_px < 1e3)) return std::nullopt;
+  return Finding("lens.on_trust", {{"sigma_px", sigma_px}});
+}
 
 }  // namespace
 
-MotionVerdict motion_of(const Preparation& prepared) {
-  return assess_motion(prepared.original, prepared.views, prepared.alignment, prepared.guess,
-                       prepared.solved_cameras());
-}
-
-Examination examine(const Preparation& prepared, const Fit& fit, const MotionVerdict& motion) {
-  return Examiner(prepared, fit, motion).run();
+Examination examine(const Preparation& prepared, const Fit& fit) {
+  const Problem problem = problem_at(prepared, fit, fit.noise);
+  Examination found;
+  found.motion =
+      assess_motion(prepared.original, prepared.views, prepared.alignment, prepared.guess, prepared.solved_cameras());
+  found.sums = problem.sums_with_leverage(fit.state);
+  found.upside_down = hangs_upside_down(prepared);
+  found.contradictions = contradictions_of(problem, fit.state, found.sums, found.upside_down);
+  std::vector<Finding>& of_cameras = found.contradictions.cameras;
+  const std::vector<WildRow> wild_rows = find_wild_rows(prepared.used, fit.noise, fit.state);
+  const std::vector<const BoardView*> left_out = views_left_out(prepared, fit);
+  const bool contradicted = !found.contradictions.odometry.empty() || !of_cameras.empty();
+  if ((contradicted || !left_out.empty() || !wild_rows.empty()) && prepared.used.cameras.size() > 1 &&
+      found.motion_suffices())
+    found.wrong_frames = find_wrong_frames(prepared, fit);
+  // Swapped frames spoil a recording; single wrong ones are left out.
+  const std::vector<Finding> contradicting = contradicting_cameras(prepared.used, left_out);
+  of_cameras.insert(of_cameras.end(), contradicting.begin(), contradicting.end());
+  found.notes = notes_of_rows(prepared, wild_rows);
+  if (!contradicted && contradicting.empty())
+    for (const BoardView* view : left_out) found.notes.push_back(wrong_frame(prepared.used, *view));
+  found.lenses = examine_lenses(prepared, fit, found.motion_suffices());
+  if (const std::optional<Finding> note = note_of_lens_trust(found.lenses)) found.notes.push_back(*note);
+  found.symptoms = symptoms_of(prepared, fit, found);
+  if (found.symptoms.any() && prepared.original.stops.size() >= 3 && found.wrong_frames.empty())
+    found.cause = cause_of(prepared, fit, found.symptoms);
+  return found;
 }
 
 }  // namespace rigproof::ml

@@ -13,11 +13,10 @@
 namespace rigproof::ml {
 
 struct Examination {
-  MotionVerdict motion;
+  MotionVerdict motion;           ///< by what the solved cameras saw of the board
   std::optional<GroupSums> sums;  ///< with leverage; absent where the poses are not determined
   Contradictions contradictions;
   Symptoms symptoms;
-  std::vector<WildRow> wild_rows;
   bool upside_down = false;
   std::optional<LensTest> lenses;
   std::optional<Cause> cause;
@@ -29,9 +28,6 @@ struct Examination {
   bool lens_spoils() const { return cause && cause->spoils_all; }
 };
 
-/// How the robot moved by what the solved cameras saw of the board.
-MotionVerdict motion_of(const Preparation& prepared);
-
-Examination examine(const Preparation& prepared, const Fit& fit, const MotionVerdict& motion);
+Examination examine(const Preparation& prepared, const Fit& fit);
 
 }  // namespace rigproof::ml

@@ -1,0 +1,100 @@
+#include "statement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rigproof/calib/estimate/covariance.h"
+#include "rigproof/calib/estimate/stated_levels.h"
+
+namespace rigproof::ml {
+namespace {
+
+Eigen::MatrixXd chart_of(const Preparation& prepared, const Fit& fit) {
+  return camera_chart(fit.state, Layout::of(prepared.used, prepared.priors));
+}
+
+Eigen::MatrixXd cameras_covariance(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals) {
+  const Eigen::MatrixXd J = chart_of(prepared, fit);
+  Eigen::MatrixXd joint = J * globals * J.transpose();
+  add_common_errors(prepared.sigmas(), fit.noise.along_way, &joint);
+  return joint;
+}
+
+std::optional<GlobalCovariance> covariance_of(const ArrowSystem& system) {
+  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
+  if (!eliminated) return std::nullopt;
+  return invert_information(eliminated->schur());
+}
+
+std::optional<GlobalCovariance> covariance_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels) {
+  return covariance_of(
+      problem_at(prepared, fit, levels).linearise(fit.state, Weighting::kInformation, nullptr, nullptr));
+}
+
+NoiseLevels levels_of(const Preparation& prepared, const Fit& fit, const std::optional<GroupSums>& sums) {
+  return sums ? stated_levels(prepared, fit, *sums) : fit.noise;
+}
+
+// Where the data leave open which odometry model holds, the other one's answer and uncertainty count with its
+// probability: the law of total variance, about the answer that is given. Whether it is of use is judged by the
+// likelier model alone, as by the likeliest level.
+Eigen::MatrixXd with_other_model(const Preparation& prepared, const OdometryChoice& choice,
+                                 const Eigen::MatrixXd& joint) {
+  const Fit &fit = choice.fit, &other = *choice.other;
+  const std::optional<GroupSums> sums = problem_at(prepared, other, other.noise).sums_with_leverage(other.state);
+  const auto globals = covariance_at(prepared, other, levels_of(prepared, other, sums));
+  if (!globals || globals->free_directions.cols() > 0) return joint;
+  const Eigen::MatrixXd other_joint = cameras_covariance(prepared, other, globals->covariance);
+  Eigen::VectorXd apart(joint.rows());
+  for (std::size_t c = 0; c < fit.state.T_robot_camera.size(); ++c)
+    apart.segment<6>(6 * static_cast<Eigen::Index>(c)) =
+        transform_error(other.state.T_robot_camera[c], fit.state.T_robot_camera[c]);
+  const double share = 1.0 - choice.decision.probability;
+  return (1.0 - share) * joint + share * (other_joint + apart * apart.transpose());
+}
+
+bool exceeds(const Eigen::MatrixXd& joint, const PosteriorLimits& limits) {
+  const std::array<double, 6> limit = {limits.xy_m,     limits.xy_m,     limits.z_m,
+                                       limits.tilt_rad, limits.tilt_rad, limits.yaw_rad};
+  for (Eigen::Index i = 0; i < joint.rows(); ++i)
+    if (!(std::sqrt(joint(i, i)) <= limit[static_cast<std::size_t>(i % 6)])) return true;
+  return false;
+}
+
+// What is stated, where that is within the limits; else by the levels as they most likely are.
+Eigen::MatrixXd gate_covariance(const Preparation& prepared, const Fit& fit, const Examination& found,
+                                const Eigen::MatrixXd& joint) {
+  if (!found.sums || !exceeds(joint, prepared.options.limits)) return joint;
+  const auto globals = covariance_at(prepared, fit, gate_levels(prepared, fit, *found.sums));
+  return globals ? cameras_covariance(prepared, fit, globals->covariance) : joint;
+}
+
+Eigen::MatrixXd normalised(Eigen::MatrixXd directions) {
+  for (Eigen::Index column = 0; column < directions.cols(); ++column) {
+    const double largest = directions.col(column).cwiseAbs().maxCoeff();
+    if (largest > 0.0) directions.col(column) /= largest;
+  }
+  return directions;
+}
+
+}  // namespace
+
+Statement state_solution(const Preparation& prepared, const OdometryChoice& choice, const Examination& found) {
+  const Fit& fit = choice.fit;
+  const NoiseLevels levels = levels_of(prepared, fit, found.sums);
+  GroupSums sums;
+  double cost = 0.0;
+  ArrowSystem system = problem_at(prepared, fit, levels).linearise(fit.state, Weighting::kInformation, &cost, &sums);
+  Statement stated{levels, std::move(system), std::move(sums), cost, std::nullopt};
+  const std::optional<GlobalCovariance> globals = covariance_of(stated.system);
+  if (!globals) return stated;
+  Eigen::MatrixXd joint = cameras_covariance(prepared, fit, globals->covariance);
+  const Eigen::MatrixXd gate_joint = gate_covariance(prepared, fit, found, joint);
+  if (choice.other && globals->free_directions.cols() == 0) joint = with_other_model(prepared, choice, joint);
+  stated.uncertainty = Uncertainty{globals->covariance, joint, gate_joint,
+                                   normalised(chart_of(prepared, fit) * globals->free_directions)};
+  return stated;
+}
+
+}  // namespace rigproof::ml
