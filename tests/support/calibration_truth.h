@@ -6,6 +6,7 @@
 
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/calib/estimate/information.h"
+#include "rigproof/core/error_jacobians.h"
 #include "rigproof/core/result.h"
 #include "rigproof/truth/truth.h"
 
@@ -40,6 +41,16 @@ inline std::vector<Rigid3> poses_of(const Truth& truth) {
   std::vector<Rigid3> T_robot_camera;
   for (const TrueCamera& camera : truth.cameras) T_robot_camera.push_back(camera.T_robot_camera);
   return T_robot_camera;
+}
+
+/// Joint covariance of the cameras in the chart of Log(X_hat X^-1), from that in the chart of transform_error().
+inline Eigen::MatrixXd to_left_perturbation(const Eigen::MatrixXd& joint, const std::vector<Rigid3>& T_robot_camera) {
+  Eigen::MatrixXd M = Eigen::MatrixXd::Identity(joint.rows(), joint.cols());
+  for (std::size_t c = 0; c < T_robot_camera.size(); ++c) {
+    const Eigen::Index i = 6 * static_cast<Eigen::Index>(c);
+    M.block<6, 6>(i, i) = left_perturbation_jacobian(T_robot_camera[c]);
+  }
+  return M * joint * M.transpose();
 }
 
 /// NEES of all cameras together, six degrees of freedom each. The result must have a joint covariance.

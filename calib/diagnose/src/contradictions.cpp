@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "rigproof/calib/estimate/solver.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof::ml {
@@ -71,19 +72,6 @@ void check_systematics(const Problem& problem, const State& state, std::vector<F
   if (beyond(1)) findings->emplace_back("odometry.turn_factor", FindingValues{{"factor", state.odometry_yaw_factor()}});
 }
 
-// Median-like level of the corners in pixels: the scale times the stated sigma.
-double corner_level_px(const Problem& problem, int camera) {
-  double variance = 0.0;
-  int count = 0;
-  for (const BoardView& view : problem.observations().board_views) {
-    if (view.camera != camera) continue;
-    for (const CornerObservation& corner : view.corners) variance += 0.5 * corner.covariance_px2.trace();
-    count += static_cast<int>(view.corners.size());
-  }
-  if (count == 0) return 0.0;
-  return problem.noise.corner_scale[static_cast<std::size_t>(camera)] * std::sqrt(variance / count);
-}
-
 }  // namespace
 
 Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums) {
@@ -93,7 +81,8 @@ Contradictions find_contradictions(const Problem& problem, const State& state, c
   check_majority(sums, &found.odometry);
   check_systematics(problem, state, &found.odometry);
   for (int c = 0; c < problem.layout().cameras; ++c) {
-    const double level = corner_level_px(problem, c);
+    const double level =
+        problem.noise.corner_scale[static_cast<std::size_t>(c)] * stated_corner_px(problem.observations(), c);
     found.bad_corners.push_back(level > kMaxCorner_px);
     if (level > kMaxCorner_px)
       found.cameras.push_back(Finding("corners.off", {{"off_px", level}, {"limit_px", kMaxCorner_px}})

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/lens_change.h"

@@ -240,8 +240,7 @@ CameraObservability assess_camera(const Observations& observations, int camera, 
 
 void apply_posterior_gate(const Matrix6d& covariance, const std::string& camera, CameraObservability* observability,
                           const PosteriorLimits& limits) {
-  const std::array<double, 6> limit = {limits.xy_m,     limits.xy_m,     limits.z_m,
-                                       limits.tilt_rad, limits.tilt_rad, limits.yaw_rad};
+  const std::array<double, 6> limit = limits.each();
   const std::array<const char*, 6> names = {"x", "y", "z", "tilt_x", "tilt_y", "yaw"};
   Finding too_uncertain = Finding("pose.too_uncertain").of(camera);
   for (std::size_t i = 0; i < 6; ++i) {

@@ -1,8 +1,8 @@
 #include "statement.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/stated_levels.h"
@@ -55,8 +55,7 @@ Eigen::MatrixXd with_other_model(const Preparation& prepared, const OdometryChoi
 }
 
 bool exceeds(const Eigen::MatrixXd& joint, const PosteriorLimits& limits) {
-  const std::array<double, 6> limit = {limits.xy_m,     limits.xy_m,     limits.z_m,
-                                       limits.tilt_rad, limits.tilt_rad, limits.yaw_rad};
+  const std::array<double, 6> limit = limits.each();
   for (Eigen::Index i = 0; i < joint.rows(); ++i)
     if (!(std::sqrt(joint(i, i)) <= limit[static_cast<std::size_t>(i % 6)])) return true;
   return false;

@@ -14,16 +14,11 @@ NoiseLevels starting_levels(const Observations& observations, const OdometryLaw&
   levels.odometry_model = law.model;
   levels.along_way = law.along_way;
   const OdometryNoise& given = observations.odometry_noise;
-  levels.odometry_xy_m = std::max(given.sigma_xy_m.value_or(levels.odometry_xy_m), kMinOdometryXy_m);
-  levels.odometry_yaw_rad = std::max(given.sigma_yaw_rad.value_or(levels.odometry_yaw_rad), kMinOdometryYaw_rad);
-  levels.suspension_height_m =
-      std::max(options.suspension_height_sigma_m.value_or(levels.suspension_height_m), kMinSuspensionHeight_m);
-  levels.suspension_tilt_rad =
-      std::max(options.suspension_tilt_sigma_rad.value_or(levels.suspension_tilt_rad), kMinSuspensionTilt_rad);
-  levels.corner_scale.assign(observations.cameras.size(), 1.0);
-  levels.ground_scale.assign(observations.cameras.size(), 1.0);
-  levels.board_plane_scale.assign(observations.cameras.size(), 1.0);
-  return levels;
+  levels.odometry_xy_m = given.sigma_xy_m.value_or(levels.odometry_xy_m);
+  levels.odometry_yaw_rad = given.sigma_yaw_rad.value_or(levels.odometry_yaw_rad);
+  levels.suspension_height_m = options.suspension_height_sigma_m.value_or(levels.suspension_height_m);
+  levels.suspension_tilt_rad = options.suspension_tilt_sigma_rad.value_or(levels.suspension_tilt_rad);
+  return plausible(levels, observations.cameras.size());
 }
 
 EstimatedLevels estimated_levels(const Observations& observations, const MlOptions& options) {

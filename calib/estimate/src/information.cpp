@@ -5,7 +5,6 @@
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/declared_problem.h"
 #include "rigproof/core/error.h"
-#include "rigproof/core/error_jacobians.h"
 
 namespace rigproof {
 namespace {
@@ -49,15 +48,6 @@ InformationBound cramer_rao_bound(const Observations& observations, const Calibr
     }
   }
   return bound;
-}
-
-Eigen::MatrixXd to_left_perturbation(const Eigen::MatrixXd& joint, const std::vector<Rigid3>& T_robot_camera) {
-  Eigen::MatrixXd M = Eigen::MatrixXd::Identity(joint.rows(), joint.cols());
-  for (std::size_t c = 0; c < T_robot_camera.size(); ++c) {
-    const Eigen::Index i = 6 * static_cast<Eigen::Index>(c);
-    M.block<6, 6>(i, i) = left_perturbation_jacobian(T_robot_camera[c]);
-  }
-  return M * joint * M.transpose();
 }
 
 }  // namespace rigproof

@@ -1,5 +1,6 @@
 #include "rigproof/calib/estimate/noise.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -33,6 +34,16 @@ LossMoments integrate(int dimensions) {
 }
 
 }  // namespace
+
+NoiseLevels plausible(NoiseLevels levels, std::size_t cameras) {
+  levels.odometry_xy_m = std::max(levels.odometry_xy_m, kMinOdometryXy_m);
+  levels.odometry_yaw_rad = std::max(levels.odometry_yaw_rad, kMinOdometryYaw_rad);
+  levels.suspension_height_m = std::max(levels.suspension_height_m, kMinSuspensionHeight_m);
+  levels.suspension_tilt_rad = std::max(levels.suspension_tilt_rad, kMinSuspensionTilt_rad);
+  for (std::vector<double>* scales : {&levels.corner_scale, &levels.ground_scale, &levels.board_plane_scale})
+    scales->assign(cameras, 1.0);
+  return levels;
+}
 
 double CauchyLoss::cost(double s) const { return c2 * std::log1p(s / c2); }
 

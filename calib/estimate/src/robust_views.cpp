@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rigproof/calib/estimate/noise.h"
+#include "rigproof/calib/estimate/whitened.h"
 #include "rigproof/core/median.h"
 
 namespace rigproof::ml {
@@ -13,26 +14,13 @@ namespace {
 // Least squares spreads a wrong corner over the view: from this many sigmas rms the view is looked at again.
 constexpr double kSuspiciousRms = 2.5;
 
-struct Corner {
-  Eigen::Vector3d point_board;
-  Eigen::Vector2d pixel;
-  Eigen::Matrix2d whitening;
-};
+using Corner = WhitenedView::Corner;
 
 struct Step {
   Matrix6d H = Matrix6d::Zero();  // in the chart of transform_error()
   Vector6d g = Vector6d::Zero();
   std::vector<double> squares;
 };
-
-std::vector<Corner> prepare(const BoardView& view, const Board& board) {
-  std::vector<Corner> corners;
-  for (const CornerObservation& corner : view.corners) {
-    const Eigen::Matrix2d L = corner.covariance_px2.llt().matrixL();
-    corners.push_back({board.corner(corner.id), corner.pixel, L.inverse()});
-  }
-  return corners;
-}
 
 bool linearise(const Camera& camera, const std::vector<Corner>& corners, const Rigid3& T, const CauchyLoss& loss,
                Step* step) {
@@ -83,7 +71,7 @@ void refine_robustly(const Observations& observations, std::vector<ViewPose>* vi
   for (ViewPose& view : *views) {
     const BoardView& observed = observations.board_views[static_cast<std::size_t>(view.view)];
     const Camera& camera = observations.cameras[static_cast<std::size_t>(view.camera)].camera;
-    const std::vector<Corner> corners = prepare(observed, observations.board);
+    const std::vector<Corner> corners = whitened_corners(observed, observations.board);
     Step fit;
     if (!linearise(camera, corners, view.T_camera_board, CauchyLoss(), &fit)) continue;
     double sum = 0.0;

@@ -32,17 +32,6 @@ Bounds scale_above(double floor, double stated) {
   return {stated > 0.0 ? std::max(kScale.low, floor / stated) : kScale.low, kScale.high};
 }
 
-// Root mean square of the stated sigmas of a camera's corners [px].
-double stated_corner_px(const Observations& observations, int camera) {
-  double variance = 0.0, count = 0.0;
-  for (const BoardView& view : observations.board_views) {
-    if (view.camera != camera) continue;
-    for (const CornerObservation& corner : view.corners) variance += corner.covariance_px2.trace() / 2.0;
-    count += static_cast<double>(view.corners.size());
-  }
-  return count > 0.0 ? std::sqrt(variance / count) : 0.0;
-}
-
 // Root mean square of the stated sigmas of a camera's planes [1/m].
 double stated_plane_per_m(const std::vector<PlaneObservation>& planes, int camera) {
   double variance = 0.0, count = 0.0;
@@ -132,6 +121,16 @@ double lengthening(const Problem& problem, double damping) {
 }
 
 }  // namespace
+
+double stated_corner_px(const Observations& observations, int camera) {
+  double variance = 0.0, count = 0.0;
+  for (const BoardView& view : observations.board_views) {
+    if (view.camera != camera) continue;
+    for (const CornerObservation& corner : view.corners) variance += corner.covariance_px2.trace() / 2.0;
+    count += static_cast<double>(view.corners.size());
+  }
+  return count > 0.0 ? std::sqrt(variance / count) : 0.0;
+}
 
 SolverSummary minimise(const Problem& problem, const SolverOptions& options, State* state) {
   SolverSummary summary;

@@ -26,13 +26,8 @@ std::vector<WhitenedView> whitened_views(const Observations& observations) {
   std::vector<WhitenedView> views;
   for (const BoardView& view : observations.board_views) {
     WhitenedView prepared{view.stop, view.camera, seconds_after_stop(observations, view.stop, view.camera), {}};
-    prepared.corners.reserve(view.corners.size());
-    for (const CornerObservation& corner : view.corners) {
-      const Eigen::Matrix2d L = corner.covariance_px2.llt().matrixL();
-      const Eigen::Matrix2d whitening = L.inverse();
-      if (!whitening.allFinite() || !corner.pixel.allFinite()) continue;
-      prepared.corners.push_back({observations.board.corner(corner.id), corner.pixel, whitening});
-    }
+    for (const WhitenedView::Corner& corner : whitened_corners(view, observations.board))
+      if (corner.whitening.allFinite() && corner.pixel.allFinite()) prepared.corners.push_back(corner);
     views.push_back(std::move(prepared));
   }
   return views;
@@ -57,6 +52,16 @@ std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
 }
 
 }  // namespace
+
+std::vector<WhitenedView::Corner> whitened_corners(const BoardView& view, const Board& board) {
+  std::vector<WhitenedView::Corner> corners;
+  corners.reserve(view.corners.size());
+  for (const CornerObservation& corner : view.corners) {
+    const Eigen::Matrix2d L = corner.covariance_px2.llt().matrixL();
+    corners.push_back({board.corner(corner.id), corner.pixel, L.inverse()});
+  }
+  return corners;
+}
 
 Whitened whitened(const Observations& observations) {
   return {whitened_views(observations), whitened_planes(observations, observations.ground_planes, {}),

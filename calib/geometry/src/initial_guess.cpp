@@ -58,11 +58,6 @@ struct Link {
   double weight = 1.0;
 };
 
-// Rotation that takes `up` to z.
-Matrix3d levelling(const Vector3d& up) {
-  return Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ()).toRotationMatrix();
-}
-
 double heading_of(const Matrix3d& R) {
   // The rotation about z that is nearest to R, level or not.
   return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));

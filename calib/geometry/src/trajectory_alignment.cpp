@@ -172,11 +172,6 @@ double turning_agreement(const Observations& observations, const std::vector<Vie
   return agreement;
 }
 
-// Rotation that takes `up` to z.
-Matrix3d levelling(const Vector3d& up) {
-  return Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ()).toRotationMatrix();
-}
-
 // Without turns the path itself tells: its bends must not be mirrored. Zero for a straight one.
 double path_agreement(const Observations& observations, const std::vector<ViewPose>& views,
                       const std::vector<Level>& levels, const Vector3d& up) {
@@ -408,6 +403,10 @@ void check_heights(const Observations& observations, int camera, const GroundChe
 }
 
 }  // namespace
+
+Matrix3d levelling(const Vector3d& up) {
+  return Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ()).toRotationMatrix();
+}
 
 TrajectoryAlignment align_trajectories(const Observations& observations, const std::vector<ViewPose>& views) {
   Context context{observations, views, make_levels(views), plane_normals(observations, views)};

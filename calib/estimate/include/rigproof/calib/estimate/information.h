@@ -53,8 +53,4 @@ struct InformationBound {
 InformationBound cramer_rao_bound(const Observations& observations, const CalibrationState& state,
                                   const CalibrationNoise& noise);
 
-/// Joint covariance of the cameras in the chart of Log(X_hat X^-1), from that in the chart of transform_error():
-/// what NEES of all cameras together needs.
-Eigen::MatrixXd to_left_perturbation(const Eigen::MatrixXd& joint, const std::vector<Rigid3>& T_robot_camera);
-
 }  // namespace rigproof

@@ -1,6 +1,7 @@
 // Options of the maximum-likelihood estimate.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "rigproof/calib/estimate/information.h"
@@ -13,6 +14,8 @@ struct PosteriorLimits {
   double z_m = 0.02;
   double yaw_rad = 0.0349;
   double tilt_rad = 0.00873;
+  /// Of tx ty tz rx ry rz.
+  std::array<double, 6> each() const { return {xy_m, xy_m, z_m, tilt_rad, tilt_rad, yaw_rad}; }
 };
 struct MlOptions {
   /// Standard deviations of the suspension's slack about the plane; absent: estimated.

@@ -23,6 +23,9 @@ struct NoiseLevels {
   std::vector<double> board_plane_scale;  ///< times the stated sigma of the board's planes, one a camera
 };
 
+/// Levels of at least the smallest plausible ones, with corners and planes of all cameras as stated.
+NoiseLevels plausible(NoiseLevels levels, std::size_t cameras);
+
 /// Smallest plausible levels: files do not resolve less, and smaller ones would make the equations stiff.
 inline constexpr double kMinOdometryXy_m = 1e-5;
 inline constexpr double kMinOdometryYaw_rad = 1e-5;

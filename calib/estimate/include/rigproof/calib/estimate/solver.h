@@ -17,6 +17,9 @@ struct SolverSummary {
   double cost = 0.0;
 };
 
+/// Root mean square of the stated sigmas of a camera's corners [px]; 0 without any.
+double stated_corner_px(const Observations& observations, int camera);
+
 /// Minimises the problem's cost from the given state.
 SolverSummary minimise(const Problem& problem, const SolverOptions& options, State* state);
 

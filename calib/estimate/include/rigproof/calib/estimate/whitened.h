@@ -27,6 +27,9 @@ struct WhitenedPlane {
   bool registered;  ///< errs with the intrinsics
 };
 
+/// The corners of a view; one whose covariance is of no use has no finite whitening.
+std::vector<WhitenedView::Corner> whitened_corners(const BoardView& view, const Board& board);
+
 struct Whitened {
   std::vector<WhitenedView> views;  ///< one for each board view, without corners whose covariance is of no use
   std::vector<WhitenedPlane> ground_planes, board_planes;

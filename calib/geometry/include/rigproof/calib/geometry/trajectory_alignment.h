@@ -31,6 +31,9 @@ struct TrajectoryAlignment {
 /// Of a view that fits the common planar motion.
 inline constexpr double kLeastPlanarWeight = 0.05;
 
+/// Rotation that takes `up` to z.
+Eigen::Matrix3d levelling(const Eigen::Vector3d& up);
+
 /// Closed form: up is the smallest eigenvector of a 3x3 matrix made of all cameras' rotations and positions,
 /// reweighted until views that contradict the planar motion (a flipped board pose) count no more. The sign comes
 /// from the odometry's turns, or where there are none from its path, or from the ground planes.
