@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <variant>
 
 #include "proof_parts.h"
@@ -9,6 +10,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/median.h"
 #include "rigproof/validate/figures.h"
 
 namespace rigproof::proof_detail {
@@ -56,12 +58,6 @@ double mean_of(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class DepthProof {
@@ -257,7 +253,7 @@ std::vector<Hypothesis> hypotheses(const std::vector<Sample>& board) {
     ray_ratios.push_back(sample.measured / (sample.z * sample.ray));
   }
   if (ratios.empty()) return list;
-  const double factor = median_of(ratios), ray_factor = median_of(ray_ratios);
+  const double factor = median(ratios), ray_factor = median(ray_ratios);
   // Residuals are divided by the factor again, so that every hypothesis is judged by the same sigma.
   list.push_back({"depth is " + factor_in_words(factor), [](const Sample& s) { return s.z; },
                   [factor](const Sample& s) { return s.measured / factor; }});
@@ -299,9 +295,9 @@ std::vector<const Sample*> DepthProof::on_ground(const std::vector<Sample>& grou
     residuals.push_back((s.measured - s.z) / s.sigma);
   }
   if (chosen.empty()) return chosen;
-  const double middle = median_of(residuals);
+  const double middle = median(residuals);
   for (double& residual : residuals) residual = std::abs(residual - middle);
-  const double spread = median_of(residuals) / kMadOfNormal;
+  const double spread = median(residuals) / kMadOfNormal;
   const double rounding = rig_camera_.depth->unit_m;
   chosen.erase(std::remove_if(chosen.begin(), chosen.end(),
                               [&](const Sample* s) {
@@ -327,9 +323,9 @@ void DepthProof::summarise_noise(const std::vector<const Sample*>& samples) cons
     noise.z_m = z_m;
     noise.pixels = residuals.size();
     noise.stated_sigma_mm = 1e3 * std::hypot(stream.noise.sigma_m(z_m), stream.unit_m / std::sqrt(12.0));
-    const double middle = median_of(residuals);
+    const double middle = median(residuals);
     for (double& residual : residuals) residual = std::abs(residual - middle);
-    noise.sigma_mm = noise.stated_sigma_mm * median_of(residuals) / kMadOfNormal;
+    noise.sigma_mm = noise.stated_sigma_mm * median(residuals) / kMadOfNormal;
     noise.bias_mm = noise.stated_sigma_mm * middle;
     proof_->depth_noise.push_back(noise);
   }
@@ -366,7 +362,7 @@ void DepthProof::judge_ground(const std::vector<Sample>& ground, Findings* findi
     if (shows_ground(s)) residuals.push_back((s.measured - s.z) / s.sigma);
   if (residuals.size() < kEnough) return findings->notes.push_back("no depth on the ground to compare");
   // The median, since what stands on the ground is always nearer.
-  const double bias = median_of(residuals);
+  const double bias = median(residuals);
   if (std::abs(bias) > max_bias_sigmas_)
     findings->problems.push_back("depth on the ground is " + short_figure(std::abs(bias)) +
                                  " times the stated noise too " + (bias > 0.0 ? "long" : "short") +

@@ -9,6 +9,7 @@
 #include "proof_parts.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof::proof_detail {
 namespace {
@@ -45,12 +46,6 @@ struct Patch {
 
 // Median of a variance estimated with n degrees of freedom, over the variance (Wilson and Hilferty).
 double median_share(double n) { return std::pow(1.0 - 2.0 / (9.0 * n), 3); }
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Variance about the plane that fits best. The places are those of the pixels, from their mean.
 struct Plane {
@@ -200,9 +195,9 @@ class ImageProof {
       }
       from = to;
       if (ratios.size() < kFewestSquares) continue;
-      noise.electrons = median_of(light);
+      noise.electrons = median(light);
       noise.stated_sigma_electrons = std::sqrt(law_.variance(noise.electrons));
-      noise.sigma_electrons = noise.stated_sigma_electrons * std::sqrt(median_of(ratios));
+      noise.sigma_electrons = noise.stated_sigma_electrons * std::sqrt(median(ratios));
       proof_->image_noise.push_back(noise);
     }
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigproof/core/median.h"
+
 namespace rigproof::rivals {
 
 using Eigen::Vector3d;
@@ -21,10 +23,7 @@ std::optional<Vector3d> Directions::common() const {
     mean.normalize();
     std::vector<double> angles;
     for (const Vector3d& v : vectors) angles.push_back(std::atan2(v.cross(mean).norm(), v.dot(mean)));
-    std::vector<double> sorted = angles;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const double scale = std::max(1e-6, 3.0 * *middle);
+    const double scale = std::max(1e-6, 3.0 * median(angles));
     Vector3d sum = Vector3d::Zero();
     for (std::size_t i = 0; i < vectors.size(); ++i)
       sum += weights[i] / (1.0 + angles[i] * angles[i] / (scale * scale)) * vectors[i];

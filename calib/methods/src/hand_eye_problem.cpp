@@ -10,8 +10,10 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "hand_eye.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof {
 namespace {
@@ -154,10 +156,7 @@ NormalEquations normal_equations(const Blocks& blocks, std::size_t cameras) {
 double loss_scale(const std::vector<Block>& blocks) {
   std::vector<double> norms;
   for (const Block& block : blocks) norms.push_back(block.residual.norm());
-  if (norms.empty()) return kMinLossScale;
-  const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
-  std::nth_element(norms.begin(), middle, norms.end());
-  return std::max(kMinLossScale, kLossMedians * *middle);
+  return std::max(kMinLossScale, kLossMedians * median(std::move(norms)));
 }
 
 using Errors = std::vector<std::array<double, 6>>;

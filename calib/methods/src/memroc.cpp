@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "hand_eye_problem.h"
 #include "partial_covariance.h"
@@ -11,6 +12,7 @@
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/depth_bias.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/median.h"
 #include "rigproof/core/text.h"
 #include "rival_result.h"
 #include "shared_views.h"
@@ -147,8 +149,7 @@ std::optional<Rigid3> pose_from_ground(const Evidence& evidence, int k) {
   std::vector<double> heights;
   for (const PlaneObservation& plane : evidence.ground)
     if (plane.camera == k) heights.push_back(height_above(plane).height_m);
-  std::sort(heights.begin(), heights.end());
-  if (!heights.empty()) X.translation.z() = heights[heights.size() / 2];
+  if (!heights.empty()) X.translation.z() = median(std::move(heights));
   return X;
 }
 

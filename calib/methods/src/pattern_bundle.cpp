@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "rigproof/core/median.h"
 
 namespace rigproof::rivals {
 namespace {
@@ -91,9 +94,7 @@ class Bundle {
     for (std::size_t i = 0; i < views_.size(); ++i)
       if (systems_[i].valid) sizes.push_back(std::sqrt(systems_[i].mean_squared_px(views_[i].seen->corners.size())));
     if (sizes.empty()) return;
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    loss_px_ = std::max(kMinLoss_px, kLossMedians * *middle);
+    loss_px_ = std::max(kMinLoss_px, kLossMedians * median(std::move(sizes)));
   }
 
   double weight(std::size_t i, const std::vector<ViewSystem>& systems) const {

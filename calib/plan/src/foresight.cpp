@@ -2,9 +2,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "forecast.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof::suggest {
 namespace {
@@ -14,9 +16,7 @@ constexpr double kWhiteBorder_m = 0.03;
 Eigen::Matrix3d corner_covariance(const BoardView& view) {
   std::vector<double> variances;
   for (const CornerObservation& corner : view.corners) variances.push_back(0.5 * corner.covariance_px2.trace());
-  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
-  std::nth_element(variances.begin(), middle, variances.end());
-  return *middle * Eigen::Matrix3d::Identity();
+  return median(std::move(variances)) * Eigen::Matrix3d::Identity();
 }
 
 // The covariance of a camera's ground planes, if it has one at half of its stops at least.

@@ -4,6 +4,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "rigproof/core/median.h"
 
 namespace rigproof::detection {
 namespace {
@@ -36,12 +39,6 @@ std::vector<Row> rows_of(const DepthPoints& points, const DepthNoise& noise) {
 
 double standardised(const Row& row, const Vector3d& a) {
   return (row.ray.dot(a) - row.inverse_depth) * std::sqrt(row.weight);
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct Fit {
@@ -115,7 +112,7 @@ std::optional<PlaneObservation> fit_board_plane(const DepthPoints& points, const
     sizes.reserve(rows.size());
     for (const Row& row : rows) sizes.push_back(std::abs(standardised(row, a)));
     // 1.4826 times the median of sizes is the deviation of a normal distribution.
-    const double limit = 3.0 * 1.4826 * std::max(median_of(std::move(sizes)), 0.1);
+    const double limit = 3.0 * 1.4826 * std::max(median(std::move(sizes)), 0.1);
     fit = fit_within(rows, a, limit);
     if (fit.used < static_cast<int>(kMinPoints) || !fit.a.allFinite()) return std::nullopt;
     a = fit.a;

@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "rigproof/calib/geometry/homography.h"
+#include "rigproof/core/median.h"
 #include "saddle_fit.h"
 
 namespace rigproof::detection {
@@ -46,10 +48,7 @@ double median_of(const std::vector<MeasuredCorner>& corners, Value value) {
   std::vector<double> values;
   for (const MeasuredCorner& corner : corners)
     if (corner.fit.status == SaddleStatus::kFitted) values.push_back(value(corner.fit));
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return median(std::move(values));
 }
 
 double blur_of(const SaddleFit& fit) { return fit.blur_px.maxCoeff(); }

@@ -14,6 +14,7 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof {
 namespace {
@@ -155,9 +156,7 @@ double median_sigma(const std::vector<Measurement>& measurements) {
   std::vector<double> sigmas;
   sigmas.reserve(measurements.size());
   for (const Measurement& m : measurements) sigmas.push_back(m.sigma);
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
+  return median(std::move(sigmas));
 }
 
 // The largest plane inside the cone, as RANSAC sees it.
@@ -205,9 +204,7 @@ double robust_scale(const std::vector<const Measurement*>& inliers, const Vector
   sizes.reserve(inliers.size());
   for (const Measurement* m : inliers) sizes.push_back(std::abs(residual_sigmas(*m, a)));
   if (sizes.empty()) return 1.0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return 1.4826 * *middle;
+  return 1.4826 * median(std::move(sizes));
 }
 
 std::vector<const Measurement*> select_inliers(const std::vector<Measurement>& measurements, const Vector3d& a,

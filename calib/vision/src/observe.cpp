@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "board_depth.h"
 #include "parallel.h"
@@ -17,6 +18,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/exclusions.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/median.h"
 #include "sight.h"
 
 namespace rigproof {
@@ -59,12 +61,6 @@ bool better(const Sight& a, const Sight& b) {
   if (a.corners.size() != b.corners.size()) return a.corners.size() > b.corners.size();
   if (a.readable != b.readable) return a.readable;
   return !a.corners.empty() && mean_variance(a.corners) < mean_variance(b.corners);
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // A file holds the upper triangle: what is solved from memory must not differ from it by the other one's rounding.
@@ -390,9 +386,9 @@ void drop_odd_board_planes(const Boards& boards, std::vector<PlaneObservation>* 
   for (const PlaneObservation& plane : *planes) ratios[plane.camera].push_back(ratio_of(plane));
   const auto is_odd = [&](const PlaneObservation& plane) {
     const Eigen::Vector3d place = place_of(plane);
-    const double ratio = ratio_of(plane), median = median_of(ratios[plane.camera]);
+    const double ratio = ratio_of(plane), middle = median(ratios[plane.camera]);
     const double sigma = std::sqrt(place.dot(plane.covariance_per_m2 * place));
-    return !(ratio > 0.0 && std::abs(ratio - median) <= kOdd * median + kSigmas * sigma);
+    return !(ratio > 0.0 && std::abs(ratio - middle) <= kOdd * middle + kSigmas * sigma);
   };
   planes->erase(std::remove_if(planes->begin(), planes->end(), is_odd), planes->end());
 }
@@ -404,7 +400,7 @@ void drop_uncertain_planes(Observations* result) {
     sigmas[plane.camera].push_back(height_above(plane).sigma_m);
   std::vector<PlaneObservation> certain;
   for (PlaneObservation& plane : result->ground_planes) {
-    if (height_above(plane).sigma_m <= kMaxUncertaintyRatio * median_of(sigmas[plane.camera]))
+    if (height_above(plane).sigma_m <= kMaxUncertaintyRatio * median(sigmas[plane.camera]))
       certain.push_back(std::move(plane));
     else
       exclude_depth(plane.camera, plane.stop, plane.file, Finding("plane.uncertain"), result);
