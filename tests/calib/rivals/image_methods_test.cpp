@@ -212,7 +212,7 @@ TEST(RobotAutocalib, NeedsThreeTurns) {
   drive.observations.stops[1].yaw_rad += deg_to_rad(3.0);
   EXPECT_FALSE(find_method("robot_autocalib").why_not(input));
   drive.recording.frames[0].erase(drive.recording.frames[0].begin() + 1);
-  EXPECT_THAT(worded(find_method("robot_autocalib").why_not(input)), HasSubstr("turns 2 times"));
+  EXPECT_THAT(worded(find_method("robot_autocalib").why_not(input)), HasSubstr("has 2 turns"));
 }
 
 /// Says no from some question on.
