@@ -59,7 +59,7 @@ void expect_matched(const ClockedRun& run) {
   for (const Exclusion& exclusion : plan.exclusions) {
     const int number = std::stoi(exclusion.file.substr(exclusion.file.find('/') + 1));
     EXPECT_TRUE(number == 0 || number + 1 == static_cast<int>(kStops)) << exclusion.file << ": " << exclusion.why.code;
-    EXPECT_TRUE(exclusion.why.is("odometry.gap")) << exclusion.why.code;
+    EXPECT_TRUE(exclusion.why.is("odometry.not_covering")) << exclusion.why.code;
   }
   for (const detection::PlannedStop& planned : plan.stops) {
     int stop = -1;
