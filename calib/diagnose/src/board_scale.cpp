@@ -21,7 +21,6 @@ constexpr double kUnit = 0.4;
 struct Ratio {
   double value = 0.0;  // ln of measured over expected depth
   double sigma = 0.0;
-  int planes = 0;
 };
 
 // One plane against the pose that the corners give; at the board's centre, where a wrong tilt of either matters least.
@@ -37,7 +36,7 @@ std::optional<Ratio> ratio_of(const PlaneObservation& plane, const ViewPose& vie
   by_pose << 0.0, 0.0, 1.0, arm.y(), -arm.x(), 0.0;
   const double own = ray.dot(plane.covariance_per_m2 * ray) / (inverse_depth * inverse_depth);
   const double pose = by_pose.dot(view.covariance * by_pose) / (centre.z() * centre.z());
-  return Ratio{-std::log(inverse_depth * centre.z()), std::sqrt(own + pose), 1};
+  return Ratio{-std::log(inverse_depth * centre.z()), std::sqrt(own + pose)};
 }
 
 Ratio combined(const std::vector<Ratio>& ratios) {
@@ -54,170 +53,155 @@ Ratio combined(const std::vector<Ratio>& ratios) {
   for (const double value : values) deviations.push_back(std::abs(value - result.value));
   const double n = static_cast<double>(ratios.size());
   result.sigma = kMedianLoss * std::max(std::sqrt(stated / n), kMadToSigma * median(deviations)) / std::sqrt(n);
-  result.planes = static_cast<int>(ratios.size());
   return result;
 }
 
-// Per camera; without planes where there is no depth on the board.
-std::vector<Ratio> ratios_of(const Observations& observations, const std::vector<ViewPose>& views) {
+// What the depth of one camera tells about the board's size.
+struct CameraRatio {
+  std::string camera;
+  double value, measured_sigma;  // of ln of measured over expected depth
+  double prior;                  // of the depth's scale
+
+  double sigma() const { return std::hypot(prior, measured_sigma); }
+  // Against others that are no better.
+  double difference_sigma() const { return std::sqrt(2.0) * sigma(); }
+};
+
+// Of the cameras with depth on the board.
+std::vector<CameraRatio> ratios_of(const Observations& observations, const std::vector<ViewPose>& views) {
   std::map<std::pair<int, int>, const ViewPose*> view_at;
   for (const ViewPose& view : views) view_at[{view.stop, view.camera}] = &view;
-  std::vector<std::vector<Ratio>> all(observations.cameras.size());
+  std::map<int, std::vector<Ratio>> all;
   for (const PlaneObservation& plane : observations.board_planes) {
     const auto view = view_at.find({plane.stop, plane.camera});
     if (view == view_at.end()) continue;
     const std::optional<Ratio> ratio = ratio_of(plane, *view->second, observations.board);
-    if (ratio) all[static_cast<std::size_t>(plane.camera)].push_back(*ratio);
+    if (ratio) all[plane.camera].push_back(*ratio);
   }
-  std::vector<Ratio> ratios;
-  for (const std::vector<Ratio>& camera : all) ratios.push_back(camera.empty() ? Ratio() : combined(camera));
+  std::vector<CameraRatio> ratios;
+  for (const auto& [c, of_camera] : all) {
+    const RigCamera& camera = observations.cameras[static_cast<std::size_t>(c)];
+    const double prior = std::max(kDepthScaleSigma, camera.depth ? camera.depth->noise.scale_sigma : 0.0);
+    const Ratio ratio = combined(of_camera);
+    ratios.push_back({camera.name, ratio.value, ratio.sigma, prior});
+  }
   return ratios;
 }
 
-double depth_prior(const RigCamera& camera) {
-  return std::max(kDepthScaleSigma, camera.depth ? camera.depth->noise.scale_sigma : 0.0);
-}
-
-class Check {
- public:
-  Check(const Observations& observations, const std::vector<ViewPose>& views,
-        const std::optional<OdometryScale>& odometry)
-      : observations_(observations), odometry_(odometry), ratios_(ratios_of(observations, views)) {}
-
-  BoardScale run() {
-    for (std::size_t c = 0; c < ratios_.size(); ++c)
-      if (ratios_[c].planes > 0) with_depth_.push_back(c);
-    if (with_depth_.empty()) {
-      note_no_depth();
-      return std::move(result_);
-    }
-    leave_out_odd_cameras();
-    combine();
-    judge();
-    return std::move(result_);
-  }
-
- private:
-  double stated_mm() const { return 1e3 * observations_.board.square_m; }
+// The board's stated size, and what the odometry says about it.
+struct Stated {
+  double square_mm;
+  const std::optional<OdometryScale>& odometry;
 
   // With the squares' size by the odometry, where it says any.
   Finding with_odometry(const Finding& finding) const {
-    return odometry_ ? finding.with({{"odometry_mm", stated_mm() * odometry_->scale}}) : finding;
+    return odometry ? finding.with({{"odometry_mm", square_mm * odometry->scale}}) : finding;
   }
-
-  void note_no_depth() {
-    Finding note("board.scale_on_trust", {{"stated_mm", stated_mm()}});
-    if (odometry_) {
-      const double sigma = std::hypot(kOdometryScaleSigma, odometry_->sigma);
-      const bool off = std::abs(std::log(odometry_->scale)) > 3.0 * sigma;
-      note =
-          with_odometry(note).with({{"odometry_sigma_mm", stated_mm() * sigma}, {"odometry", off ? "off" : "agrees"}});
-    }
-    result_.notes.push_back(note);
-  }
-
-  double sigma_of(std::size_t c) const { return std::hypot(depth_prior(observations_.cameras[c]), ratios_[c].sigma); }
-
-  // Of one camera against others that are no better.
-  double difference_sigma(std::size_t c) const { return std::sqrt(2.0) * sigma_of(c); }
-
-  // A camera that differs from the others has itself to blame: its depth's scale or its focal length.
-  void leave_out_odd_cameras() {
-    std::vector<double> values;
-    for (const std::size_t c : with_depth_) values.push_back(ratios_[c].value);
-    // With two that differ the one that agrees with the stated size is right.
-    std::sort(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
-    const double centre = values.size() == 2 ? values.front() : median(values);
-    std::vector<std::size_t> agreeing;
-    for (const std::size_t c : with_depth_) {
-      const double off = ratios_[c].value - centre;
-      if (std::abs(off) <= kMaxDepthAlone * difference_sigma(c)) {
-        agreeing.push_back(c);
-        continue;
-      }
-      result_.contradictions.push_back(odd_camera(c, off));
-    }
-    with_depth_ = agreeing;
-  }
-
-  Finding odd_camera(std::size_t c, double off) {
-    const std::string& name = observations_.cameras[c].name;
-    const double factor = std::exp(off);
-    result_.depth_unit = result_.depth_unit || std::abs(off) > kUnit;
-    if (std::abs(off) > kUnit) return Finding("depth.unit", {{"factor", factor}}).of(name);
-    return Finding("depth.differs", {{"off_percent", 100.0 * std::abs(factor - 1.0)},
-                                     {"side", off > 0.0 ? "farther" : "nearer"},
-                                     {"limit_percent", 100.0 * kMaxDepthAlone * difference_sigma(c)}})
-        .of(name);
-  }
-
-  void combine() {
-    double weight = 0.0, sum = 0.0;
-    for (const std::size_t c : with_depth_) {
-      const double w = 1.0 / (sigma_of(c) * sigma_of(c));
-      weight += w;
-      sum += w * ratios_[c].value;
-      prior_ = std::max(prior_, depth_prior(observations_.cameras[c]));
-    }
-    if (weight <= 0.0) return;
-    result_.log_depth_ratio = sum / weight;
-    double variance = 0.0;
-    for (const std::size_t c : with_depth_) {
-      const double share = 1.0 / (sigma_of(c) * sigma_of(c) * weight);
-      variance += share * share * ratios_[c].sigma * ratios_[c].sigma;
-    }
-    result_.sigma = std::sqrt(variance);
-  }
-
-  void judge() {
-    if (!result_.log_depth_ratio) return;
-    const double depth = *result_.log_depth_ratio, depth_sigma = std::hypot(prior_, result_.sigma);
-    const double depth_z = std::abs(depth) / depth_sigma;
-    const double wheels = odometry_ ? std::log(odometry_->scale) : 0.0;
-    const double wheels_sigma = odometry_ ? std::hypot(kOdometryScaleSigma, odometry_->sigma) : 1e9;
-    const bool both =
-        depth * wheels > 0.0 && depth_z > kMinDepthOfBoth && std::hypot(depth_z, wheels / wheels_sigma) > kMaxBoth;
-    if (depth_z > kMaxDepthAlone || both) {
-      result_.contradictions.push_back(cause(depth, wheels, wheels_sigma));
-      return;
-    }
-    if (depth_z > kMinDepthOfBoth)
-      result_.notes.push_back(Finding("board.measure", {{"measured_mm", stated_mm() * std::exp(depth)},
-                                                        {"sigma_mm", stated_mm() * depth_sigma},
-                                                        {"stated_mm", stated_mm()}}));
-  }
-
-  Finding cause(double depth, double wheels, double wheels_sigma) const {
-    const double factor = std::exp(depth);
-    const Finding unit("depth.unit_of_all", {{"factor", factor}});
-    if (std::abs(depth) > kUnit && odometry_ && std::abs(depth - wheels) > 3.0 * wheels_sigma)
-      return with_odometry(unit);
-    if (std::abs(depth) > kUnit && !odometry_) return unit.with({{"squares_mm", stated_mm() * factor}});
-    const Finding size =
-        with_odometry(Finding("board.size", {{"measured_mm", stated_mm() * factor},
-                                             {"stated_mm", stated_mm()},
-                                             {"off_percent", 100.0 * (1.0 / factor - 1.0)},
-                                             {"plausible_percent", 100.0 * kMaxDepthAlone * depth_sigma()}}));
-    // The odometry that sees the stated size speaks for the sensors' own scale.
-    const bool doubted = odometry_ && std::abs(depth - wheels) > 3.0 * std::hypot(wheels_sigma, depth_sigma());
-    return doubted ? size.with({{"depth_doubted", 1}}) : size;
-  }
-
-  double depth_sigma() const { return std::hypot(prior_, result_.sigma); }
-
-  const Observations& observations_;
-  const std::optional<OdometryScale>& odometry_;
-  std::vector<Ratio> ratios_;
-  std::vector<std::size_t> with_depth_;
-  double prior_ = 0.0;
-  BoardScale result_;
 };
+
+Finding note_without_depth(const Stated& stated) {
+  const Finding note("board.scale_on_trust", {{"stated_mm", stated.square_mm}});
+  if (!stated.odometry) return note;
+  const double sigma = std::hypot(kOdometryScaleSigma, stated.odometry->sigma);
+  const bool off = std::abs(std::log(stated.odometry->scale)) > 3.0 * sigma;
+  return stated.with_odometry(note).with(
+      {{"odometry_sigma_mm", stated.square_mm * sigma}, {"odometry", off ? "off" : "agrees"}});
+}
+
+double centre_of(const std::vector<CameraRatio>& ratios) {
+  std::vector<double> values;
+  for (const CameraRatio& ratio : ratios) values.push_back(ratio.value);
+  // With two that differ the one that agrees with the stated size is right.
+  std::sort(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  return values.size() == 2 ? values.front() : median(values);
+}
+
+// A camera that differs from the others has itself to blame: its depth's scale or its focal length.
+Finding odd_camera(const CameraRatio& ratio, double off) {
+  const double factor = std::exp(off);
+  if (std::abs(off) > kUnit) return Finding("depth.unit", {{"factor", factor}}).of(ratio.camera);
+  return Finding("depth.differs", {{"off_percent", 100.0 * std::abs(factor - 1.0)},
+                                   {"side", off > 0.0 ? "farther" : "nearer"},
+                                   {"limit_percent", 100.0 * kMaxDepthAlone * ratio.difference_sigma()}})
+      .of(ratio.camera);
+}
+
+// The cameras' mean; absent without any.
+std::optional<CameraRatio> mean_of(const std::vector<CameraRatio>& ratios) {
+  double weight = 0.0, sum = 0.0, variance = 0.0, prior = 0.0;
+  for (const CameraRatio& ratio : ratios) {
+    const double w = 1.0 / (ratio.sigma() * ratio.sigma());
+    weight += w;
+    sum += w * ratio.value;
+    prior = std::max(prior, ratio.prior);
+  }
+  if (weight <= 0.0) return std::nullopt;
+  for (const CameraRatio& ratio : ratios) {
+    const double share = 1.0 / (ratio.sigma() * ratio.sigma() * weight);
+    variance += share * share * ratio.measured_sigma * ratio.measured_sigma;
+  }
+  return CameraRatio{"", sum / weight, std::sqrt(variance), prior};
+}
+
+Finding cause(const CameraRatio& depth, double wheels, double wheels_sigma, const Stated& stated) {
+  const double factor = std::exp(depth.value);
+  const Finding unit("depth.unit_of_all", {{"factor", factor}});
+  if (std::abs(depth.value) > kUnit && stated.odometry && std::abs(depth.value - wheels) > 3.0 * wheels_sigma)
+    return stated.with_odometry(unit);
+  if (std::abs(depth.value) > kUnit && !stated.odometry) return unit.with({{"squares_mm", stated.square_mm * factor}});
+  const Finding size =
+      stated.with_odometry(Finding("board.size", {{"measured_mm", stated.square_mm * factor},
+                                                  {"stated_mm", stated.square_mm},
+                                                  {"off_percent", 100.0 * (1.0 / factor - 1.0)},
+                                                  {"plausible_percent", 100.0 * kMaxDepthAlone * depth.sigma()}}));
+  // The odometry that sees the stated size speaks for the sensors' own scale.
+  const bool doubted =
+      stated.odometry && std::abs(depth.value - wheels) > 3.0 * std::hypot(wheels_sigma, depth.sigma());
+  return doubted ? size.with({{"depth_doubted", 1}}) : size;
+}
+
+void judge(const CameraRatio& depth, const Stated& stated, BoardScale* result) {
+  const double z = std::abs(depth.value) / depth.sigma();
+  const double wheels = stated.odometry ? std::log(stated.odometry->scale) : 0.0;
+  const double wheels_sigma = stated.odometry ? std::hypot(kOdometryScaleSigma, stated.odometry->sigma) : 1e9;
+  const bool both =
+      depth.value * wheels > 0.0 && z > kMinDepthOfBoth && std::hypot(z, wheels / wheels_sigma) > kMaxBoth;
+  if (z > kMaxDepthAlone || both)
+    result->contradictions.push_back(cause(depth, wheels, wheels_sigma, stated));
+  else if (z > kMinDepthOfBoth)
+    result->notes.push_back(Finding("board.measure", {{"measured_mm", stated.square_mm * std::exp(depth.value)},
+                                                      {"sigma_mm", stated.square_mm * depth.sigma()},
+                                                      {"stated_mm", stated.square_mm}}));
+}
 
 }  // namespace
 
 BoardScale check_board_scale(const Observations& observations, const std::vector<ViewPose>& views,
                              const std::optional<OdometryScale>& odometry) {
-  return Check(observations, views, odometry).run();
+  const Stated stated{1e3 * observations.board.square_m, odometry};
+  const std::vector<CameraRatio> ratios = ratios_of(observations, views);
+  BoardScale result;
+  if (ratios.empty()) {
+    result.notes.push_back(note_without_depth(stated));
+    return result;
+  }
+  const double centre = centre_of(ratios);
+  std::vector<CameraRatio> agreeing;
+  for (const CameraRatio& ratio : ratios) {
+    const double off = ratio.value - centre;
+    if (std::abs(off) <= kMaxDepthAlone * ratio.difference_sigma()) {
+      agreeing.push_back(ratio);
+      continue;
+    }
+    result.contradictions.push_back(odd_camera(ratio, off));
+    result.depth_unit = result.depth_unit || std::abs(off) > kUnit;
+  }
+  const std::optional<CameraRatio> depth = mean_of(agreeing);
+  if (!depth) return result;
+  result.log_depth_ratio = depth->value;
+  result.sigma = depth->measured_sigma;
+  judge(*depth, stated, &result);
+  return result;
 }
 
 }  // namespace rigproof::ml
