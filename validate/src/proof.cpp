@@ -18,9 +18,10 @@ std::optional<std::size_t> camera_named(const Cameras& cameras, const std::strin
   return std::nullopt;
 }
 
-void append(const proof_detail::Findings& findings, const std::string& camera, Proof* proof) {
-  for (const std::string& problem : findings.problems) proof->problems.push_back(camera + ": " + problem);
-  for (const std::string& note : findings.notes) proof->notes.push_back(camera + ": " + note);
+void append(const proof_detail::Proved& proved, Proof* proof) {
+  const CameraProof& camera = proof->cameras.emplace_back(proved.camera);
+  for (const std::string& problem : proved.problems) proof->problems.push_back(camera.camera + ": " + problem);
+  for (const std::string& note : proved.notes) proof->notes.push_back(camera.camera + ": " + note);
 }
 
 void visit_count(FieldVisitor& visitor, const char* key, std::size_t& value, const char* description) {
@@ -95,15 +96,15 @@ Proof prove(const Recording& recording, const Observations& observations, const 
     const std::string& name = observations.cameras[i].name;
     const std::optional<std::size_t> camera = camera_named(truth.cameras, name);
     if (!camera) throw Error("camera " + name + " of the observations is not in the truth");
-    CameraProof entry;
-    entry.camera = name;
-    append(proof_detail::prove_corners(observations, truth, i, *camera, options, &entry), name, &proof);
+    proof_detail::Proved proved;
+    proved.camera.camera = name;
+    proved = prove_corners(observations, truth, i, *camera, options, std::move(proved));
     if (const auto recorded = camera_named(recording.rig.cameras, name)) {
-      append(proof_detail::prove_depth(recording, truth, *recorded, *camera, options, &entry), name, &proof);
-      append(proof_detail::prove_image(recording, truth, *recorded, *camera, options, &entry), name, &proof);
+      proved = prove_depth(recording, truth, *recorded, *camera, options, std::move(proved));
+      proved = prove_image(recording, truth, *recorded, *camera, options, std::move(proved));
     }
-    corners += entry.corners;
-    proof.cameras.push_back(entry);
+    corners += proved.camera.corners;
+    append(proved, &proof);
   }
   if (corners == 0) proof.problems.push_back("no corner of the board was seen by any camera: nothing is proved");
   proof.passed = proof.problems.empty();

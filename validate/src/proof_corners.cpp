@@ -58,75 +58,55 @@ void summarise(Residuals* residuals) {
   residuals->rms = (squares / n).cwiseSqrt();
 }
 
-class CornerProof {
- public:
-  CornerProof(const Observations& observations, const Truth& truth, std::size_t observed_camera, std::size_t camera,
-              const ProofOptions& options, CameraProof* proof);
-  Findings run() const;
-
- private:
-  Setup as_stated() const;
-  Residuals residuals(const Setup& setup) const;
-  bool project(const Setup& setup, std::size_t stop, const Rigid3& T_camera_board, const Eigen::Vector3d& p_board,
-               const Eigen::Vector2d& seen, Eigen::Vector2d* pixel) const;
-  std::vector<Hypothesis> hypotheses() const;
-  void add_mirrored_images(std::vector<Hypothesis>* list) const;
-  void add_wrong_poses(std::vector<Hypothesis>* list) const;
-  void add_wrong_boards(std::vector<Hypothesis>* list) const;
-  void add_wrong_cameras(std::vector<Hypothesis>* list) const;
-  bool within_limits(const Residuals& residuals) const;
-  std::string explain(const Residuals& now) const;
-  std::optional<std::string> explain_focal(const Setup& setup, const Residuals& now) const;
-  std::optional<std::string> explain_few_views(const Residuals& now) const;
-
-  const Truth& truth_;
-  std::size_t camera_;
-  const std::vector<TrueStop>& stops_;
-  CameraProof* proof_;
-  std::vector<View> views_;
-  std::size_t without_stop_ = 0;
-  double stated_sigma_px_ = 0.0;
+// What is compared of one camera, and what is allowed.
+struct Subject {
+  const Truth& truth;
+  std::size_t camera = 0;
+  const std::vector<TrueStop>& stops;
+  std::vector<View> views;
+  std::size_t corners = 0, without_stop = 0;
+  double stated_sigma_px = 0.0;
+  double bias_limit_px = 0.0, rms_limit_px = 0.0;
 };
 
-CornerProof::CornerProof(const Observations& observations, const Truth& truth, std::size_t observed_camera,
-                         std::size_t camera, const ProofOptions& options, CameraProof* proof)
-    : truth_(truth), camera_(camera), stops_(truth.stops_of(camera)), proof_(proof) {
+Subject subject_of(const Observations& observations, const Truth& truth, std::size_t observed_camera,
+                   std::size_t camera, const ProofOptions& options) {
+  Subject subject{truth, camera, truth.stops_of(camera), {}};
   double variance = 0.0;
   for (const BoardView& view : observations.board_views) {
     if (view.camera != static_cast<int>(observed_camera) || view.corners.empty()) continue;
-    const std::optional<std::size_t> stop = stop_at(stops_, view.stamp_s);
+    const std::optional<std::size_t> stop = stop_at(subject.stops, view.stamp_s);
     if (!stop) {
-      ++without_stop_;
+      ++subject.without_stop;
       continue;
     }
-    views_.push_back({view.file, *stop, view.corners});
-    proof->corners += view.corners.size();
+    subject.views.push_back({view.file, *stop, view.corners});
+    subject.corners += view.corners.size();
     for (const CornerObservation& corner : view.corners) variance += 0.5 * corner.covariance_px2.trace();
   }
-  proof->views = views_.size();
-  if (proof->corners == 0) return;
-  const double n = static_cast<double>(proof->corners);
-  stated_sigma_px_ = std::sqrt(variance / n);
-  proof->corner_bias_limit_px = options.corner_bias_floor_px + 5.0 * stated_sigma_px_ / std::sqrt(n);
-  proof->corner_rms_limit_px = options.corner_rms_floor_px + 3.0 * stated_sigma_px_;
+  if (subject.corners == 0) return subject;
+  const double n = static_cast<double>(subject.corners);
+  subject.stated_sigma_px = std::sqrt(variance / n);
+  subject.bias_limit_px = options.corner_bias_floor_px + 5.0 * subject.stated_sigma_px / std::sqrt(n);
+  subject.rms_limit_px = options.corner_rms_floor_px + 3.0 * subject.stated_sigma_px;
+  return subject;
 }
 
-Setup CornerProof::as_stated() const {
-  const TrueCamera& camera = truth_.cameras[camera_];
-  const auto readout = camera.sensing.find("readout_ms");
+Setup as_stated(const Subject& subject) {
+  const TrueCamera& camera = subject.truth.cameras[subject.camera];
   return {camera.camera,
           camera.T_robot_camera,
-          truth_.T_world_board,
-          [this](std::size_t stop) { return stops_[stop].T_world_robot; },
-          readout == camera.sensing.end() ? 0.0 : readout->second / 1000.0,
+          subject.truth.T_world_board,
+          [&subject](std::size_t stop) { return subject.stops[stop].T_world_robot; },
+          label_of(camera, "readout_ms") / 1000.0,
           [](int id) { return id; },
           [](const Eigen::Vector2d& pixel) { return pixel; }};
 }
 
 // A rolling shutter sees a corner when it reads the corner's row: the robot is a little before or after its stop then.
-bool CornerProof::project(const Setup& setup, std::size_t stop, const Rigid3& T_camera_board,
-                          const Eigen::Vector3d& p_board, const Eigen::Vector2d& seen, Eigen::Vector2d* pixel) const {
-  const std::optional<Vector6d>& velocity = stops_[stop].velocity;
+bool project(const Setup& setup, const TrueStop& stop, const Rigid3& T_camera_board, const Eigen::Vector3d& p_board,
+             const Eigen::Vector2d& seen, Eigen::Vector2d* pixel) {
+  const std::optional<Vector6d>& velocity = stop.velocity;
   if (!velocity || setup.readout_s <= 0.0) return setup.camera.project(T_camera_board * p_board, pixel);
   const double dt_s = row_delay_s(seen.y(), setup.camera.height_px, setup.readout_s);
   const Rigid3 T_now_before = se3_exp(-dt_s * *velocity);  // of the robot
@@ -135,16 +115,16 @@ bool CornerProof::project(const Setup& setup, std::size_t stop, const Rigid3& T_
                               pixel);
 }
 
-Residuals CornerProof::residuals(const Setup& setup) const {
+Residuals residuals_of(const Subject& subject, const Setup& setup) {
   Residuals result;
-  for (const View& view : views_) {
+  for (const View& view : subject.views) {
     const Rigid3 T_camera_board =
         setup.T_robot_camera.inverse() * setup.T_world_robot(view.stop).inverse() * setup.T_world_board;
     double squares = 0.0;
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;
-      if (!project(setup, view.stop, T_camera_board, truth_.board.corner(setup.board_id(corner.id)),
-                   setup.seen(corner.pixel), &projected)) {
+      if (!project(setup, subject.stops[view.stop], T_camera_board,
+                   subject.truth.board.corner(setup.board_id(corner.id)), setup.seen(corner.pixel), &projected)) {
         result.complete = false;
         continue;
       }
@@ -157,8 +137,8 @@ Residuals CornerProof::residuals(const Setup& setup) const {
   return result;
 }
 
-void CornerProof::add_mirrored_images(std::vector<Hypothesis>* list) const {
-  const Setup stated = as_stated();
+void add_mirrored_images(const Subject& subject, std::vector<Hypothesis>* list) {
+  const Setup stated = as_stated(subject);
   const double right = stated.camera.width_px - 1, bottom = stated.camera.height_px - 1;
   const auto add = [&](const char* explanation, bool x, bool y) {
     Setup setup = stated;
@@ -172,8 +152,8 @@ void CornerProof::add_mirrored_images(std::vector<Hypothesis>* list) const {
   add("the images are turned by 180 degrees (both axes flipped)", true, true);
 }
 
-void CornerProof::add_wrong_poses(std::vector<Hypothesis>* list) const {
-  const Setup stated = as_stated();
+void add_wrong_poses(const Subject& subject, std::vector<Hypothesis>* list) {
+  const Setup stated = as_stated(subject);
   const auto add = [&](const std::string& explanation, const std::function<void(Setup*)>& change) {
     Setup setup = stated;
     change(&setup);
@@ -186,28 +166,30 @@ void CornerProof::add_wrong_poses(std::vector<Hypothesis>* list) const {
       [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body.inverse(); });
   add("the turn from body to optical axes was applied twice to the camera's pose",
       [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body; });
-  add("the robot's poses are inverted (world in robot)", [this](Setup* s) {
-    s->T_world_robot = [this](std::size_t stop) { return stops_[stop].T_world_robot.inverse(); };
+  add("the robot's poses are inverted (world in robot)", [&subject](Setup* s) {
+    s->T_world_robot = [&subject](std::size_t stop) { return subject.stops[stop].T_world_robot.inverse(); };
   });
   add("the board's pose is inverted (world in board)", [](Setup* s) { s->T_world_board = s->T_world_board.inverse(); });
   for (const int shift : {-1, 1})
     add(std::string("the images are one stop ") + (shift < 0 ? "late" : "early") + " against the poses",
-        [this, shift](Setup* s) {
-          const auto last = static_cast<std::ptrdiff_t>(stops_.size()) - 1;
-          s->T_world_robot = [this, shift, last](std::size_t stop) {
+        [&subject, shift](Setup* s) {
+          const auto last = static_cast<std::ptrdiff_t>(subject.stops.size()) - 1;
+          s->T_world_robot = [&subject, shift, last](std::size_t stop) {
             const auto moved = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(stop) + shift, 0, last);
-            return stops_[static_cast<std::size_t>(moved)].T_world_robot;
+            return subject.stops[static_cast<std::size_t>(moved)].T_world_robot;
           };
         });
-  if (!truth_.cameras[camera_].stops.empty())
+  if (!subject.truth.cameras[subject.camera].stops.empty())
     add("the images were taken when those of the other cameras were, without this camera's delay",
-        [this](Setup* s) { s->T_world_robot = [this](std::size_t stop) { return truth_.stops[stop].T_world_robot; }; });
+        [&subject](Setup* s) {
+          s->T_world_robot = [&subject](std::size_t stop) { return subject.truth.stops[stop].T_world_robot; };
+        });
 }
 
-void CornerProof::add_wrong_boards(std::vector<Hypothesis>* list) const {
-  const int nx = truth_.board.inner_corners_x(), ny = truth_.board.inner_corners_y();
+void add_wrong_boards(const Subject& subject, std::vector<Hypothesis>* list) {
+  const int nx = subject.truth.board.inner_corners_x(), ny = subject.truth.board.inner_corners_y();
   const auto add = [&](const char* explanation, bool mirror_x, bool mirror_y) {
-    Setup setup = as_stated();
+    Setup setup = as_stated(subject);
     setup.board_id = [=](int id) {
       const int x = id % nx, y = id / nx;
       return (mirror_y ? ny - 1 - y : y) * nx + (mirror_x ? nx - 1 - x : x);
@@ -219,39 +201,39 @@ void CornerProof::add_wrong_boards(std::vector<Hypothesis>* list) const {
   add("the board's y axis is flipped", false, true);
 }
 
-void CornerProof::add_wrong_cameras(std::vector<Hypothesis>* list) const {
-  Setup setup = as_stated();
+void add_wrong_cameras(const Subject& subject, std::vector<Hypothesis>* list) {
+  Setup setup = as_stated(subject);
   if (setup.camera.lens != Lens::kPinhole) {
     setup.camera.lens = Lens::kPinhole;
     list->push_back({"the images show no lens distortion, but the intrinsics have one", setup});
   }
-  setup = as_stated();
+  setup = as_stated(subject);
   std::swap(setup.camera.fx_px, setup.camera.fy_px);
   list->push_back({"fx and fy are exchanged", setup});
-  setup = as_stated();
+  setup = as_stated(subject);
   std::swap(setup.camera.cx_px, setup.camera.cy_px);
   list->push_back({"cx and cy are exchanged", setup});
-  for (std::size_t other = 0; other < truth_.cameras.size(); ++other) {
-    if (other == camera_) continue;
-    setup = as_stated();
-    setup.camera = truth_.cameras[other].camera;
-    setup.T_robot_camera = truth_.cameras[other].T_robot_camera;
-    list->push_back({"its images are those of " + truth_.cameras[other].name + " (cameras exchanged)", setup});
+  for (std::size_t other = 0; other < subject.truth.cameras.size(); ++other) {
+    if (other == subject.camera) continue;
+    setup = as_stated(subject);
+    setup.camera = subject.truth.cameras[other].camera;
+    setup.T_robot_camera = subject.truth.cameras[other].T_robot_camera;
+    list->push_back({"its images are those of " + subject.truth.cameras[other].name + " (cameras exchanged)", setup});
   }
 }
 
-std::vector<Hypothesis> CornerProof::hypotheses() const {
+std::vector<Hypothesis> hypotheses(const Subject& subject) {
   std::vector<Hypothesis> list;
-  add_mirrored_images(&list);
-  add_wrong_poses(&list);
-  add_wrong_boards(&list);
-  add_wrong_cameras(&list);
+  add_mirrored_images(subject, &list);
+  add_wrong_poses(subject, &list);
+  add_wrong_boards(subject, &list);
+  add_wrong_cameras(subject, &list);
   return list;
 }
 
-bool CornerProof::within_limits(const Residuals& r) const {
-  return r.complete && r.bias.cwiseAbs().maxCoeff() <= proof_->corner_bias_limit_px &&
-         r.rms.maxCoeff() <= proof_->corner_rms_limit_px && r.max <= 1.0 + 10.0 * stated_sigma_px_;
+bool within_limits(const Subject& subject, const Residuals& r) {
+  return r.complete && r.bias.cwiseAbs().maxCoeff() <= subject.bias_limit_px &&
+         r.rms.maxCoeff() <= subject.rms_limit_px && r.max <= 1.0 + 10.0 * subject.stated_sigma_px;
 }
 
 // "half a pixel to the right and 0.12 px down".
@@ -271,11 +253,12 @@ std::string shift_in_words(const Eigen::Vector2d& bias, double limit) {
   return text;
 }
 
-std::optional<std::string> CornerProof::explain_focal(const Setup& setup, const Residuals& now) const {
+std::optional<std::string> explain_focal(const Subject& subject, const Residuals& now) {
+  const Setup setup = as_stated(subject);
   const Eigen::Vector2d centre(setup.camera.cx_px, setup.camera.cy_px);
   double product = 0.0, squares = 0.0;
   std::size_t i = 0;
-  for (const View& view : views_)
+  for (const View& view : subject.views)
     for (const CornerObservation& corner : view.corners) {
       const Eigen::Vector2d seen = corner.pixel - centre, projected = seen - now.all[i++];
       product += seen.dot(projected);
@@ -285,33 +268,33 @@ std::optional<std::string> CornerProof::explain_focal(const Setup& setup, const 
   Setup scaled = setup;
   scaled.camera.fx_px *= factor;
   scaled.camera.fy_px *= factor;
-  if (!within_limits(residuals(scaled))) return std::nullopt;
+  if (!within_limits(subject, residuals_of(subject, scaled))) return std::nullopt;
   return "images are " + short_figure(100.0 * std::abs(factor - 1.0)) + " % too " + (factor > 1.0 ? "large" : "small") +
          " about the principal point (focal length)";
 }
 
-std::optional<std::string> CornerProof::explain_few_views(const Residuals& now) const {
+std::optional<std::string> explain_few_views(const Subject& subject, const Residuals& now) {
   std::size_t bad = 0, worst = 0;
   for (std::size_t i = 0; i < now.view_rms.size(); ++i) {
-    if (now.view_rms[i] > proof_->corner_rms_limit_px) ++bad;
+    if (now.view_rms[i] > subject.rms_limit_px) ++bad;
     if (now.view_rms[i] > now.view_rms[worst]) worst = i;
   }
   if (bad == 0 || 4 * bad > now.view_rms.size()) return std::nullopt;
   return std::to_string(bad) + " of " + std::to_string(now.view_rms.size()) + " views are off, the worst by " +
-         short_figure(now.view_rms[worst]) + " px rms (" + views_[worst].file + ")";
+         short_figure(now.view_rms[worst]) + " px rms (" + subject.views[worst].file + ")";
 }
 
-std::string CornerProof::explain(const Residuals& now) const {
-  const double limit = proof_->corner_bias_limit_px;
-  if (now.complete && now.spread() <= proof_->corner_rms_limit_px && now.bias.cwiseAbs().maxCoeff() > limit)
+std::string explain(const Subject& subject, const Residuals& now) {
+  const double limit = subject.bias_limit_px;
+  if (now.complete && now.spread() <= subject.rms_limit_px && now.bias.cwiseAbs().maxCoeff() > limit)
     return "corners are " + shift_in_words(now.bias, limit);
   if (now.complete)
-    if (const auto focal = explain_focal(as_stated(), now)) return *focal;
+    if (const auto focal = explain_focal(subject, now)) return *focal;
   const Hypothesis* best = nullptr;
   Residuals best_residuals;
-  const std::vector<Hypothesis> all = hypotheses();
+  const std::vector<Hypothesis> all = hypotheses(subject);
   for (const Hypothesis& hypothesis : all) {
-    const Residuals candidate = residuals(hypothesis.setup);
+    const Residuals candidate = residuals_of(subject, hypothesis.setup);
     if (!candidate.complete) continue;
     if (best != nullptr && candidate.total_rms() >= best_residuals.total_rms()) continue;
     best = &hypothesis;
@@ -322,35 +305,36 @@ std::string CornerProof::explain(const Residuals& now) const {
                                                            : best_residuals.total_rms() < 1.0);
   if (convincing) {
     const std::string shift =
-        best_residuals.spread() <= proof_->corner_rms_limit_px ? shift_in_words(best_residuals.bias, limit) : "";
+        best_residuals.spread() <= subject.rms_limit_px ? shift_in_words(best_residuals.bias, limit) : "";
     return best->explanation + (shift.empty() ? "" : "; moreover corners are " + shift);
   }
-  if (const auto few = explain_few_views(now)) return *few;
+  if (const auto few = explain_few_views(subject, now)) return *few;
   return "detected and projected corners differ by " + short_figure(now.total_rms()) + " px rms (allowed " +
-         short_figure(proof_->corner_rms_limit_px) + "), and no known slip of convention explains it";
-}
-
-Findings CornerProof::run() const {
-  Findings findings;
-  if (without_stop_ > 0)
-    findings.problems.push_back(std::to_string(without_stop_) + " views have stamps at which the truth has no stop");
-  if (proof_->corners == 0) {
-    findings.notes.push_back("no view of the board to compare");
-    return findings;
-  }
-  const Residuals now = residuals(as_stated());
-  proof_->corner_bias_px = now.bias;
-  proof_->corner_rms_px = now.rms;
-  proof_->corner_max_px = now.max;
-  if (!within_limits(now)) findings.problems.push_back(explain(now));
-  return findings;
+         short_figure(subject.rms_limit_px) + "), and no known slip of convention explains it";
 }
 
 }  // namespace
 
-Findings prove_corners(const Observations& observations, const Truth& truth, std::size_t observed_camera,
-                       std::size_t camera, const ProofOptions& options, CameraProof* proof) {
-  return CornerProof(observations, truth, observed_camera, camera, options, proof).run();
+Proved prove_corners(const Observations& observations, const Truth& truth, std::size_t observed_camera,
+                     std::size_t camera, const ProofOptions& options, Proved proved) {
+  const Subject subject = subject_of(observations, truth, observed_camera, camera, options);
+  proved.camera.views = subject.views.size();
+  proved.camera.corners = subject.corners;
+  proved.camera.corner_bias_limit_px = subject.bias_limit_px;
+  proved.camera.corner_rms_limit_px = subject.rms_limit_px;
+  if (subject.without_stop > 0)
+    proved.problems.push_back(std::to_string(subject.without_stop) +
+                              " views have stamps at which the truth has no stop");
+  if (subject.corners == 0) {
+    proved.notes.push_back("no view of the board to compare");
+    return proved;
+  }
+  const Residuals now = residuals_of(subject, as_stated(subject));
+  proved.camera.corner_bias_px = now.bias;
+  proved.camera.corner_rms_px = now.rms;
+  proved.camera.corner_max_px = now.max;
+  if (!within_limits(subject, now)) proved.problems.push_back(explain(subject, now));
+  return proved;
 }
 
 }  // namespace rigproof::proof_detail

@@ -60,94 +60,77 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
-class DepthProof {
- public:
-  DepthProof(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
-             const ProofOptions& options, CameraProof* proof);
-  Findings run() const;
-
- private:
-  bool read_frame(const CameraFrame& recorded, Frame* frame) const;
-  void place(double dt_s, Frame* frame) const;
-  void collect(Frame* frame, Samples* samples) const;
-  std::string compare_frames() const;
-  void collect_pixel(const Frame& frame, int u, int v, Samples* samples) const;
-  Sample sample_at(const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) const;
-  std::string explain(const std::vector<Sample>& board, double rms_now) const;
-  void summarise(const Samples& samples) const;
-  void summarise_noise(const std::vector<const Sample*>& samples) const;
-  // What stands on the ground hides it: only pixels near the expected depth (2 % and 5 sigma) show the ground.
-  static bool shows_ground(const Sample& s) {
-    return s.measured > 0.0 && std::abs(s.measured - s.z) < 0.02 * s.z + 5.0 * s.sigma;
-  }
-  // What the truth says of this sensor; 0 where it says nothing.
-  double label(const char* name) const {
-    const auto found = true_camera_.sensing.find(name);
-    return found == true_camera_.sensing.end() ? 0.0 : found->second;
-  }
-  void judge_ground(const std::vector<Sample>& ground, Findings* findings) const;
-  std::vector<const Sample*> on_ground(const std::vector<Sample>& ground) const;
-
-  const Recording& recording_;
-  const Truth& truth_;
-  const RigCamera& rig_camera_;
-  const std::vector<CameraFrame>& frames_;
-  const TrueCamera& true_camera_;
-  const std::vector<TrueStop>& stops_;
-  const ProofOptions& options_;
-  CameraProof* proof_;
-  Camera camera_;
-  Rigid3 T_robot_depth_;
-  double scale_ = 1.0;
-  int shift_x_ = 0, shift_y_ = 0;  // of the depth image, as the truth labels it
-  double max_bias_sigmas_, max_rms_sigmas_;
+// What the depth of one camera is compared with, and what is allowed.
+struct Subject {
+  const Recording& recording;
+  const Truth& truth;
+  const RigCamera& rig_camera;
+  const TrueCamera& true_camera;
+  const std::vector<TrueStop>& stops;
+  Camera camera;
+  Rigid3 T_robot_depth;
+  double scale = 1.0;
+  int shift_x = 0, shift_y = 0;  // of the depth image, as the truth labels it
+  double max_bias_sigmas = 0.0, max_rms_sigmas = 0.0;
 };
 
-DepthProof::DepthProof(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
-                       const ProofOptions& options, CameraProof* proof)
-    : recording_(recording),
-      truth_(truth),
-      rig_camera_(recording.rig.cameras[recorded_camera]),
-      frames_(recording.frames[recorded_camera]),
-      true_camera_(truth.cameras[camera]),
-      stops_(truth.stops_of(camera)),
-      options_(options),
-      proof_(proof),
-      camera_(true_camera_.camera),
-      T_robot_depth_(true_camera_.T_robot_camera),
-      scale_(true_camera_.depth_scale.value_or(1.0)),
-      shift_x_(static_cast<int>(label("depth_shift_x_px"))),
-      shift_y_(static_cast<int>(label("depth_shift_y_px"))),
-      // A device's smooth bias, where it is simulated, is part of the truth: three of its sigmas may come on top.
-      max_bias_sigmas_(options.depth_max_bias_sigmas + 3.0 * label("depth_bias_over_noise")),
-      max_rms_sigmas_(std::hypot(options.depth_max_rms_sigmas, 3.0 * label("depth_bias_over_noise"))) {
+Subject subject_of(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+                   const ProofOptions& options) {
+  const RigCamera& rig = recording.rig.cameras[recorded_camera];
+  const TrueCamera& true_camera = truth.cameras[camera];
+  // A device's smooth bias, where it is simulated, is part of the truth: three of its sigmas may come on top.
+  const double bias_sigmas = 3.0 * label_of(true_camera, "depth_bias_over_noise");
+  Subject subject{recording,
+                  truth,
+                  rig,
+                  true_camera,
+                  truth.stops_of(camera),
+                  true_camera.camera,
+                  true_camera.T_robot_camera,
+                  true_camera.depth_scale.value_or(1.0),
+                  static_cast<int>(label_of(true_camera, "depth_shift_x_px")),
+                  static_cast<int>(label_of(true_camera, "depth_shift_y_px")),
+                  options.depth_max_bias_sigmas + bias_sigmas,
+                  std::hypot(options.depth_max_rms_sigmas, bias_sigmas)};
   // What is true if the truth tells, else what the recording tells; compare_frames() looks at the difference.
   const std::optional<DepthStream::OwnCamera>& own =
-      true_camera_.depth_camera || !rig_camera_.depth ? true_camera_.depth_camera : rig_camera_.depth->own_camera;
-  if (!own) return;
-  camera_ = own->camera;
-  T_robot_depth_ = T_robot_depth_ * own->T_color_depth;
+      true_camera.depth_camera || !rig.depth ? true_camera.depth_camera : rig.depth->own_camera;
+  if (!own) return subject;
+  subject.camera = own->camera;
+  subject.T_robot_depth = subject.T_robot_depth * own->T_color_depth;
+  return subject;
 }
 
-bool DepthProof::read_frame(const CameraFrame& recorded, Frame* frame) const {
-  const std::optional<std::size_t> stop = stop_at(stops_, recorded.stamp_s);
+// What stands on the ground hides it: only pixels near the expected depth (2 % and 5 sigma) show the ground.
+bool shows_ground(const Sample& s) {
+  return s.measured > 0.0 && std::abs(s.measured - s.z) < 0.02 * s.z + 5.0 * s.sigma;
+}
+
+// With the rounding to the unit, which has the standard deviation unit / sqrt(12).
+double stated_sigma_m(const DepthStream& stream, double z) {
+  return std::hypot(stream.noise.sigma_m(z), stream.unit_m / std::sqrt(12.0));
+}
+
+void place(const Subject& subject, double dt_s, Frame* frame) {
+  frame->T_world_camera = frame->stop->T_world_robot_after(dt_s) * subject.T_robot_depth;
+  frame->T_board_camera = subject.truth.T_world_board.inverse() * frame->T_world_camera;
+}
+
+bool read_frame(const Subject& subject, const CameraFrame& recorded, Frame* frame) {
+  const std::optional<std::size_t> stop = stop_at(subject.stops, recorded.stamp_s);
   if (!stop) return false;
-  const auto file = path_inside(recording_.folder, recorded.depth_file);
+  const Camera& camera = subject.camera;
+  const auto file = path_inside(subject.recording.folder, recorded.depth_file);
   std::variant<Image16, Unreadable> image = read_depth_image(file);
   if (const auto* unreadable = std::get_if<Unreadable>(&image)) throw Error(file.string() + ": " + unreadable->reason);
   frame->depth = std::get<Image16>(std::move(image));
-  if (frame->depth.width != camera_.width_px || frame->depth.height != camera_.height_px)
+  if (frame->depth.width != camera.width_px || frame->depth.height != camera.height_px)
     throw Error(file.string() + ": " + std::to_string(frame->depth.width) + "x" + std::to_string(frame->depth.height) +
-                " pixels, the depth of " + rig_camera_.name + " has to have " + std::to_string(camera_.width_px) + "x" +
-                std::to_string(camera_.height_px));
-  frame->stop = &stops_[*stop];
-  place(0.0, frame);
+                " pixels, the depth of " + subject.rig_camera.name + " has to have " + std::to_string(camera.width_px) +
+                "x" + std::to_string(camera.height_px));
+  frame->stop = &subject.stops[*stop];
+  place(subject, 0.0, frame);
   return true;
-}
-
-void DepthProof::place(double dt_s, Frame* frame) const {
-  frame->T_world_camera = frame->stop->T_world_robot_after(dt_s) * T_robot_depth_;
-  frame->T_board_camera = truth_.T_world_board.inverse() * frame->T_world_camera;
 }
 
 // Depth z at which the ray from a camera meets the plane z = 0 of `target`.
@@ -158,30 +141,29 @@ std::optional<double> depth_of_plane(const Rigid3& T_target_camera, const Eigen:
   return z > 0.0 ? std::optional<double>(z) : std::nullopt;
 }
 
-Sample DepthProof::sample_at(const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) const {
-  const DepthStream& stream = *rig_camera_.depth;
-  const int right = camera_.width_px - 1, bottom = camera_.height_px - 1;
+Sample sample_at(const Subject& subject, const Frame& frame, int u, int v, const Eigen::Vector3d& ray, double z) {
+  const DepthStream& stream = *subject.rig_camera.depth;
+  const int right = subject.camera.width_px - 1, bottom = subject.camera.height_px - 1;
   const auto metres = [&](int x, int y) {
-    const int from_x = x + shift_x_, from_y = y + shift_y_;
+    const int from_x = x + subject.shift_x, from_y = y + subject.shift_y;
     const bool inside = from_x >= 0 && from_x <= right && from_y >= 0 && from_y <= bottom;
     return inside ? stream.unit_m * frame.depth.at(from_x, from_y) : 0.0;
   };
   Sample sample;
-  sample.z = scale_ * z;
+  sample.z = subject.scale * z;
   sample.ray = ray.norm();
   sample.measured = metres(u, v);
   sample.mirrored_x = metres(right - u, v);
   sample.mirrored_y = metres(u, bottom - v);
-  // Rounding to the unit has the standard deviation unit / sqrt(12).
-  sample.sigma = std::hypot(stream.noise.sigma_m(z), stream.unit_m / std::sqrt(12.0));
+  sample.sigma = stated_sigma_m(stream, z);
   return sample;
 }
 
-void DepthProof::collect_pixel(const Frame& frame, int u, int v, Samples* samples) const {
+void collect_pixel(const Subject& subject, const Frame& frame, int u, int v, Samples* samples) {
   Eigen::Vector3d ray;
-  if (!camera_.unproject({u, v}, &ray)) return;
-  const DepthStream& stream = *rig_camera_.depth;
-  const Board& board = truth_.board;
+  if (!subject.camera.unproject({u, v}, &ray)) return;
+  const DepthStream& stream = *subject.rig_camera.depth;
+  const Board& board = subject.truth.board;
   const double margin = 0.2 * board.square_m;  // away from the squares' edge, where depth may fly
   const auto in_range = [&](double z) { return z >= stream.min_m && z <= stream.max_m; };
   const std::optional<double> board_z = depth_of_plane(frame.T_board_camera, ray);
@@ -191,20 +173,19 @@ void DepthProof::collect_pixel(const Frame& frame, int u, int v, Samples* sample
       return p.x() >= -board.square_m - grow && p.x() <= board.square_m * board.inner_corners_x() + grow &&
              p.y() >= -board.square_m - grow && p.y() <= board.square_m * board.inner_corners_y() + grow;
     };
-    if (inside(-margin) && in_range(*board_z)) samples->board.push_back(sample_at(frame, u, v, ray, *board_z));
+    if (inside(-margin) && in_range(*board_z)) samples->board.push_back(sample_at(subject, frame, u, v, ray, *board_z));
     // The board hides what is behind it; its border and rim are left out on both sides.
     if (inside(board.square_m)) return;
   }
   const std::optional<double> ground_z = depth_of_plane(frame.T_world_camera, ray);
-  if (ground_z && in_range(*ground_z)) samples->ground.push_back(sample_at(frame, u, v, ray, *ground_z));
+  if (ground_z && in_range(*ground_z)) samples->ground.push_back(sample_at(subject, frame, u, v, ray, *ground_z));
 }
 
-void DepthProof::collect(Frame* frame, Samples* samples) const {
-  const int stride = std::max(1, options_.depth_stride_px);
-  const double readout_s = label("depth_readout_ms") / 1000.0;
+void collect(const Subject& subject, int stride, Frame* frame, Samples* samples) {
+  const double readout_s = label_of(subject.true_camera, "depth_readout_ms") / 1000.0;
   for (int v = stride / 2; v < frame->depth.height; v += stride) {
-    if (readout_s > 0.0) place(row_delay_s(v, frame->depth.height, readout_s), frame);
-    for (int u = stride / 2; u < frame->depth.width; u += stride) collect_pixel(*frame, u, v, samples);
+    if (readout_s > 0.0) place(subject, row_delay_s(v, frame->depth.height, readout_s), frame);
+    for (int u = stride / 2; u < frame->depth.width; u += stride) collect_pixel(subject, *frame, u, v, samples);
   }
 }
 
@@ -263,7 +244,7 @@ std::vector<Hypothesis> hypotheses(const std::vector<Sample>& board) {
   return list;
 }
 
-std::string DepthProof::explain(const std::vector<Sample>& board, double rms_now) const {
+std::string explain(const std::vector<Sample>& board, double rms_now, double max_rms_sigmas) {
   const Hypothesis* best = nullptr;
   double best_rms = 0.0;
   const std::vector<Hypothesis> all = hypotheses(board);
@@ -277,15 +258,15 @@ std::string DepthProof::explain(const std::vector<Sample>& board, double rms_now
     best = &hypothesis;
     best_rms = rms;
   }
-  if (best != nullptr && (best_rms <= max_rms_sigmas_ || 5.0 * best_rms <= rms_now)) return best->explanation;
+  if (best != nullptr && (best_rms <= max_rms_sigmas || 5.0 * best_rms <= rms_now)) return best->explanation;
   return "depth on the board is off by " + short_figure(rms_now) + " times the sensor's stated noise (allowed " +
-         short_figure(max_rms_sigmas_) + "), and no known slip of convention explains it";
+         short_figure(max_rms_sigmas) + "), and no known slip of convention explains it";
 }
 
 // The ground itself. Near the feet of what stands on it depth differs by less than the stated noise, so the spread that
 // the data have is the measure: five of it and the rounding about the median. Whether the median is where the truth
 // says is for judge_ground() to tell.
-std::vector<const Sample*> DepthProof::on_ground(const std::vector<Sample>& ground) const {
+std::vector<const Sample*> on_ground(const std::vector<Sample>& ground, double unit_m) {
   constexpr double kMadOfNormal = 0.6745;
   std::vector<const Sample*> chosen;
   std::vector<double> residuals;
@@ -298,11 +279,10 @@ std::vector<const Sample*> DepthProof::on_ground(const std::vector<Sample>& grou
   const double middle = median(residuals);
   for (double& residual : residuals) residual = std::abs(residual - middle);
   const double spread = median(residuals) / kMadOfNormal;
-  const double rounding = rig_camera_.depth->unit_m;
   chosen.erase(std::remove_if(chosen.begin(), chosen.end(),
                               [&](const Sample* s) {
                                 return std::abs(s->measured - s->z - middle * s->sigma) >
-                                       5.0 * spread * s->sigma + rounding;
+                                       5.0 * spread * s->sigma + unit_m;
                               }),
                chosen.end());
   return chosen;
@@ -310,10 +290,10 @@ std::vector<const Sample*> DepthProof::on_ground(const std::vector<Sample>& grou
 
 // Near a few distances, as far as they occur. Residuals in sigmas, so that a tenth of the distance more or less does
 // not widen them.
-void DepthProof::summarise_noise(const std::vector<const Sample*>& samples) const {
+std::vector<RealisedDepthNoise> noise_of(const std::vector<const Sample*>& samples, const DepthStream& stream) {
   constexpr double kMadOfNormal = 0.6745, kTolerance = 0.1;
   constexpr std::size_t kEnough = 200;
-  const DepthStream& stream = *rig_camera_.depth;
+  std::vector<RealisedDepthNoise> list;
   for (const double z_m : {0.8, 1.0, 2.0, 4.0}) {
     std::vector<double> residuals;
     for (const Sample* s : samples)
@@ -322,51 +302,52 @@ void DepthProof::summarise_noise(const std::vector<const Sample*>& samples) cons
     RealisedDepthNoise noise;
     noise.z_m = z_m;
     noise.pixels = residuals.size();
-    noise.stated_sigma_mm = 1e3 * std::hypot(stream.noise.sigma_m(z_m), stream.unit_m / std::sqrt(12.0));
+    noise.stated_sigma_mm = 1e3 * stated_sigma_m(stream, z_m);
     const double middle = median(residuals);
     for (double& residual : residuals) residual = std::abs(residual - middle);
     noise.sigma_mm = noise.stated_sigma_mm * median(residuals) / kMadOfNormal;
     noise.bias_mm = noise.stated_sigma_mm * middle;
-    proof_->depth_noise.push_back(noise);
+    list.push_back(noise);
   }
+  return list;
 }
 
-void DepthProof::summarise(const Samples& samples) const {
+void summarise(const Samples& samples, const DepthStream& stream, CameraProof* proof) {
   std::vector<const Sample*> measured;
   for (const Sample& s : samples.board)
     if (s.measured > 0.0) measured.push_back(&s);
   const auto share = [](std::size_t part, std::size_t whole) {
     return static_cast<double>(part) / static_cast<double>(whole);
   };
-  if (!samples.board.empty()) proof_->depth_valid_share = share(measured.size(), samples.board.size());
-  const std::vector<const Sample*> ground = on_ground(samples.ground);
-  if (!samples.ground.empty()) proof_->depth_ground_share = share(ground.size(), samples.ground.size());
+  if (!samples.board.empty()) proof->depth_valid_share = share(measured.size(), samples.board.size());
+  const std::vector<const Sample*> ground = on_ground(samples.ground, stream.unit_m);
+  if (!samples.ground.empty()) proof->depth_ground_share = share(ground.size(), samples.ground.size());
   measured.insert(measured.end(), ground.begin(), ground.end());
-  summarise_noise(measured);
+  proof->depth_noise = noise_of(measured, stream);
   std::vector<double> all;
   for (const Sample* s : measured) all.push_back(1e3 * (s->measured - s->z));
-  proof_->depth_pixels = all.size();
-  proof_->depth_bias_mm = mean_of(all);
+  proof->depth_pixels = all.size();
+  proof->depth_bias_mm = mean_of(all);
   double squares = 0.0;
   for (const double value : all) {
     squares += value * value;
-    proof_->depth_max_mm = std::max(proof_->depth_max_mm, std::abs(value));
+    proof->depth_max_mm = std::max(proof->depth_max_mm, std::abs(value));
   }
-  if (!all.empty()) proof_->depth_rms_mm = std::sqrt(squares / static_cast<double>(all.size()));
+  if (!all.empty()) proof->depth_rms_mm = std::sqrt(squares / static_cast<double>(all.size()));
 }
 
-void DepthProof::judge_ground(const std::vector<Sample>& ground, Findings* findings) const {
+void judge_ground(const std::vector<Sample>& ground, double max_bias_sigmas, Proved* proved) {
   constexpr std::size_t kEnough = 100;
   std::vector<double> residuals;
   for (const Sample& s : ground)
     if (shows_ground(s)) residuals.push_back((s.measured - s.z) / s.sigma);
-  if (residuals.size() < kEnough) return findings->notes.push_back("no depth on the ground to compare");
+  if (residuals.size() < kEnough) return proved->notes.push_back("no depth on the ground to compare");
   // The median, since what stands on the ground is always nearer.
   const double bias = median(residuals);
-  if (std::abs(bias) > max_bias_sigmas_)
-    findings->problems.push_back("depth on the ground is " + short_figure(std::abs(bias)) +
-                                 " times the stated noise too " + (bias > 0.0 ? "long" : "short") +
-                                 " (height or tilt of the camera, or the ground is not flat)");
+  if (std::abs(bias) > max_bias_sigmas)
+    proved->problems.push_back("depth on the ground is " + short_figure(std::abs(bias)) +
+                               " times the stated noise too " + (bias > 0.0 ? "long" : "short") +
+                               " (height or tilt of the camera, or the ground is not flat)");
 }
 
 // "0.059 m and 0.3 deg".
@@ -376,11 +357,11 @@ std::string difference_text(const Rigid3& a, const Rigid3& b) {
 }
 
 // What the recording tells of the depth camera's place against the truth. Empty if it is the same.
-std::string DepthProof::compare_frames() const {
+std::string compare_frames(const Subject& subject) {
   // Quaternions are stored with all digits: anything beyond rounding is another transform.
   constexpr double kSame = 1e-6;
-  const auto& told = rig_camera_.depth->own_camera;
-  const auto& truth = true_camera_.depth_camera;
+  const auto& told = subject.rig_camera.depth->own_camera;
+  const auto& truth = subject.true_camera.depth_camera;
   if (told.has_value() != truth.has_value()) {
     if (!truth) return {};  // a truth that tells nothing: the recording is taken at its word
     return "depth is not registered to colour, but rig.yaml has no depth.camera and no depth.T_color_depth";
@@ -395,48 +376,41 @@ std::string DepthProof::compare_frames() const {
   return off;
 }
 
-Findings DepthProof::run() const {
-  Findings findings;
-  if (!rig_camera_.depth || options_.max_depth_frames < 0) return findings;
-  const std::string frames_differ = compare_frames();
-  if (!frames_differ.empty()) findings.problems.push_back(frames_differ);
+}  // namespace
+
+Proved prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+                   const ProofOptions& options, Proved proved) {
+  const Subject subject = subject_of(recording, truth, recorded_camera, camera, options);
+  if (!subject.rig_camera.depth || options.max_depth_frames < 0) return proved;
+  const std::string frames_differ = compare_frames(subject);
+  if (!frames_differ.empty()) proved.problems.push_back(frames_differ);
   std::vector<const CameraFrame*> with_depth;
-  for (const CameraFrame& frame : frames_)
+  for (const CameraFrame& frame : recording.frames[recorded_camera])
     if (!frame.depth_file.empty()) with_depth.push_back(&frame);
-  const std::size_t count = options_.max_depth_frames == 0
-                                ? with_depth.size()
-                                : std::min(with_depth.size(), static_cast<std::size_t>(options_.max_depth_frames));
+  const std::size_t count = frames_looked_at(with_depth.size(), options);
   Samples samples;
   for (std::size_t i = 0; i < count; ++i) {
     Frame frame;
-    if (!read_frame(*with_depth[i * with_depth.size() / count], &frame)) continue;
-    ++proof_->depth_frames;
-    collect(&frame, &samples);
+    if (!read_frame(subject, *with_depth[i * with_depth.size() / count], &frame)) continue;
+    ++proved.camera.depth_frames;
+    collect(subject, std::max(1, options.depth_stride_px), &frame, &samples);
   }
-  summarise(samples);
+  summarise(samples, *subject.rig_camera.depth, &proved.camera);
   const std::vector<double> residuals = whitened(samples.board, as_stated());
-  if (proof_->depth_frames == 0) return findings;
+  if (proved.camera.depth_frames == 0) return proved;
   if (residuals.empty()) {
-    findings.notes.push_back("no depth on the board to compare");
-    return findings;
+    proved.notes.push_back("no depth on the board to compare");
+    return proved;
   }
-  proof_->depth_rms_sigmas = trimmed_rms(residuals);
-  if (proof_->depth_rms_sigmas > max_rms_sigmas_)
-    findings.problems.push_back(explain(samples.board, proof_->depth_rms_sigmas));
-  else if (std::abs(mean_of(residuals)) > max_bias_sigmas_)
-    findings.problems.push_back("depth on the board is " + short_figure(std::abs(mean_of(residuals))) +
-                                " times the stated noise too " + (mean_of(residuals) > 0.0 ? "long" : "short") +
-                                " on average");
+  const double rms = proved.camera.depth_rms_sigmas = trimmed_rms(residuals), bias = mean_of(residuals);
+  if (rms > subject.max_rms_sigmas)
+    proved.problems.push_back(explain(samples.board, rms, subject.max_rms_sigmas));
+  else if (std::abs(bias) > subject.max_bias_sigmas)
+    proved.problems.push_back("depth on the board is " + short_figure(std::abs(bias)) + " times the stated noise too " +
+                              (bias > 0.0 ? "long" : "short") + " on average");
   else
-    judge_ground(samples.ground, &findings);
-  return findings;
-}
-
-}  // namespace
-
-Findings prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
-                     const ProofOptions& options, CameraProof* proof) {
-  return DepthProof(recording, truth, recorded_camera, camera, options, proof).run();
+    judge_ground(samples.ground, subject.max_bias_sigmas, &proved);
+  return proved;
 }
 
 }  // namespace rigproof::proof_detail

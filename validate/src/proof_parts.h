@@ -1,7 +1,7 @@
 // The parts of the proof: corners, depth, and the images' noise.
 #pragma once
 
-#include <optional>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -10,21 +10,34 @@
 
 namespace rigproof::proof_detail {
 
-struct Findings {
+/// What is proved of one camera; each part of the proof adds to what the others found.
+struct Proved {
+  CameraProof camera;
   std::vector<std::string> problems;
   std::vector<std::string> notes;
 };
 
-/// Fills the corner part of `proof`. `camera` indexes the truth's cameras, `observed_camera` those of the observations.
-Findings prove_corners(const Observations& observations, const Truth& truth, std::size_t observed_camera,
-                       std::size_t camera, const ProofOptions& options, CameraProof* proof);
+/// What the truth says of a sensor; 0 where it says nothing.
+inline double label_of(const TrueCamera& camera, const char* name) {
+  const auto found = camera.sensing.find(name);
+  return found == camera.sensing.end() ? 0.0 : found->second;
+}
 
-/// Fills the depth part. `recorded_camera` indexes the recording's cameras.
-Findings prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
-                     const ProofOptions& options, CameraProof* proof);
+/// Of so many frames, how many are looked at: of n, that is every frame i * frames / n.
+inline std::size_t frames_looked_at(std::size_t frames, const ProofOptions& options) {
+  return options.max_depth_frames == 0 ? frames : std::min(frames, static_cast<std::size_t>(options.max_depth_frames));
+}
 
-/// Fills in the noise of the images, where the truth says that it was simulated.
-Findings prove_image(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
-                     const ProofOptions& options, CameraProof* proof);
+/// The corners. `camera` indexes the truth's cameras, `observed_camera` those of the observations.
+Proved prove_corners(const Observations& observations, const Truth& truth, std::size_t observed_camera,
+                     std::size_t camera, const ProofOptions& options, Proved proved);
+
+/// The depth. `recorded_camera` indexes the recording's cameras.
+Proved prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+                   const ProofOptions& options, Proved proved);
+
+/// The noise of the images, where the truth says that it was simulated.
+Proved prove_image(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
+                   const ProofOptions& options, Proved proved);
 
 }  // namespace rigproof::proof_detail
