@@ -15,6 +15,7 @@ import math
 import os
 import statistics
 import sys
+import textwrap
 
 try:
     import matplotlib
@@ -225,11 +226,11 @@ def draw_noise(path, options, writer):
                                  ("recorded_mm", "with the rounding of disparity and unit", {"color": COLORS[1]}),
                                  ("simulated_mm", "simulated walls of 640 x 480 pixels",
                                   {"color": INK, "marker": "o", "linestyle": "none"})):
-        points = [(float(r["z_m"]), float(r[column])) for r in rows if r[column]]
+        points = sorted((float(r["z_m"]), float(r[column])) for r in rows if r[column])
         if points:
             axes.plot(*zip(*points), label=label, **style)
     axes.set(xlabel="distance [m]", ylabel="standard deviation of depth [mm]", xlim=(0, None), ylim=(0, None))
-    axes.set_title(options.title or "Depth noise", loc="left", wrap=True)
+    axes.set_title(textwrap.fill(options.title or "Depth noise", 90), loc="left")
     axes.legend(frameon=False)
     writer.save(figure, os.path.splitext(os.path.basename(path))[0])
 
