@@ -2,14 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <map>
-#include <mutex>
-
+#include "map_memory.h"
 #include "rigproof/calib/methods/registry.h"
 #include "rigproof/calib/vision/feature_source.h"
 #include "rigproof/calib/vision/image_findings.h"
-#include "rigproof/calib/vision/picture_memory.h"
 #include "room.h"
 #include "temp_folder.h"
 
@@ -17,34 +13,6 @@ namespace rigproof {
 namespace {
 
 using Finding = PictureMemory::Finding;
-
-// Files stand for their content.
-class MapMemory : public PictureMemory {
- public:
-  std::string content_of(const std::string& file) const override { return known ? "content of " + file : ""; }
-  std::optional<std::string> recall(Finding finding, const std::string& key) override {
-    const std::lock_guard<std::mutex> guard(mutex_);
-    const auto found = kept_.find(key);
-    if (found == kept_.end()) return std::nullopt;
-    ++recalled[finding];
-    return found->second;
-  }
-  void keep(Finding finding, const std::string& key, const std::string& bytes) override {
-    const std::lock_guard<std::mutex> guard(mutex_);
-    ++kept[finding];
-    kept_[key] = bytes;
-  }
-  void damage() {
-    for (auto& [key, bytes] : kept_) bytes.resize(bytes.size() / 2);
-  }
-
-  bool known = true;
-  std::map<Finding, int> recalled, kept;
-
- private:
-  std::mutex mutex_;
-  std::map<std::string, std::string> kept_;
-};
 
 // One camera, which goes straight and then turns.
 RoomDrive drive_in(const TempFolder& folder, int straight, int turns) {
@@ -71,7 +39,10 @@ TEST(ImageMemory, MethodsThatFollowFeaturesShareMatchesAndMotions) {
   const TempFolder folder;
   const RoomDrive drive = drive_in(folder, 3, 3);
   MapMemory memory;
-  MethodInput plain{drive.observations, &drive.recording, 2}, remembered = plain;
+  const auto features = sift_features(1000);
+  MethodInput plain{drive.observations, &drive.recording, 2};
+  plain.features = features.get();
+  MethodInput remembered = plain;
   remembered.memory = &memory;
   const int pairs = pairs_of(drive);
   run_method(find_method("robot_autocalib"), remembered);
