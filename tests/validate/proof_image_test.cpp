@@ -38,6 +38,9 @@ class ProofOfImageNoise : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
+  // Enough where nothing depends on the others: images are most of the work.
+  void keep_first_camera() { truth_.cameras.resize(1); }
+
   // White and black squares under a light that fades to the right; around them grey.
   double light_at(std::size_t stop, std::size_t camera, const Eigen::Vector2d& pixel, bool dirty) const {
     const TrueCamera& c = truth_.cameras[camera];
@@ -108,12 +111,14 @@ TEST_F(ProofOfImageNoise, AsStatedIsFoundAsStated) {
 }
 
 TEST_F(ProofOfImageNoise, MoreThanStatedIsTold) {
+  keep_first_camera();
   ImageFaults faults;
   faults.sigmas = 1.3;
   expect_ratio(prove_with(faults), 1.3);
 }
 
 TEST_F(ProofOfImageNoise, TheFixedPatternIsPartOfTheLaw) {
+  keep_first_camera();
   ImageFaults faults;
   faults.pixel_gain = 0.03;
   for (TrueCamera& camera : truth_.cameras) camera.sensing["pixel_gain_percent"] = 3.0;
@@ -121,15 +126,16 @@ TEST_F(ProofOfImageNoise, TheFixedPatternIsPartOfTheLaw) {
 }
 
 TEST_F(ProofOfImageNoise, DirtIsNoNoise) {
+  keep_first_camera();
   ImageFaults faults;
   faults.dirty = true;
   const Proof proof = prove_with(faults);
-  for (const CameraProof& camera : proof.cameras)
-    for (const RealisedImageNoise& noise : camera.image_noise)
-      EXPECT_NEAR(noise.sigma_electrons / noise.stated_sigma_electrons, 1.0, 0.08) << camera.camera;
+  for (const RealisedImageNoise& noise : proof.cameras.at(0).image_noise)
+    EXPECT_NEAR(noise.sigma_electrons / noise.stated_sigma_electrons, 1.0, 0.08) << noise.electrons;
 }
 
 TEST_F(ProofOfImageNoise, IsKeptInTheFile) {
+  keep_first_camera();
   const Proof proof = prove_with({});
   const std::filesystem::path file = folder_ / "proof.yaml";
   save_proof(proof, file);
@@ -141,6 +147,7 @@ TEST_F(ProofOfImageNoise, IsKeptInTheFile) {
 }
 
 TEST_F(ProofOfImageNoise, IsNotComparedWhereThereIsNoneOrWhereJpegChangesIt) {
+  keep_first_camera();
   ImageFaults faults;
   faults.extension = ".jpg";
   const Proof jpeg = prove_with(faults);
