@@ -86,6 +86,66 @@ struct RunArguments {
 };
 int run_command(const RunArguments& arguments);
 
+struct SweepStartArguments {
+  CommonArguments common;
+  std::filesystem::path config;  ///< a sweep's file, or its folder
+  std::filesystem::path output;  ///< empty = sweeps/<name>, or the folder that was given
+  std::filesystem::path cache;
+  double cache_limit_gb = 0.0;
+  int device = -2;
+  bool dry_run = false;
+  std::vector<std::string> add;
+  std::vector<std::string> redo;
+  std::vector<std::string> set;
+};
+int sweep_start_command(const SweepStartArguments& arguments);
+
+struct SweepFolderArguments {
+  CommonArguments common;
+  std::filesystem::path folder;
+};
+int sweep_status_command(const SweepFolderArguments& arguments);
+int sweep_summary_command(const SweepFolderArguments& arguments);
+
+struct PaperArguments {
+  CommonArguments common;
+  std::string experiment;        ///< empty = list them
+  std::filesystem::path config;  ///< a sweep in place of the shipped one; empty = none
+  std::filesystem::path output;  ///< empty = paper/
+  std::filesystem::path cache;   ///< empty = cache/ in the output
+  bool dry_run = false;
+  std::vector<std::string> set;
+  int device = -2;
+};
+int paper_command(const PaperArguments& arguments);
+
+struct SuggestArguments {
+  CommonArguments common;
+  std::filesystem::path input;
+  std::string method = "ml";     ///< or ml:KEY=VALUE,.. or ml:FILE.yaml
+  std::filesystem::path output;  ///< a configuration for `generate`; empty = none is written
+  int stops = 3;
+  std::string criterion = "worst";  ///< worst, D or E
+  std::vector<double> area_m;       ///< x_min x_max y_min y_max; empty = near where the robot was
+  double reach_m = 1.0;
+  double clearance_m = 1.0;
+  double min_turn_deg = 3.0;
+  int min_cameras = 1;
+  int candidates = 300;
+  std::uint64_t seed = 0;
+};
+int suggest_command(const SuggestArguments& arguments);
+
+struct MovedArguments {
+  CommonArguments common;
+  std::filesystem::path input;
+  std::filesystem::path previous;  ///< a result file
+  double significance_percent = 0.1;
+  double smallest_cm = 2.0;
+  double smallest_deg = 0.5;
+};
+int moved_command(const MovedArguments& arguments);
+
 struct InspectArguments {
   CommonArguments common;
   std::filesystem::path input;

@@ -9,7 +9,6 @@
 
 #include "command_line.h"
 #include "number_in.h"
-#include "paper_commands.h"
 #include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -18,9 +17,7 @@
 #include "rigproof/sim/board_pattern.h"
 #include "rigproof/sim/board_pdf.h"
 #include "rigproof/words/sentences.h"
-#include "sweep_commands.h"
 #include "terminal.h"
-#include "uncertainty_commands.h"
 
 namespace rigproof {
 namespace {

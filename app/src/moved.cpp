@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "commands.h"
 #include "observing.h"
 #include "print_result.h"
 #include "rigproof/core/conventions.h"
@@ -13,7 +14,6 @@
 #include "rigproof/study/workflow/workflow.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/words/sentences.h"
-#include "uncertainty_commands.h"
 
 namespace rigproof {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "paper_commands.h"
+#include "commands.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"

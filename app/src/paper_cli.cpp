@@ -1,6 +1,5 @@
 // The command line of `paper`.
 #include "command_line.h"
-#include "paper_commands.h"
 #include "rigproof/study/report/paper.h"
 
 namespace rigproof {
@@ -16,8 +15,7 @@ void add_paper_command(CLI::App& app, Action& action) {
                       "Folder: sweeps, tables and figures of all experiments; default paper. What is finished is kept");
   command->add_option("--config", arguments.config,
                       "A sweep of your own with the same axes, instead of the shipped one");
-  command->add_option("--cache", arguments.cache, "Folder of pictures and answers; default cache in the output")
-      ->envname("RIGPROOF_CACHE");
+  add_cache(command, arguments.cache, "Folder of pictures and answers; default cache in the output");
   add_overrides(command, arguments.set,
                 "Override a field of the sweep, e.g. --set run.poses=20 --set run.image_scale=0.5; may be repeated");
   command->add_flag("--dry-run", arguments.dry_run, "Only say what would be done and how long it takes");

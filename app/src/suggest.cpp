@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "commands.h"
 #include "observing.h"
 #include "print_result.h"
 #include "rigproof/calib/diagnose/ml_settings.h"
@@ -17,7 +18,6 @@
 #include "rigproof/truth/stop_at.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/words/sentences.h"
-#include "uncertainty_commands.h"
 
 namespace rigproof {
 namespace {

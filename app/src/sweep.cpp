@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "commands.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
-#include "sweep_commands.h"
 #include "terminal.h"
 
 namespace rigproof {

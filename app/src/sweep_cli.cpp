@@ -1,7 +1,6 @@
 // The command line of `sweep`.
 #include "command_line.h"
 #include "number_in.h"
-#include "sweep_commands.h"
 
 namespace rigproof {
 namespace {
@@ -17,10 +16,7 @@ void add_start(CLI::App* sweep, Action& action) {
                    "File that describes the sweep (docs/guides/sweeps.md), or the folder of a sweep to go on with")
       ->required();
   command->add_option("-o,--output", arguments.output, "Folder of the results; default sweeps/<name>");
-  command
-      ->add_option("--cache", arguments.cache,
-                   "Folder of pictures, detections and solutions; default cache/ among the results")
-      ->envname("RIGPROOF_CACHE");
+  add_cache(command, arguments.cache, "Folder of pictures, detections and solutions; default cache/ among the results");
   command
       ->add_option("--cache-limit-gb", arguments.cache_limit_gb,
                    "Keep the cache below this size by deleting the least recently used pictures; 0 = keep all")

@@ -2,7 +2,6 @@
 #include "command_line.h"
 #include "number_in.h"
 #include "rigproof/formats/format.h"
-#include "uncertainty_commands.h"
 
 namespace rigproof {
 namespace {
