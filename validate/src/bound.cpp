@@ -53,28 +53,39 @@ bool is_open(const Eigen::MatrixXd& free, Eigen::Index row) {
   return false;
 }
 
-// Between cameras, what all of them share cancels; where the joint information is singular nothing is claimed.
-AxisBounds between_cameras(const InformationBound& bound) {
-  AxisBounds sigmas;
-  if (bound.free_directions.cols() > 0) return sigmas;
-  for (const InformationBound::Pair& pair : bound.camera_to_camera)
-    for (int axis = 0; axis < 6; ++axis) {
-      std::optional<double>& sigma = sigmas[static_cast<std::size_t>(axis)];
-      sigma = std::max(sigma.value_or(0.0), std::sqrt(pair.covariance(axis, axis)));
-    }
-  return sigmas;
+std::vector<TransformBound> in_robot(const Observations& observations, const InformationBound& bound) {
+  std::vector<TransformBound> bounds;
+  for (std::size_t c = 0; c < bound.camera_to_robot.size(); ++c) {
+    TransformBound& entry = bounds.emplace_back();
+    entry.parent = "robot";
+    entry.child = observations.cameras[c].name;
+    for (int axis = 0; axis < 6; ++axis)
+      if (!is_open(bound.free_directions, 6 * static_cast<Eigen::Index>(c) + axis))
+        entry.sigma[static_cast<std::size_t>(axis)] = std::sqrt(bound.camera_to_robot[c](axis, axis));
+  }
+  return bounds;
 }
 
-AxisBounds in_robot(const InformationBound& bound) {
+// Between cameras, what all of them share cancels; where the joint information is singular nothing is claimed.
+std::vector<TransformBound> between_cameras(const Observations& observations, const InformationBound& bound) {
+  std::vector<TransformBound> bounds;
+  for (const InformationBound::Pair& pair : bound.camera_to_camera) {
+    TransformBound& entry = bounds.emplace_back();
+    entry.parent = observations.cameras[static_cast<std::size_t>(pair.parent)].name;
+    entry.child = observations.cameras[static_cast<std::size_t>(pair.child)].name;
+    if (bound.free_directions.cols() > 0) continue;
+    for (int axis = 0; axis < 6; ++axis)
+      entry.sigma[static_cast<std::size_t>(axis)] = std::sqrt(pair.covariance(axis, axis));
+  }
+  return bounds;
+}
+
+AxisBounds largest(const std::vector<TransformBound>& bounds) {
   AxisBounds sigmas;
-  for (int axis = 0; axis < 6; ++axis) {
-    double largest = 0.0;
-    bool open = false;
-    for (std::size_t c = 0; c < bound.camera_to_robot.size(); ++c) {
-      open = open || is_open(bound.free_directions, 6 * static_cast<Eigen::Index>(c) + axis);
-      largest = std::max(largest, std::sqrt(bound.camera_to_robot[c](axis, axis)));
-    }
-    if (!open) sigmas[static_cast<std::size_t>(axis)] = largest;
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const auto is_absent = [axis](const TransformBound& bound) { return !bound.sigma[axis]; };
+    if (std::any_of(bounds.begin(), bounds.end(), is_absent)) continue;
+    for (const TransformBound& bound : bounds) sigmas[axis] = std::max(sigmas[axis].value_or(0.0), *bound.sigma[axis]);
   }
   return sigmas;
 }
@@ -100,31 +111,16 @@ const double kDegrees = rad_to_deg(1.0);
 
 std::vector<TransformBound> transform_bounds(const Observations& observations, const Truth& truth) {
   const std::optional<InformationBound> bound = information_at_truth(observations, truth);
-  std::vector<TransformBound> bounds;
-  if (!bound) return bounds;
-  for (std::size_t c = 0; c < bound->camera_to_robot.size(); ++c) {
-    TransformBound& entry = bounds.emplace_back();
-    entry.parent = "robot";
-    entry.child = observations.cameras[c].name;
-    for (int axis = 0; axis < 6; ++axis)
-      if (!is_open(bound->free_directions, 6 * static_cast<Eigen::Index>(c) + axis))
-        entry.sigma[static_cast<std::size_t>(axis)] = std::sqrt(bound->camera_to_robot[c](axis, axis));
-  }
-  for (const InformationBound::Pair& pair : bound->camera_to_camera) {
-    TransformBound& entry = bounds.emplace_back();
-    entry.parent = observations.cameras[static_cast<std::size_t>(pair.parent)].name;
-    entry.child = observations.cameras[static_cast<std::size_t>(pair.child)].name;
-    if (bound->free_directions.cols() > 0) continue;
-    for (int axis = 0; axis < 6; ++axis)
-      entry.sigma[static_cast<std::size_t>(axis)] = std::sqrt(pair.covariance(axis, axis));
-  }
+  if (!bound) return {};
+  std::vector<TransformBound> bounds = in_robot(observations, *bound);
+  for (TransformBound& pair : between_cameras(observations, *bound)) bounds.push_back(std::move(pair));
   return bounds;
 }
 
 std::optional<DataBound> data_bound(const Observations& observations, const Truth& truth) {
   const std::optional<InformationBound> bound = information_at_truth(observations, truth);
   if (!bound) return std::nullopt;
-  return DataBound{in_robot(*bound), between_cameras(*bound)};
+  return DataBound{largest(in_robot(observations, *bound)), largest(between_cameras(observations, *bound))};
 }
 
 std::string format_bound(const DataBound& bound) {
