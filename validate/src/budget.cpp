@@ -60,7 +60,6 @@ struct BudgetFields {
   }
 };
 
-double in_unit(double value, int axis) { return axis < 3 ? 100.0 * value : rad_to_deg(value); }
 const char* unit_of(int axis) { return axis < 3 ? "cm" : "deg"; }
 
 Check missing_pose(const std::string& camera) {

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
 #include "rigproof/validate/body_angles.h"
 #include "rigproof/validate/statistics.h"
 #include "rigproof/validate/validate.h"
@@ -24,10 +25,8 @@ struct Statement {
   int joint_index = -1;  // block in Result::joint_covariance, -1 = none
 };
 
-std::string list_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
+bool is_whole(const std::array<bool, 6>& observable) {
+  return std::all_of(observable.begin(), observable.end(), [](bool b) { return b; });
 }
 
 class Statements {
@@ -61,9 +60,9 @@ Statements::Statements(const Result& result, const Truth& truth) : joint_covaria
   for (const EstimatedTransform& estimate : result.camera_to_robot) add(estimate, joint_index++);
   for (const EstimatedTransform& estimate : result.camera_to_camera) add(estimate, -1);
   if (robots_.size() > 1)
-    problems_.add({"", 0, "", list_of({robots_.begin(), robots_.end()}),
+    problems_.add({"", 0, "", joined({robots_.begin(), robots_.end()}),
                    "more than one name that is no camera of the truth, so that the robot cannot be told (cameras: " +
-                       list_of(cameras_) + ")"});
+                       joined(cameras_) + ")"});
   problems_.throw_if_any();
 }
 
@@ -82,7 +81,7 @@ void Statements::add(const EstimatedTransform& stated, int joint_index) {
                       false,
                       joint_index};
   if (statement.parent == kRobot && statement.child == kRobot)
-    return problem(estimate, "names no camera of the truth (cameras: " + list_of(cameras_) + ")");
+    return problem(estimate, "names no camera of the truth (cameras: " + joined(cameras_) + ")");
   if (statement.parent == statement.child) return problem(estimate, "a pose of a camera in itself");
   if (statement.parent == kRobot) robots_.insert(estimate.parent);
   if (statement.child == kRobot) robots_.insert(estimate.child);
@@ -143,8 +142,7 @@ std::optional<Statement> compose(const Statements& statements, int j, int k) {
   const Statement* first = statements.find(kRobot, j);
   const Statement* second = statements.find(kRobot, k);
   if (first == nullptr || second == nullptr) return std::nullopt;
-  for (std::size_t i = 0; i < 6; ++i)
-    if (!first->observable[i] || !second->observable[i]) return std::nullopt;
+  if (!is_whole(first->observable) || !is_whole(second->observable)) return std::nullopt;
   Statement composed;
   composed.parent = j;
   composed.child = k;
@@ -187,10 +185,7 @@ void add_nees(const Statements& statements, const Truth& truth, Comparison* comp
   std::vector<Rigid3> estimates, truths;
   for (std::size_t i = 0; i < truth.cameras.size(); ++i) {
     const Statement* statement = statements.find(kRobot, static_cast<int>(i));
-    if (statement == nullptr) continue;
-    const bool whole =
-        std::all_of(statement->observable.begin(), statement->observable.end(), [](bool b) { return b; });
-    if (!whole) continue;
+    if (statement == nullptr || !is_whole(statement->observable)) continue;
     cameras.push_back(static_cast<int>(i));
     estimates.push_back(statement->T_parent_child);
     truths.push_back(truth.cameras[i].T_robot_camera);
@@ -204,13 +199,6 @@ void add_nees(const Statements& statements, const Truth& truth, Comparison* comp
   if (comparison->nees) comparison->nees_degrees_of_freedom = static_cast<int>(joint->rows());
 }
 
-double worst(const std::vector<TransformError>& errors, bool rotation) {
-  double value = 0.0;
-  for (const TransformError& error : errors)
-    value = std::max(value, rotation ? error.error.tail<3>().norm() : error.error.head<3>().norm());
-  return value;
-}
-
 }  // namespace
 
 std::optional<double> TransformError::z(int axis) const {
@@ -218,14 +206,19 @@ std::optional<double> TransformError::z(int axis) const {
   return error[axis] / (*sigma)[axis];
 }
 
-bool TransformError::fully_observable() const {
-  return std::all_of(observable.begin(), observable.end(), [](bool b) { return b; });
-}
+bool TransformError::fully_observable() const { return is_whole(observable); }
 
 std::string TransformError::name() const { return between_cameras ? parent + "-" + child : child + " in " + parent; }
 
-double Comparison::worst_between_m() const { return worst(camera_to_camera, false); }
-double Comparison::worst_between_rad() const { return worst(camera_to_camera, true); }
+double worst_error(const std::vector<TransformError>& errors, bool rotation) {
+  double worst = 0.0;
+  for (const TransformError& error : errors)
+    worst = std::max(worst, rotation ? error.error.tail<3>().norm() : error.error.head<3>().norm());
+  return worst;
+}
+
+double Comparison::worst_between_m() const { return worst_error(camera_to_camera, false); }
+double Comparison::worst_between_rad() const { return worst_error(camera_to_camera, true); }
 
 Comparison compare(const Result& result, const Truth& truth) {
   const Statements statements(result, truth);

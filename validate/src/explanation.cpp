@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "rigproof/core/conventions.h"
 #include "rigproof/validate/figures.h"
 
 namespace rigproof {
@@ -42,44 +41,16 @@ Comparison with_poses(const Comparison& comparison, const Poses& corrected) {
   return changed;
 }
 
-class Search {
- public:
-  Search(const Comparison& comparison, const Budget& budget)
-      : comparison_(comparison), budget_(budget), gate_(apply_budget(comparison, budget)) {}
+struct Failures {
+  const Comparison& comparison;
+  const Budget& budget;
+  Gate gate;
 
-  std::optional<Explanation> run() const {
-    if (gate_.failures() == 0) return std::nullopt;
-    for (const Check& check : gate_.checks)
-      if (!check.passed && check.reason) return std::nullopt;
-    for (const auto step :
-         {&Search::one_axis, &Search::shared_axis, &Search::scale, &Search::one_camera, &Search::shared_motion})
-      if (auto found = (this->*step)()) {
-        found->explained = gate_.failures();
-        return found;
-      }
-    return std::nullopt;
+  std::size_t count() const { return comparison.camera_to_robot.size(); }
+  const TransformError& camera(std::size_t i) const { return comparison.camera_to_robot[i]; }
+  bool are_cured_by(const Poses& corrected) const {
+    return apply_budget(with_poses(comparison, corrected), budget).failures() == 0;
   }
-
- private:
-  std::size_t count() const { return comparison_.camera_to_robot.size(); }
-  const TransformError& camera(std::size_t i) const { return comparison_.camera_to_robot[i]; }
-  bool cures(const Poses& corrected) const {
-    return apply_budget(with_poses(comparison_, corrected), budget_).failures() == 0;
-  }
-  double mean_error(int axis) const;
-  // Axes that matter in words: of the given camera, or of the mean over all cameras.
-  std::string describe_axes(const Vector6d& error) const;
-  bool failed(const std::string& subject, int axis) const;
-
-  std::optional<Explanation> one_axis() const;
-  std::optional<Explanation> shared_axis() const;
-  std::optional<Explanation> scale() const;
-  std::optional<Explanation> one_camera() const;
-  std::optional<Explanation> shared_motion() const;
-
-  const Comparison& comparison_;
-  const Budget& budget_;
-  const Gate gate_;
 };
 
 // "0.62 cm too high".
@@ -91,9 +62,8 @@ std::string axis_in_words(int axis, double value) {
                                                {"pitched too far up", "pitched too far down"},
                                                {"turned too far right", "turned too far left"}};
   const std::string word = kWords[axis][value > 0.0 ? 1 : 0];
-  const double shown = axis < 3 ? 100.0 * value : rad_to_deg(value);
   // A leading zero here: this is a sentence, not a table.
-  std::string number = short_figure(std::abs(shown));
+  std::string number = short_figure(std::abs(in_unit(value, axis)));
   if (number[0] == '.') number = "0" + number;
   return number + (axis < 3 ? " cm " : " deg ") + word;
 }
@@ -105,136 +75,128 @@ std::string shared_source(const std::vector<int>& axes) {
   return odometry && ground ? "odometry and ground" : ground ? "ground" : "odometry";
 }
 
-double Search::mean_error(int axis) const {
+double mean_error(const Failures& failures, int axis) {
   double sum = 0.0;
-  for (const TransformError& error : comparison_.camera_to_robot) sum += error.error[axis];
-  return sum / static_cast<double>(count());
+  for (const TransformError& error : failures.comparison.camera_to_robot) sum += error.error[axis];
+  return sum / static_cast<double>(failures.count());
 }
 
-bool Search::failed(const std::string& subject, int axis) const {
-  return std::any_of(gate_.checks.begin(), gate_.checks.end(), [&](const Check& check) {
+bool failed(const Failures& failures, const std::string& subject, int axis) {
+  return std::any_of(failures.gate.checks.begin(), failures.gate.checks.end(), [&](const Check& check) {
     return !check.passed && check.axis == axis && (subject.empty() ? !check.between_cameras : check.subject == subject);
   });
 }
 
-std::string Search::describe_axes(const Vector6d& error) const {
+// Those that are finite.
+std::string describe_axes(const Vector6d& error) {
   std::string text;
   for (int axis = 0; axis < 6; ++axis)
     if (std::isfinite(error[axis])) text += (text.empty() ? "" : ", ") + axis_in_words(axis, error[axis]);
   return text;
 }
 
-std::optional<Explanation> Search::one_axis() const {
+std::optional<Explanation> one_axis(const Failures& failures) {
   std::optional<Explanation> best;
   double best_size = 0.0;
-  for (std::size_t i = 0; i < count(); ++i) {
+  for (std::size_t i = 0; i < failures.count(); ++i) {
     for (int axis = 0; axis < 6; ++axis) {
-      Poses corrected = estimates_of(comparison_);
-      Vector6d error = camera(i).error;
+      Poses corrected = estimates_of(failures.comparison);
+      Vector6d error = failures.camera(i).error;
       error[axis] = 0.0;
-      corrected[i] = apply_transform_error(camera(i).T_true, error);
+      corrected[i] = apply_transform_error(failures.camera(i).T_true, error);
       // Where two axes would do, the one that fails by more of its error is the cause.
-      const double size = std::abs(camera(i).error[axis]) * (failed(camera(i).name(), axis) ? 1e3 : 1.0);
-      if (size <= best_size || !cures(corrected)) continue;
+      const double size =
+          std::abs(failures.camera(i).error[axis]) * (failed(failures, failures.camera(i).name(), axis) ? 1e3 : 1.0);
+      if (size <= best_size || !failures.are_cured_by(corrected)) continue;
       best_size = size;
-      best = Explanation{Explanation::Kind::kOneAxis,
-                         camera(i).child,
-                         axis,
-                         camera(i).error[axis],
-                         0,
-                         camera(i).child + " is " + axis_in_words(axis, camera(i).error[axis])};
+      best = Explanation{Explanation::Kind::kOneAxis, failures.camera(i).child, axis, failures.camera(i).error[axis],
+                         failures.camera(i).child + " is " + axis_in_words(axis, failures.camera(i).error[axis])};
     }
   }
   return best;
 }
 
-std::optional<Explanation> Search::shared_axis() const {
-  if (count() < 2) return std::nullopt;
+std::optional<Explanation> shared_axis(const Failures& failures) {
+  if (failures.count() < 2) return std::nullopt;
   for (int axis = 0; axis < 3; ++axis) {
-    const double value = mean_error(axis);
-    Poses corrected = estimates_of(comparison_);
+    const double value = mean_error(failures, axis);
+    Poses corrected = estimates_of(failures.comparison);
     for (Rigid3& T : corrected) T.translation[axis] -= value;
-    if (!cures(corrected)) continue;
+    if (!failures.are_cured_by(corrected)) continue;
     return Explanation{
-        Explanation::Kind::kSharedAxis,
-        "",
-        axis,
-        value,
-        0,
+        Explanation::Kind::kSharedAxis, "", axis, value,
         "all cameras share this error (" + shared_source({axis}) + "): they are " + axis_in_words(axis, value)};
   }
   return std::nullopt;
 }
 
-std::optional<Explanation> Search::scale() const {
+std::optional<Explanation> scale(const Failures& failures) {
   double product = 0.0, squares = 0.0;
-  for (const TransformError& error : comparison_.camera_to_robot) {
+  for (const TransformError& error : failures.comparison.camera_to_robot) {
     product += error.T_estimate.translation.dot(error.T_true.translation);
     squares += error.T_true.translation.squaredNorm();
   }
-  if (count() < 2 || !(product > 0.0)) return std::nullopt;
+  if (failures.count() < 2 || !(product > 0.0)) return std::nullopt;
   const double factor = product / squares;
-  Poses corrected = estimates_of(comparison_);
+  Poses corrected = estimates_of(failures.comparison);
   for (Rigid3& T : corrected) T.translation /= factor;
-  if (!cures(corrected)) return std::nullopt;
+  if (!failures.are_cured_by(corrected)) return std::nullopt;
   const double percent = 100.0 * (factor - 1.0);
-  return Explanation{Explanation::Kind::kScale,
-                     "",
-                     -1,
-                     factor - 1.0,
-                     0,
+  return Explanation{Explanation::Kind::kScale, "", -1, factor - 1.0,
                      "all distances are " + short_figure(std::abs(percent)) + " % too " +
                          (percent > 0.0 ? "long" : "short") + " (board size, odometry scale or unit)"};
 }
 
-std::optional<Explanation> Search::one_camera() const {
-  if (count() < 2) return std::nullopt;  // a single camera is always its own cause
-  for (std::size_t i = 0; i < count(); ++i) {
-    Poses corrected = estimates_of(comparison_);
-    corrected[i] = camera(i).T_true;
-    if (!cures(corrected)) continue;
+std::optional<Explanation> one_camera(const Failures& failures) {
+  if (failures.count() < 2) return std::nullopt;  // a single camera is always its own cause
+  for (std::size_t i = 0; i < failures.count(); ++i) {
+    Poses corrected = estimates_of(failures.comparison);
+    corrected[i] = failures.camera(i).T_true;
+    if (!failures.are_cured_by(corrected)) continue;
     Vector6d shown = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());
     for (int axis = 0; axis < 6; ++axis)
-      if (failed(camera(i).name(), axis)) shown[axis] = camera(i).error[axis];
+      if (failed(failures, failures.camera(i).name(), axis)) shown[axis] = failures.camera(i).error[axis];
     const std::string axes = describe_axes(shown);
-    return Explanation{Explanation::Kind::kOneCamera,
-                       camera(i).child,
-                       -1,
-                       camera(i).error.head<3>().norm(),
-                       0,
-                       "only " + camera(i).child + " is wrong" + (axes.empty() ? "" : ": " + axes)};
+    return Explanation{Explanation::Kind::kOneCamera, failures.camera(i).child, -1,
+                       failures.camera(i).error.head<3>().norm(),
+                       "only " + failures.camera(i).child + " is wrong" + (axes.empty() ? "" : ": " + axes)};
   }
   return std::nullopt;
 }
 
-std::optional<Explanation> Search::shared_motion() const {
-  if (count() < 2) return std::nullopt;
+std::optional<Explanation> shared_motion(const Failures& failures) {
+  if (failures.count() < 2) return std::nullopt;
   Vector6d mean = Vector6d::Zero();
-  for (const TransformError& error : comparison_.camera_to_robot)
-    mean += se3_log(error.T_estimate * error.T_true.inverse()) / static_cast<double>(count());
+  for (const TransformError& error : failures.comparison.camera_to_robot)
+    mean += se3_log(error.T_estimate * error.T_true.inverse()) / static_cast<double>(failures.count());
   const Rigid3 undo = se3_exp(-mean);
-  Poses corrected = estimates_of(comparison_);
+  Poses corrected = estimates_of(failures.comparison);
   for (Rigid3& T : corrected) T = undo * T;
-  if (!cures(corrected)) return std::nullopt;
+  if (!failures.are_cured_by(corrected)) return std::nullopt;
   Vector6d shown = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());
   std::vector<int> axes;
   for (int axis = 0; axis < 6; ++axis) {
-    if (!failed("", axis)) continue;
-    shown[axis] = mean_error(axis);
+    if (!failed(failures, "", axis)) continue;
+    shown[axis] = mean_error(failures, axis);
     axes.push_back(axis);
   }
-  return Explanation{Explanation::Kind::kSharedMotion,
-                     "",
-                     -1,
-                     mean.head<3>().norm(),
-                     0,
+  return Explanation{Explanation::Kind::kSharedMotion, "", -1, mean.head<3>().norm(),
                      "all cameras share this error (" + shared_source(axes) + "): they are " + describe_axes(shown)};
 }
 
 }  // namespace
 
 std::optional<Explanation> explain_failures(const Comparison& comparison, const Budget& budget) {
-  return Search(comparison, budget).run();
+  const Failures failures{comparison, budget, apply_budget(comparison, budget)};
+  if (failures.gate.failures() == 0) return std::nullopt;
+  for (const Check& check : failures.gate.checks)
+    if (!check.passed && check.reason) return std::nullopt;
+  for (const auto& cause : {one_axis, shared_axis, scale, one_camera, shared_motion})
+    if (std::optional<Explanation> found = cause(failures)) {
+      found->explained = failures.gate.failures();
+      return found;
+    }
+  return std::nullopt;
 }
 
 }  // namespace rigproof

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 
-#include "rigproof/core/conventions.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
@@ -10,8 +9,6 @@
 
 namespace rigproof {
 namespace {
-
-double in_unit(double value, int axis) { return axis < 3 ? 100.0 * value : rad_to_deg(value); }
 
 constexpr int kMaxDecimals = 5;
 constexpr int kMaxDigits = 6;  // before and after the point together
@@ -105,28 +102,16 @@ std::string table_of_errors(const std::vector<TransformError>& errors, const Gat
     table.add(std::move(cells));
   }
   // The titles stand over the first column of their group, wherever the numbers put it.
-  std::string title = sigmas ? "error +- stated sigma" : "error";
-  const auto place = [&](std::size_t column, const std::string& word) {
-    const std::size_t start = table.column_start(column, gaps);
-    title += std::string(title.size() + 2 < start ? start - title.size() : 2, ' ') + word;
-  };
-  place(1, "tx ty tz [cm]");
-  place(sigmas ? 7 : 4, "about robot x y z [deg]");
-  return title + "\n" + table.text(gaps);
-}
-
-double worst_in_robot(const Comparison& comparison, bool rotation) {
-  double worst = 0.0;
-  for (const TransformError& error : comparison.camera_to_robot)
-    worst = std::max(worst, rotation ? error.error.tail<3>().norm() : error.error.head<3>().norm());
-  return worst;
+  return table.text_below(sigmas ? "error +- stated sigma" : "error",
+                          {{1, "tx ty tz [cm]"}, {sigmas ? 7 : 4, "about robot x y z [deg]"}}, gaps);
 }
 
 // The cameras share their error if between them a fifth of it is left, in what the error mainly is.
 bool cameras_share_error(const Comparison& comparison) {
   constexpr double kFraction = 0.2;
-  const bool metres_shared = comparison.worst_between_m() < kFraction * worst_in_robot(comparison, false);
-  const bool radians_shared = comparison.worst_between_rad() < kFraction * worst_in_robot(comparison, true);
+  const bool metres_shared = comparison.worst_between_m() < kFraction * worst_error(comparison.camera_to_robot, false);
+  const bool radians_shared =
+      comparison.worst_between_rad() < kFraction * worst_error(comparison.camera_to_robot, true);
   return comparison.camera_to_robot.size() > 1 && metres_shared && radians_shared;
 }
 

@@ -30,14 +30,7 @@ std::string table_beside(const PublishedTable& published, const std::vector<Tran
     table.add(cells);
   }
   const std::vector<std::string> gaps = {" ", "  ", "  ", "  ", "    ", "  "};
-  std::string title = published.title;
-  const auto place = [&](std::size_t column, const std::string& word) {
-    const std::size_t start = table.column_start(column, gaps);
-    title += std::string(title.size() + 2 < start ? start - title.size() : 2, ' ') + word;
-  };
-  place(1, "tx ty tz [cm]");
-  place(4, "rx ry rz [deg]");
-  return title + "\n" + table.text(gaps);
+  return table.text_below(published.title, {{1, "tx ty tz [cm]"}, {4, "rx ry rz [deg]"}}, gaps);
 }
 
 std::string pair_text(const Eigen::Vector2d& pair) {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "rigproof/core/conventions.h"
 #include "rigproof/validate/body_angles.h"
+#include "rigproof/validate/figures.h"
 
 namespace rigproof {
 
@@ -46,10 +46,8 @@ std::optional<std::array<double, 6>> mean_absolute_error(const std::vector<Trans
     sum += e.cwiseAbs();
   }
   std::array<double, 6> mean{};
-  for (std::size_t i = 0; i < 6; ++i) {
-    const double value = sum[static_cast<Eigen::Index>(i)] / static_cast<double>(errors.size());
-    mean[i] = i < 3 ? 100.0 * value : rad_to_deg(value);
-  }
+  for (std::size_t i = 0; i < 6; ++i)
+    mean[i] = in_unit(sum[static_cast<Eigen::Index>(i)] / static_cast<double>(errors.size()), i);
   return mean;
 }
 

@@ -9,14 +9,13 @@
 #include "rigproof/core/text.h"
 #include "rigproof/study/workflow/external.h"
 #include "rigproof/validate/body_angles.h"
+#include "rigproof/validate/figures.h"
 #include "rigproof/validate/validate.h"
 #include "rigproof/words/sentences.h"
 #include "work.h"
 
 namespace rigproof {
 namespace {
-
-double in_units(std::size_t axis, double value) { return axis < 3 ? 100.0 * value : rad_to_deg(value); }
 
 double cpu_seconds() {
   timespec time{};
@@ -48,7 +47,7 @@ void add_bound(const TaskData& data, const std::string& parent, const std::strin
   for (const TransformBound& bound : data.bounds) {
     if (bound.child != child || bound.parent != parent) continue;
     for (std::size_t axis = 0; axis < 6; ++axis)
-      if (bound.sigma[axis]) row->bound[axis] = in_units(axis, *bound.sigma[axis]);
+      if (bound.sigma[axis]) row->bound[axis] = in_unit(*bound.sigma[axis], axis);
   }
 }
 
@@ -57,8 +56,8 @@ void add_error(const TransformError& error, SweepRow* row) {
   for (std::size_t axis = 0; axis < 6; ++axis) {
     if (!error.observable[axis]) continue;
     const auto i = static_cast<Eigen::Index>(axis);
-    row->error[axis] = in_units(axis, error.error[i]);
-    if (error.sigma) row->sigma[axis] = in_units(axis, (*error.sigma)[i]);
+    row->error[axis] = in_unit(error.error[i], axis);
+    if (error.sigma) row->sigma[axis] = in_unit((*error.sigma)[i], axis);
   }
   if (!error.observable[3] || !error.observable[4] || !error.observable[5]) return;
   const Eigen::Vector3d angles = roll_pitch_yaw_error(error.T_estimate, error.T_true, error.between_cameras);

@@ -20,8 +20,8 @@ struct Explanation {
   std::string camera;         ///< for kOneAxis and kOneCamera
   int axis = -1;              ///< for kOneAxis and kSharedAxis
   double value = 0.0;         ///< metres, radians, or the relative error of the scale
-  std::size_t explained = 0;  ///< failing checks that it explains: all of them
   std::string sentence;       ///< "right is 0.62 cm too high"
+  std::size_t explained = 0;  ///< failing checks that it explains: all of them
 };
 
 /// Undoes one cause at a time, in the order of Kind, and applies the budget again; the first cause without which

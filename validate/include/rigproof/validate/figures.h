@@ -2,7 +2,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
+
+#include "rigproof/core/conventions.h"
 
 namespace rigproof {
 
@@ -19,6 +20,12 @@ std::string signed_figure(double value, int decimals);
 std::string plain_figure(double value);
 /// With two significant digits.
 std::string short_figure(double value);
+
+/// Of an axis of a transform (tx ty tz rx ry rz): metres in centimetres, radians in degrees.
+template <typename Axis>
+double in_unit(double value, Axis axis) {
+  return axis < 3 ? 100.0 * value : rad_to_deg(value);
+}
 
 /// "one", "both", "all three" ... "all twelve", "all 13".
 std::string all_of_them(std::size_t count);

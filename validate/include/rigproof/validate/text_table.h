@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rigproof {
@@ -14,11 +15,12 @@ class TextTable {
   void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   /// `gaps[i]` stands before column i; the last gap is repeated. No line ends in spaces.
   std::string text(const std::vector<std::string>& gaps) const;
-  /// Position at which column i begins.
-  std::size_t column_start(std::size_t column, const std::vector<std::string>& gaps) const;
+  /// The same below a line of a title and words, each over the beginning of its column or as near as there is room.
+  std::string text_below(std::string title, const std::vector<std::pair<std::size_t, std::string>>& words,
+                         const std::vector<std::string>& gaps) const;
 
  private:
-  std::size_t width(std::size_t column) const;
+  std::vector<std::size_t> widths() const;
   std::vector<std::size_t> left_aligned_;
   std::vector<std::vector<std::string>> rows_;
 };

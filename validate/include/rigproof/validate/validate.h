@@ -68,6 +68,9 @@ struct Comparison {
   double worst_between_rad() const;
 };
 
+/// Largest |error| of these, in metres, or in radians.
+double worst_error(const std::vector<TransformError>& errors, bool rotation);
+
 /// Compares a result with the truth. Cameras are matched by name; whatever single other name occurs is the robot, and
 /// either direction is understood. Throws Error that lists every statement that names no camera of the truth, two
 /// different robots, or a pair twice.
