@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "looking_forward.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 
@@ -34,10 +35,8 @@ class PillarWorld : public ViewpointWorld {
 
 // A camera at (0.25, y, z) in the robot that looks ahead, turned by yaw and down by pitch.
 WorldCamera camera_at(double y_m, double z_m, double yaw_deg, double pitch_deg) {
-  Eigen::Matrix3d optical;  // body x forward is camera z, body y left is camera -x, body z up is camera -y
-  optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   const Eigen::Quaterniond body = rotation_z(deg_to_rad(yaw_deg)) * so3_exp({0.0, deg_to_rad(pitch_deg), 0.0});
-  return {"camera", Rigid3(body * Eigen::Quaterniond(optical), {0.25, y_m, z_m}), Camera::symmetric(1280, 720, 640.0)};
+  return {"camera", Rigid3(body * looking_forward(), {0.25, y_m, z_m}), Camera::symmetric(1280, 720, 640.0)};
 }
 
 // The board faces scene x, its middle at (0, 0, 0.8).

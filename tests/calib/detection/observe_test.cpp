@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "board_picture.h"
+#include "looking_forward.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
@@ -50,19 +51,13 @@ class ObserveTest : public testing::Test {
 
   // Optical frame on the robot: z forward, x right, y down, tilted 10 degrees down.
   static Rigid3 T_robot_camera(std::size_t camera) {
-    Eigen::Matrix3d R;
-    R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
     const double yaw = camera == 0 ? 0.15 : -0.15;
     const Eigen::Quaterniond tilt(Eigen::AngleAxisd(-0.17, Vector3d::UnitX()));
-    return {rotation_z(yaw) * Eigen::Quaterniond(R) * tilt, {0.2, camera == 0 ? 0.1 : -0.1, kHeight}};
+    return {rotation_z(yaw) * looking_forward() * tilt, {0.2, camera == 0 ? 0.1 : -0.1, kHeight}};
   }
   static Rigid3 T_world_robot(int stop) { return planar_pose(0.15 * stop, 0.1 * (stop % 3), 0.12 * (stop % 4 - 1.5)); }
   // The board faces the robot at 2.2 m, its x axis to the robot's right.
-  static Rigid3 T_world_board() {
-    Eigen::Matrix3d R;
-    R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-    return {Eigen::Quaterniond(R), {2.4, 0.2, 0.85}};
-  }
+  static Rigid3 T_world_board() { return {looking_forward(), {2.4, 0.2, 0.85}}; }
   static Rigid3 T_camera_board(int stop, std::size_t camera) {
     return (T_world_robot(stop) * T_robot_camera(camera)).inverse() * T_world_board();
   }

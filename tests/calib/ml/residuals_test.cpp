@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "looking_forward.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 
@@ -54,7 +55,7 @@ struct Residuals : testing::TestWithParam<int> {
       return Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size));
     };
     // The camera looks along the robot's x axis at a board two metres ahead, all of it tilted at random.
-    const Eigen::Quaterniond optical((Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished());
+    const Eigen::Quaterniond optical = looking_forward();
     T_robot_camera = Rigid3(so3_exp(vector(0.3)) * optical, Eigen::Vector3d(0.2, 0.1, 0.8) + vector(0.2));
     pose = {random.uniform(-1, 1),       random.uniform(-1, 1),     random.uniform(-3, 3),
             random.uniform(-0.05, 0.05), random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)};

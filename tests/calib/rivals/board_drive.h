@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "../methods/synthetic_drive.h"
 #include "rigproof/core/result.h"
+#include "synthetic_drive.h"
 
 namespace rigproof {
 

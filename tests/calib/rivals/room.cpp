@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include "looking_forward.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof {
@@ -77,12 +78,10 @@ Image8 draw_room(const Camera& camera, const Rigid3& T_world_camera, Walls walls
 }
 
 Rigid3 mounted(double x_m, double y_m, double z_m, double yaw_rad, double pitch_rad, double roll_rad) {
-  Eigen::Matrix3d optical;
-  optical << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
   const Eigen::Quaterniond body = Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()) *
                                   Eigen::AngleAxisd(pitch_rad, Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(roll_rad, Vector3d::UnitX());
-  return Rigid3(body * Eigen::Quaterniond(optical), Vector3d(x_m, y_m, z_m));
+  return Rigid3(body * looking_forward(), Vector3d(x_m, y_m, z_m));
 }
 
 RoomDrive drive_through_room(const std::vector<Rigid3>& T_room_robot, const std::vector<Rigid3>& T_robot_camera,

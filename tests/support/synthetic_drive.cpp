@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "looking_forward.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 
@@ -22,13 +23,6 @@ Vector3d normal3(RandomStream& random, double sigma) {
 Eigen::Quaterniond any_rotation(RandomStream& random) {
   Eigen::Quaterniond q(random.normal(), random.normal(), random.normal(), random.normal());
   return q.normalized();
-}
-
-// Optical frame of a camera that looks along x of its parent.
-Eigen::Quaterniond looking_forward() {
-  Eigen::Matrix3d R;
-  R << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  return Eigen::Quaterniond(R);
 }
 
 class Maker {
