@@ -19,7 +19,6 @@ namespace {
 
 using namespace paper;
 
-const std::array<const char*, 6> kAxes = {"tx", "ty", "tz", "roll", "pitch", "yaw"};
 constexpr const char* kConditionAxis = "images";
 constexpr double kSignificant = 0.05;
 
@@ -29,10 +28,6 @@ std::string cell(const std::optional<double>& value) {
 
 std::string count_cell(const Sample& sample) {
   return std::to_string(sample.answered) + "/" + std::to_string(sample.tasks);
-}
-
-std::string subject_title(SweepSubject subject) {
-  return subject == SweepSubject::kCamera ? "camera to robot" : "camera to camera";
 }
 
 const PublishedTable& published_table(SweepSubject subject, bool synthetic) {
@@ -86,20 +81,25 @@ void add_method(const std::string& method, const Sample& sample, const Published
     cells.push_back(cell(ours));
     if (row == nullptr) continue;
     theirs.push_back(row->error[i] ? figure(*row->error[i], 2) : "-");
-    if (ours && row->error[i] && above(*ours, *row->error[i])) axes += std::string(" ") + kAxes[i];
+    if (ours && row->error[i] && above(*ours, *row->error[i])) axes += std::string(" ") + kPaperAxes[i];
   }
   table->rows.push_back(cells);
   if (row != nullptr) table->rows.push_back(theirs);
   if (!axes.empty()) *above_published += (above_published->empty() ? "" : "; ") + method + axes;
 }
 
+std::vector<std::string> head_of_axes(const char* what, const char* count) {
+  std::vector<std::string> head = {what, count};
+  for (std::size_t i = 0; i < 6; ++i)
+    head.push_back(kPaperAxes[i] + std::string(i == 2 ? " [cm]" : i == 5 ? " [deg]" : ""));
+  return head;
+}
+
 PaperTable error_table(const SweepRows& rows, const Condition& condition, SweepSubject subject, bool synthetic,
                        const std::string& title) {
   PaperTable table;
   table.title = title;
-  table.head = {"mean |error|", "answered"};
-  for (std::size_t i = 0; i < 6; ++i)
-    table.head.push_back(kAxes[i] + std::string(i == 2 ? " [cm]" : i == 5 ? " [deg]" : ""));
+  table.head = head_of_axes("mean |error|", "answered");
   std::string above_published;
   for (const std::string& method : methods_with_figures(rows, condition, subject, &table))
     add_method(method, sample_of(rows, condition, method, subject), published_table(subject, synthetic), &table,
@@ -203,9 +203,7 @@ PaperTable spread_table(const SweepRows& rows) {
   PaperTable table;
   table.title =
       "Repeatability: mean and standard deviation over the runs of each camera's pose in the robot, minus its mounting";
-  table.head = {"mean +- sd", "runs"};
-  for (std::size_t i = 0; i < 6; ++i)
-    table.head.push_back(kAxes[i] + std::string(i == 2 ? " [cm]" : i == 5 ? " [deg]" : ""));
+  table.head = head_of_axes("mean +- sd", "runs");
   std::set<std::string> cameras;
   for (const SweepRow& row : rows.rows)
     if (row.subject == SweepSubject::kCamera) cameras.insert(row.camera);

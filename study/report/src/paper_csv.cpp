@@ -11,7 +11,6 @@ namespace rigproof::paper {
 namespace {
 
 constexpr const char* kHeader = "figure,panel,quantity,unit,method,source,task,camera,x,x_title,error\n";
-const std::array<const char*, 6> kQuantities = {"tx", "ty", "tz", "roll", "pitch", "yaw"};
 
 struct Line {
   std::string figure, panel, quantity, unit, method, source = "measured", task, camera;
@@ -30,8 +29,7 @@ std::string text_of(const Line& line) {
 }
 
 std::string panel_name(SweepSubject subject, const std::string& condition) {
-  return (subject == SweepSubject::kCamera ? "camera to robot" : "camera to camera") +
-         (condition.empty() ? "" : ", " + condition);
+  return subject_title(subject) + (condition.empty() ? "" : ", " + condition);
 }
 
 Line line_of(const std::string& figure, const std::string& panel, const SweepRow& row) {
@@ -45,11 +43,11 @@ Line line_of(const std::string& figure, const std::string& panel, const SweepRow
 }
 
 // The six errors of a row that it gives.
-std::string axis_lines(Line line, const PaperError& errors) {
+std::string axis_lines(Line line, const AxisFigures& errors) {
   std::string text;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (!errors[i]) continue;
-    line.quantity = kQuantities[i];
+    line.quantity = kPaperAxes[i];
     line.unit = i < 3 ? "cm" : "deg";
     line.error = *errors[i];
     text += text_of(line);
@@ -97,7 +95,7 @@ std::string curves(const SweepRows& rows, const std::string& along, const std::s
         line.x = rows.level_values[axis].at(static_cast<std::size_t>(level - rows.levels[axis].begin()));
         line.x_title = rows.axis_titles[axis];
         for (const bool rotation : {false, true}) {
-          const std::optional<double> length = norm(paper_error(row), rotation ? 3 : 0);
+          const std::optional<double> length = length_of(paper_error(row), rotation ? 3 : 0);
           if (!length) continue;
           line.quantity = rotation ? "rotation" : "translation";
           line.unit = rotation ? "deg" : "cm";

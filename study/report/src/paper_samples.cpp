@@ -14,18 +14,13 @@ std::optional<double> difference(const std::optional<double>& a, const std::opti
 
 }  // namespace
 
-PaperError paper_error(const SweepRow& row) {
+AxisFigures paper_error(const SweepRow& row) {
   return {row.error[0],          row.error[1],          row.error[2],
           row.roll_pitch_yaw[0], row.roll_pitch_yaw[1], row.roll_pitch_yaw[2]};
 }
 
-std::optional<double> norm(const PaperError& error, std::size_t first) {
-  double sum = 0.0;
-  for (std::size_t i = first; i < first + 3; ++i) {
-    if (!error[i]) return std::nullopt;
-    sum += *error[i] * *error[i];
-  }
-  return std::sqrt(sum);
+const char* subject_title(SweepSubject subject) {
+  return subject == SweepSubject::kCamera ? "camera to robot" : "camera to camera";
 }
 
 bool meets(const SweepRow& row, const Condition& condition) {
@@ -61,7 +56,7 @@ Sample sample_of(const SweepRows& rows, const Condition& condition, const std::s
     if (row.method != method || !meets(row, condition)) continue;
     sample.tasks += row.subject == SweepSubject::kRig;
     if (row.subject != subject) continue;
-    const PaperError error = paper_error(row);
+    const AxisFigures error = paper_error(row);
     std::array<int, 6>& counts = stated[row.task];
     ++wanted[row.task];
     for (std::size_t i = 0; i < 6; ++i) {
@@ -69,8 +64,8 @@ Sample sample_of(const SweepRows& rows, const Condition& condition, const std::s
       sample.values[i].push_back(*error[i]);
       ++counts[i];
     }
-    if (const auto length = norm(error, 0)) sample.lengths_cm.push_back(*length);
-    if (const auto angle = norm(error, 3)) sample.angles_deg.push_back(*angle);
+    if (const auto length = length_of(error, 0)) sample.lengths_cm.push_back(*length);
+    if (const auto angle = length_of(error, 3)) sample.angles_deg.push_back(*angle);
   }
   for (const auto& [task, counts] : stated) {
     bool all = sample.states_anything();
@@ -98,15 +93,6 @@ std::optional<double> deviation(const std::vector<double>& values) {
 std::vector<double> absolute(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   return values;
-}
-
-std::optional<double> quantile(std::vector<double> values, double share) {
-  if (values.empty()) return std::nullopt;
-  std::sort(values.begin(), values.end());
-  const double place = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
 SweepRows against_method(const SweepRows& rows, const std::string& method) {

@@ -11,12 +11,13 @@
 
 namespace rigproof::paper {
 
-/// tx ty tz [cm], roll pitch yaw [deg].
-using PaperError = std::array<std::optional<double>, 6>;
-/// As the paper reads rotations.
-PaperError paper_error(const SweepRow& row);
-/// Length of three of them, from `first` on; absent where one is.
-std::optional<double> norm(const PaperError& error, std::size_t first);
+/// tx ty tz [cm], roll pitch yaw [deg], as the paper reads rotations.
+AxisFigures paper_error(const SweepRow& row);
+/// Names of these.
+inline constexpr std::array<const char*, 6> kPaperAxes = {"tx", "ty", "tz", "roll", "pitch", "yaw"};
+
+/// "camera to robot" or "camera to camera".
+const char* subject_title(SweepSubject subject);
 
 /// Which rows: labels by axis number.
 using Condition = std::map<std::size_t, std::string>;
@@ -49,8 +50,6 @@ std::optional<double> mean(const std::vector<double>& values);
 /// With n - 1; absent for fewer than two.
 std::optional<double> deviation(const std::vector<double>& values);
 std::vector<double> absolute(std::vector<double> values);
-/// The value below which a share of the sorted values lies, interpolated; absent without values.
-std::optional<double> quantile(std::vector<double> values, double share);
 
 /// The same sweep with every pair's error relative to that of one method in the same task, as if there were no truth.
 /// Pairs without an answer of that method are left out, and so is the method itself.

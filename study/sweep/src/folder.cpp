@@ -14,30 +14,32 @@ using nlohmann::json;
 constexpr const char* kFormat = "rigproof-sweep-plan 1";
 constexpr std::uintmax_t kMaxPlanBytes = 512U << 20U;
 
+// Everything but the tasks, by name.
+template <typename Table, typename Visit>
+void visit_fields(Table& table, const Visit& visit) {
+  visit("name", table.name);
+  visit("axes", table.axes);
+  visit("axis_titles", table.axis_titles);
+  visit("pooled", table.pooled);
+  visit("levels", table.levels);
+  visit("level_values", table.level_values);
+  visit("methods", table.methods);
+  visit("reference", table.reference);
+}
+
 json json_of(const SweepRows& table) {
-  json tasks = json::array();
-  for (const SweepTaskName& task : table.tasks) tasks.push_back({task.key, task.levels, task.seed});
-  return {{"name", table.name},       {"axes", table.axes},           {"axis_titles", table.axis_titles},
-          {"pooled", table.pooled},   {"levels", table.levels},       {"level_values", table.level_values},
-          {"methods", table.methods}, {"reference", table.reference}, {"tasks", tasks}};
+  json object = {{"tasks", json::array()}};
+  visit_fields(table, [&object](const char* name, const auto& value) { object[name] = value; });
+  for (const SweepTaskName& task : table.tasks) object["tasks"].push_back({task.key, task.levels, task.seed});
+  return object;
 }
 
 SweepRows table_of(const json& object) {
   SweepRows table;
-  object.at("name").get_to(table.name);
-  object.at("axes").get_to(table.axes);
-  object.at("axis_titles").get_to(table.axis_titles);
-  object.at("pooled").get_to(table.pooled);
-  object.at("levels").get_to(table.levels);
-  object.at("level_values").get_to(table.level_values);
-  object.at("methods").get_to(table.methods);
-  object.at("reference").get_to(table.reference);
-  for (const json& entry : object.at("tasks")) {
-    SweepTaskName& task = table.tasks.emplace_back();
-    entry.at(0).get_to(task.key);
-    entry.at(1).get_to(task.levels);
-    entry.at(2).get_to(task.seed);
-  }
+  visit_fields(table, [&object](const char* name, auto& value) { object.at(name).get_to(value); });
+  for (const json& entry : object.at("tasks"))
+    table.tasks.push_back(
+        {entry.at(0).get<std::string>(), entry.at(1).get<std::vector<std::size_t>>(), entry.at(2).get<std::int64_t>()});
   return table;
 }
 

@@ -24,15 +24,9 @@ double cpu_seconds() {
 }
 
 SweepStatus status_of(ResultStatus status) {
-  switch (status) {
-    case ResultStatus::kSolved:
-      return SweepStatus::kSolved;
-    case ResultStatus::kPartial:
-      return SweepStatus::kPartial;
-    case ResultStatus::kRefused:
-      break;
-  }
-  return SweepStatus::kRefused;
+  return status == ResultStatus::kSolved    ? SweepStatus::kSolved
+         : status == ResultStatus::kPartial ? SweepStatus::kPartial
+                                            : SweepStatus::kRefused;
 }
 
 const TransformError* error_of(const std::vector<TransformError>& errors, const std::string& parent,

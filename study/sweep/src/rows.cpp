@@ -108,33 +108,14 @@ void append(const SweepTaskName& task, const std::string& method, const SweepAns
 }  // namespace
 
 const char* sweep_status_name(SweepStatus status) {
-  switch (status) {
-    case SweepStatus::kSolved:
-      return "solved";
-    case SweepStatus::kPartial:
-      return "partial";
-    case SweepStatus::kNotGiven:
-      return "not_given";
-    case SweepStatus::kRefused:
-      return "refused";
-    case SweepStatus::kCouldNotRun:
-      return "could_not_run";
-    case SweepStatus::kFailed:
-      break;
-  }
-  return "failed";
+  static constexpr std::array<const char*, 6> kNames = {"solved",  "partial",       "not_given",
+                                                        "refused", "could_not_run", "failed"};
+  return kNames[static_cast<std::size_t>(status)];
 }
 
 const char* sweep_subject_name(SweepSubject subject) {
-  switch (subject) {
-    case SweepSubject::kCamera:
-      return "camera";
-    case SweepSubject::kPair:
-      return "pair";
-    case SweepSubject::kRig:
-      break;
-  }
-  return "rig";
+  static constexpr std::array<const char*, 3> kNames = {"rig", "camera", "pair"};
+  return kNames[static_cast<std::size_t>(subject)];
 }
 
 std::optional<double> SweepRow::z(std::size_t axis) const {

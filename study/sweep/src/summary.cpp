@@ -17,15 +17,6 @@ struct Value {
   std::optional<double> bound;
 };
 
-std::optional<double> length_of(const AxisFigures& figures, std::size_t first) {
-  double squares = 0.0;
-  for (std::size_t i = first; i < first + 3; ++i) {
-    if (!figures[i]) return std::nullopt;
-    squares += *figures[i] * *figures[i];
-  }
-  return std::sqrt(squares);
-}
-
 std::optional<Value> value_of(const SweepRow& row, SummaryAxis axis) {
   const auto index = static_cast<std::size_t>(axis);
   std::optional<double> error, bound;
@@ -134,24 +125,10 @@ ByTask by_task(const SweepRows& table) {
 }
 
 void count_status(SweepStatus status, SummaryRow* row) {
-  switch (status) {
-    case SweepStatus::kSolved:
-      ++row->solved;
-      return;
-    case SweepStatus::kPartial:
-    case SweepStatus::kNotGiven:
-      ++row->partial;
-      return;
-    case SweepStatus::kRefused:
-      ++row->refused;
-      return;
-    case SweepStatus::kCouldNotRun:
-      ++row->could_not_run;
-      return;
-    case SweepStatus::kFailed:
-      ++row->failed;
-      return;
-  }
+  static constexpr std::array<int SummaryRow::*, 6> kCounts = {&SummaryRow::solved,        &SummaryRow::partial,
+                                                               &SummaryRow::partial,       &SummaryRow::refused,
+                                                               &SummaryRow::could_not_run, &SummaryRow::failed};
+  ++(row->*kCounts[static_cast<std::size_t>(status)]);
 }
 
 /// One point of the axes that are not pooled, cameras or pairs, one axis: a line for each method.
@@ -275,6 +252,15 @@ const std::string& kind_of(const SweepRow& row) {
 }
 
 }  // namespace
+
+std::optional<double> length_of(const AxisFigures& figures, std::size_t first) {
+  double squares = 0.0;
+  for (std::size_t i = first; i < first + 3; ++i) {
+    if (!figures[i]) return std::nullopt;
+    squares += *figures[i] * *figures[i];
+  }
+  return std::sqrt(squares);
+}
 
 const char* summary_axis_name(SummaryAxis axis) {
   static const std::array<const char*, kAxes> names = {"tx",   "ty",    "tz",  "rx",          "ry",      "rz",

@@ -1,11 +1,13 @@
 // The summary as a person reads it, and as programs do.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "rigproof/core/text.h"
 #include "rigproof/study/sweep/rows.h"
 #include "rigproof/study/sweep/table_text.h"
 #include "rigproof/validate/figures.h"
+#include "rigproof/validate/text_table.h"
 
 namespace rigproof {
 namespace {
@@ -126,20 +128,11 @@ std::vector<std::vector<std::string>> table_of(const SweepSummary& summary, cons
 }
 
 std::string aligned_text(const std::vector<std::vector<std::string>>& table) {
-  std::vector<std::size_t> widths;
-  for (const auto& row : table)
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      if (widths.size() <= i) widths.push_back(0);
-      widths[i] = std::max(widths[i], row[i].size());
-    }
-  std::string text;
-  for (const auto& row : table) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) line += " " + row[i] + std::string(widths[i] - row[i].size() + 1, ' ');
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
-  }
-  return text;
+  std::vector<std::size_t> all(table.front().size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  TextTable columns(all);
+  for (const auto& row : table) columns.add(row);
+  return columns.text({" ", "  "});
 }
 
 std::string markdown_text(const std::vector<std::vector<std::string>>& table) {

@@ -12,6 +12,8 @@ namespace rigproof {
 
 /// tx ty tz in centimetres, rx ry rz in degrees; absent where there is no figure.
 using AxisFigures = std::array<std::optional<double>, 6>;
+/// Length of three of them, from `first` on; absent where one is.
+std::optional<double> length_of(const AxisFigures& figures, std::size_t first);
 
 enum class SweepStatus {
   kSolved,       ///< all six degrees of freedom
