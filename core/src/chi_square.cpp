@@ -12,11 +12,6 @@ constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-double regularised_gamma(double shape, double x) {
-  if (x <= 0.0) return 0.0;
-  return shape > 0.0 ? boost::math::gamma_p(shape, x) : kUndefined;
-}
-
 double chi_square_quantile(double probability, double degrees_of_freedom) {
   return degrees_of_freedom > 0.0 ? 2.0 * boost::math::gamma_p_inv(0.5 * degrees_of_freedom, probability) : 0.0;
 }

@@ -388,15 +388,6 @@ std::optional<std::int64_t> MapReader::integer(const std::string& key, const Num
   return value ? read_integer(*value, path_of(key), range, problems_) : std::nullopt;
 }
 
-std::optional<bool> MapReader::boolean(const std::string& key) {
-  const YamlTree* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  if (value->is_scalar() && !value->quoted && (value->scalar == "true" || value->scalar == "false"))
-    return value->scalar == "true";
-  problem(key, "must be true or false");
-  return std::nullopt;
-}
-
 std::optional<std::string> MapReader::text(const std::string& key, const std::vector<std::string>& choices) {
   const YamlTree* value = find(key);
   return value ? read_text(*value, path_of(key), choices, problems_) : std::nullopt;
@@ -406,15 +397,6 @@ std::optional<std::vector<double>> MapReader::numbers(const std::string& key, st
                                                       std::size_t size_max, const NumberRange& range) {
   const YamlTree* value = find(key);
   return value ? read_numbers(*value, path_of(key), size_min, size_max, range, problems_) : std::nullopt;
-}
-
-std::optional<std::vector<double>> MapReader::numbers(const std::string& key, std::size_t size) {
-  return numbers(key, size, size, {});
-}
-
-std::optional<std::vector<std::string>> MapReader::texts(const std::string& key) {
-  const YamlTree* value = find(key);
-  return value ? read_texts(*value, path_of(key), problems_) : std::nullopt;
 }
 
 void MapReader::require(const std::string& key, const std::string& allowed) {

@@ -119,7 +119,7 @@ TEST(MapReader, ReportsUnknownKeysMissingKeysAndWrongShapes) {
   const YamlTree tree = parse_yaml("a: [1, 2, x]\nb: 1.5\nc: {d: 1}\nwidht: 3\nx-mine: 1\n", "f.yaml");
   Problems problems;
   MapReader map(tree, "top", &problems);
-  map.numbers("a", 3);
+  map.numbers("a", 3, 3, {});
   map.integer("b", {0.0, 9.0});
   map.text("c");
   map.number("width");

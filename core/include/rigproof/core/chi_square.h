@@ -3,8 +3,6 @@
 
 namespace rigproof {
 
-/// Regularised lower incomplete gamma function P(shape, x), shape > 0, x >= 0; relative error about 1e-14.
-double regularised_gamma(double shape, double x);
 /// Quantile of chi-square: x with P(chi-square <= x) = probability, 0 < probability < 1.
 double chi_square_quantile(double probability, double degrees_of_freedom);
 /// P(chi-square > x), accurate far out in the tail, too.

@@ -72,14 +72,11 @@ class MapReader {
 
   std::optional<double> number(const std::string& key, const NumberRange& range = {});
   std::optional<std::int64_t> integer(const std::string& key, const NumberRange& range = {});
-  std::optional<bool> boolean(const std::string& key);
   /// Non-empty text; one of `choices` if there are any.
   std::optional<std::string> text(const std::string& key, const std::vector<std::string>& choices = {});
   /// A list of size_min to size_max numbers.
   std::optional<std::vector<double>> numbers(const std::string& key, std::size_t size_min, std::size_t size_max,
                                              const NumberRange& range);
-  std::optional<std::vector<double>> numbers(const std::string& key, std::size_t size);
-  std::optional<std::vector<std::string>> texts(const std::string& key);
 
   /// Reports the key as missing unless it is there; `allowed` says what it should hold.
   void require(const std::string& key, const std::string& allowed);
