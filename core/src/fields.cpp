@@ -168,24 +168,22 @@ void flatten(const YamlTree& tree, const std::string& path, std::map<std::string
   }
 }
 
-void read_tree(const YamlTree& tree, const VisitFields& visit) {
+}  // namespace
+
+void read_fields(const fs::path& file, const VisitFields& visit) {
+  read_fields_of_tree(resolve_includes(read_yaml_file(file)), visit);
+}
+
+void read_fields_from_text(const std::string& text, const fs::path& file, const VisitFields& visit) {
+  read_fields_of_tree(resolve_includes(parse_yaml(text, file)), visit);
+}
+
+void read_fields_of_tree(const YamlTree& tree, const VisitFields& visit) {
   Problems problems;
   read_fields_of_block(tree, "", &problems, visit);
   problems.sort();
   problems.throw_if_any();
 }
-
-}  // namespace
-
-void read_fields(const fs::path& file, const VisitFields& visit) {
-  read_tree(resolve_includes(read_yaml_file(file)), visit);
-}
-
-void read_fields_from_text(const std::string& text, const fs::path& file, const VisitFields& visit) {
-  read_tree(resolve_includes(parse_yaml(text, file)), visit);
-}
-
-void read_fields_of_tree(const YamlTree& tree, const VisitFields& visit) { read_tree(tree, visit); }
 
 void read_fields_of_block(const YamlTree& block, const std::string& path, Problems* problems,
                           const VisitFields& visit) {
