@@ -6,9 +6,9 @@
 
 #include "acceptance.h"
 #include "commands.h"
+#include "judging.h"
 #include "observing.h"
 #include "print_result.h"
-#include "rigproof/calib/diagnose/method.h"
 #include "rigproof/core/error.h"
 #include "rigproof/study/workflow/external.h"
 #include "rigproof/study/workflow/workflow.h"
@@ -35,10 +35,8 @@ int observe_command(const ObserveArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   const Vision vision(arguments.vision);
   const Input input = open_input(arguments.input);
-  if (arguments.output.empty()) require_writable(product_folder(input));
+  const std::filesystem::path output = product_place(input, arguments.output, "observations.json");
   const Observations observations = observe_with_progress(input, vision, arguments.common.jobs, terminal);
-  const std::filesystem::path output =
-      arguments.output.empty() ? product_folder(input) / "observations.json" : arguments.output;
   save_observations(observations, output);
   if (arguments.common.json) {
     const nlohmann::json json = {{"observations", output.string()},
@@ -67,8 +65,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
   const std::optional<Gates> gates = gates_for(arguments.accept, accepted_by_rig(input));
   if (!gates && !arguments.junit.empty())
     throw Error("--junit: holds the gates of --accept and of the rig's accept key, and there are neither");
-  if (arguments.output.empty()) require_writable(product_folder(input));
-  const std::filesystem::path folder = arguments.output.empty() ? product_folder(input) / "results" : arguments.output;
+  const std::filesystem::path folder = product_place(input, arguments.output, "results");
   const auto methods = methods_by_name(arguments.methods, {folder, [] { return !interrupted(); }});
   const Observations observations = observe_with_progress(input, vision, arguments.common.jobs, terminal);
   const MethodInput given = method_input(input, observations, vision, arguments.common.jobs);
@@ -95,9 +92,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
   if (!arguments.junit.empty()) save_junit(judged, arguments.junit, words::sentence_of);
   if (arguments.common.json) std::puts(("{\"results\": [\n" + json + "\n]}").c_str());
   if (!all_solved) return static_cast<int>(ExitCode::kRefused);
-  const bool accepted =
-      std::all_of(judged.begin(), judged.end(), [](const auto& record) { return record.gate.passed(); });
-  return static_cast<int>(accepted ? ExitCode::kGood : ExitCode::kGateFailed);
+  return static_cast<int>(all_passed(judged) ? ExitCode::kGood : ExitCode::kGateFailed);
 }
 
 }  // namespace rigproof

@@ -25,12 +25,10 @@ int inspect_command(const InspectArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   InspectInput scene;
   scene.input = open_input(arguments.input);
-  if (arguments.output.empty()) require_writable(product_folder(scene.input));
+  const std::filesystem::path folder = product_place(scene.input, arguments.output, "pictures");
   scene.results = results_to_draw(arguments, scene.input);
   scene.truth = truth_beside(scene.input);
   scene.observations = observe_with_progress(scene.input, arguments.common.jobs, terminal);
-  const std::filesystem::path folder =
-      arguments.output.empty() ? product_folder(scene.input) / "pictures" : arguments.output;
   const std::vector<std::filesystem::path> files = write_pictures(scene, folder);
   if (arguments.common.json) {
     nlohmann::json json = nlohmann::json::array();

@@ -9,9 +9,12 @@
 
 namespace rigproof {
 
-void require_writable(const std::filesystem::path& product_folder) {
-  if (::access(product_folder.c_str(), W_OK) != 0)
-    throw Error(product_folder.string() + ": cannot be written; choose another folder with --output");
+std::filesystem::path product_place(const Input& input, const std::filesystem::path& output, const std::string& name) {
+  if (!output.empty()) return output;
+  const std::filesystem::path folder = product_folder(input);
+  if (::access(folder.c_str(), W_OK) != 0)
+    throw Error(folder.string() + ": cannot be written; choose another folder with --output");
+  return folder / name;
 }
 
 Vision::Vision(const VisionArguments& arguments)

@@ -14,8 +14,9 @@
 
 namespace rigproof {
 
-/// Throws Error that says what to do if the products of an input cannot go beside it.
-void require_writable(const std::filesystem::path& product_folder);
+/// Where products of an input go: the output that the user named, else `name` beside the input. Throws Error that says
+/// what to do if they cannot go there.
+std::filesystem::path product_place(const Input& input, const std::filesystem::path& output, const std::string& name);
 
 /// Throws Error with ExitCode::kTryAgain if the user interrupts.
 Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal);
