@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "resample.h"
 #include "rigproof/core/vector_clones.h"
 
 namespace rigproof {
@@ -46,10 +47,7 @@ float sample_depth(const WindowDepth& source, const mujoco::DepthLaw& law, doubl
 
 RIGPROOF_VECTOR_CLONES
 void convert_depth(const WindowDepth& source, const mujoco::DepthLaw& law, ImageF* depth_m) {
-  depth_m->width = source.width;
-  depth_m->height = source.height;
-  depth_m->channels = 1;
-  depth_m->pixels.resize(static_cast<std::size_t>(source.width) * static_cast<std::size_t>(source.height));
+  resize(source.width, source.height, 1, depth_m);
   const auto offset = static_cast<float>(law.offset_per_m), slope = static_cast<float>(law.slope_per_m);
   for (int y = 0; y < source.height; ++y) {
     const std::uint32_t* in = source.row(y);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "resample.h"
 #include "rigproof/core/vector_clones.h"
 
 namespace rigproof {
@@ -38,10 +39,7 @@ void LightSum::add_row(int row, double share, const std::uint8_t* levels) {
 }
 
 void LightSum::write(Image8* image) const {
-  image->width = width_;
-  image->height = height_;
-  image->channels = channels_;
-  image->pixels.resize(light_.size());
+  resize(width_, height_, channels_, image);
   for (std::size_t i = 0; i < light_.size(); ++i) {
     const float root = std::sqrt(std::clamp(light_[i], 0.0F, 1.0F));
     image->pixels[i] = level_of_root_[static_cast<std::size_t>(root * static_cast<float>(kRoots) + 0.5F)];

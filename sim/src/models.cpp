@@ -1,7 +1,6 @@
 #include "rigproof/sim/models.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
@@ -220,14 +219,9 @@ Rigid3 place_board(const Board& board, const BoardPlacement& placement) {
 }
 
 BoardPlacement BoardPlacementRange::sample(RandomStream& random) const {
-  BoardPlacement placement;
-  placement.x_m = x_m.sample(random);
-  placement.y_m = y_m.sample(random);
-  placement.z_m = z_m.sample(random);
-  placement.facing_deg = facing_deg.sample(random);
-  placement.lean_deg = lean_deg.sample(random);
-  placement.roll_deg = roll_deg.sample(random);
-  return placement;
+  // Braces: drawn from left to right.
+  return {x_m.sample(random),        y_m.sample(random),      z_m.sample(random),
+          facing_deg.sample(random), lean_deg.sample(random), roll_deg.sample(random)};
 }
 
 BoardPlacement BoardPlacementRange::middle() const {

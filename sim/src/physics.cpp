@@ -135,14 +135,6 @@ Wheels wheels_of(const mjModel& model, int robot_body, const std::string& robot_
   return wheels;
 }
 
-/// @param position where the pose of the body stands among a state's coordinates
-void set_pose(mjData* state, int position, const Rigid3& T_world_body) {
-  mjtNum* q = state->qpos + position;
-  for (int i = 0; i < 3; ++i) q[i] = T_world_body.translation[i];
-  q[3] = T_world_body.rotation.w();
-  for (int i = 0; i < 3; ++i) q[4 + i] = T_world_body.rotation.vec()[i];
-}
-
 Rigid3 pose_in(const mjData& state, int position) {
   const mjtNum* q = state.qpos + position;
   return Rigid3(Eigen::Quaterniond(q[3], q[4], q[5], q[6]), Eigen::Vector3d(q[0], q[1], q[2]));

@@ -199,14 +199,6 @@ Frustum whole_frustum(const CameraPlan& plan) {
   return frustum_of(plan.camera, whole_image(plan.camera), 1);
 }
 
-void resize(int width, int height, int channels, Image8* image) {
-  image->width = width;
-  image->height = height;
-  image->channels = channels;
-  image->pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                       static_cast<std::size_t>(channels));
-}
-
 }  // namespace
 
 struct Renderer::Impl {
@@ -298,10 +290,7 @@ void Renderer::Impl::take_depth(const CameraPlan& plan, ImageF* depth_m) {
     return;
   }
   const Frustum frustum = plan.table.source().frustum();
-  depth_m->width = camera.width_px;
-  depth_m->height = camera.height_px;
-  depth_m->channels = 1;
-  depth_m->pixels.resize(static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px));
+  resize(camera.width_px, camera.height_px, 1, depth_m);
   for (int y = 0; y < camera.height_px; ++y)
     sample_depth_row({pixels, frustum.width, frustum.height}, gl.depth_law(), plan.table.row_x(y), plan.table.row_y(y),
                      camera.width_px, depth_m->row(y));

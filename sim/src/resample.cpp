@@ -86,10 +86,7 @@ PointSpread::PointSpread(double sigma_px) {
 
 void PointSpread::apply(const RgbaView& source, Image8* rgb) {
   const int radius = static_cast<int>(taps_.size()) - 1, width = source.width;
-  rgb->width = width;
-  rgb->height = source.height;
-  rgb->channels = 3;
-  rgb->pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(source.height) * 3);
+  resize(width, source.height, 3, rgb);
   const std::size_t length = static_cast<std::size_t>(width + 2 * radius) * kChannels;
   line_.resize(2 * length);
   std::uint8_t *line = line_.data(), *scratch = line + length;

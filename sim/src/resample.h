@@ -10,6 +10,15 @@
 
 namespace rigproof {
 
+/// Gives an image another size, in the memory that it has.
+template <typename T>
+void resize(int width, int height, int channels, Image<T>* image) {
+  image->width = width;
+  image->height = height;
+  image->channels = channels;
+  image->pixels.resize(static_cast<std::size_t>(height) * image->row_length());
+}
+
 /// RGBA pixels as GL hands them over, rows addressed from the top (GL's first row is the bottom one).
 struct RgbaView {
   const std::uint8_t* top = nullptr;

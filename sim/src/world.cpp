@@ -1,7 +1,6 @@
 #include "rigproof/sim/world.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <set>
 
@@ -123,6 +122,13 @@ void index_model(World::Impl* impl) {
 
 }  // namespace
 
+void set_pose(mjData* state, int position, const Rigid3& T_world_body) {
+  mjtNum* q = state->qpos + position;
+  for (int i = 0; i < 3; ++i) q[i] = T_world_body.translation[i];
+  q[3] = T_world_body.rotation.w();
+  for (int i = 0; i < 3; ++i) q[4 + i] = T_world_body.rotation.vec()[i];
+}
+
 ObjectKind kind_of_geom(const mjModel* model, int geom, int robot_body) {
   if (model->body_rootid[model->geom_bodyid[geom]] == robot_body) return ObjectKind::kRobot;
   const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
@@ -163,10 +169,7 @@ std::unique_ptr<World> World::compose(const WorldDescription& description) {
 void World::place_robot(const Rigid3& T_world_robot) {
   Impl& w = *impl_;
   w.T_world_robot = T_world_robot;
-  mjtNum* q = w.data->qpos + w.robot_position;
-  for (int i = 0; i < 3; ++i) q[i] = T_world_robot.translation[i];
-  q[3] = T_world_robot.rotation.w();
-  for (int i = 0; i < 3; ++i) q[4 + i] = T_world_robot.rotation.vec()[i];
+  set_pose(w.data.get(), w.robot_position, T_world_robot);
   mj_kinematics(w.model.get(), w.data.get());
   mj_comPos(w.model.get(), w.data.get());
   mj_camlight(w.model.get(), w.data.get());

@@ -35,6 +35,8 @@ std::string compose_mjcf(const WorldDescription& description, const std::string&
                          const std::string& more_assets = "");
 /// The folder that the composed text is compiled in: the robot's, so that its meshes are found.
 std::filesystem::path base_folder(const WorldDescription& description);
+/// @param position where the pose of the body stands among a state's coordinates
+void set_pose(mjData* state, int position, const Rigid3& T_world_body);
 /// What a geom belongs to: by its body, else by its name.
 ObjectKind kind_of_geom(const mjModel* model, int geom, int robot_body);
 /// Its own name, or its body's and its number.
