@@ -5,7 +5,6 @@
 
 #include "commands.h"
 #include "observing.h"
-#include "print_result.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/version.h"

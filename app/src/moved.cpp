@@ -11,7 +11,6 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
-#include "rigproof/study/workflow/workflow.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/words/sentences.h"
 

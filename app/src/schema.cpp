@@ -4,7 +4,6 @@
 
 #include "commands.h"
 #include "output_schemas.h"
-#include "print_result.h"
 #include "rigproof/calib/diagnose/ml_settings.h"
 #include "rigproof/calib/plan/accept.h"
 #include "rigproof/core/error.h"

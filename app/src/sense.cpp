@@ -4,7 +4,6 @@
 
 #include "commands.h"
 #include "generating.h"
-#include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/core/text.h"

@@ -1,7 +1,6 @@
 #include "camera_info.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace rigproof {
 namespace {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "rigproof/core/text.h"
-
 namespace rigproof {
 namespace {
 

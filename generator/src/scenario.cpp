@@ -9,7 +9,6 @@
 #include "drive_store.h"
 #include "driven.h"
 #include "exposures.h"
-#include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"

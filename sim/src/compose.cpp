@@ -4,7 +4,6 @@
 #include "mjcf_text.h"
 #include "rigproof/core/error.h"
 #include "scene_objects.h"
-#include "textures.h"
 #include "world_impl.h"
 
 namespace rigproof {

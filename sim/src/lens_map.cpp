@@ -1,7 +1,6 @@
 #include "lens_map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "rigproof/core/error.h"

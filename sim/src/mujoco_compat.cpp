@@ -1,7 +1,6 @@
 #include "mujoco_compat.h"
 
 #include <array>
-#include <cmath>
 #include <cstring>
 
 #include "rigproof/core/error.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "board_model.h"
 #include "rigproof/core/conventions.h"
 #include "world_impl.h"
 

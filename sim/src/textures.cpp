@@ -1,9 +1,5 @@
 #include "textures.h"
 
-#include <map>
-#include <mutex>
-#include <tuple>
-
 #include "rigproof/core/error.h"
 #include "texture_canvas.h"
 #include "texture_file.h"

@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
 #include "rigproof/formats/format.h"

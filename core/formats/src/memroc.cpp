@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 
-#include "rigproof/core/conventions.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/text.h"

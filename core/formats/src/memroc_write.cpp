@@ -4,7 +4,6 @@
 #include <array>
 
 #include "memroc.h"
-#include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"

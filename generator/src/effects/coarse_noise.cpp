@@ -1,7 +1,6 @@
 // Part of the depth noise is no white noise of matching windows: patches, and ripples along the columns. The variance
 // is made of three parts that add up to 1.
 #include <cmath>
-#include <optional>
 
 #include "../sensing/normals.h"
 #include "rigproof/core/conventions.h"
