@@ -10,6 +10,7 @@
 #include "../validate/synthetic.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
@@ -42,7 +43,7 @@ class Inspect : public testing::Test {
  protected:
   Inspect() : truth_(make_truth(24)), observations_(make_observations(truth_, 0.02)) {
     Recording recording;
-    recording.folder = folder_;
+    recording.folder = folder_.path();
     recording.rig.cameras = observations_.cameras;
     for (BoardView& view : observations_.board_views) {
       view.file =
@@ -60,7 +61,6 @@ class Inspect : public testing::Test {
     result.camera_to_robot[2].T_parent_child.translation.z() += 0.006;
     input_.results = {result};
   }
-  ~Inspect() override { fs::remove_all(folder_); }
 
   void add_odometry_noise() {
     RandomStream random(1, "odometry");
@@ -90,7 +90,7 @@ class Inspect : public testing::Test {
     return names;
   }
 
-  const fs::path folder_ = fresh_folder("inspect");
+  const TempFolder folder_;
   const fs::path pictures_ = folder_ / "pictures";
   Truth truth_;
   Observations observations_;

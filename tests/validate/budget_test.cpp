@@ -10,6 +10,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "synthetic.h"
+#include "temp_folder.h"
 #include "worded.h"
 
 namespace rigproof {
@@ -32,9 +33,8 @@ class BudgetTest : public testing::Test {
     }
     return "accepted";
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  const std::filesystem::path folder_ = fresh_folder("budget");
+  const TempFolder folder_;
 };
 
 TEST_F(BudgetTest, ReadsUnitsAndPrecedence) {

@@ -7,6 +7,7 @@
 #include "rigproof/validate/statistics.h"
 #include "rigproof/validate/validate.h"
 #include "synthetic.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
@@ -173,7 +174,7 @@ TEST(Compare, TiltOfACameraWithoutAHeadingIsJudgedInItsOwnAxes) {
       for (const int axis : {2, 3, 4}) EXPECT_NEAR(of_left.z(axis).value(), 1.0, 1e-2) << axis;
     };
     expect_one_sigma(result);
-    const auto folder = fresh_folder("heading");
+    const TempFolder folder;
     result.status = ResultStatus::kPartial;
     save_result(result, folder / "left.yaml");
     expect_one_sigma(load_result(folder / "left.yaml"));

@@ -5,7 +5,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
-#include "synthetic.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 class IntegrityTest : public testing::Test {
  protected:
-  IntegrityTest() : run_{testing_support::fresh_folder("integrity")} {
+  IntegrityTest() {
     add("recording/rig.yaml", "rig: yes\n");
     add("recording/left/color/000000.png", std::string(5000, 'p'));
     add("recording/left/color/000001.png", std::string(5000, 'q'));
@@ -23,7 +23,6 @@ class IntegrityTest : public testing::Test {
     manifest_.complete = true;
     save();
   }
-  ~IntegrityTest() override { fs::remove_all(run_.root); }
 
   void add(const std::string& file, const std::string& bytes) {
     write_file_atomically(run_.root / file, bytes);
@@ -31,7 +30,8 @@ class IntegrityTest : public testing::Test {
   }
   void save() { save_manifest(manifest_, run_.manifest_file()); }
 
-  RunFolder run_;
+  const TempFolder folder_;
+  const RunFolder run_{folder_.path()};
   Manifest manifest_;
 };
 

@@ -8,6 +8,7 @@
 #include "rigproof/validate/body_angles.h"
 #include "rigproof/validate/proof.h"
 #include "synthetic.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
@@ -163,7 +164,7 @@ TEST(ProofOfCorners, UnknownCamerasAndStampsAreErrors) {
 }
 
 TEST(ProofFile, HoldsWhatWasProved) {
-  const auto folder = fresh_folder("proof_file");
+  const TempFolder folder;
   const Truth truth = make_truth();
   Proof proof = prove_corners_only(make_observations(truth, kSigmaPx), truth);
   proof.problems = {"left: \"quoted\", with: colon", "second"};
@@ -178,7 +179,6 @@ TEST(ProofFile, HoldsWhatWasProved) {
     EXPECT_EQ(cameras[i].find("corners")->scalar, std::to_string(proof.cameras[i].corners));
     EXPECT_EQ(parse_number(cameras[i].find("corner_max_px")->scalar), proof.cameras[i].corner_max_px);
   }
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/validate/proof.h"
 #include "synthetic.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
@@ -16,13 +17,12 @@ using testing::HasSubstr;
 class ProofOfDepth : public testing::Test {
  protected:
   Proof prove_with(const DepthFaults& faults) {
-    const Recording recording = make_depth_recording(truth_, folder_, faults);
+    const Recording recording = make_depth_recording(truth_, folder_.path(), faults);
     return prove(recording, make_observations(truth_, 0.02), truth_);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   Truth truth_ = make_truth(6);
-  const std::filesystem::path folder_ = fresh_folder("depth");
+  const TempFolder folder_;
 };
 
 TEST_F(ProofOfDepth, CleanDataPass) {
@@ -112,7 +112,7 @@ TEST_F(ProofOfDepth, MirroredDepthIsNamed) {
 }
 
 TEST_F(ProofOfDepth, UnreadableImagesAreErrors) {
-  const Recording recording = make_depth_recording(truth_, folder_, {});
+  const Recording recording = make_depth_recording(truth_, folder_.path(), {});
   { std::ofstream(folder_ / recording.frames[0][0].depth_file) << "not an image"; }
   EXPECT_THROW(prove(recording, make_observations(truth_, 0.02), truth_), Error);
 }

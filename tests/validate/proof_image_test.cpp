@@ -10,6 +10,7 @@
 #include "rigproof/core/yaml.h"
 #include "rigproof/validate/proof.h"
 #include "synthetic.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
@@ -36,7 +37,6 @@ class ProofOfImageNoise : public testing::Test {
                         {"read_noise_electrons", kReadNoise},
                         {"image_gamma", kGamma}};
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   // Enough where nothing depends on the others: images are most of the work.
   void keep_first_camera() { truth_.cameras.resize(1); }
@@ -58,7 +58,7 @@ class ProofOfImageNoise : public testing::Test {
   }
 
   Proof prove_with(const ImageFaults& faults) {
-    Recording recording = make_depth_recording(truth_, folder_, {});
+    Recording recording = make_depth_recording(truth_, folder_.path(), {});
     for (std::size_t camera = 0; camera < truth_.cameras.size(); ++camera)
       for (std::size_t stop = 0; stop < truth_.stops.size(); ++stop) {
         CameraFrame& frame = recording.frames[camera][stop];
@@ -87,7 +87,7 @@ class ProofOfImageNoise : public testing::Test {
   }
 
   Truth truth_ = make_truth(4);
-  const std::filesystem::path folder_ = fresh_folder("image_noise");
+  const TempFolder folder_;
 };
 
 // A few dozen squares of a hundred samples and more each: their median is known to about a per cent.

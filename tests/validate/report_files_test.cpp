@@ -10,6 +10,7 @@
 
 #include "rigproof/core/files.h"
 #include "synthetic.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
@@ -120,13 +121,12 @@ TEST(JsonReport, BadBytesDoNotThrow) {
 }
 
 TEST(JUnit, IsWrittenWhole) {
-  const auto folder = fresh_folder("report_files");
+  const TempFolder folder;
   const Truth truth = make_truth();
   const std::vector<ValidationRecord> records = {record_of(truth, exact_result(truth), "ml")};
   save_junit(records, folder / "out" / "junit.xml");
   EXPECT_EQ(read_text_file(folder / "out" / "junit.xml"), to_junit(records));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "out"), {}), 1);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include "synthetic.h"
 
-#include <unistd.h>
-
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
@@ -169,14 +167,6 @@ Recording make_depth_recording(const Truth& truth, const std::filesystem::path& 
     }
   }
   return recording;
-}
-
-std::filesystem::path fresh_folder(const std::string& name) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("rigproof_validate_" + name + "_" + std::to_string(::getpid()));
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
 }
 
 }  // namespace rigproof::testing_support

@@ -41,7 +41,4 @@ struct DepthFaults {
 };
 Recording make_depth_recording(const Truth& truth, const std::filesystem::path& folder, const DepthFaults& faults);
 
-/// An empty folder of the test's own.
-std::filesystem::path fresh_folder(const std::string& name);
-
 }  // namespace rigproof::testing_support
