@@ -1,5 +1,7 @@
 #include "rigproof/study/report/inspect.h"
 
+#include <algorithm>
+
 #include "inspect_pictures.h"
 
 namespace rigproof {
@@ -11,8 +13,18 @@ std::vector<std::string> camera_names(const Observations& observations) {
   return names;
 }
 
-std::filesystem::path image_folder(const InspectInput& input) {
-  return input.input.recording ? input.input.recording->folder : std::filesystem::path();
+double height_at(double width, const Camera& camera) { return width * camera.height_px / std::max(1, camera.width_px); }
+
+cv::Mat draw_image(const InspectInput& input, const std::string& file, const Eigen::Vector2d& corner,
+                   const Eigen::Vector2d& size, Canvas* canvas) {
+  canvas->rectangle(corner, size, kRule.pale(0.5));
+  if (!input.input.recording || input.input.recording->folder.empty()) return {};
+  cv::Mat picture = read_color(input.input.recording->folder, file);
+  if (!picture.empty())
+    canvas->image(picture, corner, size);
+  else
+    canvas->text(corner + 0.5 * size, "image cannot be read", 9.0, kGrey, Align::kCentre);
+  return picture;
 }
 
 std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string& camera) {

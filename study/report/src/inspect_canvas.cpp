@@ -138,13 +138,14 @@ void Canvas::image(const cv::Mat& picture, const Eigen::Vector2d& corner, const 
   cv::resize(picture, pixels_(target), target.size(), 0.0, 0.0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
 }
 
-void Canvas::save(const std::filesystem::path& file) const {
+std::filesystem::path Canvas::save(const std::filesystem::path& file) const {
   cv::Mat averaged;
   cv::resize(pixels_, averaged, cv::Size(width_, height_), 0.0, 0.0, cv::INTER_AREA);
   std::vector<std::uint8_t> bytes;
   if (!cv::imencode(".png", averaged, bytes, {cv::IMWRITE_PNG_COMPRESSION, 3}))
     throw Error(file.string() + ": the picture could not be encoded as PNG");
   write_file_atomically(file, bytes);
+  return file;
 }
 
 void draw_title(Canvas* canvas, const std::string& title, const std::string& subtitle) {

@@ -52,8 +52,8 @@ class Canvas {
   /// A BGR image scaled into a rectangle.
   void image(const cv::Mat& bgr, const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
 
-  /// Averages and writes a PNG whole or not at all. Throws Error.
-  void save(const std::filesystem::path& file) const;
+  /// Averages and writes a PNG whole or not at all; returns its path. Throws Error.
+  std::filesystem::path save(const std::filesystem::path& file) const;
 
  private:
   int width_, height_;

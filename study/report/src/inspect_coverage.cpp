@@ -44,13 +44,9 @@ class CoveragePanel {
     }
   }
 
-  static double height_of(const RigCamera& camera) {
-    return kPanelWidth * camera.camera.height_px / std::max(1, camera.camera.width_px);
-  }
-
   void draw(Canvas* canvas, const Eigen::Vector2d& origin) const {
     const double scale = kPanelWidth / camera_.camera.width_px;
-    const Eigen::Vector2d size(kPanelWidth, height_of(camera_));
+    const Eigen::Vector2d size(kPanelWidth, height_at(kPanelWidth, camera_.camera));
     draw_cells(canvas, origin, size);
     std::size_t corners = 0;
     for (const BoardView* view : views_) {
@@ -102,7 +98,7 @@ Written draw_coverage(const InspectInput& input, const std::filesystem::path& fo
   const int columns = std::min(kColumns, count), rows = (count + columns - 1) / columns;
   double panel_height = 0.0;
   for (const RigCamera& camera : observations.cameras)
-    panel_height = std::max(panel_height, CoveragePanel::height_of(camera));
+    panel_height = std::max(panel_height, height_at(kPanelWidth, camera.camera));
   const double width = 2.0 * kMargin + columns * (kPanelWidth + kGap) - kGap;
   const double height = kTitleHeight + rows * (panel_height + kCaption + kGap);
   Canvas canvas(static_cast<int>(std::max(width, 620.0)), static_cast<int>(height));
@@ -112,8 +108,7 @@ Written draw_coverage(const InspectInput& input, const std::filesystem::path& fo
     CoveragePanel(observations, static_cast<std::size_t>(i))
         .draw(&canvas, {kMargin + (i % columns) * (kPanelWidth + kGap),
                         kTitleHeight + (i / columns) * (panel_height + kCaption + kGap)});
-  canvas.save(folder / "coverage.png");
-  return folder / "coverage.png";
+  return canvas.save(folder / "coverage.png");
 }
 
 }  // namespace rigproof::inspect_detail

@@ -264,8 +264,7 @@ Written draw_drive(const InspectInput& input, const std::filesystem::path& folde
   canvas.frame({kMargin, kTitleHeight}, {kMapWidth, kMapHeight}, kRule, 1.0);
   draw_title(&canvas, "The drive from above", summary(drive));
   draw_legend(drive, &canvas);
-  canvas.save(folder / "drive.png");
-  return folder / "drive.png";
+  return canvas.save(folder / "drive.png");
 }
 
 }  // namespace rigproof::inspect_detail

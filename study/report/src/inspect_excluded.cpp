@@ -28,11 +28,10 @@ class ExcludedSheet {
     const std::size_t shown = std::min(wanted, all_.size());
     for (std::size_t i = 0; i < shown; ++i) shown_.push_back(all_[i * all_.size() / shown]);
     for (const RigCamera& camera : input.observations.cameras)
-      thumb_height_ =
-          std::max(thumb_height_, kThumbWidth * camera.camera.height_px / std::max(1, camera.camera.width_px));
+      thumb_height_ = std::max(thumb_height_, height_at(kThumbWidth, camera.camera));
   }
 
-  void save(const std::filesystem::path& file) const {
+  std::filesystem::path save(const std::filesystem::path& file) const {
     const double table = kRow * static_cast<double>(std::min(counts_.size(), kMaxReasons) + 1);
     const double rows = static_cast<double>((shown_.size() + kColumns - 1) / kColumns);
     const double width = 2.0 * kMargin + kColumns * (kThumbWidth + kGap) - kGap;
@@ -45,7 +44,7 @@ class ExcludedSheet {
       draw_frame(&canvas, *shown_[i],
                  {kMargin + static_cast<double>(i % kColumns) * (kThumbWidth + kGap),
                   kTitleHeight + table + static_cast<double>(i / kColumns) * (thumb_height_ + kCaption + kGap)});
-    canvas.save(file);
+    return canvas.save(file);
   }
 
  private:
@@ -81,13 +80,10 @@ class ExcludedSheet {
   void draw_frame(Canvas* canvas, const Exclusion& exclusion, const Eigen::Vector2d& corner) const {
     const RigCamera& camera = input_.observations.cameras[camera_of(exclusion)];
     const Eigen::Vector2d size(kThumbWidth, kThumbWidth * camera.camera.height_px / camera.camera.width_px);
-    canvas->rectangle(corner, size, kRule.pale(0.5));
-    const bool has_image = !image_folder(input_).empty() && !exclusion.file.empty();
-    const cv::Mat picture = has_image ? read_color(image_folder(input_), exclusion.file) : cv::Mat();
-    if (!picture.empty())
-      canvas->image(picture, corner, size);
-    else if (has_image)
-      canvas->text(corner + 0.5 * size, "image cannot be read", 9.0, kGrey, Align::kCentre);
+    if (exclusion.file.empty())
+      canvas->rectangle(corner, size, kRule.pale(0.5));
+    else
+      draw_image(input_, exclusion.file, corner, size, canvas);
     canvas->frame(corner, size, camera_color(camera_of(exclusion)), 1.5);
     const std::string where =
         exclusion.file.empty() ? camera.name + ", stop " + std::to_string(exclusion.stop) : exclusion.file;
@@ -106,8 +102,7 @@ class ExcludedSheet {
 
 Written draw_excluded(const InspectInput& input, const InspectOptions& options, const std::filesystem::path& folder) {
   if (input.observations.exclusions.empty()) return std::nullopt;
-  ExcludedSheet(input, options).save(folder / "excluded.png");
-  return folder / "excluded.png";
+  return ExcludedSheet(input, options).save(folder / "excluded.png");
 }
 
 }  // namespace rigproof::inspect_detail

@@ -19,10 +19,6 @@ std::vector<const BoardView*> spread_views(const Observations& observations, std
   return chosen;
 }
 
-double thumb_height(const RigCamera& camera) {
-  return kThumbWidth * camera.camera.height_px / std::max(1, camera.camera.width_px);
-}
-
 class Mosaic {
  public:
   Mosaic(const InspectInput& input, const InspectOptions& options) : input_(input) {
@@ -34,7 +30,7 @@ class Mosaic {
     return std::all_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.empty(); });
   }
 
-  void save(const std::filesystem::path& file) const {
+  std::filesystem::path save(const std::filesystem::path& file) const {
     std::size_t columns = 1;
     double height = kTitleHeight;
     for (std::size_t row = 0; row < rows_.size(); ++row) {
@@ -53,25 +49,20 @@ class Mosaic {
         draw_view(&canvas, *rows_[row][i], {kMargin + static_cast<double>(i) * (kThumbWidth + kGap), y});
       y += row_height(row);
     }
-    canvas.save(file);
+    return canvas.save(file);
   }
 
  private:
   double row_height(std::size_t row) const {
-    return rows_[row].empty() ? 0.0 : thumb_height(input_.observations.cameras[row]) + kCaption + kGap;
+    return rows_[row].empty() ? 0.0 : height_at(kThumbWidth, input_.observations.cameras[row].camera) + kCaption + kGap;
   }
 
   void draw_view(Canvas* canvas, const BoardView& view, const Eigen::Vector2d& corner) const {
     const std::size_t index = static_cast<std::size_t>(view.camera);
     const RigCamera& camera = input_.observations.cameras[index];
-    const Eigen::Vector2d size(kThumbWidth, thumb_height(camera));
+    const Eigen::Vector2d size(kThumbWidth, height_at(kThumbWidth, camera.camera));
     const Color color = camera_color(index);
-    const cv::Mat picture = image_folder(input_).empty() ? cv::Mat() : read_color(image_folder(input_), view.file);
-    canvas->rectangle(corner, size, kRule.pale(0.5));
-    if (!picture.empty())
-      canvas->image(picture, corner, size);
-    else if (!image_folder(input_).empty())
-      canvas->text(corner + 0.5 * size, "image cannot be read", 9.0, kGrey, Align::kCentre);
+    const cv::Mat picture = draw_image(input_, view.file, corner, size, canvas);
     draw_corners_of(canvas, view, corner, kThumbWidth / camera.camera.width_px, color);
     if (!picture.empty()) draw_inset(canvas, view, picture, corner, size);
     canvas->frame(corner, size, color, 1.5);
@@ -129,8 +120,7 @@ class Mosaic {
 Written draw_mosaic(const InspectInput& input, const InspectOptions& options, const std::filesystem::path& folder) {
   const Mosaic mosaic(input, options);
   if (mosaic.empty()) return std::nullopt;
-  mosaic.save(folder / "mosaic.png");
-  return folder / "mosaic.png";
+  return mosaic.save(folder / "mosaic.png");
 }
 
 }  // namespace rigproof::inspect_detail

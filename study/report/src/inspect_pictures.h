@@ -36,11 +36,15 @@ struct ResidualPicture {
   double stated_sigma_px = 0.0;  ///< drawn as a circle and a curve; 0 = none
 };
 /// The image plane with magnified arrows, a scatter plot and a histogram of each axis.
-void draw_residuals(const ResidualPicture& picture, const std::filesystem::path& file);
+std::filesystem::path draw_residuals(const ResidualPicture& picture, const std::filesystem::path& file);
 
 std::vector<std::string> camera_names(const Observations& observations);
-/// Where images lie; empty without a recording.
-std::filesystem::path image_folder(const InspectInput& input);
+/// Height of a camera's images that are drawn so wide.
+double height_at(double width, const Camera& camera);
+/// An image of the recording in its frame, or that it cannot be read; an empty frame without a recording. Returns
+/// the image, as BGR, empty where there is none.
+cv::Mat draw_image(const InspectInput& input, const std::string& file, const Eigen::Vector2d& corner,
+                   const Eigen::Vector2d& size, Canvas* canvas);
 std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string& camera);
 /// Camera pose in the robot frame: the truth's, else the first result's that has it completely.
 std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& camera);

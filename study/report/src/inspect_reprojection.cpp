@@ -85,9 +85,7 @@ Written draw_reprojection(const InspectInput& input, const Result& result, std::
   picture.subtitle = "board carried over by the calibration: " + std::to_string(from_neighbours) +
                      " views from another camera at the same stop, " + std::to_string(views - from_neighbours) +
                      " from another stop by odometry";
-  const auto file = folder / ("reprojection_" + result.method + "_" + name + ".png");
-  draw_residuals(picture, file);
-  return file;
+  return draw_residuals(picture, folder / ("reprojection_" + result.method + "_" + name + ".png"));
 }
 
 }  // namespace rigproof::inspect_detail

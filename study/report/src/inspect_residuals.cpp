@@ -38,12 +38,12 @@ class ResidualDrawing {
   explicit ResidualDrawing(const ResidualPicture& picture)
       : picture_(picture),
         statistics_(statistics_of(picture.residuals)),
-        plane_height_(kPlaneWidth * picture.image.height_px / std::max(1, picture.image.width_px)),
+        plane_height_(height_at(kPlaneWidth, picture.image)),
         side_height_(kSide + 2.0 * (kHistogramHeight + kGap + 8.0)),
         // The side plots hold nearly all of what is typical, and two of the stated sigmas.
         range_px_(round_up(std::max({1e-6, 1.3 * statistics_.typical, 2.5 * picture.stated_sigma_px}))) {}
 
-  void save(const std::filesystem::path& file) const {
+  std::filesystem::path save(const std::filesystem::path& file) const {
     Canvas canvas(static_cast<int>(2.0 * kMargin + kPlaneWidth + kGap + kSide),
                   static_cast<int>(kTitleHeight + std::max(plane_height_ + 70.0, side_height_) + kMargin));
     draw_title(&canvas, picture_.title, picture_.subtitle);
@@ -52,7 +52,7 @@ class ResidualDrawing {
     draw_scatter(&canvas);
     draw_histogram(0, kTitleHeight + kSide + kGap, &canvas);
     draw_histogram(1, kTitleHeight + kSide + 2.0 * kGap + kHistogramHeight + 8.0, &canvas);
-    canvas.save(file);
+    return canvas.save(file);
   }
 
  private:
@@ -168,8 +168,8 @@ class ResidualDrawing {
 
 }  // namespace
 
-void draw_residuals(const ResidualPicture& picture, const std::filesystem::path& file) {
-  ResidualDrawing(picture).save(file);
+std::filesystem::path draw_residuals(const ResidualPicture& picture, const std::filesystem::path& file) {
+  return ResidualDrawing(picture).save(file);
 }
 
 Written draw_corners(const InspectInput& input, std::size_t camera, const std::filesystem::path& folder) {
@@ -202,9 +202,7 @@ Written draw_corners(const InspectInput& input, std::size_t camera, const std::f
   picture.title = name + ": detected minus true corners";
   picture.subtitle = std::to_string(picture.residuals.size()) + " corners in " + std::to_string(views) +
                      " views; ring and curve: the detector's stated sigma";
-  const auto file = folder / ("corners_" + name + ".png");
-  draw_residuals(picture, file);
-  return file;
+  return draw_residuals(picture, folder / ("corners_" + name + ".png"));
 }
 
 }  // namespace rigproof::inspect_detail
