@@ -55,7 +55,6 @@ struct Link {
   Vector2d driven = Vector2d::Zero();  // odometry, in the robot's frame at `from`
   double turned = 0.0;                 // odometry
   int steps = 0;                       // stops in between; 0 at one stop
-  double weight = 1.0;
 };
 
 double heading_of(const Matrix3d& R) {
@@ -63,342 +62,326 @@ double heading_of(const Matrix3d& R) {
   return std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
 }
 
-class ClosedForm {
- public:
-  ClosedForm(const Observations& observations, const std::vector<ViewPose>& views, const TrajectoryAlignment& alignment,
-             const GroundCheck& ground)
-      : observations_(observations),
-        views_(views),
-        alignment_(alignment),
-        ground_(ground),
-        odometry_(odometry_poses(observations)),
-        cameras_(observations.cameras.size()) {}
+// Without any vertical the cameras are levelled by the first view, so that they agree with each other.
+std::vector<Matrix3d> camera_levelling(std::size_t cameras, const std::vector<ViewPose>& views,
+                                       const TrajectoryAlignment& alignment) {
+  std::vector<Matrix3d> R_level_camera(cameras, Matrix3d::Identity());
+  for (std::size_t k = 0; k < cameras; ++k)
+    if (alignment.up_camera[k]) R_level_camera[k] = levelling(*alignment.up_camera[k]);
+  if (alignment.source != VerticalSource::kNone) return R_level_camera;
+  for (auto view = views.rbegin(); view != views.rend(); ++view)
+    R_level_camera[static_cast<std::size_t>(view->camera)] =
+        levelling(view->T_camera_board.rotation * alignment.up_board);
+  return R_level_camera;
+}
 
-  InitialGuess solve() {
-    InitialGuess guess;
-    guess.T_robot_camera.resize(cameras_);
-    guess.T_world_robot = odometry_;
-    level_views();
-    if (level_.empty()) return guess;
-    make_links();
-    relate_yaws();
-    solve_translations();
-    solve_heights();
-    for (std::size_t k = 0; k < cameras_; ++k)
-      if (seen_[k]) guess.T_robot_camera[k] = camera_pose(k);
-    place_board(&guess);
-    place_robot(&guess);
-    return guess;
+std::vector<LevelView> level_views(const std::vector<ViewPose>& views, const std::vector<double>& weights,
+                                   const Matrix3d& R_level_board, const std::vector<Matrix3d>& R_level_camera) {
+  std::vector<LevelView> level;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const ViewPose& view = views[i];
+    const Rigid3 T_board_camera = view.T_camera_board.inverse();
+    const Vector3d position = R_level_board * T_board_camera.translation;
+    const Matrix3d R = R_level_board * T_board_camera.rotation_matrix() *
+                       R_level_camera[static_cast<std::size_t>(view.camera)].transpose();
+    const double variance = camera_position_covariance(view).trace() / 3.0 + kViewFloor_m * kViewFloor_m;
+    level.push_back({view.stop, view.camera, heading_of(R), position.head<2>(), position.z(), variance,
+                     std::max(weights[i], 1e-6)});
   }
+  return level;
+}
 
- private:
-  void level_views() {
-    R_level_board_ = levelling(alignment_.up_board);
-    R_level_camera_.assign(cameras_, Matrix3d::Identity());
-    seen_.assign(cameras_, false);
-    for (std::size_t k = 0; k < cameras_; ++k)
-      if (alignment_.up_camera[k]) R_level_camera_[k] = levelling(*alignment_.up_camera[k]);
-    // Without any vertical the cameras are levelled by the first view, so that they agree with each other.
-    if (alignment_.source == VerticalSource::kNone) level_by_first_views();
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      const ViewPose& view = views_[i];
-      const std::size_t k = static_cast<std::size_t>(view.camera);
-      const Rigid3 T_board_camera = view.T_camera_board.inverse();
-      const Vector3d position = R_level_board_ * T_board_camera.translation;
-      const Matrix3d R = R_level_board_ * T_board_camera.rotation_matrix() * R_level_camera_[k].transpose();
-      const double variance = camera_position_covariance(view).trace() / 3.0 + kViewFloor_m * kViewFloor_m;
-      level_.push_back({view.stop, view.camera, heading_of(R), position.head<2>(), position.z(), variance,
-                        std::max(alignment_.view_weights[i], 1e-6)});
-      seen_[k] = true;
+Link link_between(const LevelView& from, const LevelView& to, const std::vector<Rigid3>& odometry) {
+  const Rigid3 motion =
+      odometry[static_cast<std::size_t>(from.stop)].inverse() * odometry[static_cast<std::size_t>(to.stop)];
+  return {&from, &to, motion.translation.head<2>(), yaw_of(motion), to.stop - from.stop};
+}
+
+std::vector<Link> make_links(const std::vector<LevelView>& views, const std::vector<Rigid3>& odometry) {
+  std::vector<Link> links;
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    const LevelView& view = views[i];
+    // To the previous view, whatever its camera: this chain connects all cameras.
+    links.push_back(link_between(views[i - 1], view, odometry));
+    // And to the same camera's previous view, if that is another one.
+    for (std::size_t j = i - 1; j-- > 0;) {
+      if (views[j].camera != view.camera) continue;
+      if (views[i - 1].camera != view.camera) links.push_back(link_between(views[j], view, odometry));
+      break;
     }
   }
+  return links;
+}
 
-  void level_by_first_views() {
-    std::vector<bool> done(cameras_, false);
-    for (const ViewPose& view : views_) {
-      const std::size_t k = static_cast<std::size_t>(view.camera);
-      if (done[k]) continue;
-      done[k] = true;
-      R_level_camera_[k] = levelling(view.T_camera_board.rotation * alignment_.up_board);
+// psi_l - psi_k between two cameras; certainty 0 if no link joins them.
+struct YawDifference {
+  double angle = 0.0, certainty = 0.0;
+};
+
+// psi_l - psi_k = (heading_l - heading_k) - turn of the odometry: a robust mean on the circle.
+YawDifference yaw_difference(int k, int l, const std::vector<Link>& links) {
+  std::vector<std::pair<double, double>> samples;  // angle, information
+  for (const Link& link : links) {
+    const bool forward = link.from->camera == k && link.to->camera == l;
+    if (!forward && !(link.from->camera == l && link.to->camera == k)) continue;
+    const double angle = wrap_angle(link.to->heading - link.from->heading - link.turned);
+    const double variance = 1e-6 + kOdometrySigma_rad * kOdometrySigma_rad * link.steps;
+    samples.emplace_back(forward ? angle : -angle, link.from->weight * link.to->weight / variance);
+  }
+  YawDifference result;
+  double softness = kPi;
+  for (int round = 0; round < 10 && !samples.empty(); ++round) {
+    Vector2d sum = Vector2d::Zero();
+    for (const auto& [angle, information] : samples) {
+      const double off = round == 0 ? 0.0 : wrap_angle(angle - result.angle) / softness;
+      sum += information / (1.0 + off * off) * Vector2d(std::cos(angle), std::sin(angle));
+    }
+    result = {std::atan2(sum.y(), sum.x()), sum.norm()};
+    softness = std::max(0.02, 0.5 * softness);
+  }
+  return result;
+}
+
+// psi_k - psi_first of every camera, along the most certain differences.
+std::vector<double> relate_yaws(std::size_t cameras, std::size_t first, const std::vector<Link>& links) {
+  std::vector<std::vector<YawDifference>> differences(cameras, std::vector<YawDifference>(cameras));
+  for (std::size_t k = 0; k < cameras; ++k) {
+    for (std::size_t l = k + 1; l < cameras; ++l) {
+      differences[k][l] = yaw_difference(static_cast<int>(k), static_cast<int>(l), links);
+      differences[l][k] = {-differences[k][l].angle, differences[k][l].certainty};
     }
   }
-
-  void make_links() {
-    for (std::size_t i = 1; i < level_.size(); ++i) {
-      const LevelView& view = level_[i];
-      // To the previous view, whatever its camera: this chain connects all cameras.
-      add_link(level_[i - 1], view);
-      // And to the same camera's previous view, if that is another one.
-      for (std::size_t j = i - 1; j-- > 0;) {
-        if (level_[j].camera != view.camera) continue;
-        if (level_[i - 1].camera != view.camera) add_link(level_[j], view);
-        break;
-      }
-    }
-  }
-
-  void add_link(const LevelView& from, const LevelView& to) {
-    const Rigid3 motion =
-        odometry_[static_cast<std::size_t>(from.stop)].inverse() * odometry_[static_cast<std::size_t>(to.stop)];
-    links_.push_back({&from, &to, motion.translation.head<2>(), yaw_of(motion), to.stop - from.stop, 1.0});
-  }
-
-  // psi_l - psi_k between two cameras; certainty 0 if no link joins them.
-  struct YawDifference {
-    double angle = 0.0, certainty = 0.0;
-  };
-
-  // psi_k - psi_first of every camera, along the most certain differences.
-  void relate_yaws() {
-    std::vector<std::vector<YawDifference>> differences(cameras_, std::vector<YawDifference>(cameras_));
-    for (std::size_t k = 0; k < cameras_; ++k) {
-      for (std::size_t l = k + 1; l < cameras_; ++l) {
-        differences[k][l] = yaw_difference(static_cast<int>(k), static_cast<int>(l));
-        differences[l][k] = {-differences[k][l].angle, differences[k][l].certainty};
-      }
-    }
-    yaw_.assign(cameras_, 0.0);
-    std::vector<bool> known(cameras_, false);
-    known[static_cast<std::size_t>(level_.front().camera)] = true;
-    for (std::size_t round = 1; round < cameras_; ++round) extend_yaws(differences, &known);
-  }
-
-  void extend_yaws(const std::vector<std::vector<YawDifference>>& differences, std::vector<bool>* known) {
+  std::vector<double> yaw(cameras, 0.0);
+  std::vector<bool> known(cameras, false);
+  known[first] = true;
+  for (std::size_t round = 1; round < cameras; ++round) {
     double best = 0.0, best_yaw = 0.0;
     std::size_t best_camera = 0;
-    for (std::size_t k = 0; k < cameras_; ++k) {
-      for (std::size_t l = 0; l < cameras_; ++l) {
-        if (!(*known)[k] || (*known)[l] || differences[k][l].certainty <= best) continue;
+    for (std::size_t k = 0; k < cameras; ++k) {
+      for (std::size_t l = 0; l < cameras; ++l) {
+        if (!known[k] || known[l] || differences[k][l].certainty <= best) continue;
         best = differences[k][l].certainty;
         best_camera = l;
-        best_yaw = yaw_[k] + differences[k][l].angle;
+        best_yaw = yaw[k] + differences[k][l].angle;
       }
     }
-    if (best <= 0.0) return;
-    yaw_[best_camera] = best_yaw;
-    (*known)[best_camera] = true;
+    if (best <= 0.0) break;
+    yaw[best_camera] = best_yaw;
+    known[best_camera] = true;
   }
+  return yaw;
+}
 
-  // psi_l - psi_k = (heading_l - heading_k) - turn of the odometry: a robust mean on the circle.
-  YawDifference yaw_difference(int k, int l) const {
-    std::vector<std::pair<double, double>> samples;  // angle, information
-    for (const Link& link : links_) {
-      const bool forward = link.from->camera == k && link.to->camera == l;
-      if (!forward && !(link.from->camera == l && link.to->camera == k)) continue;
-      const double angle = wrap_angle(link.to->heading - link.from->heading - link.turned);
-      const double variance = 1e-6 + kOdometrySigma_rad * kOdometrySigma_rad * link.steps;
-      samples.emplace_back(forward ? angle : -angle, link.from->weight * link.to->weight / variance);
-    }
-    YawDifference result;
-    double softness = kPi;
-    for (int round = 0; round < 10 && !samples.empty(); ++round) {
-      Vector2d sum = Vector2d::Zero();
-      for (const auto& [angle, information] : samples) {
-        const double off = round == 0 ? 0.0 : wrap_angle(angle - result.angle) / softness;
-        sum += information / (1.0 + off * off) * Vector2d(std::cos(angle), std::sin(angle));
-      }
-      result = {std::atan2(sum.y(), sum.x()), sum.norm()};
-      softness = std::max(0.02, 0.5 * softness);
-    }
-    return result;
+// a = R(psi) B + t_k - R(turn) t_l
+struct Equation {
+  const Link& link;
+  Vector2d B;       // between the camera positions, in the robot's frame at `from` but for the yaw psi_first
+  Matrix2d R_turn;  // the cameras' own measure of how the robot turned
+  double weight = 1.0;
+
+  double total_weight() const {
+    const double variance = link.from->variance + link.to->variance + kOdometrySigma_m * kOdometrySigma_m * link.steps;
+    return weight * link.from->weight * link.to->weight / variance;
   }
-
-  // The cameras' own measure of how the robot turned along a link.
-  double turn(const Link& link) const {
-    return (link.to->heading - yaw_[static_cast<std::size_t>(link.to->camera)]) -
-           (link.from->heading - yaw_[static_cast<std::size_t>(link.from->camera)]);
-  }
-
-  // Displacement of the camera positions along a link, in the robot's frame at `from` but for the yaw psi_0.
-  Vector2d displacement(const Link& link) const {
-    const double heading = link.from->heading - yaw_[static_cast<std::size_t>(link.from->camera)];
-    return rotation2(-heading) * (link.to->position - link.from->position);
-  }
-
-  double variance_of(const Link& link) const {
-    return link.from->variance + link.to->variance + kOdometrySigma_m * kOdometrySigma_m * link.steps;
-  }
-
-  // Least squares for (t_1 .. t_K, cos psi, sin psi), or for the t alone where psi is given.
-  // a = R(psi) B + t_k - R(turn) t_l
-  VectorXd solve_linear(const std::optional<double>& psi) const {
-    const Eigen::Index translations = 2 * static_cast<Eigen::Index>(cameras_), unknowns = translations + (psi ? 0 : 2);
-    MatrixXd H = MatrixXd::Zero(unknowns, unknowns);
-    VectorXd g = VectorXd::Zero(unknowns);
-    H.diagonal().head(translations).setConstant(1.0 / (kMountingSigma_m * kMountingSigma_m));
-    for (const Link& link : links_) {
-      const Vector2d B = displacement(link);
-      Matrix2d by_yaw;
-      by_yaw << B, quarter_turn(B);
-      const std::array<Matrix2d, 3> J = {Matrix2d::Identity(), -rotation2(turn(link)), by_yaw};
-      const std::array<Eigen::Index, 3> place = {2 * link.from->camera, 2 * link.to->camera, translations};
-      const Vector2d target = psi ? Vector2d(link.driven - rotation2(*psi) * B) : link.driven;
-      const double weight = link.weight * link.from->weight * link.to->weight / variance_of(link);
-      for (std::size_t a = 0; a < (psi ? 2U : 3U); ++a) {
-        const Matrix2d weighted = weight * J[a].transpose();
-        for (std::size_t b = 0; b < (psi ? 2U : 3U); ++b) H.block<2, 2>(place[a], place[b]) += weighted * J[b];
-        g.segment<2>(place[a]) += weighted * target;
-      }
-    }
-    // The yaw may be open too; a weight this small decides only then.
-    if (!psi) H.diagonal().tail<2>().array() += 1e-6;
-    return H.ldlt().solve(g);
-  }
-
-  Vector2d residual(const Link& link, const VectorXd& t, double psi) const {
+  Vector2d residual(const VectorXd& t, double psi) const {
     const Vector2d t_from = t.segment<2>(2 * link.from->camera), t_to = t.segment<2>(2 * link.to->camera);
-    return rotation2(psi) * displacement(link) + t_from - rotation2(turn(link)) * t_to - link.driven;
+    return rotation2(psi) * B + t_from - R_turn * t_to - link.driven;
   }
+};
 
-  void solve_translations() {
-    // The first rounds are soft, so that a wheel that slipped cannot capture the start.
-    double softness_m = 1.0;
-    for (int round = 0; round < 8; ++round) {
-      const VectorXd solution = solve_linear(std::nullopt);
-      const Vector2d direction = solution.tail<2>();
-      psi_ = direction.norm() < kMinDirection ? 0.0 : std::atan2(direction.y(), direction.x());
-      t_ = solve_linear(psi_);
-      for (Link& link : links_) {
-        const double off = residual(link, t_, psi_).norm() / softness_m;
-        link.weight = 1.0 / (1.0 + off * off);
-      }
-      softness_m = std::max(0.03, 0.5 * softness_m);
+std::vector<Equation> equations_of(const std::vector<Link>& links, const std::vector<double>& yaw) {
+  std::vector<Equation> equations;
+  for (const Link& link : links) {
+    const double from = link.from->heading - yaw[static_cast<std::size_t>(link.from->camera)];
+    const double to = link.to->heading - yaw[static_cast<std::size_t>(link.to->camera)];
+    equations.push_back({link, rotation2(-from) * (link.to->position - link.from->position), rotation2(to - from)});
+  }
+  return equations;
+}
+
+// Least squares for (t_1 .. t_K, cos psi, sin psi), or for the t alone where psi is given.
+VectorXd solve_linear(const std::vector<Equation>& equations, std::size_t cameras, const std::optional<double>& psi) {
+  const Eigen::Index translations = 2 * static_cast<Eigen::Index>(cameras), unknowns = translations + (psi ? 0 : 2);
+  MatrixXd H = MatrixXd::Zero(unknowns, unknowns);
+  VectorXd g = VectorXd::Zero(unknowns);
+  H.diagonal().head(translations).setConstant(1.0 / (kMountingSigma_m * kMountingSigma_m));
+  for (const Equation& equation : equations) {
+    const Link& link = equation.link;
+    Matrix2d by_yaw;
+    by_yaw << equation.B, quarter_turn(equation.B);
+    const std::array<Matrix2d, 3> J = {Matrix2d::Identity(), -equation.R_turn, by_yaw};
+    const std::array<Eigen::Index, 3> place = {2 * link.from->camera, 2 * link.to->camera, translations};
+    const Vector2d target = psi ? Vector2d(link.driven - rotation2(*psi) * equation.B) : link.driven;
+    const double weight = equation.total_weight();
+    for (std::size_t a = 0; a < (psi ? 2U : 3U); ++a) {
+      const Matrix2d weighted = weight * J[a].transpose();
+      for (std::size_t b = 0; b < (psi ? 2U : 3U); ++b) H.block<2, 2>(place[a], place[b]) += weighted * J[b];
+      g.segment<2>(place[a]) += weighted * target;
     }
   }
+  // The yaw may be open too; a weight this small decides only then.
+  if (!psi) H.diagonal().tail<2>().array() += 1e-6;
+  return H.ldlt().solve(g);
+}
 
-  // z of camera k = mean height over the board's origin + one constant, from the ground or by choice.
-  void solve_heights() {
-    mean_height_.assign(cameras_, 0.0);
-    std::vector<double> sums(cameras_, 0.0);
-    for (const LevelView& view : level_) {
-      const std::size_t k = static_cast<std::size_t>(view.camera);
-      mean_height_[k] += view.weight * view.height;
-      sums[k] += view.weight;
-    }
-    double lowest = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < cameras_; ++k) {
-      if (sums[k] <= 0.0) continue;
-      mean_height_[k] /= sums[k];
-      lowest = std::min(lowest, mean_height_[k]);
-    }
-    board_height_ = ground_offset().value_or(-lowest);
-  }
-
-  // Heights over the accepted planes of one camera, less `base_m`.
-  void collect_heights(int camera, double base_m, std::vector<double>* heights) const {
-    for (std::size_t i = 0; i < observations_.ground_planes.size(); ++i)
-      if (ground_.accepted[i] && observations_.ground_planes[i].camera == camera)
-        heights->push_back(height_above(observations_.ground_planes[i]).height_m - base_m);
-  }
-
-  // Height of the board's origin over the ground, from all cameras.
-  std::optional<double> ground_offset() const {
-    std::vector<double> offsets;
-    for (std::size_t k = 0; k < cameras_; ++k)
-      if (seen_[k]) collect_heights(static_cast<int>(k), mean_height_[k], &offsets);
-    return offsets.empty() ? std::nullopt : std::optional(median(offsets));
-  }
-
-  // A camera's own planes know its height best.
-  double camera_height(std::size_t k) const {
-    std::vector<double> heights;
-    collect_heights(static_cast<int>(k), 0.0, &heights);
-    return heights.empty() ? mean_height_[k] + board_height_ : median(heights);
-  }
-
-  Rigid3 camera_pose(std::size_t k) const {
-    const double yaw = psi_ + yaw_[k];
-    const Eigen::Quaterniond R(rotation_z(yaw).toRotationMatrix() * R_level_camera_[k]);
-    const Vector2d t = t_.segment<2>(2 * static_cast<Eigen::Index>(k));
-    return Rigid3(R, Vector3d(t.x(), t.y(), camera_height(k)));
-  }
+// How the cameras are mounted, but for the heights.
+struct PlanarMounting {
+  std::vector<double> yaw;  // psi_k - psi_first
+  double psi = 0.0;         // psi_first
+  VectorXd t;
 
   // Heading and position of the robot in the levelled board frame, through the camera of a view.
   double robot_heading(const LevelView& view) const {
-    return view.heading - psi_ - yaw_[static_cast<std::size_t>(view.camera)];
+    return view.heading - psi - yaw[static_cast<std::size_t>(view.camera)];
   }
   Vector2d robot_position(const LevelView& view) const {
-    return view.position - rotation2(robot_heading(view)) * t_.segment<2>(2 * view.camera);
+    return view.position - rotation2(robot_heading(view)) * t.segment<2>(2 * view.camera);
   }
-
-  static double certainty(const LevelView& view) { return view.weight / view.variance; }
-
-  // The first view that is no outlier, or the most certain one of its stop.
-  const LevelView& anchor_view() const {
-    const auto good = std::find_if(level_.begin(), level_.end(), [](const LevelView& v) { return v.weight >= 0.5; });
-    const LevelView* anchor = good == level_.end() ? &level_.front() : &*good;
-    for (const LevelView& view : level_)
-      if (view.stop == anchor->stop && certainty(view) > certainty(*anchor)) anchor = &view;
-    return *anchor;
-  }
-
-  void place_board(InitialGuess* guess) {
-    // One view ties the board to the odometry, and so to the world.
-    const LevelView& anchor = anchor_view();
-    const Rigid3& robot = odometry_[static_cast<std::size_t>(anchor.stop)];
-    board_yaw_ = yaw_of(robot) - robot_heading(anchor);
-    board_position_ = robot.translation.head<2>() - rotation2(board_yaw_) * robot_position(anchor);
-    guess->T_world_board = Rigid3(Eigen::Quaterniond(rotation_z(board_yaw_).toRotationMatrix() * R_level_board_),
-                                  Vector3d(board_position_.x(), board_position_.y(), board_height_));
-  }
-
-  void place_robot(InitialGuess* guess) {
-    std::vector<const LevelView*> by_stop(odometry_.size(), nullptr);
-    for (const LevelView& view : level_) {
-      const LevelView*& best = by_stop[static_cast<std::size_t>(view.stop)];
-      if (view.weight >= kLeastPlanarWeight && (best == nullptr || certainty(view) > certainty(*best))) best = &view;
-    }
-    std::vector<bool> placed(odometry_.size(), false);
-    for (std::size_t i = 0; i < odometry_.size(); ++i) {
-      if (by_stop[i] == nullptr) continue;
-      const Vector2d p = board_position_ + rotation2(board_yaw_) * robot_position(*by_stop[i]);
-      guess->T_world_robot[i] = planar_pose(p.x(), p.y(), wrap_angle(board_yaw_ + robot_heading(*by_stop[i])));
-      placed[i] = true;
-    }
-    continue_by_odometry(placed, guess);
-  }
-
-  // Stops without a view follow from the nearest earlier one that has one, or from the next later one.
-  void continue_by_odometry(std::vector<bool> placed, InitialGuess* guess) const {
-    std::vector<Rigid3>& poses = guess->T_world_robot;
-    for (std::size_t i = 1; i < poses.size(); ++i) {
-      if (placed[i] || !placed[i - 1]) continue;
-      poses[i] = poses[i - 1] * odometry_[i - 1].inverse() * odometry_[i];
-      placed[i] = true;
-    }
-    for (std::size_t i = poses.size(); i-- > 1;) {
-      if (placed[i - 1] || !placed[i]) continue;
-      poses[i - 1] = poses[i] * odometry_[i].inverse() * odometry_[i - 1];
-      placed[i - 1] = true;
-    }
-  }
-
-  const Observations& observations_;
-  const std::vector<ViewPose>& views_;
-  const TrajectoryAlignment& alignment_;
-  const GroundCheck& ground_;
-  const std::vector<Rigid3> odometry_;
-  const std::size_t cameras_;
-
-  Matrix3d R_level_board_ = Matrix3d::Identity();
-  std::vector<Matrix3d> R_level_camera_;
-  std::vector<bool> seen_;
-  std::vector<LevelView> level_;
-  std::vector<Link> links_;
-  std::vector<double> yaw_;  // psi_k - psi_first
-  double psi_ = 0.0;         // psi_first
-  VectorXd t_;
-  std::vector<double> mean_height_;
-  double board_height_ = 0.0;
-  double board_yaw_ = 0.0;
-  Vector2d board_position_ = Vector2d::Zero();
 };
+
+PlanarMounting solve_mounting(const std::vector<Link>& links, std::vector<double> yaw) {
+  std::vector<Equation> equations = equations_of(links, yaw);
+  PlanarMounting mounting{std::move(yaw), 0.0, {}};
+  // The first rounds are soft, so that a wheel that slipped cannot capture the start.
+  double softness_m = 1.0;
+  for (int round = 0; round < 8; ++round) {
+    const Vector2d direction = solve_linear(equations, mounting.yaw.size(), std::nullopt).tail<2>();
+    mounting.psi = direction.norm() < kMinDirection ? 0.0 : std::atan2(direction.y(), direction.x());
+    mounting.t = solve_linear(equations, mounting.yaw.size(), mounting.psi);
+    for (Equation& equation : equations) {
+      const double off = equation.residual(mounting.t, mounting.psi).norm() / softness_m;
+      equation.weight = 1.0 / (1.0 + off * off);
+    }
+    softness_m = std::max(0.03, 0.5 * softness_m);
+  }
+  return mounting;
+}
+
+// Of the cameras that saw the board, over its origin.
+std::vector<std::optional<double>> mean_heights(std::size_t cameras, const std::vector<LevelView>& views) {
+  std::vector<std::optional<double>> means(cameras);
+  std::vector<double> sums(cameras, 0.0);
+  for (const LevelView& view : views) {
+    const std::size_t k = static_cast<std::size_t>(view.camera);
+    means[k] = means[k].value_or(0.0) + view.weight * view.height;
+    sums[k] += view.weight;
+  }
+  for (std::size_t k = 0; k < cameras; ++k)
+    if (means[k]) *means[k] /= sums[k];
+  return means;
+}
+
+// Heights over the accepted planes of one camera, less `base_m`.
+void collect_heights(const Observations& observations, const GroundCheck& ground, std::size_t camera, double base_m,
+                     std::vector<double>* heights) {
+  for (std::size_t i = 0; i < observations.ground_planes.size(); ++i)
+    if (ground.accepted[i] && observations.ground_planes[i].camera == static_cast<int>(camera))
+      heights->push_back(height_above(observations.ground_planes[i]).height_m - base_m);
+}
+
+// Of the board's origin over the ground, from all cameras; without planes the lowest camera is at height zero.
+double board_height(const Observations& observations, const GroundCheck& ground,
+                    const std::vector<std::optional<double>>& means) {
+  std::vector<double> offsets;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    if (!means[k]) continue;
+    collect_heights(observations, ground, k, *means[k], &offsets);
+    lowest = std::min(lowest, *means[k]);
+  }
+  return offsets.empty() ? -lowest : median(offsets);
+}
+
+double certainty(const LevelView& view) { return view.weight / view.variance; }
+
+// The first view that is no outlier, or the most certain one of its stop.
+const LevelView& anchor_view(const std::vector<LevelView>& views) {
+  const auto good = std::find_if(views.begin(), views.end(), [](const LevelView& v) { return v.weight >= 0.5; });
+  const LevelView* anchor = good == views.end() ? &views.front() : &*good;
+  for (const LevelView& view : views)
+    if (view.stop == anchor->stop && certainty(view) > certainty(*anchor)) anchor = &view;
+  return *anchor;
+}
+
+// Stops without a view follow from the nearest earlier one that has one, or from the next later one.
+void continue_by_odometry(const std::vector<Rigid3>& odometry, std::vector<bool> placed, std::vector<Rigid3>* poses) {
+  for (std::size_t i = 1; i < poses->size(); ++i) {
+    if (placed[i] || !placed[i - 1]) continue;
+    (*poses)[i] = (*poses)[i - 1] * odometry[i - 1].inverse() * odometry[i];
+    placed[i] = true;
+  }
+  for (std::size_t i = poses->size(); i-- > 1;) {
+    if (placed[i - 1] || !placed[i]) continue;
+    (*poses)[i - 1] = (*poses)[i] * odometry[i].inverse() * odometry[i - 1];
+    placed[i - 1] = true;
+  }
+}
+
+// The levelled board on the floor of the world.
+struct PlanarBoard {
+  double yaw;
+  Vector2d position;
+};
+
+// One view ties the board to the odometry, and so to the world.
+PlanarBoard place_board(const LevelView& anchor, const PlanarMounting& mounting, const std::vector<Rigid3>& odometry) {
+  const Rigid3& robot = odometry[static_cast<std::size_t>(anchor.stop)];
+  const double yaw = yaw_of(robot) - mounting.robot_heading(anchor);
+  return {yaw, robot.translation.head<2>() - rotation2(yaw) * mounting.robot_position(anchor)};
+}
+
+std::vector<Rigid3> place_robot(const std::vector<LevelView>& views, const PlanarMounting& mounting,
+                                const PlanarBoard& board, const std::vector<Rigid3>& odometry) {
+  std::vector<const LevelView*> by_stop(odometry.size(), nullptr);
+  for (const LevelView& view : views) {
+    const LevelView*& best = by_stop[static_cast<std::size_t>(view.stop)];
+    if (view.weight >= kLeastPlanarWeight && (best == nullptr || certainty(view) > certainty(*best))) best = &view;
+  }
+  std::vector<Rigid3> poses = odometry;
+  std::vector<bool> placed(odometry.size(), false);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    if (by_stop[i] == nullptr) continue;
+    const Vector2d p = board.position + rotation2(board.yaw) * mounting.robot_position(*by_stop[i]);
+    poses[i] = planar_pose(p.x(), p.y(), wrap_angle(board.yaw + mounting.robot_heading(*by_stop[i])));
+    placed[i] = true;
+  }
+  continue_by_odometry(odometry, placed, &poses);
+  return poses;
+}
 
 }  // namespace
 
 InitialGuess initial_guess(const Observations& observations, const std::vector<ViewPose>& views,
                            const TrajectoryAlignment& alignment, const GroundCheck& ground) {
-  return ClosedForm(observations, views, alignment, ground).solve();
+  const std::size_t cameras = observations.cameras.size();
+  const std::vector<Rigid3> odometry = odometry_poses(observations);
+  InitialGuess guess;
+  guess.T_robot_camera.resize(cameras);
+  guess.T_world_robot = odometry;
+  if (views.empty()) return guess;
+  const Matrix3d R_level_board = levelling(alignment.up_board);
+  const std::vector<Matrix3d> R_level_camera = camera_levelling(cameras, views, alignment);
+  const std::vector<LevelView> level = level_views(views, alignment.view_weights, R_level_board, R_level_camera);
+  const std::vector<Link> links = make_links(level, odometry);
+  const PlanarMounting mounting =
+      solve_mounting(links, relate_yaws(cameras, static_cast<std::size_t>(level.front().camera), links));
+  const std::vector<std::optional<double>> means = mean_heights(cameras, level);
+  const double board_height_m = board_height(observations, ground, means);
+  for (std::size_t k = 0; k < cameras; ++k) {
+    if (!means[k]) continue;
+    // A camera's own planes know its height best.
+    std::vector<double> heights;
+    collect_heights(observations, ground, k, 0.0, &heights);
+    const Vector2d t = mounting.t.segment<2>(2 * static_cast<Eigen::Index>(k));
+    guess.T_robot_camera[k] =
+        Rigid3(Eigen::Quaterniond(rotation_z(mounting.psi + mounting.yaw[k]).toRotationMatrix() * R_level_camera[k]),
+               Vector3d(t.x(), t.y(), heights.empty() ? *means[k] + board_height_m : median(heights)));
+  }
+  const PlanarBoard board = place_board(anchor_view(level), mounting, odometry);
+  guess.T_world_board = Rigid3(Eigen::Quaterniond(rotation_z(board.yaw).toRotationMatrix() * R_level_board),
+                               Vector3d(board.position.x(), board.position.y(), board_height_m));
+  guess.T_world_robot = place_robot(level, mounting, board, odometry);
+  return guess;
 }
 
 }  // namespace rigproof
