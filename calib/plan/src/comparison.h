@@ -8,13 +8,12 @@
 
 namespace rigproof::moved {
 
-/// Poses of cameras in the robot: covariance (six a camera, chart of transform_error()) without the directions, one a
-/// column, that nothing determines.
+/// Poses of cameras in the robot. All matrices have six rows a camera, in the chart of transform_error().
 struct KnownPoses {
   std::vector<Rigid3> T_robot_camera;
-  Eigen::MatrixXd covariance;
-  Eigen::MatrixXd free_directions;
-  /// What the data would add to the poses, in first order and the same chart; empty = nothing.
+  Eigen::MatrixXd covariance;       ///< without the free directions
+  Eigen::MatrixXd free_directions;  ///< that nothing determines, one a column
+  /// What the data would add to the poses, to first order; empty = nothing.
   Eigen::VectorXd step;
 };
 

@@ -25,16 +25,16 @@ struct CalibrationSoFar {
 /// Throws Error if no camera ever saw the board.
 CalibrationSoFar calibration_so_far(const Observations& observations, const MlOptions& options = {});
 
-/// Foresees what the cameras see from a place: views, planes and odometry without noise, with covariances as of the
-/// nearest view of the same camera.
+/// Predicts what the cameras see from a place: views, planes and odometry without noise, each with the covariance that
+/// the same camera's nearest view so far has.
 class Foresight {
  public:
   Foresight(const CalibrationSoFar& knowledge, const SuggestOptions& options);
 
   /// Cameras that see the whole board, not too obliquely.
   std::vector<int> cameras_with_board(const Rigid3& T_world_robot) const;
-  /// The observations so far as they would be without noise if the estimate were true: what new stops can be added to
-  /// without contradiction. The noise levels are declared.
+  /// The observations so far as they would be without noise if the estimate were true, so that predicted stops do not
+  /// contradict them. `levels` are written as declared noise.
   Observations as_expected(const ml::NoiseLevels& levels) const;
   /// Appends the stop. The odometry continues from the observations' last stop, which stands at `T_world_before`.
   void append_stop(const Rigid3& T_world_before, const Rigid3& T_world_robot, Observations* observations) const;
@@ -61,8 +61,8 @@ class Foresight {
   std::vector<std::optional<Eigen::Matrix3d>> ground_;
 };
 
-/// Levels of stops that are yet to come. Of ways yet to be driven nothing is known: they are taken for increments as
-/// uncertain as those seen on average.
+/// Noise levels of stops that are still to come. How long their paths will be is unknown, so every increment counts as
+/// uncertain as the average one so far.
 ml::NoiseLevels expected_levels(const ml::Basis& basis);
 
 /// The information of one stop by itself: on its pose and on the globals.

@@ -11,8 +11,8 @@ namespace rigproof::ml {
 /// Standard deviations by which residuals are whitened; every one is given or estimated (see variance_components.h).
 struct NoiseLevels {
   OdometryModel odometry_model = OdometryModel::kPerIncrement;
-  /// Increments only: the sigmas are those after a way of one metre and a turn of one radian, and grow with the square
-  /// root of either; a turn's error bends the way after it.
+  /// With kPerIncrement only: the sigmas hold for one metre driven and one radian turned, and grow with the square root
+  /// of each; an error of a turn bends the path after it.
   bool along_way = false;
   double odometry_xy_m = 0.002;
   double odometry_yaw_rad = 0.01;
@@ -23,7 +23,7 @@ struct NoiseLevels {
   std::vector<double> board_plane_scale;  ///< times the stated sigma of the board's planes, one a camera
 };
 
-/// Levels of at least the smallest plausible ones, with corners and planes of all cameras as stated.
+/// `levels`, none below the smallest plausible one, with corners and planes as uncertain as stated (scales of 1).
 NoiseLevels plausible(NoiseLevels levels, std::size_t cameras);
 
 /// Smallest plausible levels: files do not resolve less, and smaller ones would make the equations stiff.
@@ -43,9 +43,9 @@ struct CauchyLoss {
 struct LossMoments {
   double weight = 1.0;         ///< E[w]
   double weighted_square = 1;  ///< E[w s] / d: what a residual dimension contributes to the weighted sum of squares
-  double efficiency = 1.0;     ///< E[psi']^2 / (E[psi^2] / d): information kept by the loss, against the Gaussian one
+  double efficiency = 1.0;     ///< E[psi']^2 / (E[psi^2] / d): share of the information that the loss keeps
 };
-/// At c = 3.
+/// For c = 3.
 const LossMoments& cauchy_moments(int dimensions);
 
 }  // namespace rigproof::ml

@@ -19,20 +19,20 @@ const std::vector<std::string>& ground_source_names();
 /// Throws Error that names what is allowed.
 GroundSource ground_source_by_name(const std::string& name);
 
-/// Cameras whose depth shows the ground in too few of the images that show the board: at least three planes that agree
-/// with the vertical and each other, and planes in a fifth of those images, are wanted. By index.
+/// Cameras, by index, whose depth shows the ground too rarely: in fewer than three images, or in less than a fifth of
+/// the images that show the board. Only planes that agree with the vertical and with each other count.
 std::vector<int> cameras_without_trusted_depth(const Observations& observations);
 
-/// What became of the observations: a note on each camera that was to take its ground from images, and those that do.
+/// What take_ground_from() did.
 struct GroundReport {
-  std::vector<Finding> findings;
-  std::vector<int> cameras;  ///< by index
+  std::vector<Finding> findings;  ///< one for each camera that was to take its ground from images
+  std::vector<int> cameras;       ///< that now do, by index
 };
-/// Replaces the ground planes of the cameras that `source` gives to images by triangulated ones (image_ground.h). The
-/// depth of such a camera is not used any more: its board planes go, and its depth stream stands for the triangulation,
-/// whose heights share an error of 0.2 %. Pairs of images that show no ground become exclusions of depth. A camera
-/// whose images show no ground either keeps what its depth gave under kAuto. Without a recording there are no images,
-/// and nothing changes. Deterministic. Throws Error with ExitCode::kTryAgain if MethodInput::progress says so.
+/// Chooses cameras by `source` and replaces their ground planes by planes triangulated from images (image_ground.h).
+/// The depth of such a camera is no longer used: its board planes are removed, and its depth stream now describes the
+/// triangulation, whose heights share an error of 0.1 % (one sigma). Pairs of images that show no ground become
+/// exclusions of depth. Under kAuto a camera whose images show no ground keeps what its depth gave. Without a recording
+/// nothing changes. Deterministic. Throws Error with ExitCode::kTryAgain if MethodInput::progress says so.
 /// @param input with the recording, features and progress; its observations are not looked at
 GroundReport take_ground_from(GroundSource source, const MethodInput& input, Observations* observations);
 

@@ -25,7 +25,7 @@ enum class SweepStatus {
 };
 const char* sweep_status_name(SweepStatus status);
 
-/// What a row is about. The row `rig` counts: there is exactly one for each (task, method), whatever came of it.
+/// What a row is about. Count tasks by rows of the rig: each (task, method) has exactly one, whatever its outcome.
 enum class SweepSubject { kRig, kCamera, kPair };
 const char* sweep_subject_name(SweepSubject subject);
 
@@ -39,7 +39,7 @@ struct SweepRow {
   std::string camera;  ///< "left", "left-center" (parent-child); "all" for the rig
   SweepStatus status = SweepStatus::kFailed;
   std::string reason;  ///< why it is not solved, in sentences
-  std::string code;    ///< of the first finding of that (docs/reference/findings.md)
+  std::string code;    ///< of the first finding among the reasons (docs/reference/findings.md)
   AxisFigures error;   ///< chart of transform_error(): estimate minus truth, along the parent's axes
   AxisFigures sigma;   ///< stated standard deviation
   AxisFigures bound;   ///< Cramer-Rao bound of these data at the truth, one standard deviation
@@ -98,7 +98,7 @@ struct PairedTest {
   std::optional<double> interval_low;  ///< 95 % of a paired bootstrap over tasks, percentile
   std::optional<double> interval_high;
   std::optional<double> p;       ///< Wilcoxon's signed-rank test, two-sided; exact up to 50 tasks
-  std::optional<double> p_holm;  ///< corrected for tx .. rz of this point, method and subject (Holm); those alone
+  std::optional<double> p_holm;  ///< Holm's correction over tx .. rz of a point, method and subject; else absent
 };
 
 enum class SummaryAxis { kTx, kTy, kTz, kRx, kRy, kRz, kRoll, kPitch, kYaw, kTranslation, kRotation };
@@ -118,11 +118,11 @@ struct SummaryRow {
   int answered = 0;           ///< tasks in which this axis was given for every camera (or pair)
   double success_rate = 0.0;  ///< answered / tasks
   SampleFigures all;          ///< over everything this method answered
-  SampleFigures common;       ///< over the tasks that every method answered which answers this axis at all here
+  SampleFigures common;       ///< over the tasks that were answered by every method that answers this axis here at all
   PairedTest against_reference;
 };
 
-/// A way not to solve, and how often. Reasons whose first finding is the same are counted together.
+/// Why a method did not solve tasks, and how many. Tasks whose first finding is the same are counted together.
 struct FailureCount {
   std::string method;
   SweepStatus status = SweepStatus::kFailed;

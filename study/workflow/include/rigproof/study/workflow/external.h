@@ -13,7 +13,7 @@
 
 namespace rigproof {
 
-/// A file that describes a method from outside; docs/guides/external-methods.md tells it by example.
+/// What a file says that describes a method from outside; docs/guides/external-methods.md has an example.
 struct ExternalConfig {
   std::string name;                             ///< as in tables and results/NAME.yaml; empty = the file's name
   std::string summary;                          ///< one sentence for people
@@ -39,7 +39,7 @@ struct ExternalOptions {
   std::function<bool()> keep_going;
 };
 
-/// How a specification of such a method begins; the file follows.
+/// Before the name of such a file where a method is named.
 inline constexpr const char* kExternal = "external:";
 
 /// The program as a method. A command that is missing, crashes, hangs, or prints garbage gives a refused Result with
