@@ -1,6 +1,5 @@
 // Reading and writing what a run of 2,000 stops and 3 cameras leaves on disk, and the arithmetic of inner loops.
 #include <benchmark/benchmark.h>
-#include <stdlib.h>
 
 #include <filesystem>
 
@@ -9,6 +8,7 @@
 #include "rigproof/core/odometry_csv.h"
 #include "rigproof/core/random.h"
 #include "rigproof/core/run_folder.h"
+#include "rigproof/study/workflow/scratch_folder.h"
 #include "rigproof/truth/truth.h"
 
 namespace rigproof {
@@ -16,25 +16,6 @@ namespace {
 
 constexpr int kStops = 2000;
 constexpr int kCameras = 3;
-
-/// A folder for one benchmark.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "rigproof-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 Observations large_observations() {
   RandomStream random(1, "bench");
@@ -62,48 +43,48 @@ Observations large_observations() {
 }
 
 void save_observations_of_2000_stops(benchmark::State& state) {
-  const Folder folder;
+  const ScratchFolder folder("bench");
   const Observations observations = large_observations();
-  for (auto _ : state) save_observations(observations, folder / "o.json");
-  state.counters["MB"] = static_cast<double>(std::filesystem::file_size(folder / "o.json")) * 1e-6;
+  for (auto _ : state) save_observations(observations, folder.path() / "o.json");
+  state.counters["MB"] = static_cast<double>(std::filesystem::file_size(folder.path() / "o.json")) * 1e-6;
 }
 BENCHMARK(save_observations_of_2000_stops)->Unit(benchmark::kMillisecond);
 
 void load_observations_of_2000_stops(benchmark::State& state) {
-  const Folder folder;
-  save_observations(large_observations(), folder / "o.json");
-  for (auto _ : state) benchmark::DoNotOptimize(load_observations(folder / "o.json"));
+  const ScratchFolder folder("bench");
+  save_observations(large_observations(), folder.path() / "o.json");
+  for (auto _ : state) benchmark::DoNotOptimize(load_observations(folder.path() / "o.json"));
 }
 BENCHMARK(load_observations_of_2000_stops)->Unit(benchmark::kMillisecond);
 
 void load_truth_of_2000_stops(benchmark::State& state) {
-  const Folder folder;
+  const ScratchFolder folder("bench");
   Truth truth;
   for (int i = 0; i < kStops; ++i) truth.stops.push_back({i * 2.0, planar_pose(i * 0.1, 0.3, i * 0.01)});
-  save_truth(truth, folder / "t.yaml");
-  for (auto _ : state) benchmark::DoNotOptimize(load_truth(folder / "t.yaml"));
+  save_truth(truth, folder.path() / "t.yaml");
+  for (auto _ : state) benchmark::DoNotOptimize(load_truth(folder.path() / "t.yaml"));
 }
 BENCHMARK(load_truth_of_2000_stops)->Unit(benchmark::kMillisecond);
 
 void load_manifest_of_12000_files(benchmark::State& state) {
-  const Folder folder;
+  const ScratchFolder folder("bench");
   Manifest manifest;
   for (int i = 0; i < 12000; ++i)
     manifest.files["recording/left/color/" + std::to_string(i) + ".png"] = {123456, std::string(64, 'a')};
-  save_manifest(manifest, folder / "run.yaml");
-  for (auto _ : state) benchmark::DoNotOptimize(load_manifest(folder / "run.yaml"));
+  save_manifest(manifest, folder.path() / "run.yaml");
+  for (auto _ : state) benchmark::DoNotOptimize(load_manifest(folder.path() / "run.yaml"));
 }
 BENCHMARK(load_manifest_of_12000_files)->Unit(benchmark::kMillisecond);
 
 void read_odometry_of_100000_rows(benchmark::State& state) {
-  const Folder folder;
+  const ScratchFolder folder("bench");
   RandomStream random(2, "bench odometry");
   std::vector<OdometrySample> odometry;
   for (int i = 0; i < 100000; ++i) odometry.push_back({i * 0.02, random.normal(), random.normal(), random.normal()});
-  write_file_atomically(folder / "o.csv", odometry_csv(odometry));
+  write_file_atomically(folder.path() / "o.csv", odometry_csv(odometry));
   for (auto _ : state) {
     Problems problems;
-    benchmark::DoNotOptimize(read_odometry_csv(folder / "o.csv", &problems));
+    benchmark::DoNotOptimize(read_odometry_csv(folder.path() / "o.csv", &problems));
   }
 }
 BENCHMARK(read_odometry_of_100000_rows)->Unit(benchmark::kMillisecond);

@@ -1,7 +1,8 @@
 # A plain program: the robot's drive alone, without pictures.
 add_executable(bench_drive ${CMAKE_CURRENT_LIST_DIR}/drive.cpp)
 target_link_libraries(bench_drive PRIVATE rigproof::generator)
-target_include_directories(bench_drive PRIVATE ${PROJECT_SOURCE_DIR}/generator/src)
+target_include_directories(bench_drive PRIVATE ${PROJECT_SOURCE_DIR}/generator/src
+                                               ${PROJECT_SOURCE_DIR}/study/workflow/include)
 rigproof_apply_rules(bench_drive)
 
 # NEES of the estimator on driven odometry, without pictures.

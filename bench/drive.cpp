@@ -6,8 +6,6 @@
 //                                            docs/measurements/driving.md, and what the odometry makes of it
 //
 // Further arguments of `scenes` are lines of a run's configuration, e.g. "scene: indoor_lab" or "seed: 3".
-#include <stdlib.h>
-
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -21,6 +19,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/sim/models.h"
+#include "rigproof/study/workflow/scratch_folder.h"
 #include "scenario.h"
 
 namespace {
@@ -156,18 +155,14 @@ int main(int argc, char** argv) {
     else
       what = argument;
   }
-  std::string folder = (fs::temp_directory_path() / "bench-drive-XXXXXX").string();
-  if (::mkdtemp(folder.data()) == nullptr) return 1;
   try {
-    if (what == "track") track(folder);
+    if (what == "track") track(ScratchFolder("bench-drive").path());
     if (what == "scenes") print_head();
     if (what == "scenes")
       for (const std::string& scene : scenes.empty() ? scene_model_names() : scenes) drive_scene(scene, poses, more);
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    fs::remove_all(folder);
     return 2;
   }
-  fs::remove_all(folder);
   return 0;
 }

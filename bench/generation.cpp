@@ -21,12 +21,12 @@
 #include "rigproof/core/error.h"
 #include "rigproof/generator/generate.h"
 #include "rigproof/sim/renderer.h"
+#include "rigproof/study/workflow/scratch_folder.h"
 #include "scenario.h"
 #include "worker_pool.h"
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace rigproof;
 
 double seconds(const timeval& time) {
@@ -95,20 +95,12 @@ void render_bare(const GenerateConfig& config) {
   }
 }
 
-fs::path scratch() {
-  std::string name = (fs::temp_directory_path() / "bench-generation-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr) std::exit(1);
-  return name;
-}
-
 Cost generate_once(const GenerateConfig& config) {
-  const fs::path folder = scratch();
+  const ScratchFolder folder("bench-generation");
   GenerateOptions options;
-  options.output = folder;
+  options.output = folder.path();
   options.jobs = processes();
-  const Cost cost = measure([&] { generate(config, options); });
-  fs::remove_all(folder);
-  return cost;
+  return measure([&] { generate(config, options); });
 }
 
 void throughput(const GenerateConfig& config, int rounds) {

@@ -3,7 +3,6 @@
 // The goal is 50 ms a frame of 1280x720.
 //
 //   bench_sense [POSES=20 [CASE]]     CASE: one of those that it prints, for a profiler
-#include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -15,6 +14,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/generator/generate.h"
+#include "rigproof/study/workflow/scratch_folder.h"
 
 namespace {
 
@@ -80,15 +80,12 @@ void measure(const std::string& poses, const std::string& only, const fs::path& 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string name = (fs::temp_directory_path() / "bench-sense-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr) return 1;
   try {
-    measure("poses: " + std::string(argc > 1 ? argv[1] : "20") + "\n", argc > 2 ? argv[2] : "", name);
+    const ScratchFolder folder("bench-sense");
+    measure("poses: " + std::string(argc > 1 ? argv[1] : "20") + "\n", argc > 2 ? argv[2] : "", folder.path());
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    fs::remove_all(name);
     return 2;
   }
-  fs::remove_all(name);
   return 0;
 }
