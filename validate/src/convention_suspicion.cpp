@@ -50,7 +50,7 @@ Correction turned_child(const Eigen::Quaterniond& rotation, const std::string& e
 }
 
 Correction turned_parent(const Eigen::Quaterniond& rotation, const std::string& explanation) {
-  return {explanation, [rotation](const Rigid3& T) { return Rigid3(rotation, Eigen::Vector3d::Zero()) * T; }, false};
+  return {explanation, [rotation](const Rigid3& T) { return Rigid3(rotation, Eigen::Vector3d::Zero()) * T; }};
 }
 
 void add_inversions(std::vector<Correction>* list) {
@@ -58,9 +58,9 @@ void add_inversions(std::vector<Correction>* list) {
       {"matches the truth only when inverted: it gives the robot in the camera, not the camera in the robot",
        [](const Rigid3& T) { return T.inverse(); }, true});
   list->push_back({"matches the truth only with the rotations inverted",
-                   [](const Rigid3& T) { return Rigid3(T.rotation.conjugate(), T.translation); }, false});
+                   [](const Rigid3& T) { return Rigid3(T.rotation.conjugate(), T.translation); }});
   list->push_back({"matches the truth only with the translations replaced by -R^T t: they are in the camera's axes",
-                   [](const Rigid3& T) { return Rigid3(T.rotation, T.inverse().translation); }, false});
+                   [](const Rigid3& T) { return Rigid3(T.rotation, T.inverse().translation); }});
 }
 
 void add_units(std::vector<Correction>* list) {
@@ -72,12 +72,11 @@ void add_units(std::vector<Correction>* list) {
   // A small angle leaves no trace of its axis order, so the rotation vector stands for roll, pitch and yaw as well.
   list->push_back(
       {"the rotations were given in radians and read as degrees: all angles are 57.3 times too small",
-       [](const Rigid3& T) { return Rigid3(so3_exp(rad_to_deg(1.0) * so3_log(T.rotation)), T.translation); }, false});
+       [](const Rigid3& T) { return Rigid3(so3_exp(rad_to_deg(1.0) * so3_log(T.rotation)), T.translation); }});
   list->push_back({"roll, pitch and yaw were given in radians and read as degrees: all angles are 57.3 times too small",
                    [](const Rigid3& T) {
                      return Rigid3(from_roll_pitch_yaw(rad_to_deg(1.0) * roll_pitch_yaw(T.rotation)), T.translation);
-                   },
-                   false});
+                   }});
 }
 
 void add_axes(std::vector<Correction>* list) {
@@ -105,7 +104,7 @@ void add_mirrors(std::vector<Correction>* list) {
     sign[axis] = -1.0;
     const std::string name(1, static_cast<char>('x' + axis));
     list->push_back({"the " + name + " axis of the translations is mirrored",
-                     [sign](const Rigid3& T) { return Rigid3(T.rotation, T.translation.cwiseProduct(sign)); }, false});
+                     [sign](const Rigid3& T) { return Rigid3(T.rotation, T.translation.cwiseProduct(sign)); }});
     for (int camera_axis = 0; camera_axis < 3; ++camera_axis) {
       Eigen::Vector3d camera_sign = Eigen::Vector3d::Ones();
       camera_sign[camera_axis] = -1.0;
@@ -115,8 +114,7 @@ void add_mirrors(std::vector<Correction>* list) {
                        [sign, camera_sign](const Rigid3& T) {
                          const Eigen::Matrix3d R = sign.asDiagonal() * T.rotation_matrix() * camera_sign.asDiagonal();
                          return Rigid3(Eigen::Quaterniond(R), T.translation.cwiseProduct(sign));
-                       },
-                       false});
+                       }});
     }
   }
 }
@@ -128,12 +126,11 @@ void add_quaternion_orders(std::vector<Correction>* list) {
                      return Rigid3(Eigen::Quaterniond(q[0], q[1], q[2], q[3]), T.translation);
                    },
                    true});
-  list->push_back({"the quaternions were turned from x y z w to y z w x: their order was already right",
-                   [](const Rigid3& T) {
-                     const Eigen::Vector4d q = T.rotation.coeffs();
-                     return Rigid3(Eigen::Quaterniond(q[2], q[3], q[0], q[1]), T.translation);
-                   },
-                   false});
+  list->push_back(
+      {"the quaternions were turned from x y z w to y z w x: their order was already right", [](const Rigid3& T) {
+         const Eigen::Vector4d q = T.rotation.coeffs();
+         return Rigid3(Eigen::Quaterniond(q[2], q[3], q[0], q[1]), T.translation);
+       }});
 }
 
 const std::vector<Correction>& corrections() {

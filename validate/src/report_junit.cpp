@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdint>
+#include <map>
 
 #include "rigproof/core/files.h"
 #include "rigproof/core/version.h"
@@ -28,6 +29,9 @@ std::size_t valid_sequence(const std::string& text, std::size_t i) {
 }
 
 std::string escaped(const std::string& text) {
+  // A plain line feed in an attribute would be read as a space.
+  static const std::map<char, const char*> entities = {{'&', "&amp;"},  {'<', "&lt;"},  {'>', "&gt;"},  {'"', "&quot;"},
+                                                       {'\n', "&#10;"}, {'\t', "&#9;"}, {'\r', "&#13;"}};
   std::string result;
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = valid_sequence(text, i);
@@ -36,31 +40,11 @@ std::string escaped(const std::string& text) {
       ++i;
       continue;
     }
-    switch (text[i]) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\n':
-        result += "&#10;";
-        break;  // a plain line feed in an attribute would be read as a space
-      case '\t':
-        result += "&#9;";
-        break;
-      case '\r':
-        result += "&#13;";
-        break;
-      default:
-        result.append(text, i, length);
-    }
+    const auto entity = entities.find(text[i]);
+    if (entity == entities.end())
+      result.append(text, i, length);
+    else
+      result += entity->second;
     i += length;
   }
   return result;
