@@ -7,8 +7,9 @@ namespace {
 
 using Lines = std::vector<KeyLine>;
 
-Lines finding_keys(const std::string& list) {
-  return {{list + "[].sentence?", "text", "for people alone"},
+Lines finding_keys(const std::string& list, const std::string& what) {
+  return {{list + "[]", "", what},
+          {list + "[].sentence?", "text", "for people alone"},
           {list + "[].code", "text", "what was found; docs/reference/findings.md lists all"},
           {list + "[].severity", "note | left_out | refusal | contradiction | cause", "what it means for the result"},
           {list + "[].cameras?", "texts", "which it concerns"},
@@ -73,11 +74,9 @@ Lines calibrate_keys() {
   const std::string result = "results[]";
   return all_of({{{result, "", "one a method"},
                   {result + ".method", "text", "its name"},
-                  {result + ".status", "solved | partial | refused", "whether everything was answered"},
-                  {result + ".reasons[]", "", "why it is partial or refused"},
-                  {result + ".notes[]", "", "what the user should know"}},
-                 finding_keys(result + ".reasons"),
-                 finding_keys(result + ".notes"),
+                  {result + ".status", "solved | partial | refused", "whether everything was answered"}},
+                 finding_keys(result + ".reasons", "why it is partial or refused"),
+                 finding_keys(result + ".notes", "what the user should know"),
                  below(result + ".use[].left_out[]", kLeftOut),
                  below(result + ".camera_to_robot[]", kTransform),
                  below(result + ".camera_to_camera[]", kTransform),
@@ -91,9 +90,8 @@ Lines calibrate_keys() {
                   {result + ".use[].used", "integer", "images that were used"},
                   {result + ".acceptance?", "", "with accept limits: whether they hold"},
                   {result + ".acceptance.criteria", "text", "the file that they are from"},
-                  {result + ".acceptance.passed", "boolean", "whether all of them hold"},
-                  {result + ".acceptance.notes[]", "", "what could not be checked"}},
-                 finding_keys(result + ".acceptance.notes"),
+                  {result + ".acceptance.passed", "boolean", "whether all of them hold"}},
+                 finding_keys(result + ".acceptance.notes", "what could not be checked"),
                  below(result + ".acceptance.checks[]", kCheck)});
 }
 
@@ -106,9 +104,9 @@ Lines validate_keys() {
         {result, "", "one a result"},
         {result + ".subject", "text", "what was validated"},
         {result + ".method", "text", "what estimated it"},
-        {result + ".status", "solved | partial | refused", "whether everything was answered"},
-        {result + ".reasons[]", "", "why it is partial or refused"},
-        {result + ".passed", "boolean", "its gate"},
+        {result + ".status", "solved | partial | refused", "whether everything was answered"}},
+       finding_keys(result + ".reasons", "why it is partial or refused"),
+       {{result + ".passed", "boolean", "its gate"},
         {result + ".budget.name", "text", "file of the limits; empty = the default"},
         {result + ".budget.limits", "text", "the limits in words"},
         {result + ".degrees_of_freedom", "texts", "the axes of all lists of six"}},
@@ -123,22 +121,18 @@ Lines validate_keys() {
         {result + ".convention_suspicion", "anything", "a wrong convention that explains the errors; or null"},
         {result + ".explanation", "text or null", "why the gate failed"}},
        below(result + ".checks[]", kCheck),
-       finding_keys(result + ".reasons"),
-       {{result + ".notes[]", "", "what could not be checked"}},
-       finding_keys(result + ".notes")});
+       finding_keys(result + ".notes", "what could not be checked")});
 }
 
 Lines moved_keys() {
   const std::string axes = "tx_m ty_m tz_m rx_rad ry_rad rz_rad; null where nothing tells";
-  return all_of({finding_keys("reasons"),
-                 finding_keys("notes"),
+  return all_of({finding_keys("reasons", "why it cannot be told"),
+                 finding_keys("notes", "what the user should know"),
                  {{"outcome", "nothing moved | moved | cannot tell", "the answer"},
                   {"rig_moved", "boolean", "all cameras together against the robot"},
                   {"chi_square", "number or null", "of all cameras together"},
                   {"degrees_of_freedom", "integer", "of chi_square"},
                   {"p_value", "number or null", "how likely so much is without a shift"},
-                  {"reasons[]", "", "why it cannot be told"},
-                  {"notes[]", "", "what the user should know"},
                   {"cameras[].camera", "text", "its name"},
                   {"cameras[].verdict", "text", "of this camera"},
                   {"cameras[].p_value", "number or null", "how likely so much is without a shift"},
@@ -150,14 +144,11 @@ Lines moved_keys() {
 
 Lines suggest_keys() {
   const std::string axes = "one sigma: tx_m ty_m tz_m rx_rad ry_rad rz_rad; null where nothing tells";
-  return all_of({finding_keys("reasons_now"),
-                 finding_keys("reasons_then"),
-                 finding_keys("notes"),
+  return all_of({finding_keys("reasons_now", "why it is partial or refused"),
+                 finding_keys("reasons_then", "why it would be"),
+                 finding_keys("notes", "what the user should know"),
                  {{"status_now", "solved | partial | refused", "of the data at hand"},
                   {"status_then", "solved | partial | refused", "with the stops that are suggested"},
-                  {"reasons_now[]", "", "why it is partial or refused"},
-                  {"reasons_then[]", "", "why it would be"},
-                  {"notes[]", "", "what the user should know"},
                   {"stops[]", "", "where to drive, one after the other"},
                   {"stops[].command", "text", "in words"},
                   {"stops[].turn_before_deg", "number", "turn on the spot"},
