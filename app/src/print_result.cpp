@@ -41,6 +41,13 @@ Vector6d stated_sigmas(const EstimatedTransform& transform) {
   return sigmas;
 }
 
+// "30.12+-0.09": the sigma to two digits, the value to the same decimals; without sigma four decimals.
+std::string value_with_sigma(double value, double sigma) {
+  if (!(sigma > 0.0) || !std::isfinite(sigma)) return fixed_text(value, 4);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 6);
+  return fixed_text(value, decimals) + "+-" + fixed_text(sigma, decimals);
+}
+
 std::vector<std::string> pose_cells(const EstimatedTransform& transform) {
   const Eigen::Vector3d angles = body_roll_pitch_yaw(transform.T_parent_child.rotation);
   const Vector6d sigmas = stated_sigmas(transform);
@@ -133,6 +140,18 @@ std::vector<std::string> also_estimated_lines(const Result& result) {
   return aligned(rows);
 }
 
+// "22 used  2 left out: board cut off (3, 17)", a line a camera.
+void print_use(const Terminal& terminal, const Result& result) {
+  std::vector<std::vector<std::string>> rows;
+  for (const CameraUse& use : result.use) rows.push_back({" " + use.camera, std::to_string(use.used) + " used"});
+  // Reasons differ in length: only the first two columns are padded.
+  const std::vector<std::string> lines = aligned(rows);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string left_out = left_out_text(result.use[i]);
+    terminal.line(lines[i] + (left_out.empty() ? "" : "  " + left_out));
+  }
+}
+
 bool has_any_figure(const EstimatedTransform& transform) {
   return std::any_of(transform.observable.begin(), transform.observable.end(), [](bool known) { return known; });
 }
@@ -170,12 +189,6 @@ nlohmann::json transform_as_json(const EstimatedTransform& transform) {
 
 }  // namespace
 
-std::string value_with_sigma(double value, double sigma) {
-  if (!(sigma > 0.0) || !std::isfinite(sigma)) return fixed_text(value, 4);
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 6);
-  return fixed_text(value, decimals) + "+-" + fixed_text(sigma, decimals);
-}
-
 std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
@@ -206,20 +219,6 @@ std::string use_in_short(const Result& result) {
   if (left_out.empty()) return text;
   const std::vector<words::ReasonGroup> groups = words::by_reason(left_out);
   return text + " (" + (groups.size() > 1 ? "mostly " : "") + groups.front().reason + ")";
-}
-
-void print_use(const Terminal& terminal, const Result& result) {
-  std::vector<std::vector<std::string>> rows;
-  for (const CameraUse& use : result.use) {
-    std::vector<std::string> cells = {" " + use.camera, std::to_string(use.used) + " used"};
-    rows.push_back(cells);
-  }
-  // Reasons differ in length: only the first two columns are padded.
-  const std::vector<std::string> lines = aligned(rows);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string left_out = left_out_text(result.use[i]);
-    terminal.line(lines[i] + (left_out.empty() ? "" : "  " + left_out));
-  }
 }
 
 void print_result(const Terminal& terminal, const Result& result) {

@@ -11,17 +11,11 @@
 
 namespace rigproof {
 
-/// "30.12+-0.09": the sigma to two digits, the value to the same decimals; without sigma four decimals.
-std::string value_with_sigma(double value, double sigma);
-
 /// Rows of cells in columns, the first aligned left, the others right, with two spaces between.
 std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& rows);
 
 /// "298 used, 2 left out (board cut off)": all cameras together, with the commonest reason.
 std::string use_in_short(const Result& result);
-
-/// "22 used  2 left out: board cut off (3, 17)", a line a camera.
-void print_use(const Terminal& terminal, const Result& result);
 
 /// Poses with stated sigma, refusals and notes.
 void print_result(const Terminal& terminal, const Result& result);

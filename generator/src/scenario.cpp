@@ -41,6 +41,22 @@ void choose_depth_frame(const GenerateConfig& config, const std::string& camera,
                 config.rig);
 }
 
+// Intrinsics of the same camera with an image of `scale` times the size.
+Camera scaled_camera(const Camera& camera, double scale) {
+  if (scale == 1.0) return camera;
+  Camera scaled = camera;
+  scaled.width_px = std::max(16, static_cast<int>(std::lround(camera.width_px * scale)));
+  scaled.height_px = std::max(16, static_cast<int>(std::lround(camera.height_px * scale)));
+  // Rounded sizes stretch the image by a hair; the same factors keep the view exactly.
+  const double sx = static_cast<double>(scaled.width_px) / camera.width_px;
+  const double sy = static_cast<double>(scaled.height_px) / camera.height_px;
+  scaled.fx_px = camera.fx_px * sx;
+  scaled.fy_px = camera.fy_px * sy;
+  scaled.cx_px = (camera.cx_px + 0.5) * sx - 0.5;
+  scaled.cy_px = (camera.cy_px + 0.5) * sy - 0.5;
+  return scaled;
+}
+
 RigModel resolve_rig(const GenerateConfig& config) {
   RigModel rig = load_rig_model(config.rig);
   for (RigCamera& camera : rig.rig.cameras) {
@@ -268,21 +284,6 @@ std::vector<ScenarioInput> scenario_inputs(const GenerateConfig& config) {
   const RigModel rig = load_rig_model(config.rig);
   const SceneModel scene = varied(load_scene_model(config.scene), config.randomize, seed_of(config));
   return inputs_of(config, rig, scene, resolve_board(config.board, rig.rig.board));
-}
-
-Camera scaled_camera(const Camera& camera, double scale) {
-  if (scale == 1.0) return camera;
-  Camera scaled = camera;
-  scaled.width_px = std::max(16, static_cast<int>(std::lround(camera.width_px * scale)));
-  scaled.height_px = std::max(16, static_cast<int>(std::lround(camera.height_px * scale)));
-  // Rounded sizes stretch the image by a hair; the same factors keep the view exactly.
-  const double sx = static_cast<double>(scaled.width_px) / camera.width_px;
-  const double sy = static_cast<double>(scaled.height_px) / camera.height_px;
-  scaled.fx_px = camera.fx_px * sx;
-  scaled.fy_px = camera.fy_px * sy;
-  scaled.cx_px = (camera.cx_px + 0.5) * sx - 0.5;
-  scaled.cy_px = (camera.cy_px + 0.5) * sy - 0.5;
-  return scaled;
 }
 
 Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& source) {

@@ -80,7 +80,4 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
 /// The files that the images of a run depend on, without planning it.
 std::vector<ScenarioInput> scenario_inputs(const GenerateConfig& config);
 
-/// Intrinsics of the same camera with an image of `scale` times the size.
-Camera scaled_camera(const Camera& camera, double scale);
-
 }  // namespace rigproof

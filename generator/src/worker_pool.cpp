@@ -123,7 +123,6 @@ WorkerEvent WorkerPool::bury(std::size_t index, const std::string& how) {
   const ProcessEnd end = worker.process.wait();
   WorkerEvent event;
   event.kind = WorkerEvent::Kind::kDied;
-  event.worker = static_cast<int>(index);
   event.job = worker.queue.empty() ? WorkerEvent::kNoJob : worker.queue.front();
   event.text = how.empty() ? how_it_ended(end) : how;
   worker.queue.clear();
@@ -147,7 +146,6 @@ WorkerEvent WorkerPool::read_event(std::size_t index) {
     return event;
   }
   WorkerEvent event;
-  event.worker = static_cast<int>(index);
   event.text = message.substr(1);
   event.kind = message[0] == kTagReady ? WorkerEvent::Kind::kReady : WorkerEvent::Kind::kDone;
   if (event.kind == WorkerEvent::Kind::kDone) {

@@ -21,7 +21,6 @@ struct WorkerEvent {
     kDied,    ///< the process ended by itself or hangs; text says how
   };
   Kind kind = Kind::kDone;
-  int worker = 0;
   std::uint32_t job = 0;  ///< kDone: which; kFailed, kDied: the first unfinished one, or kNoJob
   std::string text;
 

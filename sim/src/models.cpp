@@ -196,6 +196,17 @@ void visit_scene(FieldVisitor& visitor, SceneModel& scene, std::string& mjcf) {
       "where a robot can drive straight ahead without the board in view");
 }
 
+// With their true mounting and the rig's intrinsics.
+std::vector<WorldCamera> world_cameras(const RigModel& rig) {
+  std::vector<WorldCamera> cameras;
+  for (std::size_t i = 0; i < rig.rig.cameras.size(); ++i) {
+    const RigCamera& camera = rig.rig.cameras[i];
+    cameras.push_back({camera.name, rig.T_robot_camera[i], camera.camera});
+    if (camera.depth) cameras.back().depth_camera = camera.depth->own_camera;
+  }
+  return cameras;
+}
+
 }  // namespace
 
 Rigid3 mount_pose(double x_m, double y_m, double z_m, double roll_deg, double pitch_deg, double yaw_deg) {
@@ -300,7 +311,6 @@ std::string scene_text(const SceneModel& scene) {
   return write_fields([&](FieldVisitor& visitor) { visit_scene(visitor, plain, mjcf); });
 }
 
-std::vector<std::string> robot_model_names() { return list_presets("robots"); }
 std::vector<std::string> rig_model_names() {
   std::vector<std::string> names = list_presets("rigs");
   // Folders hold variants of one rig for sweeps.
@@ -310,16 +320,6 @@ std::vector<std::string> rig_model_names() {
   return names;
 }
 std::vector<std::string> scene_model_names() { return list_presets("scenes"); }
-
-std::vector<WorldCamera> world_cameras(const RigModel& rig) {
-  std::vector<WorldCamera> cameras;
-  for (std::size_t i = 0; i < rig.rig.cameras.size(); ++i) {
-    const RigCamera& camera = rig.rig.cameras[i];
-    cameras.push_back({camera.name, rig.T_robot_camera[i], camera.camera});
-    if (camera.depth) cameras.back().depth_camera = camera.depth->own_camera;
-  }
-  return cameras;
-}
 
 WorldDescription describe_world(const RigModel& rig, const SceneModel& scene, const Board& board,
                                 const Rigid3& T_world_board, std::uint64_t seed) {

@@ -68,23 +68,21 @@ std::vector<SceneObject> strew(const SceneModel& scene, const SceneScatter& scat
   return strewn_ones;
 }
 
-double bounded(double value, double low, double high) { return std::clamp(value, low, high); }
-
 void vary_texture(const SceneVariation& variation, RandomStream random, SceneTexture* texture) {
-  texture->scale = bounded(texture->scale * variation.texture_scale.sample(random), 0.05, 20.0);
-  texture->contrast = bounded(texture->contrast * variation.texture_contrast.sample(random), 0.0, 4.0);
+  texture->scale = std::clamp(texture->scale * variation.texture_scale.sample(random), 0.05, 20.0);
+  texture->contrast = std::clamp(texture->contrast * variation.texture_contrast.sample(random), 0.0, 4.0);
   for (std::size_t c = 0; c < 3; ++c) {
     const double factor = variation.texture_color.sample(random);
-    texture->color[c] = bounded(factor * texture->color[c], 0.0, 1.0);
-    texture->second_color[c] = bounded(factor * texture->second_color[c], 0.0, 1.0);
+    texture->color[c] = std::clamp(factor * texture->color[c], 0.0, 1.0);
+    texture->second_color[c] = std::clamp(factor * texture->second_color[c], 0.0, 1.0);
   }
 }
 
 void vary_light(const SceneVariation& variation, RandomStream random, SceneDescription* world) {
   world->light.brightness *= variation.light_brightness.sample(random);
   world->light.turn_deg += variation.light_turn_deg.sample(random);
-  world->light.warmth = bounded(world->light.warmth + variation.light_warmth.sample(random), -1.0, 1.0);
-  world->cloud_cover = bounded(world->cloud_cover + variation.cloud_cover.sample(random), 0.0, 1.0);
+  world->light.warmth = std::clamp(world->light.warmth + variation.light_warmth.sample(random), -1.0, 1.0);
+  world->cloud_cover = std::clamp(world->cloud_cover + variation.cloud_cover.sample(random), 0.0, 1.0);
 }
 
 SceneObject moved(const SceneModel& scene, const SceneVariation& variation, RandomStream* random,

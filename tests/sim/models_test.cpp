@@ -8,6 +8,7 @@
 
 #include "pose_near.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "temp_folder.h"
 
@@ -35,7 +36,7 @@ TEST(Models, EverythingThatShipsLoads) {
                                                "office", "outdoor_yard", "warehouse", "workshop"));
   for (const std::string& name : scene_model_names()) EXPECT_FALSE(load_scene_model(name).description.empty()) << name;
   EXPECT_THAT(rig_model_names(), Contains("husky_3x_d455"));
-  for (const std::string& name : robot_model_names()) EXPECT_GT(load_robot_model(name).mass_kg, 0.0) << name;
+  for (const std::string& name : list_presets("robots")) EXPECT_GT(load_robot_model(name).mass_kg, 0.0) << name;
   for (const std::string& name : rig_model_names()) {
     const RigModel rig = load_rig_model(name);
     EXPECT_EQ(rig.rig.cameras.size(), rig.T_robot_camera.size()) << name;

@@ -160,11 +160,10 @@ class EffectList {
   template <typename... Arguments>
   EffectList resolved(Arguments&&... arguments) const {
     EffectList on = *this;
-    const auto is_off = [&](const auto& effect) { return !effect->resolve(arguments...); };
     // One after the other, as they draw: std::remove_if promises no order.
     std::vector<std::unique_ptr<Kind>> kept;
     for (auto& effect : on.effects_)
-      if (!is_off(effect)) kept.push_back(std::move(effect));
+      if (effect->resolve(arguments...)) kept.push_back(std::move(effect));
     return EffectList(std::move(kept));
   }
   void prepare(int width, int height, const FrameSeed& device) {

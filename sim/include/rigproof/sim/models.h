@@ -90,16 +90,12 @@ SceneModel load_scene_model(const std::string& name_or_file);
 std::string scene_text(const SceneModel& scene);
 
 /// Names of the models that are installed, sorted.
-std::vector<std::string> robot_model_names();
 std::vector<std::string> rig_model_names();
 std::vector<std::string> scene_model_names();
 
 /// T_robot_camera of a mount: the camera's place in the robot frame, and the attitude of its body axes (x forward along
 /// the optical axis, y left, z up) as R = Rz(yaw) Ry(pitch) Rx(roll): positive pitch looks down, positive yaw left.
 Rigid3 mount_pose(double x_m, double y_m, double z_m, double roll_deg, double pitch_deg, double yaw_deg);
-
-/// The rig's cameras as a world takes them, with their true mounting and the rig's intrinsics.
-std::vector<WorldCamera> world_cameras(const RigModel& rig);
 
 /// The scene with what is strewn in it drawn for a seed: its `scatter` becomes objects. None of them stands in the
 /// drivable area, on the straight path, or touches another strewn one; what finds no place is left out.
