@@ -35,78 +35,71 @@ std::string nees_of_cameras(const Comparison& comparison) {
   return words_for(judged, interval) + ": NEES of each camera " + values + interval_text(interval);
 }
 
-// What failed, camera by camera, then pair by pair: "right tz; left-right, center-right vertical".
-class FailureList {
- public:
-  FailureList(const Comparison& comparison, const Gate& gate) : comparison_(comparison) {
-    for (const Check& check : gate.checks)
-      if (!check.passed) add(check);
-  }
-
-  std::string text() const {
-    std::map<std::string, std::vector<std::string>> pairs_by_word;
-    std::vector<std::string> words, parts;
-    for (const std::string& subject : order_) {
-      const Subject& failed = subjects_.at(subject);
-      if (!failed.between_cameras) {
-        parts.push_back(short_name(subject) + " " + (failed.axes.empty() ? "not answered" : axis_names(failed.axes)));
-        continue;
-      }
-      const std::string word = direction_word(subject, failed.axes);
-      if (pairs_by_word[word].empty()) words.push_back(word);
-      pairs_by_word[word].push_back(subject);
-    }
-    for (const std::string& word : words) parts.push_back(joined(pairs_by_word[word]) + " " + word);
-    return joined(parts, "; ");
-  }
-
- private:
-  struct Subject {
-    bool between_cameras = false;
-    std::vector<int> axes;
-  };
-
-  void add(const Check& check) {
-    if (subjects_.find(check.subject) == subjects_.end()) order_.push_back(check.subject);
-    Subject& subject = subjects_[check.subject];
-    subject.between_cameras = check.between_cameras;
-    if (check.axis >= 0 && std::find(subject.axes.begin(), subject.axes.end(), check.axis) == subject.axes.end())
-      subject.axes.push_back(check.axis);
-  }
-
-  static std::string short_name(const std::string& subject) {
-    const std::string suffix = " in robot";
-    const bool ends =
-        subject.size() > suffix.size() && subject.compare(subject.size() - suffix.size(), suffix.size(), suffix) == 0;
-    return ends ? subject.substr(0, subject.size() - suffix.size()) : subject;
-  }
-
-  static std::string axis_names(const std::vector<int>& axes) {
-    std::vector<std::string> names;
-    for (const int axis : axes) names.push_back(kDegreeOfFreedomNames[static_cast<std::size_t>(axis)]);
-    return joined(names, " ");
-  }
-
-  // The axes of a pair are those of a camera, which nobody has in mind: translations that point along one axis of the
-  // robot to within 25 degrees are told as that.
-  std::string direction_word(const std::string& subject, const std::vector<int>& axes) const {
-    const auto pair = std::find_if(comparison_.camera_to_camera.begin(), comparison_.camera_to_camera.end(),
-                                   [&](const TransformError& error) { return error.name() == subject; });
-    const auto parent = std::find_if(comparison_.camera_to_robot.begin(), comparison_.camera_to_robot.end(),
-                                     [&](const TransformError& error) { return error.child == pair->parent; });
-    const bool translations = std::all_of(axes.begin(), axes.end(), [](int axis) { return axis < 3; });
-    if (!translations || parent == comparison_.camera_to_robot.end()) return axis_names(axes);
-    const Eigen::Vector3d in_robot = parent->T_true.rotation * pair->error.head<3>();
-    static constexpr const char* kWords[3] = {"lengthwise", "sideways", "vertical"};
-    for (int axis = 0; axis < 3; ++axis)
-      if (std::abs(in_robot[axis]) > 0.9 * in_robot.norm()) return kWords[axis];
-    return axis_names(axes);
-  }
-
-  const Comparison& comparison_;
-  std::vector<std::string> order_;
-  std::map<std::string, Subject> subjects_;
+struct FailedSubject {
+  std::string name;
+  bool between_cameras = false;
+  std::vector<int> axes;
 };
+
+std::vector<FailedSubject> failed_subjects(const Gate& gate) {
+  std::vector<FailedSubject> subjects;
+  for (const Check& check : gate.checks) {
+    if (check.passed) continue;
+    const auto same = [&check](const FailedSubject& subject) { return subject.name == check.subject; };
+    auto subject = std::find_if(subjects.begin(), subjects.end(), same);
+    if (subject == subjects.end()) subject = subjects.insert(subjects.end(), FailedSubject{check.subject, false, {}});
+    subject->between_cameras = check.between_cameras;
+    if (check.axis >= 0 && std::find(subject->axes.begin(), subject->axes.end(), check.axis) == subject->axes.end())
+      subject->axes.push_back(check.axis);
+  }
+  return subjects;
+}
+
+std::string short_name(const std::string& subject) {
+  const std::string suffix = " in robot";
+  const bool ends =
+      subject.size() > suffix.size() && subject.compare(subject.size() - suffix.size(), suffix.size(), suffix) == 0;
+  return ends ? subject.substr(0, subject.size() - suffix.size()) : subject;
+}
+
+std::string axis_names(const std::vector<int>& axes) {
+  std::vector<std::string> names;
+  for (const int axis : axes) names.push_back(kDegreeOfFreedomNames[static_cast<std::size_t>(axis)]);
+  return joined(names, " ");
+}
+
+// The axes of a pair are those of a camera, which nobody has in mind: translations that point along one axis of the
+// robot to within 25 degrees are told as that.
+std::string direction_word(const Comparison& comparison, const FailedSubject& failed) {
+  const auto pair = std::find_if(comparison.camera_to_camera.begin(), comparison.camera_to_camera.end(),
+                                 [&](const TransformError& error) { return error.name() == failed.name; });
+  const auto parent = std::find_if(comparison.camera_to_robot.begin(), comparison.camera_to_robot.end(),
+                                   [&](const TransformError& error) { return error.child == pair->parent; });
+  const bool translations = std::all_of(failed.axes.begin(), failed.axes.end(), [](int axis) { return axis < 3; });
+  if (!translations || parent == comparison.camera_to_robot.end()) return axis_names(failed.axes);
+  const Eigen::Vector3d in_robot = parent->T_true.rotation * pair->error.head<3>();
+  static constexpr const char* kWords[3] = {"lengthwise", "sideways", "vertical"};
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(in_robot[axis]) > 0.9 * in_robot.norm()) return kWords[axis];
+  return axis_names(failed.axes);
+}
+
+// What failed, camera by camera, then pair by pair: "right tz; left-right, center-right vertical".
+std::string what_failed(const Comparison& comparison, const Gate& gate) {
+  std::map<std::string, std::vector<std::string>> pairs_by_word;
+  std::vector<std::string> words, parts;
+  for (const FailedSubject& failed : failed_subjects(gate)) {
+    if (!failed.between_cameras) {
+      parts.push_back(short_name(failed.name) + " " + (failed.axes.empty() ? "not answered" : axis_names(failed.axes)));
+      continue;
+    }
+    const std::string word = direction_word(comparison, failed);
+    if (pairs_by_word[word].empty()) words.push_back(word);
+    pairs_by_word[word].push_back(failed.name);
+  }
+  for (const std::string& word : words) parts.push_back(joined(pairs_by_word[word]) + " " + word);
+  return joined(parts, "; ");
+}
 
 std::string explanation_line(const Comparison& comparison, const Budget& budget) {
   const std::optional<Explanation> explanation = explain_failures(comparison, budget);
@@ -143,7 +136,7 @@ std::string format_verdict(const Comparison& comparison, const Gate& gate, const
     return "PASS  " + std::to_string(count) + "/" + std::to_string(count) + " within " + describe(budget) + honesty +
            "\n";
   return "FAIL  " + std::to_string(failures) + "/" + std::to_string(count) +
-         " checks: " + FailureList(comparison, gate).text() + "\n" + explanation_line(comparison, budget) +
+         " checks: " + what_failed(comparison, gate) + "\n" + explanation_line(comparison, budget) +
          (nees.empty() ? "" : "  " + nees + "\n");
 }
 

@@ -30,19 +30,6 @@ std::string count_cell(const Sample& sample) {
   return std::to_string(sample.answered) + "/" + std::to_string(sample.tasks);
 }
 
-const PublishedTable& published_table(SweepSubject subject, bool synthetic) {
-  for (const PublishedTable& table : published_tables())
-    if (table.between_cameras == (subject == SweepSubject::kPair) && table.synthetic == synthetic) return table;
-  throw Error("there is no such published table");
-}
-
-const PublishedRow* published_row(const PublishedTable& table, const std::string& method) {
-  const std::string name = published_name_of(method);
-  for (const PublishedRow& row : table.rows)
-    if (row.method == name) return &row;
-  return nullptr;
-}
-
 // Published numbers have two decimals.
 bool above(double ours, double published) { return std::round(100.0 * ours) > std::round(100.0 * published); }
 

@@ -3,9 +3,7 @@
 #include <algorithm>
 
 #include "paper_samples.h"
-#include "rigproof/study/report/paper.h"
 #include "rigproof/study/sweep/table_text.h"
-#include "rigproof/validate/published.h"
 
 namespace rigproof::paper {
 namespace {
@@ -68,18 +66,15 @@ std::string dots(const SweepRows& rows, const Condition& condition, SweepSubject
   std::string text;
   for_each_row(rows, condition, subject,
                [&](const SweepRow& row) { text += axis_lines(line_of("dots", panel, row), paper_error(row)); });
-  for (const PublishedTable& table : published_tables()) {
-    if (table.between_cameras != (subject == SweepSubject::kPair) || table.synthetic != synthetic) continue;
-    for (const std::string& method : rows.methods)
-      for (const PublishedRow& theirs : table.rows) {
-        if (theirs.method != published_name_of(method)) continue;
-        Line line;
-        line.figure = "dots";
-        line.panel = panel;
-        line.method = method;
-        line.source = "published";
-        text += axis_lines(line, theirs.error);
-      }
+  for (const std::string& method : rows.methods) {
+    const PublishedRow* theirs = published_row(published_table(subject, synthetic), method);
+    if (theirs == nullptr) continue;
+    Line line;
+    line.figure = "dots";
+    line.panel = panel;
+    line.method = method;
+    line.source = "published";
+    text += axis_lines(line, theirs->error);
   }
   return text;
 }

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "rigproof/core/error.h"
+#include "rigproof/study/report/paper.h"
+
 namespace rigproof::paper {
 namespace {
 
@@ -21,6 +24,19 @@ AxisFigures paper_error(const SweepRow& row) {
 
 const char* subject_title(SweepSubject subject) {
   return subject == SweepSubject::kCamera ? "camera to robot" : "camera to camera";
+}
+
+const PublishedTable& published_table(SweepSubject subject, bool synthetic) {
+  for (const PublishedTable& table : published_tables())
+    if (table.between_cameras == (subject == SweepSubject::kPair) && table.synthetic == synthetic) return table;
+  throw Error("there is no such published table");
+}
+
+const PublishedRow* published_row(const PublishedTable& table, const std::string& method) {
+  const std::string name = published_name_of(method);
+  for (const PublishedRow& row : table.rows)
+    if (row.method == name) return &row;
+  return nullptr;
 }
 
 bool meets(const SweepRow& row, const Condition& condition) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rigproof/study/sweep/rows.h"
+#include "rigproof/validate/published.h"
 
 namespace rigproof::paper {
 
@@ -18,6 +19,11 @@ inline constexpr std::array<const char*, 6> kPaperAxes = {"tx", "ty", "tz", "rol
 
 /// "camera to robot" or "camera to camera".
 const char* subject_title(SweepSubject subject);
+
+/// Throws Error where the paper has none.
+const PublishedTable& published_table(SweepSubject subject, bool synthetic);
+/// The row that a method of ours stands beside; null if there is none.
+const PublishedRow* published_row(const PublishedTable& table, const std::string& method);
 
 /// Which rows: labels by axis number.
 using Condition = std::map<std::size_t, std::string>;

@@ -1,7 +1,6 @@
 #include "rigproof/study/sweep/config.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <set>
 
@@ -24,15 +23,7 @@ constexpr const char* kGeometric = "geometric.";
 constexpr const char* kMeasured = "geometric.measured";  // a file, which is no level
 constexpr double kMaxLevels = 10000.0;
 constexpr double kMaxSeed = 9007199254740992.0;
-constexpr const char* kNameSigns = "_-.+";
 constexpr const char* kNameRule = "must be letters, digits, _, -, + and .";
-
-bool is_word(const std::string& text, const char* more) {
-  return !text.empty() && text.size() < 100 && text[0] != '.' &&
-         std::all_of(text.begin(), text.end(), [more](unsigned char c) {
-           return std::isalnum(c) != 0 || std::string(more).find(static_cast<char>(c)) != std::string::npos;
-         });
-}
 
 // Every field that an axis may set.
 const std::vector<std::string>& known_fields() {
@@ -435,7 +426,7 @@ void visit_method(FieldVisitor& visitor, SweepMethodChoice& choice, const SweepV
   visitor.field("method", choice.method, TextChoices{}, kNames);
   if (visitor.is_reading()) choice.method = method_path(file, choice.method);
   visitor.optional("name", choice.name, "in the tables; default the method's own");
-  visitor.check(choice.name.empty() || is_word(choice.name, kNameSigns), "name", kNameRule);
+  visitor.check(choice.name.empty() || is_word(choice.name), "name", kNameRule);
   visit_vision(visitor, choice.vision, usual, file);
 }
 
@@ -483,7 +474,7 @@ void refuse_fields_set_twice(FieldVisitor& visitor, const SweepConfig& config) {
 // `file` is what the names of other files are relative to.
 void visit_sweep(FieldVisitor& visitor, SweepConfig& config, const fs::path& file) {
   visitor.field("name", config.name, TextChoices{}, "of the sweep; default the file's name");
-  visitor.check(is_word(config.name, kNameSigns), "name", kNameRule);
+  visitor.check(is_word(config.name), "name", kNameRule);
   visitor.choice("mode", config.geometric, {{"rendered", false}, {"geometric", true}},
                  "rendered: with images; geometric: observations drawn from geometry and noise, without images");
   visit_blocks(visitor, config, file);

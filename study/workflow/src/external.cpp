@@ -1,6 +1,7 @@
 #include "rigproof/study/workflow/external.h"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "external_matrices.h"
@@ -223,13 +224,6 @@ class ExternalMethod : public Method {
   const ExternalOptions options_;
 };
 
-bool is_file_name(const std::string& name) {
-  return !name.empty() && name.size() < 100 && name[0] != '.' &&
-         std::all_of(name.begin(), name.end(), [](unsigned char c) {
-           return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.' || c == '+';
-         });
-}
-
 }  // namespace
 
 void ExternalConfig::visit(FieldVisitor& visitor) {
@@ -251,15 +245,15 @@ void ExternalConfig::visit(FieldVisitor& visitor) {
   visitor.field("cameras", cameras, "Of matrices: the cameras in their order; default the rig's order");
   visitor.field("time_limit_s", time_limit_s, NumberRange{0.01, 1e6}, "The program is killed after this many seconds");
   visitor.check(!command.empty() && !command.front().empty(), "command", "must name a program");
-  visitor.check(name.empty() || is_file_name(name), "name", "must be letters, digits, _, -, + and .");
-  visitor.check(output_file == "-" || is_file_name(output_file), "output_file", "must be a file's name, or -");
+  visitor.check(name.empty() || is_word(name), "name", "must be letters, digits, _, -, + and .");
+  visitor.check(output_file == "-" || is_word(output_file), "output_file", "must be a file's name, or -");
 }
 
 ExternalConfig load_external_config(const fs::path& file) {
   ExternalConfig config;
   read_fields(file, [&config](FieldVisitor& visitor) { config.visit(visitor); });
   if (config.name.empty()) config.name = file.stem().string();
-  if (!is_file_name(config.name))
+  if (!is_word(config.name))
     throw Error(file.string() + ": name: must be letters, digits, _, -, + and .; the file's name is none");
   return config;
 }
@@ -298,6 +292,13 @@ void refuse_same_names(const std::vector<std::shared_ptr<const Method>>& methods
 }
 
 }  // namespace
+
+bool is_word(const std::string& text, const std::string& signs) {
+  return !text.empty() && text.size() < 100 && text[0] != '.' &&
+         std::all_of(text.begin(), text.end(), [&signs](unsigned char c) {
+           return std::isalnum(c) != 0 || signs.find(static_cast<char>(c)) != std::string::npos;
+         });
+}
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))

@@ -50,6 +50,8 @@ std::shared_ptr<const Method> make_external_method(const std::filesystem::path& 
 /// Whether the program broke (missing, crash, time limit, garbage) rather than refusing.
 bool program_broke(const Result& result);
 
+/// Whether a name may name a file: letters, digits and these signs, no point in front, less than a hundred of them.
+bool is_word(const std::string& text, const std::string& signs = "_-.+");
 /// `text` with every `from` replaced.
 std::string replaced(std::string text, const std::string& from, const std::string& to);
 
