@@ -19,80 +19,48 @@ namespace {
 constexpr double kAgrees_m = 0.15, kAgrees_rad = 0.08;
 constexpr double kDiffers = 2.0;  // times that
 
-class Finder {
- public:
-  Finder(const Observations& observations, const std::vector<ViewPose>& views, const State& state,
-         const std::vector<bool>& doubtful)
-      : observations_(observations), views_(views), state_(state), doubtful_(doubtful) {}
-
-  std::vector<SwappedFrames> find() {
-    for (const ViewPose& view : views_) {
-      if (!doubtful_[static_cast<std::size_t>(view.stop)]) continue;
-      const std::optional<Rigid3> predicted = predicted_pose(static_cast<std::size_t>(view.stop));
-      if (!predicted || disagreement(view.T_camera_board, view.camera, *predicted) < kDiffers) continue;
-      const int other = best_camera(view, *predicted);
-      if (other >= 0) add(view, other);
+// From the nearest stop that nothing is wrong with, by odometry.
+std::optional<Rigid3> predicted_pose(const Observations& observations, const State& state,
+                                     const std::vector<bool>& doubtful, std::size_t stop) {
+  for (std::size_t distance = 1; distance < doubtful.size(); ++distance) {
+    for (const bool back : {true, false}) {
+      if (back ? distance > stop : stop + distance >= doubtful.size()) continue;
+      const std::size_t from = back ? stop - distance : stop + distance;
+      if (doubtful[from]) continue;
+      const Eigen::Vector3d moved = measured_increment(observations.stops[from], observations.stops[stop]);
+      const Rigid3 motion = planar_pose(moved.x() / state.odometry_scale(), moved.y() / state.odometry_scale(),
+                                        moved.z() / state.odometry_yaw_factor());
+      return state.poses[from].transform() * motion;
     }
-    std::vector<SwappedFrames> result;
-    for (auto& [pair, stops] : found_) result.push_back({pair.first, pair.second, std::move(stops)});
-    return result;
   }
+  return std::nullopt;
+}
 
- private:
-  // From the nearest stop that nothing is wrong with, by odometry.
-  std::optional<Rigid3> predicted_pose(std::size_t stop) const {
-    const std::size_t n = doubtful_.size();
-    for (std::size_t distance = 1; distance < n; ++distance) {
-      for (const bool back : {true, false}) {
-        if (back ? distance > stop : stop + distance >= n) continue;
-        const std::size_t from = back ? stop - distance : stop + distance;
-        if (doubtful_[from]) continue;
-        const Eigen::Vector3d moved = measured_increment(observations_.stops[from], observations_.stops[stop]);
-        const Rigid3 motion = planar_pose(moved.x() / state_.odometry_scale(), moved.y() / state_.odometry_scale(),
-                                          moved.z() / state_.odometry_yaw_factor());
-        return state_.poses[from].transform() * motion;
-      }
-    }
-    return std::nullopt;
+// 1 = at the limit of agreement.
+double disagreement(const State& state, const Rigid3& T_camera_board, int camera, const Rigid3& T_world_robot) {
+  const Rigid3 seen =
+      state.T_world_board * (state.T_robot_camera[static_cast<std::size_t>(camera)] * T_camera_board).inverse();
+  const Vector6d error = transform_error(seen, T_world_robot);
+  return std::max(error.head<3>().norm() / kAgrees_m, error.tail<3>().norm() / kAgrees_rad);
+}
+
+// The camera whose frame this really is; -1 if it is nobody's.
+int best_camera(const Observations& observations, const State& state, const ViewPose& view, const Rigid3& predicted) {
+  int best = -1;
+  double least = 1.0;
+  for (int c = 0; c < static_cast<int>(observations.cameras.size()); ++c) {
+    if (c == view.camera) continue;
+    const std::optional<BoardPose> pose =
+        estimate_board_pose(observations.board_views[static_cast<std::size_t>(view.view)].corners, observations.board,
+                            observations.cameras[static_cast<std::size_t>(c)].camera);
+    if (!pose) continue;
+    const double off = disagreement(state, pose->T_camera_board, c, predicted);
+    if (off >= least) continue;
+    least = off;
+    best = c;
   }
-
-  // 1 = at the limit of agreement.
-  double disagreement(const Rigid3& T_camera_board, int camera, const Rigid3& T_world_robot) const {
-    const Rigid3 seen =
-        state_.T_world_board * (state_.T_robot_camera[static_cast<std::size_t>(camera)] * T_camera_board).inverse();
-    const Vector6d error = transform_error(seen, T_world_robot);
-    return std::max(error.head<3>().norm() / kAgrees_m, error.tail<3>().norm() / kAgrees_rad);
-  }
-
-  // The camera whose frame this really is; -1 if it is nobody's.
-  int best_camera(const ViewPose& view, const Rigid3& predicted) const {
-    int best = -1;
-    double least = 1.0;
-    for (int c = 0; c < static_cast<int>(observations_.cameras.size()); ++c) {
-      if (c == view.camera) continue;
-      const std::optional<BoardPose> pose =
-          estimate_board_pose(observations_.board_views[static_cast<std::size_t>(view.view)].corners,
-                              observations_.board, observations_.cameras[static_cast<std::size_t>(c)].camera);
-      if (!pose) continue;
-      const double off = disagreement(pose->T_camera_board, c, predicted);
-      if (off >= least) continue;
-      least = off;
-      best = c;
-    }
-    return best;
-  }
-
-  void add(const ViewPose& view, int other) {
-    std::vector<int>& stops = found_[{std::min(view.camera, other), std::max(view.camera, other)}];
-    if (stops.empty() || stops.back() != view.stop) stops.push_back(view.stop);
-  }
-
-  const Observations& observations_;
-  const std::vector<ViewPose>& views_;
-  const State& state_;
-  const std::vector<bool>& doubtful_;
-  std::map<std::pair<int, int>, std::vector<int>> found_;
-};
+  return best;
+}
 
 // The robot's pose at a stop as each view there proposes it.
 std::vector<RobotPose> proposals(const Observations& observations, const State& state, int stop) {
@@ -144,7 +112,20 @@ double cost_with_all_views(const Problem& solved, const State& solution, int sto
 std::vector<SwappedFrames> find_swapped_frames(const Observations& observations, const std::vector<ViewPose>& views,
                                                const State& state, const std::vector<bool>& doubtful) {
   if (state.poses.size() != doubtful.size()) return {};
-  return Finder(observations, views, state, doubtful).find();
+  std::map<std::pair<int, int>, std::vector<int>> found;  // stops by the two cameras
+  for (const ViewPose& view : views) {
+    const std::size_t stop = static_cast<std::size_t>(view.stop);
+    if (!doubtful[stop]) continue;
+    const std::optional<Rigid3> predicted = predicted_pose(observations, state, doubtful, stop);
+    if (!predicted || disagreement(state, view.T_camera_board, view.camera, *predicted) < kDiffers) continue;
+    const int other = best_camera(observations, state, view, *predicted);
+    if (other < 0) continue;
+    std::vector<int>& stops = found[std::minmax(view.camera, other)];
+    if (stops.empty() || stops.back() != view.stop) stops.push_back(view.stop);
+  }
+  std::vector<SwappedFrames> result;
+  for (auto& [pair, stops] : found) result.push_back({pair.first, pair.second, std::move(stops)});
+  return result;
 }
 
 std::vector<SwappedFrames> likelier_swapped(const Problem& problem, const State& state,
