@@ -37,17 +37,14 @@ class TreeGrower {
     return a.covariance.trace() < b.covariance.trace();
   }
 
-  // The best edge between what is reached and what is not (Prim).
+  // The best edge between what is reached and what is not (Prim). What an earlier part reached has none to a new one,
+  // or they would be one part.
   const ViewPose* next_edge() const {
     const ViewPose* best = nullptr;
     for (const ViewPose& view : views_)
-      if (knows_camera(view) != knows_stop(view) && reaches_this_part(view) && (best == nullptr || better(view, *best)))
-        best = &view;
+      if (knows_camera(view) != knows_stop(view) && (best == nullptr || better(view, *best))) best = &view;
     return best;
   }
-
-  // What an earlier part reached has no edge to a new one, or they would be one part.
-  bool reaches_this_part(const ViewPose& view) const { return knows_camera(view) || knows_stop(view); }
 
   PatternPart grow_from(int root) {
     PatternPart part;
