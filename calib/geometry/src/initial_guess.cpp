@@ -29,11 +29,7 @@ constexpr double kMountingSigma_m = 3.0;
 // Below this length (cos psi, sin psi) is noise: the motion does not tell the yaw.
 constexpr double kMinDirection = 0.3;
 
-Matrix2d rotation2(double angle_rad) {
-  Matrix2d R;
-  R << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad), std::cos(angle_rad);
-  return R;
-}
+Matrix2d rotation2(double angle_rad) { return Eigen::Rotation2Dd(angle_rad).toRotationMatrix(); }
 
 // A quarter turn: dR/dangle = S R.
 Vector2d quarter_turn(const Vector2d& v) { return {-v.y(), v.x()}; }

@@ -45,11 +45,7 @@ struct PlanarMotion {
   double beta;
 };
 
-Matrix2d rotation2(double angle) {
-  Matrix2d R;
-  R << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
-  return R;
-}
+Matrix2d rotation2(double angle) { return Eigen::Rotation2Dd(angle).toRotationMatrix(); }
 
 std::vector<PlanarMotion> planarise(const AutocalibSensor& sensor, const Eigen::Quaterniond& level) {
   std::vector<PlanarMotion> motions;
