@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
+#include "error_text.h"
 #include "paths.h"
-#include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 
 namespace rigproof {
@@ -16,12 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 std::string error_of(const std::string& text) {
-  try {
-    parse_generate_config(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return error_text([&] { parse_generate_config(text); });
 }
 
 TEST(GenerateConfig, EmptyFileIsValid) {

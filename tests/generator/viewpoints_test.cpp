@@ -6,9 +6,9 @@
 
 #include <cmath>
 
+#include "error_text.h"
 #include "looking_forward.h"
 #include "rigproof/core/conventions.h"
-#include "rigproof/core/error.h"
 
 namespace rigproof {
 namespace {
@@ -146,12 +146,7 @@ TEST(Viewpoints, DriveOrderKeepsTheSetOfPlaces) {
 std::string error_of(const ViewpointConfig& config, const FloorArea& area = {-5.0, 5.0, -5.0, 5.0}) {
   PillarWorld world;
   world.area = area;
-  try {
-    plan_viewpoints(config, 20, subject(), world, 0);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return error_text([&] { plan_viewpoints(config, 20, subject(), world, 0); });
 }
 
 TEST(Viewpoints, ImpossibleWishesSayWhichConstraintForbidsThem) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "error_text.h"
 #include "paths.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
@@ -26,12 +27,7 @@ class BudgetTest : public testing::Test {
     return load_budget(folder_ / "ci.yaml");
   }
   std::string message_of(const std::string& text) {
-    try {
-      load(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "accepted";
+    return error_text([&] { load(text); });
   }
 
   const TempFolder folder_;
