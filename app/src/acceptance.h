@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "rigproof/calib/plan/accept.h"
 #include "rigproof/formats/format.h"

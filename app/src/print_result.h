@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "rigproof/core/observations.h"
 #include "rigproof/core/result.h"
 #include "terminal.h"
 

@@ -1,7 +1,6 @@
 // Comma-separated numbers with problems that name file and line. Made for large files: nothing is copied.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>

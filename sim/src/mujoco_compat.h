@@ -3,7 +3,6 @@
 
 #include <mujoco/mujoco.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>

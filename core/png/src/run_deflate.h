@@ -3,7 +3,6 @@
 // image is little, and not searching is several times faster.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
