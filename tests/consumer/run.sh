@@ -6,7 +6,7 @@ source_folder=$1
 scratch=$2
 rm -rf "$scratch-prefix" "$scratch-project"
 # The library's build folder lies as deep as that of a preset: relative paths are alike, and ccache knows the objects.
-export CCACHE_BASEDIR=$source_folder CCACHE_NOHASHDIR=1
+export CCACHE_BASEDIR=$source_folder CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 cmake -S "$source_folder" -B "$scratch-library" -G Ninja -DCMAKE_BUILD_TYPE=Release -DRIGPROOF_SIMULATOR=OFF \
   -DRIGPROOF_TESTS=OFF -DRIGPROOF_WARNINGS_AS_ERRORS=ON -DCMAKE_CXX_COMPILER_LAUNCHER=ccache \
   -DCMAKE_DISABLE_FIND_PACKAGE_mujoco=ON -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON >/dev/null
