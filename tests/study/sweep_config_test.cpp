@@ -184,6 +184,8 @@ TEST(SweepConfig, MeasuredNoiseGoesWithARunOnly) {
 }
 
 TEST(SweepConfig, SaysWhatIsWrongAndWhere) {
+  EXPECT_THAT(problem_of("axes: {l: {field: odometry.lambda, values: []}}\n"),
+              HasSubstr("axes.l.values: a list of 0: must be a list of one value or more"));
   EXPECT_THAT(
       problem_of("axes:\n  a:\n    field: odometry.lamda\n    values: [1]\n"),
       AllOf(HasSubstr("trial.yaml:3"), HasSubstr("odometry.lamda"), HasSubstr("did you mean \"odometry.lambda\"")));

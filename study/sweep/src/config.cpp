@@ -170,7 +170,7 @@ SweepLevel level_of(const std::string& label, LevelFields fields, std::size_t pl
 
 std::vector<SweepLevel> levels_of_values(const SweepAxis& axis, FieldVisitor& visitor) {
   std::vector<YamlTree> values = axis.values.items;
-  visitor.check(visitor.given("values") == nullptr || !values.empty(), "values", "must be a list");
+  visitor.check(visitor.given("values") == nullptr || !values.empty(), "values", "must be a list of one value or more");
   for (const double value : axis.range ? axis.range->values : std::vector<double>()) {
     values.push_back(YamlTree::number(value));
     values.back().file = visitor.given("range")->file;
