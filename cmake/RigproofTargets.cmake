@@ -28,7 +28,7 @@ endfunction()
 # rigproof_precompile(library "POSITION_INDEPENDENT_CODE ON" <vector> ..) makes the object library
 # rigproof_precompiled_library, whose precompiled headers targets of the same flags share by
 # rigproof_use_precompiled(target library). Parsing the standard library and Eigen is over half of what compiling takes.
-# Every file still includes what it uses: clang-tidy reads it without these.
+# Every file still includes what it uses: `scripts/analyse FILE` reads it without these.
 function(rigproof_precompile name position_independent)
   set(target rigproof_precompiled_${name})
   set(source ${CMAKE_CURRENT_BINARY_DIR}/precompiled_${name}.cpp)

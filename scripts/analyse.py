@@ -5,7 +5,8 @@ Tests and benchmarks are left to the compilers: they would double the time.
 
 Most of a run goes into the headers of Eigen and the standard library. So files of one folder are analysed a few at a
 time, as one translation unit. Where that finds anything (names of two files may clash), the files are analysed in two
-halves, in the end each by itself: only a finding in a single file counts.
+halves, in the end each by itself: only a finding in a single file counts. What files that pass together hide from each
+other: a missing include, and a constant that nothing uses. To look for these, name one file at a time.
 
 A file that passed is remembered by the hash of everything that went into the answer (the text of all files that its
 build has read, its flags, .clang-tidy and the tool's version), under ~/.cache/rigproof/analysis, and is not analysed
