@@ -152,7 +152,8 @@ def main() -> int:
     dependencies = read_dependencies()
     for entry in entries:
         entry["key"] = answer_key(entry, salt, dependencies)
-    unseen = [entry for entry in entries if not (entry["key"] and (CACHE / entry["key"]).exists())]
+    # A file that is named is analysed in any case: it may have passed only together with others.
+    unseen = [entry for entry in entries if wanted or not (entry["key"] and (CACHE / entry["key"]).exists())]
     failures = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for findings in pool.map(analyse, batches(unseen)):
