@@ -100,7 +100,31 @@ void sync_file(const fs::path& file) {
   if (!descriptor.valid() || ::fsync(descriptor.get()) != 0) fail(file, "write", errno);
 }
 
+// A pipe that nobody reads must not hang the writer, and a disk is no place for a file.
+void write_through(const fs::path& file, const char* data, std::size_t size) {
+  const Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!descriptor.valid() && errno == ENXIO) throw Error(file.string() + ": cannot write: nobody reads this pipe");
+  if (!descriptor.valid() || ::fcntl(descriptor.get(), F_SETFL, 0) != 0) fail(file, "write", errno);
+  write_all(descriptor.get(), data, size, file);
+}
+
+// What is no regular file is never replaced: a link in a folder of somebody else may lead anywhere, and a device that
+// became a file is missed by every other program.
+// @return whether the name leads to a pipe or a character device (/dev/null, /dev/stdout), which takes the bytes itself
+bool takes_bytes_itself(const fs::path& file) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(file, ignored);
+  if (fs::is_fifo(status) || fs::is_character_file(status)) return true;
+  if (fs::is_symlink(fs::symlink_status(file, ignored)))
+    throw Error(file.string() + ": cannot write: it is a link to " + fs::read_symlink(file, ignored).string() +
+                ", and links are not followed; name the file itself, or remove the link");
+  if (fs::is_block_file(status) || fs::is_socket(status))
+    throw Error(file.string() + ": cannot write: it is no regular file");
+  return false;
+}
+
 void write_bytes(const fs::path& file, const char* data, std::size_t size, bool sync) {
+  if (takes_bytes_itself(file)) return write_through(file, data, size);
   create_parent(file);
   const fs::path temporary = temporary_name(file);
   Descriptor descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));

@@ -1,5 +1,6 @@
 #include "rigproof/core/files.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -7,6 +8,7 @@
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -71,6 +73,54 @@ TEST(Files, ARelativeNameNeedsNoFolder) {
   write_file_atomically("plain.txt", "x");
   fs::current_path(before);
   EXPECT_EQ(folder.read("plain.txt"), "x");
+}
+
+// As root a rename would replace the device: every other program then writes into a file.
+TEST(Files, APipeIsWrittenToAndStays) {
+  const TempFolder folder;
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error_text([&] { write_file_atomically(pipe, "x"); }),
+            pipe.string() + ": cannot write: nobody reads this pipe");
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  fs::create_symlink("pipe", folder / "link");  // as /dev/stdout is
+  write_file_atomically(pipe, "hello ");
+  write_file_atomically_unsynced(folder / "link", "world");
+  char read_back[32] = {};
+  EXPECT_EQ(read(reader, read_back, sizeof read_back), 11);
+  EXPECT_STREQ(read_back, "hello world");
+  close(reader);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(names_in(folder.path()).size(), 2U);
+}
+
+// Where the test may make one; a real device is not put at risk.
+TEST(Files, ADeviceIsWrittenToAndStays) {
+  const TempFolder folder;
+  const fs::path device = folder / "null";
+  if (mknod(device.c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0) return;
+  const int writable = open(device.c_str(), O_WRONLY);
+  if (writable < 0) return;  // a file system that opens no devices
+  close(writable);
+  write_file_atomically(device, "x");
+  EXPECT_TRUE(fs::is_character_file(device));
+}
+
+TEST(Files, ALinkIsRefusedAndItsTargetUntouched) {
+  const TempFolder folder;
+  folder.write("precious", "old");
+  fs::create_symlink("precious", folder / "link");
+  fs::create_symlink("gone/file", folder / "dangling");
+  EXPECT_EQ(error_text([&] { write_file_atomically(folder / "link", "x"); }),
+            (folder / "link").string() +
+                ": cannot write: it is a link to precious, and links are not followed; name the file itself, or "
+                "remove the link");
+  EXPECT_THAT(error_text([&] { write_file_atomically(folder / "dangling", "x"); }), HasSubstr("a link to gone/file"));
+  EXPECT_EQ(folder.read("precious"), "old");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(names_in(folder.path()).size(), 3U);
 }
 
 TEST(Files, ThreadsMayWriteTheSameFile) {

@@ -117,6 +117,10 @@ TEST(Convert, RefusesWhatIsInTheWayOrCannotBeSaid) {
   scratch.write("taken/file", "x");
   EXPECT_THAT(error_text([&] { convert(recording, "memroc", scratch / "taken"); }), HasSubstr("something already"));
   EXPECT_THAT(error_text([&] { convert(recording, "recording", scratch / "taken"); }), HasSubstr("something already"));
+  fs::create_directory(scratch / "empty");
+  fs::create_directory_symlink("empty", scratch / "link");
+  EXPECT_THAT(error_text([&] { convert(recording, "memroc", scratch / "link"); }), HasSubstr("something already"));
+  EXPECT_TRUE(fs::is_symlink(scratch / "link"));
   recording.rig.cameras[1].camera.lens = Lens::kKannalaBrandt;
   recording.rig.board.squares_x = 6;
   const std::string error = error_text([&] { convert(recording, "memroc", scratch / "new"); });

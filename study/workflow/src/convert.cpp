@@ -19,7 +19,8 @@ class FolderInMaking {
   explicit FolderInMaking(const fs::path& folder)
       : folder_(folder.has_filename() ? folder : folder.parent_path()), making_(folder_.string() + ".partial") {
     std::error_code error;
-    if (fs::exists(folder_, error) && !(fs::is_directory(folder_, error) && fs::is_empty(folder_, error)))
+    const fs::file_status there = fs::symlink_status(folder_, error);  // a link would be replaced by the folder
+    if (fs::exists(there) && !(fs::is_directory(there) && fs::is_empty(folder_, error)))
       throw Error(folder_.string() + ": there is something already; name a new folder");
     fs::remove_all(making_, error);
     fs::create_directories(making_, error);

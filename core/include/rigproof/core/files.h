@@ -11,6 +11,7 @@
 namespace rigproof {
 
 /// Writes to a temporary name in the same folder, fsyncs, renames, fsyncs the folder. Creates missing folders.
+/// Only a regular file is replaced: a pipe or character device (/dev/null) is written to, a link is refused.
 /// Throws Error that names the file and the cause (full disk, no permission); nothing half-written remains.
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 void write_file_atomically(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes);
