@@ -11,6 +11,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -53,6 +55,8 @@ class FailurePipe {
   FailurePipe(const FailurePipe&) = delete;
   FailurePipe& operator=(const FailurePipe&) = delete;
 
+  // For a process that execs nothing, whose end would stay open.
+  void leave() { close(std::exchange(ends_[1], -1)); }
   // Only calls that are safe between fork and exec.
   int report(int code) const {
     const ssize_t ignored = write(ends_[1], &code, sizeof(code));
@@ -61,7 +65,7 @@ class FailurePipe {
   }
   // errno of the child, 0 once exec succeeded.
   int wait_for_exec() {
-    close(std::exchange(ends_[1], -1));
+    leave();
     int code = 0;
     ssize_t got = 0;
     do got = read(ends_[0], &code, sizeof(code));
@@ -87,6 +91,97 @@ void become_program(char* const* argv, const ProgramRun& run) {
       redirect("/dev/null", O_RDONLY, STDIN_FILENO) && redirect(run.out_file.c_str(), kWrite, STDOUT_FILENO) &&
       redirect(run.error_file.c_str(), kWrite, STDERR_FILENO))
     execvp(argv[0], argv);
+}
+
+// What came of the program and has no parent any more: those are children of the keeper. Only calls that are safe
+// between fork and exec.
+void kill_children() {
+  const int list = open("/proc/thread-self/children", O_RDONLY | O_CLOEXEC);
+  if (list < 0) return;
+  std::array<char, 4096> text{};
+  pid_t pid = 0;
+  for (ssize_t count = 0; (count = read(list, text.data(), text.size())) > 0;) {
+    for (const char c : std::string_view(text.data(), static_cast<std::size_t>(count))) {
+      if (c != ' ') {
+        pid = 10 * pid + (c - '0');
+        continue;
+      }
+      kill(pid, SIGKILL);
+      pid = 0;
+    }
+  }
+  close(list);
+}
+
+// Each that ends may leave children of its own; one that cannot be killed is waited for in vain.
+void end_children(pid_t group) {
+  constexpr int kMostRounds = 5000;
+  constexpr timespec kRound{0, 1000000};
+  kill(-group, SIGKILL);
+  for (int round = 0; round < kMostRounds; ++round) {
+    kill_children();
+    pid_t ended = 0;
+    while ((ended = waitpid(-1, nullptr, WNOHANG)) > 0) {
+    }
+    if (ended < 0 && errno == ECHILD) return;
+    nanosleep(&kRound, nullptr);
+  }
+}
+
+// Waits until the program ends, or the owner does or wants it to end.
+// @return its wait status; nothing if it still runs
+std::optional<int> wait_for_program(pid_t program, const sigset_t& watched) {
+  for (;;) {
+    int status = 0;
+    const pid_t ended = waitpid(-1, &status, WNOHANG);
+    if (ended == program) return status;
+    if (ended > 0) continue;
+    if (sigwaitinfo(&watched, nullptr) == SIGTERM) return std::nullopt;
+  }
+}
+
+// Ends as the program did.
+[[noreturn]] void end_like(int status) {
+  if (WIFSIGNALED(status)) {
+    const rlimit none{0, 0};
+    setrlimit(RLIMIT_CORE, &none);  // the program's own is enough
+    signal(WTERMSIG(status), SIG_DFL);
+    sigset_t all;
+    sigfillset(&all);
+    sigprocmask(SIG_UNBLOCK, &all, nullptr);
+    raise(WTERMSIG(status));
+  }
+  _exit(WEXITSTATUS(status));
+}
+
+// Keeps hold of everything that the program starts, in whatever session of its own (a daemon leaves its group and its
+// parent), and ends it all with the program, at SIGTERM, and when the owner ends. Only calls that are safe between fork
+// and exec.
+[[noreturn]] void keep(char* const* argv, const ProgramRun& run, FailurePipe* failure) {
+  sigset_t watched, before;
+  sigemptyset(&watched);
+  sigaddset(&watched, SIGTERM);
+  sigaddset(&watched, SIGCHLD);
+  sigprocmask(SIG_BLOCK, &watched, &before);
+  signal(SIGCHLD, SIG_DFL);  // ignored, it would reap the program unseen
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  const pid_t keeper = getpid(), program = fork();
+  if (program < 0) _exit(failure->report(errno));
+  setpgid(program,
+          program);  // a script that ends its group must not end the keeper; done on both sides, as either may be first
+  if (program == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != keeper) _exit(kUncaught);
+    sigprocmask(SIG_SETMASK, &before, nullptr);
+    become_program(argv, run);
+    _exit(failure->report(errno));
+  }
+  failure->leave();
+  const std::optional<int> status = wait_for_program(program, watched);
+  end_children(program);
+  if (status) end_like(*status);
+  _exit(kUncaught);
 }
 
 }  // namespace
@@ -150,23 +245,22 @@ ProgramReport run_program(const ProgramRun& run) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   FailurePipe failure;
-  ChildProcess child([&] {
-    become_program(argv.data(), run);
-    return failure.report(errno);
-  });
+  ChildProcess keeper([&]() -> int { keep(argv.data(), run, &failure); });
   if (const int code = failure.wait_for_exec(); code != 0)
     return {"cannot be started: " + run.argv[0] + ": " + std::strerror(code), false};
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(run.time_limit_s);
   for (;;) {
-    if (const std::optional<ProcessEnd> ended = child.poll()) {
-      child.kill_all();  // whatever it left running
+    if (const std::optional<ProcessEnd> ended = keeper.poll())
       return {ended->is_good() ? "" : ended->in_words(), false};
+    const bool stop = run.keep_going && !run.keep_going(), too_long = std::chrono::steady_clock::now() >= end;
+    if (!stop && !too_long) {
+      std::this_thread::sleep_for(kPollPeriod);
+      continue;
     }
-    const bool stop = run.keep_going && !run.keep_going();
+    keeper.send(SIGTERM);
+    keeper.wait();
     if (stop) return {"was interrupted", true};
-    if (std::chrono::steady_clock::now() >= end)
-      return {"ran longer than its limit of " + number_text(run.time_limit_s) + " s", false};
-    std::this_thread::sleep_for(kPollPeriod);
+    return {"ran longer than its limit of " + number_text(run.time_limit_s) + " s", false};
   }
 }
 

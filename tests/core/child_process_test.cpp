@@ -1,9 +1,13 @@
 #include "rigproof/core/child_process.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <stdexcept>
 
@@ -62,6 +66,32 @@ TEST(ChildProcess, ProgramIsStoppedAtItsLimitAndByItsOwner) {
   EXPECT_TRUE(run_program(run).interrupted);
   run.argv = {"/nowhere/to/be/found"};
   EXPECT_EQ(run_program(run).failure, "cannot be started: /nowhere/to/be/found: No such file or directory");
+}
+
+// Nobody tells the program that its owner was killed.
+TEST(ChildProcess, AnOwnerThatIsKilledTakesTheProgramsDaemonsWithIt) {
+  const TempFolder folder;
+  const std::string pipe = folder / "held";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  pollfd alive{open(pipe.c_str(), O_RDONLY | O_NONBLOCK), POLLIN, 0};
+  ASSERT_GE(alive.fd, 0);
+  ChildProcess owner([&] {
+    run_program({{"sh", "-c", "(setsid sh -c 'echo up > held; sleep 60 > held' &); sleep 60"},
+                 folder.path(),
+                 folder / "out",
+                 folder / "err",
+                 60.0,
+                 {}});
+    return 0;
+  });
+  ASSERT_EQ(poll(&alive, 1, 10000), 1);
+  owner.send(SIGKILL);
+  owner.wait();
+  std::array<char, 8> said{};
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (read(alive.fd, said.data(), said.size()) != 0 && std::chrono::steady_clock::now() < end) usleep(1000);
+  EXPECT_EQ(read(alive.fd, said.data(), said.size()), 0) << "the daemon still holds the pipe";
+  close(alive.fd);
 }
 
 }  // namespace

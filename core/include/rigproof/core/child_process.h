@@ -62,8 +62,9 @@ struct ProgramReport {
   bool interrupted = false;
 };
 
-/// Runs a program with standard output and error in the two files and nothing on its standard input. At the limit the
-/// program and all that it started are killed. A file that it writes may grow to 4 GB.
+/// Runs a program with standard output and error in the two files and nothing on its standard input. All that it
+/// started is killed with it, daemons too: at the limit, when it ends, and when the caller does. A file that it writes
+/// may grow to 4 GB.
 ProgramReport run_program(const ProgramRun& run);
 
 }  // namespace rigproof
