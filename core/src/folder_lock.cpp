@@ -35,6 +35,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& r
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
+  holds_ = true;
 }
 
 FolderLock::~FolderLock() { ::close(descriptor_); }

@@ -80,8 +80,8 @@ TEST_F(External, GetsACopyOfTheRecordingAndNothingElse) {
   EXPECT_THAT(found, HasSubstr("recording/left/depth/000000.png"));
   EXPECT_THAT(found, HasSubstr("recording/odometry.csv"));
   EXPECT_THAT(found, testing::Not(HasSubstr("truth")));
-  // 6 images, 3 depth images, rig, odometry, two lists of frames; and its own two captured outputs.
-  EXPECT_EQ(std::count(found.begin(), found.end(), '\n'), 15);
+  // 6 images, 3 depth images, rig, odometry, two lists of frames; its own two captured outputs, and the scratch mark.
+  EXPECT_EQ(std::count(found.begin(), found.end(), '\n'), 16);
   EXPECT_THAT(scratch_.read("recording/rig.yaml"), HasSubstr("base_link"));
   std::string where = scratch_.read("where.txt");
   where.pop_back();
@@ -127,6 +127,8 @@ TEST_F(External, ReadsMatricesFromItsStandardOutput) {
   EXPECT_EQ(inverted.camera_to_robot[0].child, "right");
   const Rigid3 T = inverted.camera_to_robot[0].T_parent_child * result.camera_to_robot[0].T_parent_child;
   EXPECT_TRUE(T.matrix().isIdentity(1e-12));
+  const std::string far = "echo '0 0 1 1e308'; echo '-1 0 0 0.1'; echo '0 -1 0 0.6'\n";
+  EXPECT_THAT(text(run(far + far, more).reasons), HasSubstr("a translation of 1e+308 m; allowed are at most 1e+06 m"));
   EXPECT_THAT(text(run("echo '0 0 1 0.3'; echo '-1 0 0 -0.1'; echo '0 -1 0 0.6'", more).reasons),
               HasSubstr("1 rigid 4x4 matrices in its standard output for 2 cameras"));
 }
@@ -146,19 +148,52 @@ TEST_F(External, ACrashIsAFailedRow) {
   EXPECT_THAT(text(result.notes), HasSubstr("it said: the board is missing"));
 }
 
+// What the method started holds the pipe open for as long as it lives.
+class Held {
+ public:
+  explicit Held(const fs::path& pipe) {
+    if (mkfifo(pipe.c_str(), 0600) == 0) alive_.fd = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  }
+  ~Held() { close(alive_.fd); }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+  // False if it was never opened, too.
+  bool is_let_go() { return poll(&alive_, 1, 10000) == 1 && (alive_.revents & POLLHUP) != 0; }
+
+ private:
+  pollfd alive_{-1, POLLIN, 0};
+};
+
 TEST_F(External, AHangIsEndedWithEverythingThatItStarted) {
   const auto start = std::chrono::steady_clock::now();
-  // What it started holds the pipe open for as long as it lives.
-  const std::string held = (scratch_ / "held").string();
-  ASSERT_EQ(mkfifo(held.c_str(), 0600), 0);
-  pollfd alive{open(held.c_str(), O_RDONLY | O_NONBLOCK), POLLIN, 0};
-  ASSERT_GE(alive.fd, 0);
+  Held held(scratch_ / "held");
   const Result result = run("sleep 60 > \"$3/held\" & sleep 60", "time_limit_s: 0.3\n");
   EXPECT_THAT(text(result.reasons), HasSubstr("ran longer than its limit of 0.3 s"));
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
-  EXPECT_EQ(poll(&alive, 1, 10000), 1) << "it was not started, or still lives";
-  EXPECT_TRUE((alive.revents & POLLHUP) != 0);
-  close(alive.fd);
+  EXPECT_TRUE(held.is_let_go());
+}
+
+// A daemon leaves its parent, its group and its session, and listens to nobody; "up" says that it holds the pipe.
+const std::string kDaemon =
+    "(setsid sh -c 'trap \"\" TERM HUP; exec > \"$0/held\"; touch \"$0/up\"; sleep 60' \"$3\" &)\n"
+    "until [ -e \"$3/up\" ]; do sleep 0.01; done\n";
+
+TEST_F(External, ADaemonIsEndedByAnInterrupt) {
+  Held held(scratch_ / "held");
+  options_.keep_going = [this] { return !fs::exists(scratch_ / "up"); };
+  EXPECT_EQ(error_text([&] { run(kDaemon + "sleep 60"); }), "interrupted");
+  EXPECT_TRUE(held.is_let_go());
+}
+
+TEST_F(External, ADaemonIsEndedWithTheProgram) {
+  Held held(scratch_ / "held");
+  const Result result = run(kDaemon + "cp \"$3/answer.yaml\" \"$2\"");
+  EXPECT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons);
+  EXPECT_TRUE(held.is_let_go());
+}
+
+TEST_F(External, AProgramThatEndsItsGroupEndsOnlyItself) {
+  EXPECT_THAT(text(run("kill -TERM 0").reasons), HasSubstr("ended by signal 15"));
 }
 
 TEST_F(External, GarbageIsAFailedRow) {

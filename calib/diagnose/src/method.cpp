@@ -1,8 +1,44 @@
 #include "rigproof/calib/diagnose/method.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 
 namespace rigproof {
+namespace {
+
+// What is known of it is known as numbers, within what a result's file may hold.
+bool is_in_numbers(const EstimatedTransform& transform) {
+  constexpr double kFarthestM = 1e6;
+  const Rigid3& T = transform.T_parent_child;
+  if (!T.translation.allFinite() || T.translation.cwiseAbs().maxCoeff() > kFarthestM) return false;
+  if (!T.rotation.coeffs().allFinite()) return false;
+  for (Eigen::Index i = 0; i < 6; ++i)
+    if (transform.covariance && transform.observable[static_cast<std::size_t>(i)] &&
+        !std::isfinite((*transform.covariance)(i, i)))
+      return false;
+  return true;
+}
+
+// A method that ran away has answered nothing.
+void refuse_what_is_no_number(Result* result) {
+  std::vector<Finding> reasons;
+  for (auto* list : {&result->camera_to_robot, &result->camera_to_camera}) {
+    const auto bad = std::stable_partition(list->begin(), list->end(), is_in_numbers);
+    for (auto transform = bad; transform != list->end(); ++transform)
+      reasons.push_back(list == &result->camera_to_robot
+                            ? Finding("pose.open").of(transform->child)
+                            : Finding("pair.open").of({transform->child, transform->parent}));
+    list->erase(bad, list->end());
+  }
+  if (reasons.empty()) return;
+  result->reasons.insert(result->reasons.end(), reasons.begin(), reasons.end());
+  result->joint_covariance.reset();
+  const bool any = !result->camera_to_robot.empty() || !result->camera_to_camera.empty();
+  result->status = any ? ResultStatus::kPartial : ResultStatus::kRefused;
+}
+
+}  // namespace
 
 std::optional<Finding> Method::why_not(const MethodInput& /*input*/) const { return std::nullopt; }
 
@@ -16,6 +52,7 @@ Result run_method(const Method& method, const MethodInput& input) {
     result.reasons = {*reason};
   else
     result = method.solve_recording(input);
+  refuse_what_is_no_number(&result);
   result.method = method.traits().name;
   result.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxAnswerBytes = 16U << 20U;
 constexpr std::uintmax_t kMaxLogBytes = 64U << 20U;
 constexpr std::size_t kShownLines = 3;
+constexpr double kFarthestM = 1e6;  // as in a result's file
 
 // The beginning of a file that somebody else wrote; empty if there is none.
 std::string text_of(const fs::path& file, std::uintmax_t max_bytes) {
@@ -179,6 +180,10 @@ class ExternalMethod : public Method {
     if (matrices.size() != cameras.size())
       throw Garbage{std::to_string(matrices.size()) + " rigid 4x4 matrices in " + name + " for " +
                     std::to_string(cameras.size()) + " cameras."};
+    for (const Rigid3& matrix : matrices)
+      if (const double far = matrix.translation.cwiseAbs().maxCoeff(); far > kFarthestM)
+        throw Garbage{"A matrix in " + name + " has a translation of " + number_text(far) + " m; allowed are at most " +
+                      number_text(kFarthestM) + " m."};
     Result result;
     result.status = ResultStatus::kSolved;
     for (std::size_t k = 0; k < cameras.size(); ++k) {

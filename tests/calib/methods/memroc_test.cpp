@@ -9,6 +9,7 @@
 
 #include "error_text.h"
 #include "pose_near.h"
+#include "rigproof/calib/diagnose/method.h"
 #include "rigproof/calib/methods/registry.h"
 #include "synthetic_drive.h"
 #include "trials.h"
@@ -386,6 +387,50 @@ TEST(Registry, FindsMethodsAndNamesTheNearest) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Memroc, BothMemrocs, testing::Bool());
+
+// The covariance of such a drive has entries of kilometres and roots of negative numbers.
+TEST_P(BothMemrocs, FrozenOdometryIsRefusedInNumbersThatPeopleRead) {
+  for (const double step_m : {1e-9, 1e-3, 1e12}) {
+    SyntheticDrive drive = make_drive(noisy(3, 10));
+    for (std::size_t i = 0; i < drive.observations.stops.size(); ++i) {
+      Stop& stop = drive.observations.stops[i];
+      stop.x_m = step_m * static_cast<double>(i);
+      stop.y_m = stop.yaw_rad = 0.0;
+    }
+    testing::internal::CaptureStderr();
+    const Result result = solve(drive, GetParam());
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "a library prints nothing";
+    EXPECT_NE(result.status, ResultStatus::kSolved) << step_m;
+    for (const Finding& reason : result.reasons)
+      for (const FindingValue& value : reason.values)
+        EXPECT_LE(std::abs(std::get<double>(value.value)), 1e4) << value.name;
+    EXPECT_THAT(text(result.reasons), Not(HasSubstr("nan")));
+  }
+}
+
+// Whatever a method answers: run_method() lets no number pass that is none.
+class RanAway : public Method {
+ public:
+  MethodTraits traits() const override { return {"ran_away", "", "", "", MethodReads::kObservations}; }
+  Result solve(const Observations& /*observations*/) const override {
+    Result result;
+    result.status = ResultStatus::kSolved;
+    for (const double x : {0.3, 1e308, std::nan("")}) {
+      Rigid3 T;
+      T.translation.x() = x;
+      result.camera_to_robot.push_back({"robot", "camera" + std::to_string(result.camera_to_robot.size()), T, {}});
+    }
+    return result;
+  }
+};
+
+TEST(RunMethod, LeavesOutWhatIsNoNumber) {
+  const Result result = run_method(RanAway(), {Observations()});
+  EXPECT_EQ(result.status, ResultStatus::kPartial);
+  ASSERT_EQ(result.camera_to_robot.size(), 1U);
+  EXPECT_EQ(result.camera_to_robot[0].child, "camera0");
+  EXPECT_THAT(text(result.reasons), testing::AllOf(HasSubstr("camera1"), HasSubstr("camera2")));
+}
 
 }  // namespace
 }  // namespace rigproof

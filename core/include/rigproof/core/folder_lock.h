@@ -25,11 +25,14 @@ class FolderLock {
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
+  /// False on a file system without locks.
+  bool holds() const { return holds_; }
   /// Whether some process holds the folder alone.
   static bool is_held(const std::filesystem::path& folder);
 
  private:
   int descriptor_ = -1;
+  bool holds_ = false;
 };
 
 }  // namespace rigproof

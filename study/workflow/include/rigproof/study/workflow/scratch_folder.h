@@ -1,32 +1,28 @@
 // A folder under the system's temporary one, gone with its owner.
 #pragma once
 
-#include <stdlib.h>
-
 #include <filesystem>
+#include <optional>
 #include <string>
 
-#include "rigproof/core/error.h"
+#include "rigproof/core/folder_lock.h"
 
 namespace rigproof {
 
+/// Locked while its owner lives. Those of the same purpose and user whose owner was killed are removed first.
 class ScratchFolder {
  public:
-  explicit ScratchFolder(const std::string& purpose) {
-    std::string name = (std::filesystem::temp_directory_path() / ("rigproof-" + purpose + "-XXXXXX")).string();
-    if (::mkdtemp(name.data()) == nullptr) throw Error(name + ": a temporary folder cannot be made");
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
+  /// @param purpose a word
+  /// Throws Error if the folder cannot be made.
+  explicit ScratchFolder(const std::string& purpose);
+  ~ScratchFolder();
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
   const std::filesystem::path& path() const { return path_; }
 
  private:
   std::filesystem::path path_;
+  std::optional<FolderLock> lock_;
 };
 
 }  // namespace rigproof

@@ -1,0 +1,66 @@
+#include "rigproof/study/workflow/scratch_folder.h"
+
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <vector>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Tells such a folder from one whose name only looks like it.
+const char* const kMark = ".rigproof_scratch";
+constexpr const char* kRefusal = "is in use";
+
+bool is_own_scratch(const fs::path& folder) {
+  struct stat status {};
+  std::error_code ignored;
+  return ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid() &&
+         fs::is_regular_file(fs::symlink_status(folder / kMark, ignored));
+}
+
+std::vector<fs::path> own_scratch_folders(const std::string& prefix) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (fs::directory_iterator it(fs::temp_directory_path(), error), end; !error && it != end; it.increment(error))
+    if (it->path().filename().string().rfind(prefix, 0) == 0 && is_own_scratch(it->path()))
+      folders.push_back(it->path());
+  return folders;
+}
+
+void remove_forsaken(const std::string& prefix) {
+  for (const fs::path& folder : own_scratch_folders(prefix)) {
+    try {
+      const FolderLock lock(folder, kRefusal, FolderLock::Kind::kAlone, std::chrono::milliseconds(0));
+      std::error_code ignored;
+      if (lock.holds()) fs::remove_all(folder, ignored);
+    } catch (const Error&) {
+      // Its owner lives, or another program is removing it.
+    }
+  }
+}
+
+}  // namespace
+
+ScratchFolder::ScratchFolder(const std::string& purpose) {
+  const std::string prefix = "rigproof-" + purpose + "-";
+  remove_forsaken(prefix);
+  std::string name = (fs::temp_directory_path() / (prefix + "XXXXXX")).string();
+  if (::mkdtemp(name.data()) == nullptr) throw Error(name + ": a temporary folder cannot be made");
+  path_ = name;
+  lock_.emplace(path_, kRefusal);
+  write_file_atomically_unsynced(path_ / kMark, "");  // last: one without it is left alone
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+}  // namespace rigproof
