@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "json_text.h"
 #include "print_result.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/validate/figures.h"
@@ -99,7 +100,7 @@ std::string with_acceptance(const std::string& result_json, const AcceptReport& 
                                     {"code", has_value ? "" : check.reason->code},
                                     {"reason", reason_of(check)}});
   }
-  return json.dump(2);
+  return json_text(json);
 }
 
 ValidationRecord acceptance_record(const Result& result, const AcceptReport& report, const AcceptCriteria& criteria) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
@@ -24,6 +25,13 @@ Board board_of(const BoardArguments& arguments) {
   Board board = arguments.preset.empty() ? Board() : load_board(arguments.preset);
   if (arguments.preset.empty() && (arguments.squares.empty() || arguments.square_mm == 0.0))
     throw Error("board: give a preset, as `rigproof boards` lists them, or --squares and --square-mm");
+  Problems problems;
+  for (const auto& [option, given] : {std::pair("--type", !arguments.type.empty()),
+                                      {"--squares", !arguments.squares.empty()},
+                                      {"--square-mm", arguments.square_mm != 0.0}})
+    if (given && !arguments.preset.empty())
+      problems.add({"", 0, option, "", "contradicts the preset " + arguments.preset + ", which says it; give one"});
+  problems.throw_if_any();
   if (!arguments.type.empty()) board.type = arguments.type;
   if (!arguments.squares.empty()) read_squares(arguments.squares, &board);
   if (arguments.square_mm != 0.0) board.square_m = 1e-3 * arguments.square_mm;
@@ -43,7 +51,7 @@ int board_command(const BoardArguments& arguments) {
   const std::filesystem::path output = arguments.output.empty() ? "board.pdf" : arguments.output;
   write_file_atomically(output, pdf);
   if (arguments.common.json) {
-    std::puts(nlohmann::json{{"file", output.string()}}.dump(2).c_str());
+    std::puts(json_text({{"file", output.string()}}).c_str());
     return 0;
   }
   Terminal(arguments.common.quiet).line("board      " + output.string() + "  print at 100 %, then check the ruler");

@@ -6,6 +6,7 @@
 
 #include "acceptance.h"
 #include "commands.h"
+#include "json_text.h"
 #include "judging.h"
 #include "observing.h"
 #include "print_result.h"
@@ -44,7 +45,7 @@ int observe_command(const ObserveArguments& arguments) {
                                  {"board_views", observations.board_views.size()},
                                  {"ground_planes", observations.ground_planes.size()},
                                  {"left_out", observations.exclusions.size()}};
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
     return 0;
   }
   terminal.line(count_of(observations.cameras.size(), "camera") + " x " + count_of(observations.stops.size(), "stop"));

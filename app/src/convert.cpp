@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "rigproof/core/error.h"
 #include "rigproof/formats/format.h"
 #include "terminal.h"
@@ -30,7 +31,7 @@ int convert_command(const ConvertArguments& arguments) {
                                  {"images", report.images},
                                  {"clouds", report.clouds},
                                  {"notes", report.notes}};
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
     return 0;
   }
   terminal.line(to + "  " + arguments.output.string() + "  " + std::to_string(report.images) + " images, " +

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "commands.h"
+#include "json_text.h"
 #include "observing.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
@@ -67,7 +68,7 @@ int doctor_of_machine(const DoctorArguments& arguments) {
                            {"problem", trial.problem},
                            {"devices", nlohmann::json::array()}};
     for (const RenderDevice& device : devices) json["devices"].push_back(device_as_json(device));
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
     return static_cast<int>(good ? ExitCode::kGood : ExitCode::kBadInput);
   }
   const Terminal terminal(arguments.common.quiet);
@@ -107,7 +108,7 @@ int doctor_of_run(const DoctorArguments& arguments) {
                            {"integrity_problems", nlohmann::json::array()},
                            {"convention_problems", proof.problems}};
     for (const IntegrityProblem& problem : integrity.problems) json["integrity_problems"].push_back(problem.text());
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
   }
   terminal.line(good ? terminal.colored("GOOD", Color::kGood) : terminal.colored("FAIL", Color::kBad));
   return static_cast<int>(good ? ExitCode::kGood : ExitCode::kGateFailed);

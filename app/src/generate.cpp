@@ -5,12 +5,15 @@
 
 #include "commands.h"
 #include "generating.h"
+#include "json_text.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/includes.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/dataset.h"
 #include "rigproof/study/workflow/overrides.h"
+#include "unused_overrides.h"
 
 namespace rigproof {
 namespace {
@@ -25,9 +28,12 @@ GenerateConfig configuration_of(const GenerateArguments& arguments) {
       has_file ? std::filesystem::absolute(find_data_file("config", arguments.config)) : std::filesystem::path();
   GenerateConfig config = has_file ? load_generate_config(file) : parse_generate_config("", "default");
   if (arguments.set.empty()) return config;
-  const std::string include = has_file ? "include: \"" + file.string() + "\"\n" : "";
-  GenerateConfig changed = parse_generate_config(include + overrides_as_yaml(arguments.set), kOverridesName);
-  if (changed.name.empty() || changed.name == kOverridesName) changed.name = config.name;
+  YamlTree tree = has_file ? resolve_includes(read_yaml_file(file)) : YamlTree::map();
+  merge_into(&tree, parse_yaml(overrides_as_yaml(arguments.set), kOverridesName));
+  GenerateConfig changed;
+  read_fields_of_tree(tree, [&changed](FieldVisitor& visitor) { changed.visit(visitor); });
+  refuse_unused(arguments.set, changed);
+  if (changed.name.empty()) changed.name = config.name;
   return changed;
 }
 
@@ -125,7 +131,7 @@ int print_plan(const GenerateArguments& arguments, const GenerateConfig& config)
                                  {"expected_minutes", plan.expected_minutes},
                                  {"output", output_of(arguments, config).string()},
                                  {"coverage", plan.coverage}};
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
     return 0;
   }
   const Terminal terminal(arguments.common.quiet);
@@ -158,7 +164,7 @@ int generate_one(RunsAhead* ahead, std::size_t number) {
         {"run", output.string()},     {"images", report.images},   {"images_rendered", report.images_rendered},
         {"bytes", report.bytes},      {"seconds", report.seconds}, {"gl_renderer", report.gl_renderer},
         {"coverage", report.coverage}};
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
   }
   terminal.line(report.coverage);
   terminal.line("run        " + output.string());

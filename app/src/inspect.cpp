@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "observing.h"
 #include "rigproof/study/workflow/workflow.h"
 #include "terminal.h"
@@ -33,7 +34,7 @@ int inspect_command(const InspectArguments& arguments) {
   if (arguments.common.json) {
     nlohmann::json json = nlohmann::json::array();
     for (const std::filesystem::path& file : files) json.push_back(file.string());
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
   }
   for (const std::filesystem::path& file : files) terminal.line(file.string());
   return 0;

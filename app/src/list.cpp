@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
@@ -116,7 +117,7 @@ int list_command(const CommonArguments& common, const std::string& kind) {
       for (const auto& [key, value] : entry.facts) item[key] = value;
       json.push_back(item);
     }
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
     return 0;
   }
   const Terminal terminal(common.quiet);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "observing.h"
 #include "print_result.h"
 #include "rigproof/core/conventions.h"
@@ -92,7 +93,7 @@ std::string as_json(const MovedReport& report) {
     }
     json["cameras"].push_back(std::move(entry));
   }
-  return json.dump(2);
+  return json_text(json);
 }
 
 ExitCode exit_code_of(MovedOutcome outcome) {

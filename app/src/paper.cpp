@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -23,7 +24,7 @@ int list_experiments(const PaperArguments& arguments, const Terminal& terminal) 
     terminal.line(experiment.name + std::string(10 - std::min<std::size_t>(9, experiment.name.size()), ' ') +
                   experiment.title);
   }
-  if (arguments.common.json) std::puts(json.dump(2).c_str());
+  if (arguments.common.json) std::puts(json_text(json).c_str());
   return static_cast<int>(ExitCode::kGood);
 }
 
@@ -48,7 +49,7 @@ int tell_forecast(const SweepConfig& config, const SweepOptions& options, const 
                                  {"images_to_render", forecast.images_to_render},
                                  {"megabytes", forecast.megabytes},
                                  {"minutes", forecast.minutes}};
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
   }
   terminal.line(config.name + ": " + std::to_string(forecast.tasks) + " tasks, " + std::to_string(forecast.answers) +
                 " answers, " + std::to_string(forecast.answers_there) + " of them there; about " +
@@ -89,7 +90,7 @@ int paper_command(const PaperArguments& arguments) {
   terminal.text(format_paper_tables(tables));
   for (const fs::path& file : files)
     terminal.line((&file == &files.front() ? "figures    " : "           ") + file.string());
-  if (arguments.common.json) std::puts(as_json(tables, files).dump(2).c_str());
+  if (arguments.common.json) std::puts(json_text(as_json(tables, files)).c_str());
   return static_cast<int>(ExitCode::kGood);
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "rigproof/study/report/noise_curve.h"
 #include "terminal.h"
 
@@ -28,7 +29,7 @@ int plot_sensor_command(const PlotSensorArguments& arguments) {
                                 {"recorded_mm", 1e3 * point.recorded_m},
                                 {"realised_mm", 1e3 * point.realised_m},
                                 {"mean_error_mm", 1e3 * point.mean_error_m}});
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
     return 0;
   }
   const Terminal terminal(arguments.common.quiet);

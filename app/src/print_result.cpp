@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "json_text.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/exclusions.h"
 #include "rigproof/core/rigid3.h"
@@ -269,7 +270,7 @@ std::string result_as_json(const Result& result) {
                                     {"sentence", words::sentence_of(exclusion.why)}});
     json["use"].push_back(camera);
   }
-  return json.dump(2);
+  return json_text(json);
 }
 
 }  // namespace rigproof

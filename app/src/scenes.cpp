@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "rigproof/core/error.h"
 #include "rigproof/sim/models.h"
 #include "rigproof/study/report/check_scene.h"
@@ -53,7 +54,7 @@ int scenes_command(const ScenesArguments& arguments) {
   if (arguments.common.json) {
     nlohmann::json json = nlohmann::json::array();
     for (const SceneCheck& check : checks) json.push_back(json_of(check));
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
   }
   terminal.text(format_checks(checks));
   if (!arguments.output.empty()) terminal.line("picture    " + arguments.output.string());

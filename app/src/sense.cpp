@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "generating.h"
+#include "json_text.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/core/text.h"
@@ -64,7 +65,7 @@ int sense_command(const SenseArguments& arguments) {
                                  {"bytes", report.bytes},
                                  {"seconds", report.seconds},
                                  {"seed", config.sensing.seed}};
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
   }
   terminal.line("run        " + arguments.output.string());
   return 0;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "observing.h"
 #include "print_result.h"
 #include "rigproof/calib/diagnose/ml_settings.h"
@@ -145,7 +146,7 @@ std::string as_json(const Suggestion& suggestion, const Observations& observatio
   for (const CameraForecast& camera : suggestion.cameras)
     json["cameras"].push_back(
         {{"camera", camera.camera}, {"now", sigmas_as_json(camera.now)}, {"then", sigmas_as_json(camera.then)}});
-  return json.dump(2);
+  return json_text(json);
 }
 
 // On the floor below the board's centre, x towards its viewers.

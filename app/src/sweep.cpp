@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "json_text.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -54,7 +55,7 @@ int print_forecast(const SweepForecast& forecast, const SweepOptions& options, c
                                  {"expected_minutes", forecast.minutes},
                                  {"task_lines", forecast.task_lines},
                                  {"cannot_run", forecast.cannot_run}};
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
     return 0;
   }
   const Terminal terminal(common.quiet);
@@ -108,7 +109,7 @@ int sweep_start_command(const SweepStartArguments& arguments) {
     json["folder"] = options.folder.string();
     json["seconds"] = report.seconds;
     json["counters"] = report.counters;
-    std::puts(json.dump(2).c_str());
+    std::puts(json_text(json).c_str());
     return 0;
   }
   terminal.text(format_summary(summary));
@@ -132,7 +133,7 @@ int sweep_status_command(const SweepFolderArguments& arguments) {
                                  {"answers", state.answers},  {"answers_there", state.answers_there},
                                  {"running", state.running},  {"failures", failures},
                                  {"counters", state.counters}};
-    std::puts(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::puts(json_text(json).c_str());
     return 0;
   }
   const Terminal terminal(arguments.common.quiet);

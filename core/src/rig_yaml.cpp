@@ -95,20 +95,24 @@ bool is_told(const Problems& problems, const std::string& message) {
 std::optional<SensorPreset> read_sensor(FieldVisitor& visitor, const std::string& name, const RigReadOptions& options) {
   const bool told = describes_depth(visitor.given("depth")) &&
                     !(options.nominal_intrinsics && visitor.given("intrinsics") == nullptr);
-  if (name.empty() || told) return std::nullopt;
+  if (name.empty()) return std::nullopt;
   bool is_unknown = false;
   try {
     const std::vector<std::string> known = list_presets("sensors");
     is_unknown = std::find(known.begin(), known.end(), name) == known.end();
+    if (told && (!is_unknown || options.folder.empty())) return std::nullopt;  // observations go to other machines
     return load_sensor_preset(name);
   } catch (const Error& error) {
+    if (told && !is_unknown) return std::nullopt;  // no data folder, and nothing is wanted of it
     const std::string reason = error.what();
     // What is wrong in a preset is told for the first camera that names it; an unknown name is each line's own mistake.
     if (!is_unknown && is_told(*visitor.problems(), reason)) return std::nullopt;
     visitor.check(false, "sensor",
-                  reason + (is_unknown ? "; a preset of your own goes beside these, into models/sensors of the "
-                                         "data folder (RIGPROOF_DATA names another one)"
-                                       : ""));
+                  reason +
+                      (is_unknown ? "; a preset of your own goes beside these, into models/sensors of the "
+                                    "data folder (RIGPROOF_DATA names another one)"
+                                  : "") +
+                      (told ? ", or leave this key out: the file describes the camera itself" : ""));
     return std::nullopt;
   }
 }

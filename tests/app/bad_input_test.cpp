@@ -87,6 +87,43 @@ TEST(BadInput, EveryProblemOfAConfigurationAtOnce) {
                      HasSubstr("lambda"), HasSubstr("c.yaml:3"), HasSubstr("seed")));
 }
 
+TEST(BadInput, OverridesThatNothingLooksAtAreNamed) {
+  const ProcessOutput output =
+      rigproof_command({"generate", "--dry-run", "--set", "board.z_m=1", "--set", "odometry.wheels.slip_percent=1",
+                        "--set", "render.readout_ms=20", "--set", "viewpoints.list=[{x_m: 1}]", "--set", "poses=4"});
+  EXPECT_EQ(output.exit_code, 2) << output.out;
+  EXPECT_EQ(output.err,
+            "rigproof: --set: board.z_m: 1: is not used without board.place=given\n"
+            "--set: odometry.wheels.slip_percent: 1: is not used without odometry.model=wheels\n"
+            "--set: render.readout_ms: 20: is not used without motion=drive and drive.capture=moving\n"
+            "--set: viewpoints.list: [{x_m: 1}]: is not used without viewpoints.planner=list\n");
+  const ProcessOutput used = rigproof_command(
+      {"generate", "--dry-run", "--set", "board.z_m=1", "--set", "board.place=given", "--set", "poses=4"});
+  EXPECT_EQ(used.exit_code, 0) << used.err;
+}
+
+TEST(BadInput, NamesThatAreNoUtf8) {
+  const TempFolder scratch;
+  const fs::path board = scratch / "caf\xe9.pdf";
+  const ProcessOutput drawn = rigproof_command({"board", "checkerboard_6x5_110mm", "--json", "-o", board.string()});
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_THAT(drawn.out, HasSubstr("caf\xEF\xBF\xBD.pdf"));
+  EXPECT_TRUE(fs::exists(board));
+  const fs::path config = scratch.write("na\xefve \"quoted\".yaml", "scene: office\n");
+  const ProcessOutput planned =
+      rigproof_command({"generate", config.string(), "--dry-run", "--json", "--set", "poses=4"});
+  EXPECT_EQ(planned.exit_code, 0) << planned.err;
+  const fs::path copy = copy_of_recording(scratch);
+  fs::rename(copy / "left/color/000003.png", copy / "left/color/bild\xe9.png");
+  fs::resize_file(copy / "left/color/bild\xe9.png", 500);
+  edit_file(copy / "left/frames.csv", "color/000003.png", "color/bild\xe9.png");
+  const ProcessOutput solved =
+      rigproof_command({"calibrate", copy.string(), "--json", "-o", (scratch / "results").string()});
+  EXPECT_EQ(solved.exit_code, 0) << solved.err;
+  EXPECT_THAT(solved.out, HasSubstr("bild\xEF\xBF\xBD.png"));
+  EXPECT_THAT(scratch.read("results/ml.yaml"), HasSubstr("bild\xEF\xBF\xBD.png"));
+}
+
 TEST(BadInput, SpoiledImagesAreLeftOutWithAReason) {
   const TempFolder scratch;
   const fs::path recording = copy_of_recording(scratch);

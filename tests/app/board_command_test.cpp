@@ -40,6 +40,10 @@ TEST(BoardCommand, MistakesAreNamed) {
   EXPECT_THAT(error({"--squares", "6x5"}), HasSubstr("--square-mm"));
   EXPECT_THAT(error({"--squares", "6x5", "--square-mm", "110", "--paper", "a4"}), HasSubstr("do not fit"));
   EXPECT_THAT(error({"--squares", "6x5", "--square-mm", "110", "--paper", "a7"}), HasSubstr("a4"));
+  EXPECT_THAT(error({"checkerboard_6x5_110mm", "--squares", "7x6", "--square-mm", "20"}),
+              AllOf(HasSubstr("--squares: contradicts the preset checkerboard_6x5_110mm"),
+                    HasSubstr("--square-mm: contradicts")));
+  EXPECT_THAT(error({"checkerboard_6x5_110mm", "--type", "charuco"}), HasSubstr("--type: contradicts"));
   EXPECT_THAT(error({"checkerboard_9x9"}), HasSubstr("checkerboard_6x5_110mm"));
   EXPECT_FALSE(fs::exists(file));
 }

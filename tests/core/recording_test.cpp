@@ -361,6 +361,14 @@ TEST(Rig, CameraInfoOfRosMessagesIsRead) {
               HasSubstr("skew is not supported"));
 }
 
+// A file that describes the camera whole needs nothing of the preset, but says a thing that is not so.
+TEST(Rig, ASensorThatThereIsNotIsNamedThoughNothingIsMissing) {
+  const std::string text =
+      rig_problems(rig_text("  left: {sensor: nonsense, intrinsics: " + std::string(kIntrinsics) + ", depth: none}\n"));
+  EXPECT_THAT(text, HasSubstr("rig.yaml:3: cameras.left.sensor: nonsense: there is no \"nonsense\" among the presets"));
+  EXPECT_THAT(text, HasSubstr("or leave this key out: the file describes the camera itself"));
+}
+
 TEST(Rig, EveryProblemIsReportedAtOnce) {
   const std::string text = rig_problems(
       "board: {type: circles, squares: [6], square_mm: -1}\n"

@@ -84,7 +84,7 @@ SweepRows table_of(const SweepConfig& config, const SweepPlan& plan, const std::
 
 void save_folder_plan(const SweepFolder& folder, const FolderPlan& plan) {
   const json object = {{"format", kFormat}, {"added", plan.added}, {"table", json_of(plan.table)}};
-  write_file_atomically(folder.plan_file(), object.dump() + "\n");
+  write_file_atomically(folder.plan_file(), object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
 FolderPlan load_folder_plan(const SweepFolder& folder) {
@@ -116,7 +116,7 @@ std::optional<SweepAnswer> load_answer(const SweepFolder& folder, const std::str
 
 void save_counters(const SweepFolder& folder, const SweepCounters& this_start, const SweepCounters& all_starts) {
   const json object = {{"this_start", this_start}, {"all_starts", all_starts}};
-  write_file_atomically(folder.counters_file(), object.dump(2) + "\n");
+  write_file_atomically(folder.counters_file(), object.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
 SweepCounters load_counters(const SweepFolder& folder) {
