@@ -74,6 +74,13 @@ bool looks_like_number_or_keyword(const std::string& text) {
   return !text.empty() && (text[0] == '.' || text[0] == '+' || text[0] == '-' || (text[0] >= '0' && text[0] <= '9'));
 }
 
+// YAML 1.1 takes "8e-04" for text: a number with an exponent has a point there.
+std::string emit_plain(const std::string& text) {
+  const std::size_t exponent = text.find('e');
+  if (exponent == std::string::npos || text.find('.') != std::string::npos || !parse_number(text)) return text;
+  return text.substr(0, exponent) + ".0" + text.substr(exponent);
+}
+
 // Text that YAML reads back as the same text without quotes, in block and in flow style.
 bool is_plain(const std::string& text) {
   if (text.empty() || looks_like_number_or_keyword(text)) return false;
@@ -88,9 +95,13 @@ bool is_plain(const std::string& text) {
 std::string quoted(const std::string& text) {
   static const char* const kHex = "0123456789abcdef";
   std::string out = "\"";
-  for (const char c : text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
     const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
+    if (const std::size_t length = utf8_length(text, i); length != 1) {
+      out += length == 0 ? "\xEF\xBF\xBD" : text.substr(i, length);  // names of files may be any bytes, YAML may not
+      i += std::max<std::size_t>(length, 1) - 1;
+    } else if (c == '"' || c == '\\') {
       out += '\\';
       out += c;
     } else if (c == '\n') {
@@ -110,7 +121,7 @@ std::string emit_text(const std::string& text) { return is_plain(text) ? text : 
 
 std::string emit_scalar(const YamlTree& tree) {
   if (tree.is_null()) return "null";
-  return tree.quoted ? emit_text(tree.scalar) : tree.scalar;
+  return tree.quoted ? emit_text(tree.scalar) : emit_plain(tree.scalar);
 }
 
 std::string emit_flow(const YamlTree& tree) {

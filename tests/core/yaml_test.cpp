@@ -72,9 +72,13 @@ bool same(const YamlTree& a, const YamlTree& b) {
 }
 
 std::string random_text(RandomStream& random) {
-  static const std::string kAlphabet = "ab1 :#-?,[]{}\"'\\\n\t&*!|>%@`~.=<\xc3\xa4";
+  static const std::string kAlphabet = "ab1 :#-?,[]{}\"'\\\n\t&*!|>%@`~.=<";
+  const auto letters = static_cast<std::uint32_t>(kAlphabet.size());
   std::string text;
-  for (std::uint32_t i = random.below(8); i > 0; --i) text += kAlphabet[random.below(31)];
+  for (std::uint32_t i = random.below(8); i > 0; --i) {
+    const std::uint32_t letter = random.below(letters + 1);
+    text += letter < letters ? kAlphabet.substr(letter, 1) : "\xc3\xa4";
+  }
   return text;
 }
 
@@ -103,6 +107,22 @@ TEST(Yaml, EmittedTreesReadBack) {
     const std::string text = emit_yaml(tree);
     ASSERT_NO_THROW(ASSERT_TRUE(same(parse_yaml(text, "f.yaml"), tree)) << text) << text;
   }
+}
+
+// By the rule of YAML 1.1 for numbers, which PyYAML follows: [-+]?[0-9]+\.[0-9]*([eE][-+][0-9]+)?
+TEST(Yaml, NumbersAreNumbersToOtherReaders) {
+  for (const auto& [number, text] :
+       {std::pair(8e-4, "8.0e-04"), {1.5e-7, "1.5e-07"}, {-1e22, "-1.0e+22"}, {0.25, "0.25"}}) {
+    EXPECT_EQ(emit_yaml_line(YamlTree::number(number)), text);
+    EXPECT_EQ(parse_number(text), number);
+  }
+  EXPECT_EQ(emit_yaml_line(YamlTree::text("1e5")), "\"1e5\"");
+}
+
+// Names of files may be any bytes.
+TEST(Yaml, WhatIsEmittedIsUtf8) {
+  EXPECT_EQ(emit_yaml_line(YamlTree::text("caf\xe9/x\xc3\xa4\xf0\x9f\x98\x80\xff")),
+            "\"caf\xEF\xBF\xBD/x\xc3\xa4\xf0\x9f\x98\x80\xEF\xBF\xBD\"");
 }
 
 TEST(Yaml, WordsThatYamlTakesForSomethingElseAreQuoted) {

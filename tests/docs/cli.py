@@ -18,6 +18,9 @@ What `rigproof COMMAND --help` prints; this page is written from it. Defaults st
 | `RIGPROOF_LIBEGL` | another EGL library than `libEGL.so.1` |
 | `NO_COLOR` | set: no colours on a terminal |
 | `LP_NUM_THREADS` | threads of Mesa's software renderer in each process; 1 unless you set it |
+
+Files that are written appear whole, in place of a regular file of that name. A pipe or character device (`-o /dev/stdout`)
+is written to; a link is refused. In `--json` a byte of a name that is no UTF-8 is U+FFFD.
 """
 
 

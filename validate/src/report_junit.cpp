@@ -3,6 +3,7 @@
 #include <map>
 
 #include "rigproof/core/files.h"
+#include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
@@ -11,21 +12,12 @@
 namespace rigproof {
 namespace {
 
-// Length of the well-formed UTF-8 sequence at `text[i]` that XML 1.0 allows; 0 if there is none.
+// Length of the UTF-8 sequence at `text[i]` that XML 1.0 allows; 0 if there is none.
 std::size_t valid_sequence(const std::string& text, std::size_t i) {
-  const auto byte = [&text](std::size_t k) { return static_cast<std::uint8_t>(text[k]); };
-  const std::uint8_t first = byte(i);
-  if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' || first == '\r' ? 1 : 0;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || i + length > text.size()) return 0;
-  std::uint32_t code = first & (0xFFU >> (length + 1));
-  for (std::size_t k = 1; k < length; ++k) {
-    if ((byte(i + k) & 0xC0U) != 0x80U) return 0;
-    code = (code << 6U) | (byte(i + k) & 0x3FU);
-  }
-  static constexpr std::uint32_t kSmallest[5] = {0, 0, 0x80, 0x800, 0x10000};
-  const bool surrogate = code >= 0xD800 && code <= 0xDFFF, noncharacter = code == 0xFFFE || code == 0xFFFF;
-  return code < kSmallest[length] || code > 0x10FFFF || surrogate || noncharacter ? 0 : length;
+  const char first = text[i];
+  const bool control = static_cast<std::uint8_t>(first) < 0x20 && first != '\t' && first != '\n' && first != '\r';
+  const bool noncharacter = text.compare(i, 3, "\xEF\xBF\xBE") == 0 || text.compare(i, 3, "\xEF\xBF\xBF") == 0;
+  return control || noncharacter ? 0 : utf8_length(text, i);
 }
 
 std::string escaped(const std::string& text) {

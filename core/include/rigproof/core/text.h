@@ -41,4 +41,7 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& kn
 /// `text` cut to a length that fits a message, with control characters replaced: file content is not to be trusted.
 std::string for_message(std::string_view text, std::size_t longest = 80);
 
+/// Length [bytes] of the well-formed UTF-8 sequence that begins at `at`; 0 if there is none.
+std::size_t utf8_length(std::string_view text, std::size_t at);
+
 }  // namespace rigproof
