@@ -73,6 +73,13 @@ TEST(Sentences, AxesAreGivenWithTheirSigmasAndLimits) {
             "left: too uncertain to be of use: x +-1.2 cm (limit 1.0 cm), tilt about y +-0.50 deg (limit 0.25 deg)");
 }
 
+// A sigma of kilometres is no number to people, and nan to nobody.
+TEST(Sentences, WhatNothingIsKnownOfHasNoSigma) {
+  const Finding finding("pose.too_uncertain", {{"x_limit_cm", 1.0}, {"yaw_deg", 3.0}, {"yaw_limit_deg", 2.0}});
+  EXPECT_EQ(worded(finding.along({"x", "yaw"}).of("left")),
+            "left: too uncertain to be of use: x unknown (limit 1.0 cm), yaw +-3.00 deg (limit 2.00 deg)");
+}
+
 TEST(Sentences, ACodeOfANewerProgramIsGivenAsItIs) {
   Finding finding;
   finding.code = "camera.tired";
@@ -96,6 +103,8 @@ TEST(Sentences, FramesAreGroupedByWhatTheyHaveInCommon) {
                                         {0, 7, "", Finding("board.blurred", {{"edge_px", 4.04}})}});
   ASSERT_EQ(groups.size(), 3U);
   EXPECT_EQ(groups[0].reason, "residual");
+  EXPECT_EQ(words::sentence_of(residual(0.0432)), "residual 0.043 px") << "no reason is 0.0 px";
+  EXPECT_EQ(words::sentence_of(residual(123.4)), "residual 123 px");
   EXPECT_EQ(groups[0].stops, (std::vector<int>{5, 6}));
   EXPECT_EQ(groups[1].reason, "blurred (edges 4.0 px wide)");
   EXPECT_EQ(groups[2].reason, "no board");

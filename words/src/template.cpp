@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "rigproof/core/text.h"
@@ -18,7 +19,15 @@ std::string spoken(const std::string& axis) {
   return axis == "tilt_y" ? "tilt about y" : axis;
 }
 
+// "=2": as many decimals as two digits take, so that what is small is not said to be 0.
+std::string digits_words(double value, int digits) {
+  const double size = std::abs(value);
+  return fixed_text(value, size > 0.0 ? std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(size)))) : 0);
+}
+
 std::string number_words(double value, std::string_view format) {
+  if (!std::isfinite(value)) return "unknown";
+  if (!format.empty() && format[0] == '=') return digits_words(value, format[1] - '0');
   return fmt::format(fmt::runtime(format.empty() ? std::string("{:.10g}") : fmt::format("{{:{}}}", format)), value);
 }
 
@@ -134,9 +143,9 @@ class Filler {
       const bool length = axis == "x" || axis == "y" || axis == "z";
       const std::string unit = length ? "cm" : "deg", format = length ? ".1f" : ".2f";
       const FindingValue *sigma = finding_.find(axis + "_" + unit), *limit = finding_.find(axis + "_limit_" + unit);
-      if (sigma == nullptr || limit == nullptr) continue;
-      parts.push_back(spoken(axis) + " +-" + text_of(*sigma, format) + " " + unit + " (limit " +
-                      text_of(*limit, format) + " " + unit + ")");
+      if (limit == nullptr) continue;
+      const std::string size = sigma == nullptr ? " unknown" : " +-" + text_of(*sigma, format) + " " + unit;
+      parts.push_back(spoken(axis) + size + " (limit " + text_of(*limit, format) + " " + unit + ")");
     }
     return joined(parts);
   }

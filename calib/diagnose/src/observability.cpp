@@ -21,6 +21,8 @@ constexpr double kPositionFloor_m = 3e-4;
 constexpr double kAngleFloor_rad = 2e-4;
 // A robot that turns about a point this near to its origin turns in place.
 constexpr double kInPlace_m = 0.05;
+// A sigma beyond this, or beyond half a turn, says no more than that nothing is known.
+constexpr double kLargestSigma_m = 100.0;
 
 // The planar motion of the robot between two views, as the camera saw it.
 struct PlanarMotion {
@@ -252,7 +254,8 @@ void apply_posterior_gate(const Matrix6d& covariance, const std::string& camera,
     const double unit = length ? 100.0 : rad_to_deg(1.0);
     const std::string name = names[i], unit_name = length ? "cm" : "deg";
     too_uncertain.axes.push_back(name);
-    too_uncertain.values.emplace_back(name + "_" + unit_name, unit * sigma);
+    if (sigma <= (length ? kLargestSigma_m : kPi))
+      too_uncertain.values.emplace_back(name + "_" + unit_name, unit * sigma);
     too_uncertain.values.emplace_back(name + "_limit_" + unit_name, unit * limit[i]);
   }
   if (!too_uncertain.axes.empty()) observability->findings.push_back(too_uncertain);

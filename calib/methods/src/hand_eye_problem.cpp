@@ -3,7 +3,6 @@
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
-#include <ceres/solver.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "hand_eye.h"
+#include "quiet_solve.h"
 #include "rigproof/core/median.h"
 
 namespace rigproof {
@@ -185,9 +185,7 @@ bool solve_once(const Blocks& blocks, const std::array<double, 3>& scales, HandE
   options.num_threads = 1;
   options.max_num_iterations = 100;
   options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-15;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &ceres_problem, &summary);
+  const ceres::Solver::Summary summary = quiet_solve(options, &ceres_problem);
   for (std::size_t k = 0; k < problem->X.size(); ++k)
     problem->X[k] = apply_transform_error(problem->X[k], Eigen::Map<const Vector6d>(errors[k].data()));
   return summary.IsSolutionUsable();

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "hand_eye.h"
+#include "quiet_solve.h"
 
 namespace rigproof::rivals {
 namespace {
@@ -92,9 +93,7 @@ void minimise_reference(ReferenceProblem* problem) {
   options.linear_solver_type = ceres::DENSE_QR;
   options.num_threads = 1;
   options.max_num_iterations = 500;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &ceres_problem, &summary);
+  quiet_solve(options, &ceres_problem);
   for (std::size_t k = 0; k < problem->X.size(); ++k) problem->X[k] = pose_of(parameters[k]);
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 
+#include "quiet_solve.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 
@@ -219,9 +220,7 @@ void refine_together(std::vector<std::optional<Consensus>>* sensors) {
   options.num_threads = 1;
   options.max_num_iterations = 200;
   options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-14;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  quiet_solve(options, &problem);
   for (std::size_t i = 0; i < sensors->size(); ++i) {
     if (!(*sensors)[i]) continue;
     const Parameters& p = parameters[i];
