@@ -116,12 +116,30 @@ CameraShift shift_alone(const Evidence& evidence, std::size_t c, double needed, 
   return camera;
 }
 
-void accuse(const Hypothesis& guilty, MovedReport* report) {
+// Others that stand, beside what moved: each alone would take the shift of that upon itself.
+void set_shifts_beside(const Evidence& evidence, const Hypothesis& guilty, MovedReport* report) {
+  const Eigen::MatrixXd theirs =
+      guilty.rig ? moved::rig_motion(evidence.T_robot_camera) : evidence.columns_of(guilty.cameras);
+  for (std::size_t c = 0; c < report->cameras.size(); ++c) {
+    CameraShift& camera = report->cameras[c];
+    if (camera.verdict == MovedVerdict::kMoved || camera.verdict == MovedVerdict::kSuspect) continue;
+    Eigen::MatrixXd E(theirs.rows(), theirs.cols() + 6);
+    E << theirs, evidence.columns_of({c});
+    const moved::Explanation both = moved::explain(evidence.difference, E);
+    const int rank = both.rank - guilty.explanation.rank;
+    const double reduction = std::max(0.0, both.reduction - guilty.explanation.reduction);
+    camera.p_value = rank > 0 ? chi_square_tail(reduction, rank) : 1.0;
+    set_shift(both, theirs.cols(), &camera);
+  }
+}
+
+void accuse(const Evidence& evidence, const Hypothesis& guilty, MovedReport* report) {
   for (std::size_t i = 0; i < guilty.cameras.size(); ++i) {
     CameraShift& camera = report->cameras[guilty.cameras[i]];
     camera.verdict = MovedVerdict::kMoved;
     if (!guilty.rig) set_shift(guilty.explanation, 6 * static_cast<Eigen::Index>(i), &camera);
   }
+  set_shifts_beside(evidence, guilty, report);
 }
 
 // Camera after camera until the rest is noise.
@@ -177,12 +195,15 @@ void name_who_moved(const Evidence& evidence, MovedReport* report) {
       single.begin(), single.end(),
       [&](const Hypothesis& a, const Hypothesis& b) { return evidence.rest_of(a) < evidence.rest_of(b); });
   if (!evidence.explains(best))
-    return accuse(several_cameras(evidence, best.rig ? std::vector<std::size_t>() : best.cameras), report);
+    return accuse(evidence, several_cameras(evidence, best.rig ? std::vector<std::size_t>() : best.cameras), report);
   const std::vector<const Hypothesis*> suspects = suspects_of(evidence, single, best);
-  if (suspects.size() > 1) return suspect(suspects, report);
+  if (suspects.size() > 1) {
+    suspect(suspects, report);
+    return set_shifts_beside(evidence, best, report);
+  }
   report->rig_moved = best.rig;
   if (best.rig) report->reasons.emplace_back("moved.rig");
-  accuse(best, report);
+  accuse(evidence, best, report);
 }
 
 // What the rig as one body could do unnoticed.

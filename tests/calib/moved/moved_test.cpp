@@ -88,6 +88,10 @@ TEST(Moved, NamesTheCameraAndHowFar) {
       for (std::size_t c = 0; c < 3; ++c)
         EXPECT_EQ(report.cameras[c].verdict == MovedVerdict::kMoved, static_cast<int>(c) == camera)
             << report.cameras[c].camera << " " << moved_verdict_name(report.cameras[c].verdict) << " axis " << axis;
+      for (const CameraShift& stands : report.cameras)
+        for (std::size_t i = 0; i < 6 && stands.verdict == MovedVerdict::kStands; ++i)
+          // 432 estimates: five sigma come by chance once in 4,000 of these tests.
+          EXPECT_LT(std::abs(*stands.shift[i]), 5.0 * *stands.sigma[i]) << stands.camera << " beside " << camera;
       const CameraShift& guilty = report.cameras[static_cast<std::size_t>(camera)];
       ASSERT_TRUE(guilty.shift[static_cast<std::size_t>(axis)].has_value());
       // 36 estimates: the largest of so many lies within four sigma but for one case in 400.

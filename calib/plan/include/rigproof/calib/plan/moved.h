@@ -36,10 +36,11 @@ struct CameraShift {
   std::string camera;
   MovedVerdict verdict = MovedVerdict::kCannotTell;
   /// If this camera moved: new pose minus old one, in the chart of transform_error() (tx ty tz rx ry rz along the
-  /// robot's axes), and its standard deviations; absent where the data do not determine it.
+  /// robot's axes), and its standard deviations; absent where the data do not determine it. Where others moved and this
+  /// one stands, beside their shift.
   std::array<std::optional<double>, 6> shift;
   std::array<std::optional<double>, 6> sigma;
-  double p_value = 1.0;  ///< that noise shows as large a shift of this camera, the others standing
+  double p_value = 1.0;  ///< that noise shows as large a shift of this camera, the others standing (or moved as found)
   /// Smallest shifts that the test finds with 90 % probability in the worst direction; infinite if it finds none in
   /// some direction.
   double detectable_shift_m = 0.0;
