@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <algorithm>
+#include <map>
 #include <utility>
 
 #include "rigproof/calib/estimate/depth_bias.h"
@@ -11,21 +11,28 @@
 namespace rigproof::ml {
 namespace {
 
-// By how much the image of a camera is later than the stop, by the stamps.
-double seconds_after_stop(const Observations& observations, int stop, int camera) {
-  const Stop& at = observations.stops[static_cast<std::size_t>(stop)];
-  if (at.velocity.isZero(0.0)) return 0.0;
-  const std::vector<BoardView>& views = observations.board_views;
-  const auto view = std::find_if(views.begin(), views.end(), [stop, camera](const BoardView& candidate) {
-    return candidate.stop == stop && candidate.camera == camera;
-  });
-  return view == views.end() ? 0.0 : view->stamp_s - at.stamp_s;
-}
+// By how much the image of a stop and camera is later than the stop, by the stamps.
+class Delays {
+ public:
+  explicit Delays(const Observations& observations) {
+    for (const BoardView& view : observations.board_views) {
+      const Stop& at = observations.stops[static_cast<std::size_t>(view.stop)];
+      if (!at.velocity.isZero(0.0)) seconds_.emplace(std::pair(view.stop, view.camera), view.stamp_s - at.stamp_s);
+    }
+  }
+  double after(int stop, int camera) const {
+    const auto found = seconds_.find({stop, camera});
+    return found == seconds_.end() ? 0.0 : found->second;
+  }
 
-std::vector<WhitenedView> whitened_views(const Observations& observations) {
+ private:
+  std::map<std::pair<int, int>, double> seconds_;
+};
+
+std::vector<WhitenedView> whitened_views(const Observations& observations, const Delays& delays) {
   std::vector<WhitenedView> views;
   for (const BoardView& view : observations.board_views) {
-    WhitenedView prepared{view.stop, view.camera, seconds_after_stop(observations, view.stop, view.camera), {}};
+    WhitenedView prepared{view.stop, view.camera, delays.after(view.stop, view.camera), {}};
     for (const WhitenedView::Corner& corner : whitened_corners(view, observations.board))
       if (corner.whitening.allFinite() && corner.pixel.allFinite()) prepared.corners.push_back(corner);
     views.push_back(std::move(prepared));
@@ -36,7 +43,7 @@ std::vector<WhitenedView> whitened_views(const Observations& observations) {
 // @param biases added to the planes' covariances [1/m^2]; empty: none
 std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
                                            const std::vector<PlaneObservation>& planes,
-                                           const std::vector<Eigen::Matrix3d>& biases) {
+                                           const std::vector<Eigen::Matrix3d>& biases, const Delays& delays) {
   std::vector<WhitenedPlane> prepared;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const PlaneObservation& plane = planes[i];
@@ -44,9 +51,8 @@ std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
     const Eigen::Matrix3d L = covariance.llt().matrixL();
     const Eigen::Matrix3d whitening = L.inverse();
     if (!whitening.allFinite() || !plane.inverse_depth_plane.allFinite()) continue;
-    prepared.push_back({plane.stop, plane.camera, seconds_after_stop(observations, plane.stop, plane.camera),
-                        plane.inverse_depth_plane, whitening,
-                        is_registered(plane, observations.cameras[static_cast<std::size_t>(plane.camera)])});
+    prepared.push_back({plane.stop, plane.camera, delays.after(plane.stop, plane.camera), plane.inverse_depth_plane,
+                        whitening, is_registered(plane, observations.cameras[static_cast<std::size_t>(plane.camera)])});
   }
   return prepared;
 }
@@ -64,8 +70,9 @@ std::vector<WhitenedView::Corner> whitened_corners(const BoardView& view, const 
 }
 
 Whitened whitened(const Observations& observations) {
-  return {whitened_views(observations), whitened_planes(observations, observations.ground_planes, {}),
-          whitened_planes(observations, observations.board_planes, board_plane_biases(observations))};
+  const Delays delays(observations);
+  return {whitened_views(observations, delays), whitened_planes(observations, observations.ground_planes, {}, delays),
+          whitened_planes(observations, observations.board_planes, board_plane_biases(observations), delays)};
 }
 
 }  // namespace rigproof::ml

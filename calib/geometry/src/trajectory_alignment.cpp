@@ -363,11 +363,15 @@ std::optional<Finding> tilt_problem(const PlaneObservation& plane, const Traject
   return Finding("plane.off_vertical", {{"off_deg", std::lround(rad_to_deg(angle))}});
 }
 
-// The lower of the heights at which the most planes of a camera agree.
+// The lower of the heights at which the most planes of a camera agree. Every plane would be a candidate, but for many
+// some of them are as good, and the cost is that of all with all.
 double common_height(const std::vector<PlaneHeight>& heights, const GroundCheckOptions& options) {
+  constexpr std::size_t kMostCandidates = 500;
+  const std::size_t stride = std::max<std::size_t>(1, (heights.size() + kMostCandidates - 1) / kMostCandidates);
   double best = 0.0;
   int best_count = 0;
-  for (const PlaneHeight& candidate : heights) {
+  for (std::size_t i = 0; i < heights.size(); i += stride) {
+    const PlaneHeight& candidate = heights[i];
     int count = 0;
     for (const PlaneHeight& other : heights) {
       const double allowed = options.max_height_difference_m + 4.0 * std::hypot(candidate.sigma_m, other.sigma_m);
