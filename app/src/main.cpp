@@ -192,7 +192,8 @@ void add_board(CLI::App& app, Action& action) {
   const auto [command, arguments] =
       add_command(app, action, "board", "Write a board to print, as PDF at true size with a ruler",
                   "rigproof board --squares 6x5 --square-mm 110 --paper a0 -o board.pdf", board_command);
-  command->add_option("PRESET", arguments.preset, "As `rigproof boards` lists them; without it give --squares and --square-mm");
+  command->add_option("PRESET", arguments.preset,
+                      "As `rigproof boards` lists them; without it give --squares and --square-mm");
   command->add_option("--type", arguments.type, "checkerboard, charuco or aprilgrid")
       ->check(CLI::IsMember(board_types()));
   command->add_option("--squares", arguments.squares, "Columns x rows of squares, e.g. 6x5");
