@@ -12,29 +12,30 @@
 namespace rigproof {
 namespace {
 
-std::string with_unit(double value, const std::string& unit) {
-  return short_figure(value) + (unit.empty() ? "" : " " + unit);
+// Lengths in centimetres, as in every table.
+std::string with_unit(double value, const std::string& unit, std::string (*figure)(double)) {
+  if (unit == "mm") return figure(0.1 * value) + " cm";
+  return figure(value) + (unit.empty() ? "" : " " + unit);
 }
 
 // Empty where there is a value.
 std::string reason_of(const AcceptCheck& check) { return check.reason ? words::sentence_of(*check.reason) : ""; }
 
 void print_acceptance(const Terminal& terminal, const AcceptReport& report, const AcceptCriteria& criteria) {
+  const std::string counts =
+      std::to_string(report.checks.size() - report.failures()) + "/" + std::to_string(report.checks.size());
+  terminal.line(report.passed() ? terminal.colored("ACCEPTED", Color::kGood) + "  " + counts + " gates"
+                                : terminal.colored("REJECTED", Color::kBad) + "  " + counts + " gates");
   std::vector<std::vector<std::string>> rows = {{"accept " + criteria.name, "value", "limit", ""}};
   for (const AcceptCheck& check : report.checks)
-    rows.push_back({" " + check.name, !check.reason ? with_unit(check.value, check.unit) : "-",
-                    plain_figure(check.limit) + (check.unit.empty() ? "" : " " + check.unit),
-                    check.passed ? "ok" : "FAIL"});
+    rows.push_back({" " + check.name, !check.reason ? with_unit(check.value, check.unit, short_figure) : "-",
+                    with_unit(check.limit, check.unit, plain_figure), check.passed ? "ok" : "FAIL"});
   const std::vector<std::string> lines = aligned(rows);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string reason = i == 0 ? "" : reason_of(report.checks[i - 1]);
     terminal.line(lines[i] + (reason.empty() ? "" : "  " + reason));
   }
   for (const std::string& note : words::sentences_of(report.notes)) terminal.line(" " + note);
-  const std::string counts =
-      std::to_string(report.checks.size() - report.failures()) + "/" + std::to_string(report.checks.size());
-  terminal.line(report.passed() ? terminal.colored("ACCEPTED", Color::kGood) + "  " + counts + " gates"
-                                : terminal.colored("REJECTED", Color::kBad) + "  " + counts + " gates");
 }
 
 bool states_no_uncertainty(const Result& result) {

@@ -50,8 +50,9 @@ std::string verdict_text(const MovedReport& report, double significance) {
 }
 
 void print(const Terminal& terminal, const MovedReport& report, double significance) {
-  std::vector<std::vector<std::string>> rows = {
-      {"now less then", "", "tx [cm]", "ty", "tz", "about x [deg]", "y", "z"}};
+  const Color color = report.outcome == MovedOutcome::kNothingMoved ? Color::kGood : Color::kBad;
+  terminal.line(terminal.colored(verdict_text(report, significance), color));
+  std::vector<std::vector<std::string>> rows = {{"now less then", "", "tx [cm]", "ty", "tz", "rx [deg]", "ry", "rz"}};
   for (const CameraShift& camera : report.cameras) {
     rows.push_back({" " + camera.camera, moved_verdict_name(camera.verdict)});
     for (std::size_t axis = 0; axis < 6; ++axis) rows.back().push_back(shift_cell(camera, axis));
@@ -60,8 +61,6 @@ void print(const Terminal& terminal, const MovedReport& report, double significa
   for (std::size_t i = 0; i < lines.size(); ++i)
     terminal.line(lines[i] + (i == 0 ? "" : "  " + detectable_text(report.cameras[i - 1])));
   for (const std::string& reason : words::sentences_of(report.reasons)) terminal.line("         " + reason);
-  const Color color = report.outcome == MovedOutcome::kNothingMoved ? Color::kGood : Color::kBad;
-  terminal.line(terminal.colored(verdict_text(report, significance), color));
   for (const std::string& note : words::sentences_of(report.notes))
     terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + note);
 }

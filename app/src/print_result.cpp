@@ -106,7 +106,7 @@ std::vector<std::string> pose_lines(const Result& result) {
   if (result.camera_to_robot.empty()) return {};
   const std::string& parent = result.camera_to_robot.front().parent;
   std::vector<std::vector<std::string>> rows = {
-      {"pose in " + parent, "x [cm]", "y", "z", "roll [deg]", "pitch", "yaw"}};
+      {"pose in " + parent, "tx [cm]", "ty", "tz", "roll [deg]", "pitch", "yaw"}};
   for (const EstimatedTransform& transform : result.camera_to_robot) rows.push_back(pose_cells(transform));
   return aligned(rows);
 }
@@ -155,6 +155,15 @@ void print_use(const Terminal& terminal, const Result& result) {
 
 bool has_any_figure(const EstimatedTransform& transform) {
   return std::any_of(transform.observable.begin(), transform.observable.end(), [](bool known) { return known; });
+}
+
+// The likely cause stands first, and it is one refusal for all of them.
+void print_reasons(const Terminal& terminal, const Result& result) {
+  std::string label = terminal.colored("REFUSED", Color::kBad) + "  ";
+  for (const std::string& reason : words::sentences_of(result.reasons, names_of(result))) {
+    terminal.line(label + reason);
+    label.assign(9, ' ');
+  }
 }
 
 // What a refusal leaves standing.
@@ -224,8 +233,7 @@ std::string use_in_short(const Result& result) {
 
 void print_result(const Terminal& terminal, const Result& result) {
   print_use(terminal, result);
-  for (const std::string& reason : words::sentences_of(result.reasons, names_of(result)))
-    terminal.line(terminal.colored("REFUSED", Color::kBad) + "  " + reason);
+  print_reasons(terminal, result);
   if (result.status == ResultStatus::kSolved)
     for (const std::string& line : pose_lines(result)) terminal.line(line);
   else

@@ -48,9 +48,9 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     comparisons.push_back(verdict.comparison);
     Comparison shown = verdict.comparison;
     if (result.status != ResultStatus::kSolved) shown.reasons.clear();  // print_result() gave them
-    terminal.text(format_errors(shown, &verdict.gate, words::sentence_of));
-    terminal.text(format_suspicion(verdict.comparison));
     terminal.text(format_verdict(verdict.comparison, verdict.gate, budget, words::sentence_of));
+    terminal.text(format_suspicion(verdict.comparison));
+    terminal.text(format_errors(shown, &verdict.gate, words::sentence_of));
     terminal.text(format_same_run(verdict.comparison, budget, comparisons));
     const auto report = gates ? judge_acceptance(terminal, *method, result, input.observations, *gates) : std::nullopt;
     if (report) records.push_back(acceptance_record(result, *report, gates->criteria));

@@ -59,7 +59,7 @@ std::string sigma_text(const std::optional<double>& sigma, std::size_t axis) {
 
 std::vector<std::string> gain_lines(const Suggestion& suggestion) {
   std::vector<std::vector<std::string>> rows = {
-      {"one sigma, now > then", "tx [cm]", "ty", "tz", "about x [deg]", "y", "z"}};
+      {"one sigma, now > then", "tx [cm]", "ty", "tz", "rx [deg]", "ry", "rz"}};
   for (const CameraForecast& camera : suggestion.cameras) {
     rows.push_back({" " + camera.camera});
     for (std::size_t axis = 0; axis < 6; ++axis)

@@ -115,6 +115,7 @@ TEST(Uncertainty, MovedSaysWhichCamera) {
   const ProcessOutput sunk = rigproof_command({"moved", few, (scratch / "higher.yaml").string()});
   EXPECT_EQ(sunk.exit_code, 1) << sunk.out << sunk.err;
   EXPECT_THAT(sunk.out, AllOf(testing::ContainsRegex(" center +moved"), HasSubstr("FAIL     a camera moved")));
+  EXPECT_LT(sunk.out.find("FAIL "), sunk.out.find("now less then")) << "the verdict first";
   const ProcessOutput json = rigproof_command({"moved", few, (scratch / "higher.yaml").string(), "--json"});
   EXPECT_EQ(nlohmann::json::parse(json.out)["outcome"], "moved");
   EXPECT_EQ(rigproof_command({"moved", few, (scratch / "missing.yaml").string()}).exit_code, 2);
@@ -126,7 +127,9 @@ TEST(Uncertainty, AcceptGatesACalibration) {
   const ProcessOutput good =
       rigproof_command({"calibrate", small_run().string(), "-o", out, "--accept", "default", "--junit", junit});
   EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
-  EXPECT_THAT(good.out, AllOf(HasSubstr("accept default.yaml"), HasSubstr("split half: left"), HasSubstr("ACCEPTED")));
+  EXPECT_THAT(good.out, AllOf(HasSubstr("accept default.yaml"), HasSubstr("split half: left"),
+                              testing::ContainsRegex("ACCEPTED  40/40 gates\naccept default.yaml"),
+                              testing::ContainsRegex("left in base_footprint: tx +[.0-9]+ cm +0.8 cm  ok")));
   EXPECT_THAT(read_whole_file(junit), AllOf(HasSubstr("<testsuite"), HasSubstr("held-out stops")));
   write_whole_file(scratch / "strict.yaml", "uncertainty: {xy_mm: 0.0001}\n");
   const std::vector<std::string> strict = {"calibrate", small_run().string(), "-o",
@@ -139,6 +142,18 @@ TEST(Uncertainty, AcceptGatesACalibration) {
   const nlohmann::json json = nlohmann::json::parse(rigproof_command(as_json).out);
   EXPECT_FALSE(json["results"][0]["acceptance"]["passed"].get<bool>());
   EXPECT_EQ(rigproof_command({"calibrate", small_run().string(), "-o", out, "--accept", "none_such"}).exit_code, 2);
+}
+
+TEST(Uncertainty, ARefusalIsSaidOnceForAllItsReasons) {
+  const TempFolder scratch;
+  const std::string file = first_stops(scratch, 2);
+  Observations observations = load_observations(file);
+  observations.ground_planes.clear();
+  save_observations(observations, file);
+  const ProcessOutput refused = rigproof_command({"calibrate", file, "-o", scratch.path().string()});
+  EXPECT_EQ(refused.exit_code, 3) << refused.out << refused.err;
+  EXPECT_THAT(refused.out, testing::ContainsRegex("REFUSED  .*at least 3 are needed.*\n         .*no ground seen"));
+  EXPECT_EQ(refused.out.find("REFUSED"), refused.out.rfind("REFUSED"));
 }
 
 // The limits that a user writes into rig.yaml hold without any option.

@@ -103,7 +103,7 @@ std::string table_of_errors(const std::vector<TransformError>& errors, const Gat
   }
   // The titles stand over the first column of their group, wherever the numbers put it.
   return table.text_below(sigmas ? "error +- stated sigma" : "error",
-                          {{1, "tx ty tz [cm]"}, {sigmas ? 7 : 4, "about robot x y z [deg]"}}, gaps);
+                          {{1, "tx ty tz [cm]"}, {sigmas ? 7 : 4, "rx ry rz [deg]"}}, gaps);
 }
 
 // The cameras share their error if between them a fifth of it is left, in what the error mainly is.

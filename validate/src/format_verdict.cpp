@@ -181,8 +181,11 @@ std::string format_validation(const Comparison& comparison, const Gate& gate, co
   const std::string named = budget.name.empty() ? "" : ", budget " + budget.name + " (" + describe(budget) + ")";
   const std::string head = subject.empty() ? "" : subject + " against truth" + named + "\n";
   const bool mark_rows = !budget.name.empty() || gate.failures() > 0;
-  return head + format_errors(comparison, mark_rows ? &gate : nullptr, wording) + format_suspicion(comparison) +
-         format_verdict(comparison, gate, budget, wording);
+  const std::string verdict = format_verdict(comparison, gate, budget, wording);
+  const std::string errors = format_errors(comparison, mark_rows ? &gate : nullptr, wording);
+  // The verdict first; where there is nothing to judge, the reason for that.
+  return head + (gate.checks.empty() ? errors + format_suspicion(comparison) + verdict
+                                     : verdict + format_suspicion(comparison) + errors);
 }
 
 }  // namespace rigproof
