@@ -7,8 +7,7 @@ add_executable(bench_faults
   ${CMAKE_CURRENT_LIST_DIR}/faults_data.cpp
   ${CMAKE_CURRENT_LIST_DIR}/faults_verdict.cpp
   ${fault_sources})
-target_include_directories(bench_faults PRIVATE ${PROJECT_SOURCE_DIR}/tests/support
-                                                ${PROJECT_SOURCE_DIR}/study/workflow/include)
-target_link_libraries(bench_faults PRIVATE rigproof::generator rigproof::calib rigproof::validate rigproof::words
+target_include_directories(bench_faults PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
+target_link_libraries(bench_faults PRIVATE rigproof::generator rigproof::study_workflow rigproof::words
                       opencv_core opencv_imgcodecs opencv_imgproc Threads::Threads)
 rigproof_apply_rules(bench_faults)

@@ -168,8 +168,9 @@ bench::Verdict run(const Cell& cell, const fs::path& folder, bench::SharedFindin
   faults::FaultyRecording recording(cell.drive->run, folder, cell.drive->seed);
   if (cell.fault != nullptr) cell.fault->apply(&recording);
   if (cell.subset > 0) leave_stops_out(cell.subset, &recording);
-  const std::vector<std::string> codes = cell.fault != nullptr ? cell.fault->codes : std::vector<std::string>();
-  return bench::judge_recording(folder, cell.drive->truth, codes, findings);
+  const bench::Naming right = {cell.fault != nullptr ? cell.fault->codes : std::vector<std::string>(),
+                               recording.broken()};
+  return bench::judge_recording(folder, cell.drive->truth, right, findings);
 }
 
 // Each in a folder of its own beside the drives, since only there files can be shared.
@@ -243,6 +244,12 @@ void print_table(const char* first, const std::vector<Cell>& cells,
   for (const std::string& name : names) print_row(name, rows[name]);
 }
 
+void print_what_cannot_show(const std::vector<RecordingFault>& faults) {
+  for (const RecordingFault& fault : faults)
+    if (!fault.cannot_show.empty())
+      std::printf("\nNo data show %s: %s\n", fault.name.c_str(), fault.cannot_show.c_str());
+}
+
 void print_share_named(const std::vector<Cell>& cells) {
   Row all;
   for (const Cell& cell : cells)
@@ -300,6 +307,7 @@ int measure(const Options& options, const std::vector<RecordingFault>& faults) {
   run_all(options, data, &cells);
   print_table("fault", cells, [](const Cell& cell) { return cell.name(); });
   print_table("part", cells, [](const Cell& cell) { return cell.part(); });
+  print_what_cannot_show(faults);
   print_share_named(cells);
   print_healthy(cells);
   if (!options.csv.empty()) write_file_atomically(options.csv, csv_of(cells));

@@ -51,9 +51,8 @@ void look(const TransformError& error, Verdict* verdict) {
   }
 }
 
-bool is_one_of(const std::string& code, const std::vector<std::string>& codes) {
-  return std::find(codes.begin(), codes.end(), code) != codes.end();
-}
+// Whether a finding doubts what it is about, rather than telling something.
+bool is_warning(const Finding& finding) { return finding.severity >= Severity::kContradiction; }
 
 std::vector<Finding> warnings_of(const Result& result) {
   std::vector<Finding> warnings;
@@ -62,21 +61,21 @@ std::vector<Finding> warnings_of(const Result& result) {
   return warnings;
 }
 
-Outcome outcome_of(const Result& result, double worst_z, const std::vector<std::string>& codes) {
-  const bool named = !result.reasons.empty() && is_one_of(result.reasons.front().code, codes);
+Outcome outcome_of(const Result& result, double worst_z, const Naming& right) {
+  const bool named = !result.reasons.empty() && right.holds(result.reasons.front());
+  const bool is_solved = result.status == ResultStatus::kSolved;
+  if (worst_z <= kSigmas) return is_solved ? Outcome::kGood : named ? Outcome::kNamed : Outcome::kMisnamed;
+  if (named) return is_solved ? Outcome::kWarned : Outcome::kNamed;
   const std::vector<Finding> warnings = warnings_of(result);
-  const bool warned = std::any_of(warnings.begin(), warnings.end(),
-                                  [&](const Finding& finding) { return is_one_of(finding.code, codes); });
-  if (worst_z > kSigmas && !named) return warned ? Outcome::kWarned : Outcome::kSilent;
-  if (result.status == ResultStatus::kSolved) return worst_z > kSigmas ? Outcome::kWarned : Outcome::kGood;
-  return named ? Outcome::kNamed : Outcome::kMisnamed;
+  const bool warned = std::any_of(warnings.begin(), warnings.end(), [&](const Finding& f) { return right.holds(f); });
+  return warned ? Outcome::kWarned : Outcome::kSilent;
 }
 
-Verdict judge_error(const std::string& code, const std::string& sentence, const std::vector<std::string>& codes) {
+Verdict judge_error(const Finding& said, const std::string& sentence, const Naming& right) {
   Verdict verdict;
-  verdict.outcome = is_one_of(code, codes) ? Outcome::kNamed : Outcome::kMisnamed;
+  verdict.outcome = right.holds(said) ? Outcome::kNamed : Outcome::kMisnamed;
   verdict.status = "error";
-  verdict.first = code;
+  verdict.first = said.code;
   verdict.sentence = sentence;
   verdict.is_alarm = true;
   return verdict;
@@ -124,15 +123,20 @@ const char* outcome_name(Outcome outcome) {
   return names[static_cast<std::size_t>(outcome)];
 }
 
-bool is_warning(const Finding& finding) { return finding.severity >= Severity::kContradiction; }
+bool Naming::holds(const Finding& finding) const {
+  if (std::find(codes.begin(), codes.end(), finding.code) == codes.end()) return false;
+  return cameras.empty() || finding.cameras.empty() ||
+         std::any_of(finding.cameras.begin(), finding.cameras.end(),
+                     [this](const std::string& camera) { return cameras.count(camera) > 0; });
+}
 
-Verdict judge(const Result& result, const Truth& truth, const std::vector<std::string>& codes) {
+Verdict judge(const Result& result, const Truth& truth, const Naming& right) {
   Verdict verdict;
   const Comparison comparison = compare(result, truth);
   for (const auto* errors : {&comparison.camera_to_robot, &comparison.camera_to_camera})
     for (const TransformError& error : *errors) look(error, &verdict);
   verdict.status = result_status_name(result.status);
-  verdict.outcome = outcome_of(result, verdict.worst_z, codes);
+  verdict.outcome = outcome_of(result, verdict.worst_z, right);
   const std::vector<Finding> warnings = warnings_of(result);
   verdict.is_alarm = !warnings.empty();
   const std::vector<Finding>& told = result.reasons.empty() ? warnings : result.reasons;
@@ -143,14 +147,16 @@ Verdict judge(const Result& result, const Truth& truth, const std::vector<std::s
   return verdict;
 }
 
-Verdict judge_recording(const std::filesystem::path& recording, const Truth& truth,
-                        const std::vector<std::string>& codes, SharedFindings* findings) {
+Verdict judge_recording(const std::filesystem::path& recording, const Truth& truth, const Naming& right,
+                        SharedFindings* findings) {
   try {
-    return judge(calibrate_as_the_command(recording, findings), truth, codes);
+    return judge(calibrate_as_the_command(recording, findings), truth, right);
   } catch (const FindingError& error) {
-    return judge_error(error.finding().code, words::message_of(error), codes);
+    return judge_error(error.finding(), words::message_of(error), right);
   } catch (const Error& error) {
-    return judge_error(faults::kError, error.what(), codes);
+    Finding said;
+    said.code = faults::kError;
+    return judge_error(said, error.what(), right);
   }
 }
 

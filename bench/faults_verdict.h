@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -51,12 +52,17 @@ struct Verdict {
   std::string worst;      ///< whose it is: "left in robot, tz"
 };
 
-/// Whether a finding doubts what it is about, rather than telling something.
-bool is_warning(const Finding& finding);
+/// How a fault is named: by one of these codes, about one of these cameras or none. No cameras: whichever.
+struct Naming {
+  std::vector<std::string> codes;
+  std::set<std::string> cameras;
 
-Verdict judge(const Result& result, const Truth& truth, const std::vector<std::string>& codes);
+  bool holds(const Finding& finding) const;
+};
+
+Verdict judge(const Result& result, const Truth& truth, const Naming& right);
 /// Calibrates and judges.
-Verdict judge_recording(const std::filesystem::path& recording, const Truth& truth,
-                        const std::vector<std::string>& codes, SharedFindings* findings);
+Verdict judge_recording(const std::filesystem::path& recording, const Truth& truth, const Naming& right,
+                        SharedFindings* findings);
 
 }  // namespace rigproof::bench

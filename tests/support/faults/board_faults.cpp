@@ -1,9 +1,13 @@
+#include <cmath>
+
 #include "recording_faults.h"
 
 namespace rigproof::faults {
 namespace {
 
 const std::vector<std::string> kSize = {"board.size"};
+// Beyond what a board can be off by, its size is the second half of the sentence about the depth's unit.
+const std::vector<std::string> kSizeOrUnit = {"board.size", "depth.unit_of_all", "depth.unit"};
 // A board that is not found is named by its frames.
 const std::vector<std::string> kNotFound = {"board.nowhere", "board.never_seen", "camera.no_view", "camera.no_pose"};
 
@@ -38,7 +42,8 @@ RecordingFault print_fault(const std::string& name, const std::string& variant, 
 std::vector<RecordingFault> board_faults() {
   std::vector<RecordingFault> faults;
   for (const double percent : {0.2, 0.5, 1.0, 2.0, 3.0, 5.0, -5.0, 10.0, 100.0, 900.0, -90.0})
-    faults.push_back(board_fault(sized("squares of the board", percent, " %"), kSize,
+    faults.push_back(board_fault(sized("squares of the board", percent, " %"),
+                                 std::abs(percent) > 50.0 ? kSizeOrUnit : kSize,
                                  [percent](Board* board) { board->square_m *= 1.0 + percent / 100.0; }));
   faults.push_back(board_fault("the board's columns and rows swapped", kNotFound,
                                [](Board* board) { std::swap(board->squares_x, board->squares_y); }));

@@ -12,9 +12,9 @@ using Codes = std::vector<std::string>;
 using Counts = cv::Mat_<std::uint16_t>;
 
 const Codes kUnit = {"depth.unit", "depth.unit_of_all"};
-const Codes kOne = {"depth.unit", "depth.differs"};
-// One scale of all depth cameras and one of the board cannot be told apart by images and depth alone.
+// One scale of all depth cameras, or of the only one, and one of the board cannot be told apart by images and depth.
 const Codes kAll = {"depth.unit_of_all", "board.size", "depth.unit"};
+const Codes kOne = {"depth.differs", "depth.unit_of_all", "board.size", "depth.unit"};
 const Codes kDiffers = {"depth.differs"};
 const Codes kNoGround = {"ground.unseen", "depth.unit", "depth.differs"};
 
@@ -84,7 +84,7 @@ FaultyRecording::EditImage shifted(int by_px) {
 
 RecordingFault unit_fault(const std::string& name, bool all, double factor) {
   return {name, "depth", kUnit, {Files::kRig}, [all, factor](FaultyRecording* r) {
-            const std::size_t one = r->depth_camera();
+            const std::size_t one = all ? 0 : r->depth_camera();
             r->edit_rig([&](Rig* rig) {
               for (std::size_t k = 0; k < rig->cameras.size(); ++k)
                 if (rig->cameras[k].depth && (all || k == one)) rig->cameras[k].depth->unit_m *= factor;

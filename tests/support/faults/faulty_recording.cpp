@@ -83,19 +83,21 @@ FaultyRecording::FaultyRecording(fs::path run, const fs::path& folder, std::uint
   recording_ = load_recording(folder);
 }
 
-std::size_t FaultyRecording::camera_with(const std::function<bool(const RigCamera&)>& holds) const {
+std::size_t FaultyRecording::camera_with(const std::function<bool(const RigCamera&)>& holds) {
   std::vector<std::size_t> those;
   for (std::size_t k = 0; k < cameras(); ++k)
     if (holds(recording_.rig.cameras[k])) those.push_back(k);
   if (those.empty()) throw std::logic_error("a fault does not fit the rig " + recording_.rig.name);
-  return those[seed_ % those.size()];
+  const std::size_t chosen = those[seed_ % those.size()];
+  broken_.insert(recording_.rig.cameras[chosen].name);
+  return chosen;
 }
 
-std::size_t FaultyRecording::any_camera() const {
+std::size_t FaultyRecording::any_camera() {
   return camera_with([](const RigCamera&) { return true; });
 }
 
-std::size_t FaultyRecording::depth_camera() const {
+std::size_t FaultyRecording::depth_camera() {
   return camera_with([](const RigCamera& camera) { return camera.depth.has_value(); });
 }
 

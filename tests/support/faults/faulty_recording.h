@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <opencv2/core.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,10 +28,13 @@ class FaultyRecording {
   std::size_t cameras() const { return recording_.rig.cameras.size(); }
   RandomStream random(const char* purpose, std::int64_t frame = -1) const { return {seed_, purpose, frame}; }
 
-  /// A camera that the seed chooses among those for which this holds; throws std::logic_error if it holds for none.
-  std::size_t camera_with(const std::function<bool(const RigCamera&)>& holds) const;
-  std::size_t any_camera() const;
-  std::size_t depth_camera() const;
+  /// A camera to break, which the seed chooses among those for which this holds; throws std::logic_error if it holds
+  /// for none.
+  std::size_t camera_with(const std::function<bool(const RigCamera&)>& holds);
+  std::size_t any_camera();
+  std::size_t depth_camera();
+  /// The cameras that were chosen to be broken; none where a fault is not of single cameras.
+  const std::set<std::string>& broken() const { return broken_; }
 
   void edit_rig(const std::function<void(Rig*)>& edit);
   void edit_odometry(const std::function<void(std::vector<OdometrySample>*)>& edit);
@@ -58,6 +62,7 @@ class FaultyRecording {
   std::filesystem::path run_;
   std::uint64_t seed_;
   Recording recording_;
+  std::set<std::string> broken_;
 };
 
 }  // namespace rigproof::faults

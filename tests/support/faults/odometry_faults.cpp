@@ -145,6 +145,7 @@ void add_other_robot_frames(std::vector<RecordingFault>* faults) {
   const auto of_frame = [faults](const std::string& name, const Rigid3& T_robot_other, const std::string& why) {
     RecordingFault fault =
         each(name, {}, [T_robot_other](OdometrySample* sample) { set_pose(pose_of(*sample) * T_robot_other, sample); });
+    fault.part = "convention";
     fault.cannot_show = why;
     faults->push_back(fault);
   };

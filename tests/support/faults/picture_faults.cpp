@@ -127,7 +127,12 @@ void add_mirrors(std::vector<RecordingFault>* faults) {
   faults->push_back(of_one("images of one camera mirrored", kTurned, flipped(1)));
   faults->push_back(of_all("images of all cameras mirrored", kTurned, flipped(1)));
   faults->push_back(of_one("images of one camera upside down", kTurned, flipped(0)));
-  faults->push_back(of_one("images of one camera turned by 180 deg", kTurned, flipped(-1)));
+  // Without depth they would be those of a camera that hangs upside down.
+  faults->push_back({"images of one camera with depth turned by 180 deg",
+                     "pictures",
+                     kTurned,
+                     {Files::kColor},
+                     [](FaultyRecording* r) { r->edit_color(r->depth_camera(), flipped(-1)); }});
 }
 
 void add_orders(std::vector<RecordingFault>* faults) {
@@ -197,12 +202,6 @@ void add_geometry(std::vector<RecordingFault>* faults) {
   faults->push_back(of_one("images of one camera enlarged by 4 %", kAnyLens, [](std::size_t frame, cv::Mat* image) {
     warped({1.04, 0.0, -0.02 * image->cols, 0.0, 1.04, -0.02 * image->rows})(frame, image);
   }));
-  faults->push_back(of_one("images of one camera turned by 1 deg", {"corners.off", "lens.principal_point"},
-                           [](std::size_t frame, cv::Mat* image) {
-                             const double c = 0.99985, s = 0.01745;
-                             const double x = 0.5 * image->cols, y = 0.5 * image->rows;
-                             warped({c, -s, x - c * x + s * y, s, c, y - s * x - c * y})(frame, image);
-                           }));
   for (const double px : {0.3, 2.0, 10.0}) faults->push_back(shaken(px));
   faults->push_back(of_one("images of one camera at half the size", {kError}, [](std::size_t, cv::Mat* image) {
     cv::resize(cv::Mat(image->clone()), *image, {}, 0.5, 0.5, cv::INTER_AREA);

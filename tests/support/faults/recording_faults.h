@@ -21,7 +21,7 @@ inline constexpr const char* kError = "error";
 
 struct RecordingFault {
   std::string name;                ///< unique, with its size
-  std::string part;                ///< what is broken: lens, board, depth, odometry, time, pictures, place
+  std::string part;                ///< what is broken: lens, board, depth, odometry, convention, time, pictures, place
   std::vector<std::string> codes;  ///< of the findings that name it as they should
   std::set<Files> files;           ///< that it changes, and no others
   std::function<void(FaultyRecording*)> apply;

@@ -81,7 +81,8 @@ std::vector<RecordingFault> time_faults() {
     faults.push_back(of_all(sized("frames of all cameras", ms, " ms"), kClock,
                             [ms](double stamp_s, std::size_t) { return stamp_s + 1e-3 * ms; }));
   for (const double ms : {20.0, 50.0, 200.0, 1000.0, 2000.0})
-    faults.push_back(of_one(sized("frames of one camera", ms, " ms"), {"frames.shifted"}, 1e-3 * ms));
+    faults.push_back(of_one(sized("frames of one camera", ms, " ms"),
+                            {"frames.shifted", "camera.no_pose", "camera.no_view"}, 1e-3 * ms));
   for (const double ms : {10.0, 50.0, 200.0})
     faults.push_back(jittered("stamps of all frames scattered by " + number_text(ms) + " ms", 1e-3 * ms));
   faults.push_back(of_all("frames' stamps in milliseconds", kClock, [](double s, std::size_t) { return 1e3 * s; }));
