@@ -15,9 +15,10 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// What a line with too few commas has in their place, or nothing.
+// What a line has in the place of commas, or nothing. Beside semicolons commas are those of decimals.
 std::string other_separator(const std::vector<std::string_view>& fields, std::size_t required) {
-  if (fields.size() >= required) return "";
+  const auto semicolons = [](std::string_view field) { return field.find(';') != std::string_view::npos; };
+  if (fields.size() >= required && std::none_of(fields.begin(), fields.end(), semicolons)) return "";
   for (const auto& [separator, name] : {std::make_pair(';', "semicolons"), {'\t', "tabs"}, {' ', "spaces"}}) {
     std::size_t columns = fields.size();
     for (const std::string_view field : fields)
@@ -65,8 +66,11 @@ bool CsvColumns::read_header(const std::vector<std::string_view>& fields, const 
     for (std::size_t i = 0; i < wanted.size() && i < std::max(required, fields.size()); ++i)
       place_[i] = static_cast<int>(i);
     needed_ = required;
+    columns_ = wanted.size();
     return false;
   }
+  named_ = true;
+  columns_ = fields.size();
   const std::vector<std::string> names(fields.begin(), fields.end());
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const auto found = std::find(names.begin(), names.end(), wanted[i]);
@@ -80,6 +84,15 @@ bool CsvColumns::read_header(const std::vector<std::string_view>& fields, const 
     needed_ = std::max(needed_, static_cast<std::size_t>(place_[i] + 1));
   }
   return true;
+}
+
+std::string CsvColumns::surplus(const std::vector<std::string_view>& fields) const {
+  std::size_t count = fields.size();
+  while (count > 0 && fields[count - 1].empty()) --count;
+  if (count <= columns_) return "";
+  return "has " + std::to_string(count) + " columns; " +
+         (named_ ? "the first line names " : "without a first line that names them there may be ") +
+         std::to_string(columns_) + ", and decimals need points, not commas";
 }
 
 std::string_view CsvColumns::get(const std::vector<std::string_view>& fields, std::size_t column) const {

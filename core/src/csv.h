@@ -33,10 +33,16 @@ class CsvColumns {
   std::string_view get(const std::vector<std::string_view>& fields, std::size_t column) const;
   bool has(std::size_t column) const { return column < place_.size() && place_[column] >= 0; }
   std::size_t fields_needed() const { return needed_; }
+  /// Why a row with more fields than there are columns cannot be read, or nothing: decimal commas split numbers, and
+  /// the columns of a row without a header are guessed if they are not the wanted ones. Empty fields at its end are
+  /// none.
+  std::string surplus(const std::vector<std::string_view>& fields) const;
 
  private:
   std::vector<int> place_;
   std::size_t needed_ = 0;
+  std::size_t columns_ = 0;
+  bool named_ = false;
 };
 
 /// True for what no text editor wrote: a picture in the place of a table.

@@ -108,6 +108,10 @@ class FramesCsvReader {
   }
 
   void read_row(const std::vector<std::string_view>& fields, int line, LimitedProblems* problems) {
+    if (const std::string surplus = columns_.surplus(fields); !surplus.empty()) {
+      problems->add(line, "", "", surplus);
+      return;
+    }
     CameraFrame frame;
     frame.line = line;
     const std::string_view name = columns_.get(fields, 0), stamp = columns_.get(fields, 1);

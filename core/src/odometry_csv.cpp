@@ -19,6 +19,10 @@ void read_row(const CsvColumns& columns, const std::vector<std::string_view>& fi
                       " are needed: stamp_s,x_m,y_m,yaw_rad, separated by commas");
     return;
   }
+  if (const std::string surplus = columns.surplus(fields); !surplus.empty()) {
+    problems->add(line, "", "", surplus + ": stamp_s,x_m,y_m,yaw_rad are needed");
+    return;
+  }
   OdometrySample sample;
   double* const values[] = {&sample.stamp_s, &sample.x_m, &sample.y_m, &sample.yaw_rad};
   bool good = true;

@@ -31,6 +31,7 @@ std::optional<RecordingSegment> read_segment(const CsvColumns& columns, const st
                                              int line, LimitedProblems* problems) {
   const std::string_view kind = columns.get(fields, 0), begin = columns.get(fields, 1), end = columns.get(fields, 2);
   const auto begin_s = parse_number(begin), end_s = parse_number(end);
+  if (const std::string surplus = columns.surplus(fields); !surplus.empty()) problems->add(line, "", "", surplus);
   if (kind != kStraightSegment) problems->add(line, "kind", kind, "allowed is straight");
   if (!begin_s) problems->add(line, "begin_s", begin, "must be a finite number");
   if (!end_s) problems->add(line, "end_s", end, "must be a finite number");

@@ -257,9 +257,25 @@ TEST(Odometry, HeaderColumnsMayComeInAnyOrderWithOthersBetween) {
   EXPECT_EQ(odometry[0].yaw_rad, 0.5);
 }
 
-TEST(Odometry, WithoutHeaderTheFirstFourColumnsCount) {
-  EXPECT_EQ(read_odometry("1,2,3,0.4,9\n2,2,3,0.4,9").size(), 2U);
+TEST(Odometry, WithoutHeaderThereAreFourColumns) {
+  EXPECT_EQ(read_odometry("1,2,3,0.4\n2,2,3,0.4,").size(), 2U);
   EXPECT_EQ(read_odometry("\xEF\xBB\xBFstamp_s,x_m,y_m,yaw_rad\n1,2,3,0.4\n").size(), 1U);
+}
+
+// A pose with a quaternion, and decimal commas: the first four fields are not what the reader asks for.
+TEST(Odometry, ColumnsThatNothingNamesAreNotGuessed) {
+  std::string text;
+  read_odometry("1,2,3,0,0,0,0.1,0.99\n", &text);
+  EXPECT_EQ(text,
+            "odometry.csv:1: has 8 columns; without a first line that names them there may be 4, and decimals need "
+            "points, not commas: stamp_s,x_m,y_m,yaw_rad are needed");
+  read_odometry("stamp_s,x_m,y_m,yaw_rad\n1,5,2,0,3,0,0,1\n", &text);
+  EXPECT_EQ(text,
+            "odometry.csv:2: has 8 columns; the first line names 4, and decimals need points, not commas: "
+            "stamp_s,x_m,y_m,yaw_rad are needed");
+  read_odometry("1,5;2,0;3,0;0,1\n", &text);
+  EXPECT_EQ(text,
+            "odometry.csv:1: 1: the columns are separated by semicolons; commas are needed, and points in decimals");
 }
 
 TEST(Odometry, EveryBadRowIsReported) {
