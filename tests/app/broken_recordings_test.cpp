@@ -1,5 +1,7 @@
 // Recordings with one thing wrong each, from the files on: what contradicts must reach the estimator, and be named.
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
 #include <sstream>
@@ -55,6 +57,64 @@ void shift_stamps(const fs::path& recording, double seconds) {
     edit_columns(recording / camera / "frames.csv", {{1, 1.0, seconds}});
 }
 
+// Columns of odometry.csv stay at their value from a row on.
+void freeze_odometry(const fs::path& recording, std::size_t from_row, std::size_t from_column, std::size_t columns) {
+  std::istringstream lines(read_whole_file(recording / "odometry.csv"));
+  std::string line, text;
+  std::vector<std::string> kept;
+  for (std::size_t row = 0; std::getline(lines, line); ++row) {
+    std::istringstream cells(line);
+    std::vector<std::string> values;
+    for (std::string cell; std::getline(cells, cell, ',');) values.push_back(cell);
+    if (row == from_row) kept = values;
+    for (std::size_t c = from_column; row > from_row && c < from_column + columns; ++c) values[c] = kept[c];
+    for (std::size_t c = 0; c < values.size(); ++c) text += (c > 0 ? "," : "") + values[c];
+    text += "\n";
+  }
+  write_whole_file(recording / "odometry.csv", text);
+}
+
+// Of a camera's color or depth, in the order of their names.
+std::vector<std::string> images_of(const fs::path& recording, const std::string& camera, const std::string& kind) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(recording / camera / kind)) files.push_back(entry.path().string());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+void edit_images(const std::vector<std::string>& files, const std::function<void(cv::Mat*)>& edit) {
+  for (const std::string& file : files) {
+    cv::Mat image = cv::imread(file, cv::IMREAD_UNCHANGED);
+    ASSERT_FALSE(image.empty()) << file;
+    edit(&image);
+    ASSERT_TRUE(cv::imwrite(file, image)) << file;
+  }
+}
+
+void mirror(cv::Mat* image) { cv::flip(*image, *image, 1); }
+
+// Each file becomes a copy of the one `by` places before it.
+void delay(const std::vector<std::string>& files, std::size_t by) {
+  for (std::size_t i = files.size() - 1; i >= by; --i)
+    fs::copy_file(files[i - by], files[i], fs::copy_options::overwrite_existing);
+}
+
+// Clouds as text instead of depth images, x forward and z up.
+void write_clouds_in_body_axes(const fs::path& recording, const std::string& camera) {
+  fs::create_directory(recording / camera / "cloud");
+  for (const std::string& file : images_of(recording, camera, "depth")) {
+    const cv::Mat depth = cv::imread(file, cv::IMREAD_UNCHANGED);
+    const double focal_px = depth.cols / 2.0, x0 = (depth.cols - 1) / 2.0, y0 = (depth.rows - 1) / 2.0;
+    std::ostringstream text;
+    for (int y = 0; y < depth.rows; y += 4)
+      for (int x = 0; x < depth.cols; x += 4)
+        if (const double z = 1e-3 * depth.at<std::uint16_t>(y, x); z > 0.0)
+          text << z << " " << -z * (x - x0) / focal_px << " " << -z * (y - y0) / focal_px << "\n";
+    write_whole_file(recording / camera / "cloud" / fs::path(file).stem().replace_extension(".txt"), text.str());
+  }
+  fs::remove_all(recording / camera / "depth");
+}
+
 struct Broken {
   const char* name;
   const char* cause;
@@ -85,6 +145,33 @@ const Broken kBroken[] = {
      }},
     {"StampsAhead", "odometry's stamps are shifted: its rows run ahead of the images by about 1 stop",
      [](const fs::path& r) { shift_stamps(r, 2.0); }},
+    {"DeadOdometry", "odometry stands still in 9 of 9 motions", [](const fs::path& r) { freeze_odometry(r, 1, 1, 3); }},
+    {"OdometryThatHangs", "odometry stands still in 4 of 9 motions",
+     [](const fs::path& r) { freeze_odometry(r, 6, 1, 3); }},
+    {"YawIsMissing", "odometry never changes in yaw", [](const fs::path& r) { freeze_odometry(r, 1, 3, 1); }},
+    {"MirroredCamera", "images of left are mirrored",
+     [](const fs::path& r) {
+       for (const char* kind : {"color", "depth"}) edit_images(images_of(r, "left", kind), mirror);
+     }},
+    {"MirroredDepth", "depth of right is mirrored left to right against its images",
+     [](const fs::path& r) { edit_images(images_of(r, "right", "depth"), mirror); }},
+    {"LateDepth", "depth of left belongs to the previous image",
+     [](const fs::path& r) { delay(images_of(r, "left", "depth"), 1); }},
+    {"DepthOfAnotherCamera", "depth of right is that of left",
+     [](const fs::path& r) {
+       fs::remove_all(r / "right/depth");
+       fs::copy(r / "left/depth", r / "right/depth");
+     }},
+    {"ClampedDepth", "depth of center is clamped: what is farther reads 1.80 m",
+     [](const fs::path& r) {
+       edit_images(images_of(r, "center", "depth"), [](cv::Mat* depth) { cv::min(*depth, 1800, *depth); });
+     }},
+    {"DepthUnitOutOfRange", "depth of left, center, right is in another unit: the board looks 0.1 times",
+     [](const fs::path& r) { edit_rig(r, "unit_m", 0.1, 0.0); }},
+    {"DepthScaleIsNoUnit", "depth of left is 0.513 times what the corners say, which no other unit explains",
+     [](const fs::path& r) { edit_images(images_of(r, "left", "depth"), [](cv::Mat* depth) { *depth *= 0.513; }); }},
+    {"CloudsInBodyAxes", "clouds of left have the axes of a robot",
+     [](const fs::path& r) { write_clouds_in_body_axes(r, "left"); }},
     {"StampsBehind", "odometry's stamps are shifted: its rows run behind the images by about 1 stop",
      [](const fs::path& r) { shift_stamps(r, -2.0); }},
 };
@@ -102,6 +189,62 @@ TEST_P(BrokenRecordings, AreRefusedAndTheCauseIsNamed) {
 
 INSTANTIATE_TEST_SUITE_P(Every, BrokenRecordings, testing::ValuesIn(kBroken),
                          [](const testing::TestParamInfo<Broken>& broken) { return std::string(broken.param.name); });
+
+// Mirrored images and mirrored odometry are the same where lenses are symmetric.
+TEST(BrokenRecording, CausesThatExplainTheSameAreBothSaid) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  for (const char* camera : {"left", "center", "right"})
+    for (const char* kind : {"color", "depth"}) edit_images(images_of(recording, camera, kind), mirror);
+  const ProcessOutput output = rigproof_command({"calibrate", recording.string()});
+  EXPECT_EQ(output.exit_code, 3) << output.out << output.err;
+  EXPECT_THAT(output.out, testing::HasSubstr("the odometry is mirrored: y and yaw have the wrong sign (z down instead "
+                                             "of up); or the images of left, center, right are mirrored"));
+}
+
+// A driver that hung from the sixth image on: what it repeats is no measurement, and the others still are.
+TEST(BrokenRecording, RepeatedImagesCountOnce) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  for (const char* kind : {"color", "depth"}) {
+    const std::vector<std::string> files = images_of(recording, "left", kind);
+    for (std::size_t i = 6; i < files.size(); ++i)
+      fs::copy_file(files[5], files[i], fs::copy_options::overwrite_existing);
+  }
+  const std::string found = (scratch / "found.json").string();
+  ASSERT_EQ(rigproof_command({"observe", recording.string(), "-o", found, "-q"}).exit_code, 0);
+  std::size_t images = 0, depths = 0;
+  for (const Exclusion& exclusion : load_observations(found).exclusions) {
+    images += exclusion.why.is("image.repeats");
+    depths += exclusion.why.is("depth.repeats");
+  }
+  EXPECT_EQ(images, 4U);
+  EXPECT_EQ(depths, 4U);
+  const ProcessOutput output = rigproof_command({"calibrate", recording.string()});
+  EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
+  EXPECT_THAT(output.out, testing::HasSubstr("4 of 10 images of the board repeat another"));
+}
+
+TEST(BrokenRecording, CamerasDoNotShareImages) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  fs::remove_all(recording / "right/color");
+  fs::copy(recording / "left/color", recording / "right/color");
+  const ProcessOutput output = rigproof_command({"calibrate", recording.string()});
+  EXPECT_EQ(output.exit_code, 2) << output.out << output.err;
+  EXPECT_THAT(output.err, testing::HasSubstr("right/color/000000.png: is the same image as left/color/000000.png"));
+}
+
+// Depth of the floor in every third frame 20 cm too far, as of another camera: no exception any more.
+TEST(BrokenRecording, ManyGroundPlanesThatContradictAreNoExceptions) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  const std::vector<std::string> files = images_of(recording, "left", "depth");
+  for (std::size_t i = 0; i < files.size(); i += 3) edit_images({files[i]}, [](cv::Mat* depth) { *depth *= 1.3; });
+  const ProcessOutput output = rigproof_command({"calibrate", recording.string()});
+  EXPECT_EQ(output.exit_code, 3) << output.out << output.err;
+  EXPECT_THAT(output.out, testing::HasSubstr("left: 4 of 10 ground planes contradict the others"));
+}
 
 // Something before the board in one frame is no wrong scale of all.
 TEST(BrokenRecording, OneOddDepthImageIsLeftOut) {

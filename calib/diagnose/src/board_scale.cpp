@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "rigproof/calib/geometry/depth_unit.h"
 #include "rigproof/core/median.h"
 
 namespace rigproof::ml {
@@ -61,6 +62,7 @@ struct CameraRatio {
   std::string camera;
   double value, measured_sigma;  // of ln of measured over expected depth
   double prior;                  // of the depth's scale
+  double unit_m;
 
   double sigma() const { return std::hypot(prior, measured_sigma); }
   // Against others that are no better.
@@ -83,7 +85,7 @@ std::vector<CameraRatio> ratios_of(const Observations& observations, const std::
     const RigCamera& camera = observations.cameras[static_cast<std::size_t>(c)];
     const double prior = std::max(kDepthScaleSigma, camera.depth ? camera.depth->noise.scale_sigma : 0.0);
     const Ratio ratio = combined(of_camera);
-    ratios.push_back({camera.name, ratio.value, ratio.sigma, prior});
+    ratios.push_back({camera.name, ratio.value, ratio.sigma, prior, camera.depth ? camera.depth->unit_m : 1.0});
   }
   return ratios;
 }
@@ -119,7 +121,9 @@ double centre_of(const std::vector<CameraRatio>& ratios) {
 // A camera that differs from the others has itself to blame: its depth's scale or its focal length.
 Finding odd_camera(const CameraRatio& ratio, double off) {
   const double factor = std::exp(off);
-  if (std::abs(off) > kUnit) return Finding("depth.unit", {{"factor", factor}}).of(ratio.camera);
+  if (std::abs(off) > kUnit)
+    return Finding(unit_explains(factor, ratio.unit_m) ? "depth.unit" : "depth.scale", {{"factor", factor}})
+        .of(ratio.camera);
   return Finding("depth.differs", {{"off_percent", 100.0 * std::abs(factor - 1.0)},
                                    {"side", off > 0.0 ? "farther" : "nearer"},
                                    {"limit_percent", 100.0 * kMaxDepthAlone * ratio.difference_sigma()}})
@@ -140,15 +144,17 @@ std::optional<CameraRatio> mean_of(const std::vector<CameraRatio>& ratios) {
     const double share = 1.0 / (ratio.sigma() * ratio.sigma() * weight);
     variance += share * share * ratio.measured_sigma * ratio.measured_sigma;
   }
-  return CameraRatio{"", sum / weight, std::sqrt(variance), prior};
+  return CameraRatio{"", sum / weight, std::sqrt(variance), prior, ratios.front().unit_m};
 }
 
 Finding cause(const CameraRatio& depth, double wheels, double wheels_sigma, const Stated& stated) {
   const double factor = std::exp(depth.value);
-  const Finding unit("depth.unit_of_all", {{"factor", factor}});
+  const bool unit_fits = unit_explains(factor, depth.unit_m);
+  const Finding unit(unit_fits ? "depth.unit_of_all" : "depth.scale_of_all", {{"factor", factor}});
   if (std::abs(depth.value) > kUnit && stated.odometry && std::abs(depth.value - wheels) > 3.0 * wheels_sigma)
     return stated.with_odometry(unit);
-  if (std::abs(depth.value) > kUnit && !stated.odometry) return unit.with({{"squares_mm", stated.square_mm * factor}});
+  if (std::abs(depth.value) > kUnit && !stated.odometry && unit_fits)
+    return unit.with({{"squares_mm", stated.square_mm * factor}});
   const Finding size =
       stated.with_odometry(Finding("board.size", {{"measured_mm", stated.square_mm * factor},
                                                   {"stated_mm", stated.square_mm},

@@ -246,6 +246,11 @@ Cause conclude(Explanations explained) {
     if (a.trial.clean != b.trial.clean) return a.trial.clean;
     return a.trial.unexplained < b.trial.unexplained;
   });
+  // Of what explains the data equally, images are blamed last.
+  const auto tied = std::find_if(explained.begin(), explained.end(), [&explained](const Explained& e) {
+    return !e.trial.clean || e.trial.unexplained > explained.front().trial.unexplained + kDecides;
+  });
+  std::stable_partition(explained.begin(), tied, [](const Explained& e) { return e.fault.kind != FaultKind::kImages; });
   const Explained& best = explained.front();
   Cause cause{{best.fault.cause.with({{"undone_mm", 1e3 * best.trial.odometry_xy_m},
                                       {"undone_deg", rad_to_deg(best.trial.odometry_yaw_rad)}})},
@@ -272,6 +277,11 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
   Explanations found;
   const auto add = [&found](const Explanations& more) { found.insert(found.end(), more.begin(), more.end()); };
   if (symptoms.odometry) add(try_odometry(run, symptoms));
+  // Mirrored odometry and mirrored images are the same where lenses are symmetric.
+  const bool mirrored = std::any_of(found.begin(), found.end(), [](const Explained& explained) {
+    return explained.trial.clean && explained.fault.cause.is("odometry.mirrored");
+  });
+  if (mirrored || !any_clean(found)) add(try_faults(run, image_faults(run.observations), false));
   if (!any_clean(found) && run.as_is.lenses) add(try_lenses(run, symptoms.bad_corners));
   if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_shift_faults(run.observations), false));
   if (!any_clean(found) && symptoms.frames && run.observations.cameras.size() > 1) add(try_swaps(run));

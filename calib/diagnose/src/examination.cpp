@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dead_odometry.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/lens_change.h"
+#include "rigproof/core/exclusions.h"
 #include "swapped_frames.h"
 
 namespace rigproof::ml {
@@ -79,6 +81,31 @@ std::vector<Finding> contradicting_cameras(const Observations& observations,
     if (out > 1 && static_cast<int>(kMany) * out > views)
       findings.push_back(
           Finding("frames.contradict", {{"left_out", out}, {"views", views}}).of(observations.cameras[c].name));
+  }
+  return findings;
+}
+
+// Of cameras of which many ground planes had to be left out.
+std::vector<Finding> contradicting_ground(const Preparation& prepared) {
+  const auto contradicts = [](const Exclusion& exclusion) {
+    const Finding& why = exclusion.why;
+    return exclusion.depth && (why.is("plane.other_height") || why.is("plane.off_vertical") ||
+                               why.is("plane.ceiling") || why.is("plane.above"));
+  };
+  std::vector<Exclusion> all = prepared.original.exclusions;
+  all.insert(all.end(), prepared.excluded.begin(), prepared.excluded.end());
+  std::vector<Finding> findings;
+  for (std::size_t c = 0; c < prepared.original.cameras.size(); ++c) {
+    const std::vector<Exclusion> of_camera = exclusions_of(all, static_cast<int>(c));
+    const std::vector<PlaneObservation>& planes = prepared.used.ground_planes;
+    const auto out = static_cast<std::size_t>(std::count_if(of_camera.begin(), of_camera.end(), contradicts));
+    const auto used =
+        static_cast<std::size_t>(std::count_if(planes.begin(), planes.end(), [c](const PlaneObservation& plane) {
+          return plane.camera == static_cast<int>(c);
+        }));
+    if (out > 1 && kMany * out > out + used)
+      findings.push_back(Finding("ground.contradicts", {{"left_out", out}, {"planes", out + used}})
+                             .of(prepared.original.cameras[c].name));
   }
   return findings;
 }
@@ -207,6 +234,39 @@ std::vector<Finding> notes_of_rows(const Preparation& prepared, const std::vecto
   return notes;
 }
 
+// Of cameras whose driver hung, or whose files were copied.
+void note_repeats(const Observations& observations, bool depth, std::vector<Finding>* notes) {
+  for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
+    std::size_t images = 0, repeats = 0;
+    for (const BoardView& view : observations.board_views) images += view.camera == static_cast<int>(c);
+    for (const Exclusion& exclusion : exclusions_of(observations.exclusions, static_cast<int>(c)))
+      repeats += exclusion.why.is(depth ? "depth.repeats" : "image.repeats");
+    if (repeats > 0)
+      notes->push_back(Finding("frames.repeat", {{"repeats", repeats},
+                                                 {"images", depth ? images : images + repeats},
+                                                 {"kind", depth ? "depth images" : "images of the board"}})
+                           .of(observations.cameras[c].name));
+  }
+}
+
+// Of depth that was left out as a whole: each cause once, with its cameras.
+std::optional<Cause> cause_of_exclusions(const Observations& observations) {
+  std::vector<Finding> each, causes;
+  for (const Exclusion& exclusion : observations.exclusions)
+    if (exclusion.why.severity == Severity::kCause) add_once(exclusion.why, &each);
+  for (const Finding& one : each) {
+    const auto same = std::find_if(causes.begin(), causes.end(), [&one](const Finding& cause) {
+      return cause.code == one.code && !one.is("depth.of_another_camera");
+    });
+    if (same == causes.end())
+      causes.push_back(one);
+    else
+      same->cameras.push_back(one.cameras.front());
+  }
+  for (std::size_t i = 1; i < causes.size(); ++i) causes[i] = causes[i].with({{"joined_by", "and"}});
+  return causes.empty() ? std::nullopt : std::optional(Cause{causes, true});
+}
+
 Finding wrong_frame(const Observations& observations, const BoardView& view) {
   return Finding("frame.contradicts")
       .of(observations.cameras[static_cast<std::size_t>(view.camera)].name)
@@ -247,8 +307,18 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
     for (const BoardView* view : left_out) found.notes.push_back(wrong_frame(prepared.used, *view));
   found.lenses = examine_lenses(prepared, fit, found.motion_suffices());
   if (const std::optional<Finding> note = note_of_lens_trust(found.lenses)) found.notes.push_back(*note);
+  for (const bool depth : {false, true}) note_repeats(prepared.original, depth, &found.notes);
+  if (found.contradictions.odometry.empty()) {  // else the vertical is wrong, too
+    const std::vector<Finding> ground = contradicting_ground(prepared);
+    of_cameras.insert(of_cameras.end(), ground.begin(), ground.end());
+  }
   found.symptoms = symptoms_of(prepared, fit, found);
-  if (found.symptoms.any() && prepared.original.stops.size() >= 3 && found.wrong_frames.empty())
+  if (const auto foreign = cause_of_exclusions(prepared.original))
+    found.cause = foreign;
+  else if (const auto dead =
+               find_dead_odometry(prepared.original, prepared.views, !found.contradictions.odometry.empty()))
+    found.cause = Cause{{*dead}, false};
+  else if (found.symptoms.any() && prepared.original.stops.size() >= 3 && found.wrong_frames.empty())
     found.cause = cause_of(prepared, fit, found.symptoms);
   return found;
 }

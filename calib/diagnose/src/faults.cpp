@@ -148,7 +148,86 @@ void shift_camera(int camera, int by, Observations* observations) {
   shift(&observations->board_planes);
 }
 
+// A mirrored board looks like one, numbered the other way along a side with an odd number of squares.
+void unmirror(const Board& board, int width_px, BoardView* view) {
+  const int columns = board.inner_corners_x(), rows = board.inner_corners_y();
+  for (CornerObservation& corner : view->corners) {
+    int x = corner.id % columns, y = corner.id / columns;
+    if (board.squares_x % 2 == 1)
+      x = columns - 1 - x;
+    else
+      y = rows - 1 - y;
+    corner.id = y * columns + x;
+    corner.pixel.x() = width_px - 1 - corner.pixel.x();
+    corner.covariance_px2(0, 1) *= -1.0;
+    corner.covariance_px2(1, 0) *= -1.0;
+  }
+  std::sort(view->corners.begin(), view->corners.end(),
+            [](const CornerObservation& a, const CornerObservation& b) { return a.id < b.id; });
+}
+
+// Rays turn about the middle of the image, not about the principal point.
+void unmirror(const Camera& camera, PlaneObservation* plane) {
+  Eigen::Matrix3d T = Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal();
+  T(2, 0) = (camera.width_px - 1 - 2.0 * camera.cx_px) / camera.fx_px;
+  plane->inverse_depth_plane = T * plane->inverse_depth_plane;
+  plane->covariance_per_m2 = T * plane->covariance_per_m2 * T.transpose();
+}
+
+void unmirror(int camera, Observations* observations) {
+  const Camera& optics = observations->cameras[static_cast<std::size_t>(camera)].camera;
+  for (BoardView& view : observations->board_views)
+    if (view.camera == camera) unmirror(observations->board, optics.width_px, &view);
+  for (auto* planes : {&observations->ground_planes, &observations->board_planes})
+    for (PlaneObservation& plane : *planes)
+      if (plane.camera == camera) unmirror(optics, &plane);
+}
+
+Fault mirrored_images(const Observations& observations, const std::vector<int>& cameras) {
+  Finding cause("images.mirrored");
+  for (const int camera : cameras) cause.cameras.push_back(observations.cameras[static_cast<std::size_t>(camera)].name);
+  return {FaultKind::kImages, cause, true, [cameras](Observations* repaired) {
+            for (const int camera : cameras) unmirror(camera, repaired);
+          }};
+}
+
+// Beyond what lenses of one make differ by.
+bool other_intrinsics(const Camera& a, const Camera& b) {
+  constexpr double kFocal = 0.02, kCentre_px = 10.0;
+  return a.width_px == b.width_px && a.height_px == b.height_px &&
+         (std::abs(std::log(a.fx_px / b.fx_px)) > kFocal || std::abs(a.cx_px - b.cx_px) > kCentre_px ||
+          std::abs(a.cy_px - b.cy_px) > kCentre_px);
+}
+
+Fault exchanged_folders(const Observations& observations, int first, int second) {
+  const auto& cameras = observations.cameras;
+  return {FaultKind::kImages,
+          Finding("frames.exchanged")
+              .of({cameras[static_cast<std::size_t>(first)].name, cameras[static_cast<std::size_t>(second)].name}),
+          true, [first, second](Observations* repaired) {
+            for (int stop = 0; stop < static_cast<int>(repaired->stops.size()); ++stop)
+              swap_frames(stop, first, second, repaired);
+          }};
+}
+
 }  // namespace
+
+std::vector<Fault> image_faults(const Observations& observations) {
+  std::vector<Fault> faults;
+  std::vector<int> all;
+  const int cameras = static_cast<int>(observations.cameras.size());
+  for (int c = 0; c < cameras; ++c) all.push_back(c);
+  if (observations.board.squares_x % 2 == 1 || observations.board.squares_y % 2 == 1) {
+    faults.push_back(mirrored_images(observations, all));
+    for (int c = 0; c < cameras && cameras > 1; ++c) faults.push_back(mirrored_images(observations, {c}));
+  }
+  for (int a = 0; a < cameras; ++a)
+    for (int b = a + 1; b < cameras; ++b)
+      if (other_intrinsics(observations.cameras[static_cast<std::size_t>(a)].camera,
+                           observations.cameras[static_cast<std::size_t>(b)].camera))
+        faults.push_back(exchanged_folders(observations, a, b));
+  return faults;
+}
 
 Fault odometry_scaled(double factor) {
   return {FaultKind::kScale, Finding("odometry.scale", {{"factor", factor}}), false,

@@ -10,7 +10,7 @@
 
 namespace rigproof::ml {
 
-enum class FaultKind { kUnit, kSign, kStamps, kScale, kFrames, kLens, kStop };
+enum class FaultKind { kUnit, kSign, kStamps, kScale, kImages, kFrames, kLens, kStop };
 
 /// A fault with its remedy.
 struct Fault {
@@ -22,6 +22,10 @@ struct Fault {
 
 /// Odometry in another unit, of another handedness or inverted, and odometry whose stamps are off by whole stops.
 std::vector<Fault> odometry_faults(const Observations& observations);
+
+/// Images that are mirrored, depth with them, of one camera or of all, and cameras of other intrinsics whose images are
+/// exchanged.
+std::vector<Fault> image_faults(const Observations& observations);
 
 /// Odometry that runs ahead of the images by `stops` stops (negative: behind); fractions are interpolated between two.
 Fault odometry_ahead(const Observations& observations, double stops);

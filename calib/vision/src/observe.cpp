@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "board_depth.h"
+#include "depth_check.h"
 #include "parallel.h"
 #include "rigproof/calib/geometry/trajectory_alignment.h"
 #include "rigproof/calib/geometry/view_poses.h"
@@ -20,6 +21,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/median.h"
 #include "sight.h"
+#include "standstill.h"
 
 namespace rigproof {
 namespace {
@@ -157,18 +159,40 @@ void look(const Source& from, Sight* sight) {
 }
 
 // By (stop, camera, frame).
-std::vector<Sight> look_for_boards(const Source& from, const StopPlan& plan) {
+std::vector<Sight> planned_sights(const StopPlan& plan) {
   std::vector<Sight> sights;
   for (std::size_t stop = 0; stop < plan.stops.size(); ++stop)
     for (std::size_t camera = 0; camera < plan.stops[stop].frames.size(); ++camera)
       for (const int frame : plan.stops[stop].frames[camera])
         sights.push_back({static_cast<int>(stop), static_cast<int>(camera), frame, false, false, {}, {}});
+  return sights;
+}
+
+std::vector<Sight> look_for_boards(const Source& from, std::vector<Sight> sights) {
   std::function<bool(std::size_t)> proceed;
   if (from.options.progress) proceed = [&](std::size_t done) { return from.options.progress(done, sights.size()); };
   const auto work = [&](std::size_t i) { look(from, &sights[i]); };
   if (!detection::for_each_parallel(sights.size(), from.options.threads, work, proceed))
     throw Error("interrupted", ExitCode::kTryAgain);
   return sights;
+}
+
+// A standstill by the odometry is one if the images stand still, too.
+std::vector<Sight> look_for_boards(const Source& from, StopPlan* plan) {
+  std::vector<Sight> sights = look_for_boards(from, planned_sights(*plan));
+  const std::vector<detection::TimeSpan> moved = detection::false_standstills(from.recording, *plan, sights);
+  if (moved.empty()) return sights;
+  *plan = detection::plan_stops(from.recording, from.options, moved);
+  return look_for_boards(from, planned_sights(*plan));
+}
+
+// Another camera of the rig whose images have this size.
+std::string owner_of(const Sight& wrong, const Rig& rig) {
+  const auto value = [&wrong](const char* name) { return std::get<double>(wrong.why_not->find(name)->value); };
+  for (const RigCamera& camera : rig.cameras)
+    if (camera.camera.width_px == value("width") && camera.camera.height_px == value("height"))
+      return "; " + camera.name + " has this size: are their folders exchanged?";
+  return "";
 }
 
 // Intrinsics of another size are a fault of the whole camera, not of each frame.
@@ -188,7 +212,8 @@ void refuse_wrong_sizes(const Source& from, const std::vector<Sight>& sights) {
     if (wrong == nullptr || right > 0) continue;
     problems.add({(recording.folder / from.frame(*wrong).color_file).string(), 0,
                   "cameras." + recording.rig.cameras[camera].name, "",
-                  sizes_text(*wrong->why_not) + "; every image of this camera differs from its intrinsics"});
+                  sizes_text(*wrong->why_not) + "; every image of this camera differs from its intrinsics" +
+                      owner_of(*wrong, recording.rig)});
   }
   problems.throw_if_any();
   if (readable == 0)
@@ -281,6 +306,47 @@ std::optional<DepthPoints> read_points(const Source& from, const Sight& sight, s
   return std::nullopt;
 }
 
+// Rows or columns the other way round.
+Image16 turned(Image16 image, detection::DepthReading reading) {
+  using detection::DepthReading;
+  const auto rows = image.pixels.begin();
+  if (reading == DepthReading::kMirrored || reading == DepthReading::kHalfTurn)
+    for (std::ptrdiff_t y = 0; y < image.height; ++y)
+      std::reverse(rows + y * image.width, rows + (y + 1) * image.width);
+  if (reading == DepthReading::kUpsideDown || reading == DepthReading::kHalfTurn)
+    for (std::ptrdiff_t y = 0; y < image.height / 2; ++y)
+      std::swap_ranges(rows + y * image.width, rows + (y + 1) * image.width,
+                       rows + (image.height - 1 - y) * image.width);
+  return image;
+}
+
+// The points of a file whatever their range, otherwise taken than it says.
+std::function<std::optional<DepthPoints>(detection::DepthReading)> any_points(const Source& from, const Sight& sight) {
+  using detection::DepthReading;
+  RigCamera camera = from.camera(sight);
+  camera.depth->min_m = 0.0;
+  camera.depth->max_m = 1e6;
+  const CameraFrame& frame = from.frame(sight);
+  std::string ignored;
+  if (frame.depth_file.empty()) {
+    const auto cloud = read<std::vector<Eigen::Vector3f>>(from.recording, frame.cloud_file, read_point_cloud, &ignored);
+    return [cloud, camera](DepthReading reading) -> std::optional<DepthPoints> {
+      if (!cloud || (reading != DepthReading::kAsItIs && reading != DepthReading::kBodyAxes)) return std::nullopt;
+      std::vector<Eigen::Vector3f> points = *cloud;
+      if (reading == DepthReading::kBodyAxes)
+        for (Eigen::Vector3f& p : points) p = {-p.y(), -p.z(), p.x()};
+      return points_of_cloud(std::move(points), *camera.depth);
+    };
+  }
+  const auto depth = read<Image16>(from.recording, frame.depth_file, read_depth_image, &ignored);
+  const Camera& optics = camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
+  const bool fits = depth && depth->width == optics.width_px && depth->height == optics.height_px;
+  return [depth, camera, fits](DepthReading reading) -> std::optional<DepthPoints> {
+    if (!fits || reading == DepthReading::kBodyAxes) return std::nullopt;
+    return sampled_depth(turned(*depth, reading), camera, kDepthPoints);
+  };
+}
+
 PlaneSight fit_planes(const Board& board, const DepthNoise& noise, const DepthPoints& points,
                       const std::optional<Rigid3>& T_camera_board, const std::optional<Eigen::Vector3d>& up_camera) {
   const detection::SplitPoints split =
@@ -355,6 +421,104 @@ bool hang_above(const Source& from, const std::vector<const Sight*>& sights, con
   return true;
 }
 
+// A board in the middle of its image looks the same from a camera that hangs upside down, as far above it as the other
+// is below, and planar motion tells neither: images that are mirrored or upside down pass. The floor does not, if it is
+// the ceiling of a camera that sees no other: of one that hangs upside down by its images, or lower than ceilings are.
+void find_floors_above(const Source& from, const std::vector<const Sight*>& sights, const Boards& boards,
+                       const Verticals& up, std::size_t images, std::vector<PlaneSight>* planes) {
+  constexpr double kLowest_m = 1.2;
+  std::vector<int> with_ground(up.size(), 0);
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    with_ground[static_cast<std::size_t>(sights[i]->camera)] += (*planes)[i].ground.has_value();
+  std::vector<const Sight*> without;
+  std::vector<PlaneSight*> its_planes;
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const auto camera = static_cast<std::size_t>(sights[i]->camera);
+    if (with_ground[camera] > 0 || !up[camera]) continue;
+    without.push_back(sights[i]);
+    its_planes.push_back(&(*planes)[i]);
+  }
+  const std::vector<PlaneSight> above = planes_of(from, without, boards, opposite(up), images);
+  for (std::size_t i = 0; i < without.size(); ++i) {
+    const bool hangs = up[static_cast<std::size_t>(without[i]->camera)]->y() > 0.0;  // the image's y is down
+    if (above[i].ground && (hangs || height_above(*above[i].ground).height_m < kLowest_m))
+      its_planes[i]->why_not = Finding("plane.above");
+  }
+}
+
+const Rigid3* board_at(const Boards& boards, const Sight& sight) {
+  const auto board = boards.find({sight.stop, sight.camera});
+  return board == boards.end() ? nullptr : &board->second;
+}
+
+std::optional<Rigid3> copied(const Rigid3* pose) { return pose == nullptr ? std::nullopt : std::optional(*pose); }
+
+// Some of a camera's frames that show the board, evenly spread.
+std::vector<detection::DepthFrame> frames_to_check(const Source& from, const std::vector<const Sight*>& sights,
+                                                   const Boards& boards) {
+  std::vector<std::size_t> with_board;
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    if (board_at(boards, *sights[i]) != nullptr) with_board.push_back(i);
+  std::vector<detection::DepthFrame> frames;
+  const std::size_t step = (with_board.size() + kDiagnosedImages - 1) / kDiagnosedImages;
+  for (std::size_t k = 0; k < with_board.size(); k += step) {
+    const std::size_t i = with_board[k];
+    detection::DepthFrame frame;
+    frame.T_camera_board = copied(board_at(boards, *sights[i]));
+    if (i > 0) frame.T_camera_board_before = copied(board_at(boards, *sights[i - 1]));
+    if (i + 1 < sights.size()) frame.T_camera_board_after = copied(board_at(boards, *sights[i + 1]));
+    for (int other = 0; other < static_cast<int>(from.recording.rig.cameras.size()); ++other) {
+      const auto board = boards.find({sights[i]->stop, other});
+      const bool seen = other != sights[i]->camera && board != boards.end();
+      frame.T_other_board.push_back(seen ? std::optional(board->second) : std::nullopt);
+    }
+    frame.points = any_points(from, *sights[i]);
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+// Whether depth sees the board where the corners do.
+bool meets_board(const PlaneSight& planes, const Rigid3& T_camera_board) {
+  constexpr double kOff = 0.1, kSigmas = 3.0;
+  if (!planes.board) return false;
+  const Eigen::Vector3d& place = T_camera_board.translation;
+  const double sigma = std::sqrt(place.dot(planes.board->covariance_per_m2 * place));
+  return std::abs(planes.board->inverse_depth_plane.dot(place) - 1.0) < kOff + kSigmas * sigma;
+}
+
+// Depth that does not belong to its images is left out as a whole, with the cause.
+void drop_foreign_depth(const Source& from, const std::vector<const Sight*>& sights, const Boards& boards,
+                        std::vector<PlaneSight>* planes) {
+  constexpr double kUnit = 0.4;  // of the logarithm of a factor: no scale is that wrong
+  constexpr std::size_t kOneIn = 5;
+  for (int camera = 0; camera < static_cast<int>(from.recording.rig.cameras.size()); ++camera) {
+    std::vector<const Sight*> of_camera;
+    std::vector<PlaneSight*> its_planes;
+    std::size_t views = 0, meet = 0, measured = 0;
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+      if (sights[i]->camera != camera) continue;
+      of_camera.push_back(sights[i]);
+      its_planes.push_back(&(*planes)[i]);
+      const Rigid3* board = board_at(boards, *sights[i]);
+      views += board != nullptr;
+      measured += board != nullptr && (*planes)[i].board.has_value();
+      meet += board != nullptr && meets_board((*planes)[i], *board);
+    }
+    if (kOneIn * (views - meet) <= views) continue;
+    const Board& board = from.recording.rig.board;
+    const double unit_m = from.camera(*of_camera.front()).depth->unit_m;
+    const auto fault = detection::find_depth_fault(frames_to_check(from, of_camera, boards), board, unit_m);
+    if (!fault) continue;
+    // A factor of what is within range is the board's or the sensor's, which the solution tells.
+    if (const FindingValue* factor = fault->cause.find("factor"))
+      if (2 * measured >= views || std::abs(std::log(std::get<double>(factor->value))) < kUnit) continue;
+    std::vector<std::string> names = {from.recording.rig.cameras[static_cast<std::size_t>(camera)].name};
+    if (fault->other >= 0) names.push_back(from.recording.rig.cameras[static_cast<std::size_t>(fault->other)].name);
+    for (PlaneSight* seen : its_planes) *seen = {std::nullopt, std::nullopt, fault->cause.of(names)};
+  }
+}
+
 void exclude_depth(int camera, int stop, const std::string& file, const Finding& why, Observations* result) {
   result->exclusions.push_back({camera, stop, file, why, true});
 }
@@ -417,25 +581,48 @@ void vote_on_ground(const std::vector<ViewPose>& poses, bool upside_down, Observ
   result->exclusions.insert(result->exclusions.end(), check.rejected.begin(), check.rejected.end());
 }
 
+bool same_bytes(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code error;
+  if (std::filesystem::file_size(a, error) != std::filesystem::file_size(b, error) || error) return false;
+  return read_binary_file(a) == read_binary_file(b);
+}
+
+// The same depth though the board is elsewhere in the image, or though the image is a repetition, too. Without noise a
+// floor alone may well look the same twice.
+bool repeats_depth(const Source& from, const Boards& boards, const Sight& before, const Sight& sight) {
+  const bool repeated_image = sight.why_not && sight.why_not->is("image.repeats");
+  const bool both_show_board = board_at(boards, before) != nullptr && board_at(boards, sight) != nullptr;
+  if (!repeated_image && !both_show_board) return false;
+  const std::filesystem::path& folder = from.recording.folder;
+  return same_bytes(folder / from.depth_file(before), folder / from.depth_file(sight));
+}
+
 // Boards first: how the cameras moved past them tells where up is, so that walls are not taken for the ground.
 void add_planes(const Source& from, const std::vector<const Sight*>& chosen, std::size_t images, Observations* result) {
+  const std::vector<ViewPose> poses = estimate_view_poses(*result).poses;
+  Boards boards;
+  for (const ViewPose& pose : poses) boards[{pose.stop, pose.camera}] = pose.T_camera_board;
   std::vector<const Sight*> with_depth;
+  std::map<int, const Sight*> last;
   for (const Sight* sight : chosen) {
     if (!from.camera(*sight).depth) continue;
+    const Sight*& before = last[sight->camera];
     if (from.depth_file(*sight).empty())
       exclude_depth(sight->camera, sight->stop, from.frame(*sight).color_file, Finding("depth.missing"), result);
+    else if (before != nullptr && repeats_depth(from, boards, *before, *sight))
+      exclude_depth(sight->camera, sight->stop, from.depth_file(*sight),
+                    Finding("depth.repeats", {{"file", from.depth_file(*before)}}), result);
     else
-      with_depth.push_back(sight);
+      with_depth.push_back(before = sight);
   }
   if (with_depth.empty()) return;
-  const std::vector<ViewPose> poses = estimate_view_poses(*result).poses;
   const TrajectoryAlignment alignment = align_trajectories(*result, poses);
   const bool by_motion = alignment.source == VerticalSource::kMotion;
   const Verticals up = by_motion ? alignment.up_camera : Verticals(result->cameras.size());
-  Boards boards;
-  for (const ViewPose& pose : poses) boards[{pose.stop, pose.camera}] = pose.T_camera_board;
   std::vector<PlaneSight> planes = planes_of(from, with_depth, boards, up, images);
   const bool upside_down = by_motion && hang_above(from, with_depth, boards, opposite(up), images, &planes);
+  if (by_motion && !upside_down) find_floors_above(from, with_depth, boards, up, images, &planes);
+  drop_foreign_depth(from, with_depth, boards, &planes);
   for (std::size_t i = 0; i < planes.size(); ++i)
     keep(*with_depth[i], from.depth_file(*with_depth[i]), std::move(planes[i]), result);
   drop_odd_board_planes(boards, &result->board_planes);
@@ -457,14 +644,15 @@ Observations observe(const Recording& recording, const ObserveOptions& options) 
 }
 
 Observations observe(const Recording& recording, const ObserveOptions& options, PictureMemory* memory) {
-  const StopPlan plan = detection::plan_stops(recording, options);
+  StopPlan plan = detection::plan_stops(recording, options);
   const std::string& type = recording.rig.board.type;
   if (type != "checkerboard")
     throw Error(recording.folder.string() + ": board.type: " + type +
                 ": such boards are printed and rendered, but not detected; calibration needs a checkerboard");
   const Source from{recording, options, memory};
-  const std::vector<Sight> sights = look_for_boards(from, plan);
+  std::vector<Sight> sights = look_for_boards(from, &plan);
   refuse_wrong_sizes(from, sights);
+  detection::drop_repeated_images(recording, plan, &sights);
   Observations result = described(recording, plan);
   const std::vector<const Sight*> chosen = choose_frames(from, sights, &result);
   if (result.board_views.empty()) throw_without_board(from, chosen);

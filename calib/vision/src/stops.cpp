@@ -64,9 +64,12 @@ std::vector<Frame> locate_frames(const Recording& recording, const OdometryTrack
 }
 
 // True if the frame belongs to the stop that began with `first`.
-bool same_stop(const Frame& first, const Frame& frame, double tolerance_s) {
-  return frame.stamp_s - first.stamp_s <= tolerance_s ||
-         frame.odometry.odometer_m - first.odometry.odometer_m <= kStandstill;
+bool same_stop(const Frame& first, const Frame& frame, double tolerance_s, const std::vector<TimeSpan>& moved) {
+  if (frame.stamp_s - first.stamp_s <= tolerance_s) return true;
+  const bool moves = std::any_of(moved.begin(), moved.end(), [&first](const TimeSpan& span) {
+    return span.begin_s <= first.stamp_s && first.stamp_s <= span.end_s;
+  });
+  return !moves && frame.odometry.odometer_m - first.odometry.odometer_m <= kStandstill;
 }
 
 // Some of many, both ends included.
@@ -111,7 +114,7 @@ PlannedStop plan_stop(const Recording& recording, const std::vector<Frame>& grou
 
 }  // namespace
 
-StopPlan plan_stops(const Recording& recording, const ObserveOptions& options) {
+StopPlan plan_stops(const Recording& recording, const ObserveOptions& options, const std::vector<TimeSpan>& moved) {
   const bool any = std::any_of(recording.frames.begin(), recording.frames.end(),
                                [](const std::vector<CameraFrame>& frames) { return !frames.empty(); });
   if (!any) throw Error(recording.folder.string() + ": no camera has any image");
@@ -121,7 +124,7 @@ StopPlan plan_stops(const Recording& recording, const ObserveOptions& options) {
   if (frames.empty()) throw_never_meet(recording);
   for (std::size_t begin = 0; begin < frames.size();) {
     std::size_t end = begin + 1;
-    while (end < frames.size() && same_stop(frames[begin], frames[end], options.stop_tolerance_s)) ++end;
+    while (end < frames.size() && same_stop(frames[begin], frames[end], options.stop_tolerance_s, moved)) ++end;
     const std::vector<Frame> group(frames.begin() + static_cast<std::ptrdiff_t>(begin),
                                    frames.begin() + static_cast<std::ptrdiff_t>(end));
     plan.stops.push_back(plan_stop(recording, group, track, static_cast<int>(plan.stops.size()), &plan.exclusions));

@@ -176,6 +176,18 @@ TEST(Stops, AStandstillIsOneStop) {
   EXPECT_EQ(plan.exclusions.front().why, Finding("frame.surplus"));
 }
 
+// The odometer stands still, the images do not: every moment is a stop again.
+TEST(Stops, AStandstillThatTheImagesDenyIsNone) {
+  std::vector<OdometrySample> odometry;
+  for (int i = 0; i <= 120; ++i) odometry.push_back({0.05 * i, 0.0, 0.0, 0.0});
+  const Recording recording = recording_with({{1.0, 2.0, 4.0, 5.0}, {1.01, 2.01, 4.01, 5.01}}, odometry);
+  EXPECT_EQ(plan_stops(recording, {}).stops.size(), 1U);
+  const StopPlan plan = plan_stops(recording, {}, {{1.0, 5.01}});
+  ASSERT_EQ(plan.stops.size(), 4U);
+  for (const PlannedStop& stop : plan.stops)
+    for (const std::vector<int>& frames : stop.frames) EXPECT_EQ(frames.size(), 1U);
+}
+
 TEST(Stops, FramesWithoutOdometryAreNamed) {
   const StopPlan plan = plan_stops(recording_with({{1.0, 2.0, 99.0}}, circle(10.0)), {});
   EXPECT_EQ(plan.stops.size(), 2U);

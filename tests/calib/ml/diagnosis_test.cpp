@@ -120,10 +120,22 @@ TEST(BoardScale, NamesTheCameraWhoseDepthIsInAnotherUnit) {
   Observations observations = run_with_depth(3, 0.0);
   for (auto* planes : {&observations.ground_planes, &observations.board_planes})
     for (PlaneObservation& plane : *planes)
-      if (plane.camera == 2) plane.inverse_depth_plane *= 4.0;  // counts of 0.25 mm read as millimetres
+      if (plane.camera == 2) plane.inverse_depth_plane *= 0.25;  // counts of 0.25 mm read as millimetres
   const Result result = estimate_maximum_likelihood(observations).result;
   EXPECT_NE(result.status, ResultStatus::kSolved);
   EXPECT_TRUE(mentioned(result.reasons, "the depth of right is in another unit"))
+      << testing::PrintToString(result.reasons);
+}
+
+// Any factor may be an error, a unit is one in use.
+TEST(BoardScale, CallsNoFactorAUnitThatIsNone) {
+  Observations observations = run_with_depth(3, 0.0);
+  for (auto* planes : {&observations.ground_planes, &observations.board_planes})
+    for (PlaneObservation& plane : *planes)
+      if (plane.camera == 2) plane.inverse_depth_plane /= 0.513;
+  const Result result = estimate_maximum_likelihood(observations).result;
+  EXPECT_NE(result.status, ResultStatus::kSolved);
+  EXPECT_TRUE(mentioned(result.reasons, "the depth of right is 0.513 times what the corners say, which no other unit"))
       << testing::PrintToString(result.reasons);
 }
 

@@ -18,10 +18,15 @@ struct StopPlan {
   std::vector<Exclusion> exclusions;  ///< frames without odometry, and surplus frames of a standstill
 };
 
-/// Frames closer in time than stop_tolerance_s form one stop, and so do all frames between which the robot stood
-/// still. Of a standstill at most kFramesPerStandstill frames a camera are kept, evenly spread.
-/// Throws Error if there is no frame at all, or if no frame meets the odometry.
-StopPlan plan_stops(const Recording& recording, const ObserveOptions& options);
+struct TimeSpan {
+  double begin_s = 0.0;
+  double end_s = 0.0;
+};
+
+/// Frames closer in time than stop_tolerance_s form one stop, and so do all frames between which the odometer stood
+/// still, but for spans in which the robot is known to have moved. Of a standstill at most kFramesPerStandstill frames
+/// a camera are kept, evenly spread. Throws Error if there is no frame at all, or if no frame meets the odometry.
+StopPlan plan_stops(const Recording& recording, const ObserveOptions& options, const std::vector<TimeSpan>& moved = {});
 
 inline constexpr std::size_t kFramesPerStandstill = 3;
 
