@@ -13,10 +13,14 @@ using Counts = cv::Mat_<std::uint16_t>;
 
 const Codes kUnit = {"depth.unit", "depth.unit_of_all"};
 // One scale of all depth cameras, or of the only one, and one of the board cannot be told apart by images and depth.
-const Codes kAll = {"depth.unit_of_all", "board.size", "depth.unit"};
-const Codes kOne = {"depth.differs", "depth.unit_of_all", "board.size", "depth.unit"};
-const Codes kDiffers = {"depth.differs"};
-const Codes kNoGround = {"ground.unseen", "depth.unit", "depth.differs"};
+const Codes kAll = {"depth.scale_of_all", "depth.scale", "depth.unit_of_all", "depth.unit", "board.size"};
+const Codes kOne = {"depth.scale",       "depth.differs", "depth.scale_of_all",
+                    "depth.unit_of_all", "depth.unit",    "board.size"};
+// Another shape is another scale of what is looked at, or none that all images share.
+const Codes kShape = {"depth.scale", "depth.scale_of_all", "depth.differs", "depth.contradicts", "ground.contradicts"};
+const Codes kLost = {"ground.unseen", "depth.contradicts", "depth.unit", "depth.differs"};
+const Codes kRepeats = {"frames.repeat", "depth.contradicts", "ground.unseen"};
+const Codes kMirrored = {"depth.mirrored"};
 
 // What a measured depth, in metres, becomes at a pixel.
 using EditDepth = std::function<double(double depth_m, int u, int v, const RigCamera&)>;
@@ -50,12 +54,13 @@ RecordingFault pictures(const std::string& name, const Codes& codes, const Fault
       name, "depth", codes, {Files::kDepth}, [edit](FaultyRecording* r) { r->edit_depth(r->depth_camera(), edit); }};
 }
 
-RecordingFault arranged(const std::string& name, const std::function<std::size_t(std::size_t, std::size_t)>& source) {
+RecordingFault arranged(const std::string& name, const Codes& codes,
+                        const std::function<std::size_t(std::size_t, std::size_t)>& source) {
   const auto apply = [source](FaultyRecording* r) {
     const std::size_t k = r->depth_camera(), count = r->now().frames[k].size();
     r->rearrange(k, &CameraFrame::depth_file, [&](std::size_t i) { return source(i, count); });
   };
-  return {name, "depth", kDiffers, {Files::kDepth}, apply};
+  return {name, "depth", codes, {Files::kDepth}, apply};
 }
 
 EditDepth scaled(double factor) {
@@ -112,32 +117,31 @@ void add_scales(std::vector<RecordingFault>* faults) {
 
 void add_shapes(std::vector<RecordingFault>* faults) {
   for (const double mm : {5.0, 10.0, 20.0, 50.0, -50.0, 200.0})
-    faults->push_back(of_one(sized("depth of one camera", mm, " mm"), kDiffers, moved(1e-3 * mm)));
+    faults->push_back(of_one(sized("depth of one camera", mm, " mm"), kShape, moved(1e-3 * mm)));
   for (const double mm : {20.0, 50.0})
-    faults->push_back(of_all(sized("depth of all cameras", mm, " mm"), kDiffers, moved(1e-3 * mm)));
+    faults->push_back(of_all(sized("depth of all cameras", mm, " mm"), kShape, moved(1e-3 * mm)));
   for (const double deg : {0.2, 0.5, 1.0, 3.0, 10.0})
-    faults->push_back(of_one("depth of one camera tilted by " + number_text(deg) + " deg", kDiffers, tilted(deg)));
+    faults->push_back(of_one("depth of one camera tilted by " + number_text(deg) + " deg", kShape, tilted(deg)));
   for (const int px : {1, 3, 10, 40})
-    faults->push_back(pictures("depth of one camera aside by " + std::to_string(px) + " px", kDiffers, shifted(px)));
-  faults->push_back(of_one("depth of one camera clamped at 2 m", kDiffers,
+    faults->push_back(pictures("depth of one camera aside by " + std::to_string(px) + " px", kShape, shifted(px)));
+  faults->push_back(of_one("depth of one camera clamped at 2 m", {"depth.clamped"},
                            [](double depth_m, int, int, const RigCamera&) { return std::min(depth_m, 2.0); }));
   faults->push_back(
-      of_one("depth of one camera in steps of 50 mm", kDiffers,
+      of_one("depth of one camera in steps of 50 mm", kShape,
              [](double depth_m, int, int, const RigCamera&) { return 0.05 * std::round(20.0 * depth_m); }));
   faults->push_back(
-      of_one("depth of one camera along the ray", kDiffers, [](double depth_m, int u, int v, const RigCamera& camera) {
+      of_one("depth of one camera along the ray", kShape, [](double depth_m, int u, int v, const RigCamera& camera) {
         Eigen::Vector3d ray;
         return camera.camera.unproject({u, v}, &ray) ? depth_m * ray.norm() : depth_m;
       }));
 }
 
 void add_pictures(std::vector<RecordingFault>* faults) {
-  faults->push_back(pictures("depth of one camera mirrored", kDiffers,
+  faults->push_back(pictures("depth of one camera mirrored", kMirrored,
                              [](std::size_t, cv::Mat* image) { cv::flip(cv::Mat(image->clone()), *image, 1); }));
-  faults->push_back(pictures("depth of one camera upside down", kNoGround,
+  faults->push_back(pictures("depth of one camera upside down", kMirrored,
                              [](std::size_t, cv::Mat* image) { cv::flip(cv::Mat(image->clone()), *image, 0); }));
-  faults->push_back(
-      pictures("depth of one camera empty", kNoGround, [](std::size_t, cv::Mat* image) { image->setTo(0); }));
+  faults->push_back(pictures("depth of one camera empty", kLost, [](std::size_t, cv::Mat* image) { image->setTo(0); }));
   faults->push_back(pictures("depth of one camera with its low bytes only",
                              {"depth.unit", "depth.differs", "ground.unseen"},
                              [](std::size_t, cv::Mat* image) { cv::bitwise_and(*image, cv::Scalar(255), *image); }));
@@ -146,15 +150,16 @@ void add_pictures(std::vector<RecordingFault>* faults) {
                                cv::resize(cv::Mat(image->clone()), *image, {}, 0.5, 0.5, cv::INTER_NEAREST);
                              }));
   faults->push_back(
-      pictures("depth of one camera +10 % in every other image", kDiffers, [](std::size_t frame, cv::Mat* image) {
+      pictures("depth of one camera +10 % in every other image", kShape, [](std::size_t frame, cv::Mat* image) {
         if (frame % 2 == 1) *image *= 1.1;
       }));
+  faults->push_back(arranged("depth of one camera one frame late", {"depth.shifted"},
+                             [](std::size_t i, std::size_t) { return i == 0 ? i : i - 1; }));
+  faults->push_back(arranged("depth of one camera three frames late", {"depth.contradicts", "depth.shifted"},
+                             [](std::size_t i, std::size_t) { return i < 3 ? 0 : i - 3; }));
   faults->push_back(
-      arranged("depth of one camera one frame late", [](std::size_t i, std::size_t) { return i == 0 ? i : i - 1; }));
-  faults->push_back(
-      arranged("depth of one camera three frames late", [](std::size_t i, std::size_t) { return i < 3 ? 0 : i - 3; }));
-  faults->push_back(arranged("depth of one camera frozen", [](std::size_t, std::size_t) { return std::size_t{0}; }));
-  faults->push_back(arranged("depth of one camera frozen at half time",
+      arranged("depth of one camera frozen", kRepeats, [](std::size_t, std::size_t) { return std::size_t{0}; }));
+  faults->push_back(arranged("depth of one camera frozen at half time", kRepeats,
                              [](std::size_t i, std::size_t count) { return std::min(i, count / 2); }));
 }
 
@@ -173,19 +178,24 @@ void add_exchange(std::vector<RecordingFault>* faults) {
       std::filesystem::remove(r->folder() / aside);
     }
   };
-  faults->push_back({"depth of two cameras swapped", "depth", kDiffers, {Files::kDepth}, apply, has_two_depth_cameras});
+  faults->push_back({"depth of two cameras swapped",
+                     "depth",
+                     {"depth.of_another_camera"},
+                     {Files::kDepth},
+                     apply,
+                     has_two_depth_cameras});
 }
 
 void add_clouds(std::vector<RecordingFault>* faults) {
-  faults->push_back(cloud_fault("clouds in body axes (x ahead)", kDiffers,
+  faults->push_back(cloud_fault("clouds in body axes (x ahead)", {"depth.body_axes"},
                                 [](const Eigen::Vector3f& p) { return Eigen::Vector3f(p.z(), -p.x(), -p.y()); }));
-  faults->push_back(cloud_fault("clouds with y up and z back", kDiffers,
+  faults->push_back(cloud_fault("clouds with y up and z back", {"depth.body_axes", "depth.mirrored"},
                                 [](const Eigen::Vector3f& p) { return Eigen::Vector3f(p.x(), -p.y(), -p.z()); }));
   faults->push_back(
       cloud_fault("clouds in millimetres", kUnit, [](const Eigen::Vector3f& p) { return Eigen::Vector3f(1e3F * p); }));
   for (const float mm : {5.0F, 20.0F, 50.0F})
     faults->push_back(
-        cloud_fault("clouds " + number_text(static_cast<double>(mm)) + " mm low", kDiffers,
+        cloud_fault("clouds " + number_text(static_cast<double>(mm)) + " mm low", kShape,
                     [mm](const Eigen::Vector3f& p) { return Eigen::Vector3f(p.x(), p.y() + 1e-3F * mm, p.z()); }));
 }
 

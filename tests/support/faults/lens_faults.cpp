@@ -88,7 +88,12 @@ void add_wrong_cameras(std::vector<RecordingFault>* faults) {
   const auto swap = [](FaultyRecording* r) {
     r->edit_rig([](Rig* rig) { std::swap(rig->cameras[0].camera, rig->cameras[1].camera); });
   };
-  faults->push_back({"intrinsics of two cameras swapped", "lens", kAnyLens, {Files::kRig}, swap, has_two_cameras});
+  faults->push_back({"intrinsics of two cameras swapped",
+                     "lens",
+                     {"frames.exchanged", "lens.intrinsics"},
+                     {Files::kRig},
+                     swap,
+                     has_two_cameras});
 }
 
 void add_distortions(std::vector<RecordingFault>* faults) {

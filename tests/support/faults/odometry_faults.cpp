@@ -15,8 +15,7 @@ using EditSamples = std::function<void(Samples*)>;
 
 const Codes kTurns = {"odometry.turn_factor", "odometry.turns_contradict"};
 const Codes kNoisy = {"odometry.implausible", "odometry.mostly_outliers"};
-// Ways or turns that are none of what the cameras see.
-const Codes kDead = {"odometry.translation_factor", "odometry.turn_factor", "odometry.mostly_outliers"};
+const Codes kDead = {"odometry.dead", "odometry.constant"};
 
 RecordingFault samples(const std::string& name, const Codes& codes, const EditSamples& edit) {
   return {name, "odometry", codes, {Files::kOdometry}, [edit](FaultyRecording* r) { r->edit_odometry(edit); }};

@@ -10,11 +10,11 @@ namespace {
 using Codes = std::vector<std::string>;
 using EditImage = FaultyRecording::EditImage;
 
-const Codes kOrder = {"frames.shifted", "stop.contradicts", "frames.contradict"};
-const Codes kFrozen = {"frames.contradict", "frames.shifted"};
+const Codes kOrder = {"frames.shifted", "stop.contradicts", "frames.contradict", "frames.repeat"};
+// All that is left of a camera may be one image.
+const Codes kFrozen = {"frames.repeat", "camera.no_view", "camera.no_pose", "pose.too_uncertain"};
 const Codes kUnseen = {"board.nowhere", "board.never_seen", "camera.no_view", "camera.no_pose"};
-// "intrinsics of another camera, an unmodelled lens, .."
-const Codes kTurned = {"corners.off"};
+const Codes kTurned = {"images.mirrored"};
 const Codes kCentre = {"lens.principal_point", "lens.half_pixel_slip"};
 const Codes kAnyLens = {"lens.intrinsics", "lens.principal_point", "corners.off"};
 
@@ -138,13 +138,13 @@ void add_mirrors(std::vector<RecordingFault>* faults) {
 void add_orders(std::vector<RecordingFault>* faults) {
   faults->push_back({"images of two cameras swapped",
                      "pictures",
-                     {"frames.swapped", "lens.intrinsics"},
+                     {"frames.exchanged"},
                      {Files::kColor},
                      [](FaultyRecording* r) { exchange(r, &CameraFrame::color_file, 0, 1000); },
                      has_two_cameras});
   faults->push_back({"folders of two cameras swapped",
                      "pictures",
-                     {"frames.swapped", "lens.intrinsics"},
+                     {"frames.exchanged"},
                      {Files::kRig},
                      [](FaultyRecording* r) {
                        r->edit_rig([](Rig* rig) { std::swap(rig->cameras[0].folder, rig->cameras[1].folder); });
