@@ -1,5 +1,6 @@
 #include "observing.h"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include "rigproof/calib/vision/ground_source.h"
@@ -56,9 +57,21 @@ MethodInput method_input(const Input& input, const Observations& observations, c
           [] { return !interrupted(); }};
 }
 
+namespace {
+
+// The equations of 100,000 stops take blocks of 100 MB, again at each step: given back to the system each time, they
+// cost as much as the mathematics.
+void keep_large_blocks() {
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
+}
+
+}  // namespace
+
 Result run_with_progress(const Method& method, MethodInput input, const Terminal& terminal) {
   ProgressLine progress(terminal, method.traits().name, "images");
   input.progress = progress.callback();
+  keep_large_blocks();
   return run_method(method, input);
 }
 

@@ -58,5 +58,24 @@ TEST(InitialGuess, FindsAnyMountingFromNoisyDataOverTrials) {
   }
 }
 
+// Of very many planes not each is tried as the common height; a table in every third image is no floor for all that.
+TEST(GroundCheck, FindsTheFloorAmongVeryManyPlanes) {
+  constexpr int kPlanes = 30001;
+  Observations observations;
+  observations.cameras.resize(1);
+  TrajectoryAlignment alignment;
+  alignment.up_camera = {Eigen::Vector3d(0.0, -1.0, 0.0)};
+  for (int i = 0; i < kPlanes; ++i) {
+    PlaneObservation plane;
+    plane.stop = i;
+    plane.inverse_depth_plane = Eigen::Vector3d(0.0, 1.0 / (i % 3 == 1 ? 0.4 : 0.7), 0.0);
+    plane.covariance_per_m2 = 1e-8 * Eigen::Matrix3d::Identity();
+    observations.ground_planes.push_back(plane);
+  }
+  const GroundCheck check = check_ground_planes(observations, alignment);
+  EXPECT_EQ(check.count(observations, 0), kPlanes - kPlanes / 3);
+  for (const Exclusion& exclusion : check.rejected) EXPECT_EQ(exclusion.stop % 3, 1);
+}
+
 }  // namespace
 }  // namespace rigproof
