@@ -64,7 +64,7 @@ Options parse(int count, char** arguments) {
     else if (numbers.count(name) > 0)
       *numbers.at(name) = whole_number(name, value());
     else if (name == "--full")
-      options.size = {1.0, 40};
+      options.size = {"-full", 1.0, 40};
     else if (name == "--list")
       options.list = true;
     else

@@ -152,7 +152,7 @@ const std::vector<std::string>& fault_rigs() {
 
 fs::path drive_of(const fs::path& data, const std::string& rig_name, std::uint64_t seed, const DriveSize& size) {
   const FaultRig& rig = rig_named(rig_name);
-  const fs::path run = fs::absolute(data) / (rig_name + "-" + std::to_string(seed));
+  const fs::path run = fs::absolute(data) / (rig_name + "-" + std::to_string(seed) + size.name);
   write_file_atomically_unsynced(rig_file_of(run), rig_text(rig, {}));
   generate_run(
       run_text(rig_file_of(run), seed, size) + "poses: " + std::to_string(size.stops + rig.more_stops) + "\n" + rig.run,

@@ -13,12 +13,13 @@ namespace rigproof::bench {
 const std::vector<std::string>& fault_rigs();
 
 struct DriveSize {
+  std::string name;  ///< behind those of its runs
   double image_scale = 0.5;
   int stops = 16;
 };
 
-/// DATA/RIG-SEED: a run as `rigproof generate` makes it, in a world that the seed chooses. Generated, or resumed,
-/// unless it is there. Throws Error.
+/// DATA/RIG-SEED, with the name of the size: a run as `rigproof generate` makes it, in a world that the seed chooses.
+/// Generated, or resumed, unless it is there. Throws Error.
 std::filesystem::path drive_of(const std::filesystem::path& data, const std::string& rig, std::uint64_t seed,
                                const DriveSize& size);
 
