@@ -4,6 +4,8 @@
 //   bench_faults [--data FOLDER] [--faults REGEX] [--rigs husky,cart,single] [--seeds 5] [--healthy 0] [--jobs N]
 //                [--full] [--csv FILE] [--list]
 // Drives are rendered into FOLDER, where they stay for the next time; without one into a temporary folder.
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -173,14 +175,14 @@ bench::Verdict run(const Cell& cell, const fs::path& folder, bench::SharedFindin
   return bench::judge_recording(folder, cell.drive->truth, right, findings);
 }
 
-// Each in a folder of its own beside the drives, since only there files can be shared.
+// Each in a folder of its own beside the drives, where files can be shared; several programs may work with the same.
 void run_all(const Options& options, const fs::path& data, std::vector<Cell>* cells) {
   bench::SharedFindings findings;
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex mutex;
   const auto work = [&](int worker) {
-    const fs::path folder = data / ("cell-" + std::to_string(worker));
+    const fs::path folder = data / ("cell-" + std::to_string(::getpid()) + "-" + std::to_string(worker));
     for (std::size_t i; (i = next++) < cells->size();) try {
         fs::remove_all(folder);
         (*cells)[i].verdict = run((*cells)[i], folder, &findings);

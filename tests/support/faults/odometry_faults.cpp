@@ -149,9 +149,9 @@ void add_other_robot_frames(std::vector<RecordingFault>* faults) {
     faults->push_back(fault);
   };
   of_frame("odometry of a point 100 mm ahead of the robot's frame", planar_pose(0.1, 0.0, 0.0),
-           "the same data, to the bit, as of cameras 100 mm further back: no test can tell them apart");
+           "these are the files of a robot whose frame lies there, so that the best test has no power");
   of_frame("odometry's x turned by 2 deg in the robot", planar_pose(0.0, 0.0, deg_to_rad(2.0)),
-           "the same data, to the bit, as of cameras turned by 2 deg about the robot's z: no test can tell them apart");
+           "these are the files of a robot whose frame is turned so, and the best test has no power");
 }
 
 void add_scales(std::vector<RecordingFault>* faults) {
