@@ -52,7 +52,10 @@ void look(const TransformError& error, Verdict* verdict) {
 }
 
 // Whether a finding doubts what it is about, rather than telling something.
-bool is_warning(const Finding& finding) { return finding.severity >= Severity::kContradiction; }
+bool is_warning(const Finding& finding) {
+  return finding.severity != Severity::kNote && finding.severity != Severity::kLeftOut &&
+         finding.severity != Severity::kRefusal;
+}
 
 std::vector<Finding> warnings_of(const Result& result) {
   std::vector<Finding> warnings;
