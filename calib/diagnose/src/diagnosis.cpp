@@ -277,11 +277,11 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
   Explanations found;
   const auto add = [&found](const Explanations& more) { found.insert(found.end(), more.begin(), more.end()); };
   if (symptoms.odometry) add(try_odometry(run, symptoms));
-  // Mirrored odometry and mirrored images are the same where lenses are symmetric.
-  const bool mirrored = std::any_of(found.begin(), found.end(), [](const Explained& explained) {
-    return explained.trial.clean && explained.fault.cause.is("odometry.mirrored");
-  });
-  if (mirrored || !any_clean(found)) add(try_faults(run, image_faults(run.observations), false));
+  // Mirrored odometry and mirrored images are the same where lenses are symmetric. Drives so short that other odometry
+  // explains them as well do not accuse the images.
+  const std::vector<Finding> causes = any_clean(found) ? conclude(found).findings : std::vector<Finding>();
+  if (causes.empty() || (causes.size() == 1 && causes.front().is("odometry.mirrored")))
+    add(try_faults(run, image_faults(run.observations), false));
   if (!any_clean(found) && run.as_is.lenses) add(try_lenses(run, symptoms.bad_corners));
   if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_shift_faults(run.observations), false));
   if (!any_clean(found) && symptoms.frames && run.observations.cameras.size() > 1) add(try_swaps(run));
