@@ -250,10 +250,17 @@ void note_repeats(const Observations& observations, bool depth, std::vector<Find
 }
 
 // Of depth that was left out as a whole: each cause once, with its cameras.
-std::optional<Cause> cause_of_exclusions(const Observations& observations) {
+// Where a camera's images contradict the others they are wrong, not depth that does not meet them.
+std::optional<Cause> cause_of_exclusions(const Observations& observations, const std::vector<Finding>& of_cameras) {
+  const auto by_images = [&of_cameras](const Finding& cause) {
+    return cause.is("depth.contradicts") &&
+           std::any_of(of_cameras.begin(), of_cameras.end(), [&cause](const Finding& found) {
+             return found.is("frames.contradict") && found.cameras == cause.cameras;
+           });
+  };
   std::vector<Finding> each, causes;
   for (const Exclusion& exclusion : observations.exclusions)
-    if (exclusion.why.severity == Severity::kCause) add_once(exclusion.why, &each);
+    if (exclusion.why.severity == Severity::kCause && !by_images(exclusion.why)) add_once(exclusion.why, &each);
   for (const Finding& one : each) {
     const auto same = std::find_if(causes.begin(), causes.end(), [&one](const Finding& cause) {
       return cause.code == one.code && !one.is("depth.of_another_camera");
@@ -265,6 +272,12 @@ std::optional<Cause> cause_of_exclusions(const Observations& observations) {
   }
   for (std::size_t i = 1; i < causes.size(); ++i) causes[i] = causes[i].with({{"joined_by", "and"}});
   return causes.empty() ? std::nullopt : std::optional(Cause{causes, true});
+}
+
+Cause joined(std::optional<Cause> first, const Cause& second) {
+  if (!first) return second;
+  for (const Finding& finding : second.findings) first->findings.push_back(finding.with({{"joined_by", "and"}}));
+  return {first->findings, first->spoils_all || second.spoils_all};
 }
 
 Finding wrong_frame(const Observations& observations, const BoardView& view) {
@@ -313,13 +326,13 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
     of_cameras.insert(of_cameras.end(), ground.begin(), ground.end());
   }
   found.symptoms = symptoms_of(prepared, fit, found);
-  if (const auto foreign = cause_of_exclusions(prepared.original))
-    found.cause = foreign;
-  else if (const auto dead =
-               find_dead_odometry(prepared.original, prepared.views, !found.contradictions.odometry.empty()))
+  const std::optional<Cause> foreign = cause_of_exclusions(prepared.original, of_cameras);
+  if (const auto dead = find_dead_odometry(prepared.original, prepared.views, !found.contradictions.odometry.empty()))
     found.cause = Cause{{*dead}, false};
   else if (found.symptoms.any() && prepared.original.stops.size() >= 3 && found.wrong_frames.empty())
     found.cause = cause_of(prepared, fit, found.symptoms);
+  // Depth that does not belong to its images contradicts images that are wrong themselves.
+  if (foreign && (!found.cause || !found.cause->spoils_all)) found.cause = joined(found.cause, *foreign);
   return found;
 }
 
