@@ -1,6 +1,7 @@
 #include "print_result.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -133,12 +134,40 @@ std::vector<std::string> also_estimated_lines(const Result& result) {
   std::vector<std::string> head = {"also estimated"};
   std::vector<std::vector<std::string>> rows;
   for (const EstimatedQuantity& quantity : result.also_estimated) {
+    if (quantity.camera.empty()) continue;
     if (rows.empty() || rows.back().front() != " " + quantity.camera) rows.push_back({" " + quantity.camera});
     if (rows.size() == 1) head.push_back(head_of(quantity.name));
     rows.back().push_back(value_with_sigma(quantity.value, quantity.sigma));
   }
-  rows.insert(rows.begin(), head);
-  return aligned(rows);
+  std::vector<std::string> lines;
+  if (!rows.empty()) {
+    rows.insert(rows.begin(), head);
+    lines = aligned(rows);
+  }
+  for (const EstimatedQuantity& quantity : result.also_estimated)
+    if (quantity.camera.empty())
+      lines.push_back(" " + head_of(quantity.name) + "  " + value_with_sigma(quantity.value, quantity.sigma));
+  return lines;
+}
+
+// "uncertainty mostly from: tx board, ty board, tz depth scale": of each degree of freedom what its uncertainty comes
+// from most, for the camera that is known worst.
+std::string main_sources(const Result& result) {
+  std::string text;
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const auto variance = [axis](const EstimatedTransform& camera) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      return camera.covariance && camera.observable[axis] ? (*camera.covariance)(i, i) : 0.0;
+    };
+    const auto worst = std::max_element(result.camera_to_robot.begin(), result.camera_to_robot.end(),
+                                        [&](const auto& a, const auto& b) { return variance(a) < variance(b); });
+    if (worst == result.camera_to_robot.end() || worst->budget.empty() || !(variance(*worst) > 0.0)) continue;
+    const auto most = std::max_element(worst->budget.begin(), worst->budget.end(),
+                                       [axis](const auto& a, const auto& b) { return a.share[axis] < b.share[axis]; });
+    text += (text.empty() ? "uncertainty mostly from: " : ", ") + std::string(kDegreeOfFreedomNames[axis]) + " " +
+            most->source;
+  }
+  return text;
 }
 
 // "22 used  2 left out: board cut off (3, 17)", a line a camera.
@@ -164,6 +193,16 @@ void print_reasons(const Terminal& terminal, const Result& result) {
     terminal.line(label + reason);
     label.assign(9, ' ');
   }
+}
+
+// Those that throw doubt on the answer, or all others.
+void print_notes(const Terminal& terminal, const Result& result, bool suspicions) {
+  std::vector<Finding> notes;
+  for (const Finding& note : result.notes)
+    if ((note.severity == Severity::kSuspect) == suspicions) notes.push_back(note);
+  const std::string label = suspicions ? terminal.colored("SUSPECT", Color::kWarning) + "  "
+                                       : terminal.colored("NOTE", Color::kWarning) + "     ";
+  for (const std::string& note : words::sentences_of(notes, names_of(result))) terminal.line(label + note);
 }
 
 // What a refusal leaves standing.
@@ -234,13 +273,14 @@ std::string use_in_short(const Result& result) {
 void print_result(const Terminal& terminal, const Result& result) {
   print_use(terminal, result);
   print_reasons(terminal, result);
+  print_notes(terminal, result, true);
   if (result.status == ResultStatus::kSolved)
     for (const std::string& line : pose_lines(result)) terminal.line(line);
   else
     print_usable(terminal, result);
   print_also_estimated(terminal, result);
-  for (const std::string& note : words::sentences_of(result.notes, names_of(result)))
-    terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + note);
+  if (const std::string sources = main_sources(result); !sources.empty()) terminal.line(sources);
+  print_notes(terminal, result, false);
 }
 
 void print_also_estimated(const Terminal& terminal, const Result& result) {

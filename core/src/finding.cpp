@@ -20,7 +20,8 @@ constexpr Row kRows[] = {
 #undef RIGPROOF_FINDING
 };
 
-constexpr std::array<const char*, 5> kSeverityNames = {"note", "left_out", "refusal", "contradiction", "cause"};
+constexpr std::array<const char*, 6> kSeverityNames = {"note",    "suspect",       "left_out",
+                                                       "refusal", "contradiction", "cause"};
 
 const Row* row_of(const std::string& code) {
   const auto* found =

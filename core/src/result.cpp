@@ -224,6 +224,14 @@ std::optional<Matrix6d> covariance_of(const Sigmas& sigmas) {
   return covariance;
 }
 
+void visit_share(FieldVisitor& visitor, EstimatedTransform::Share& share) {
+  visitor.on_one_line();
+  visitor.field("source", share.source, TextChoices{}, "what it comes from");
+  std::vector<double> values(share.share.begin(), share.share.end());
+  visitor.field("share", values, {0.0, 1.0}, 6, 6, "of the variances of tx ty tz rx ry rz");
+  if (visitor.is_reading() && values.size() == 6) std::copy(values.begin(), values.end(), share.share.begin());
+}
+
 void visit_estimate(FieldVisitor& visitor, EstimatedTransform& estimate, bool parent_is_camera) {
   visit_frames(visitor, estimate);
   if (visitor.is_reading()) visit_unobservable(visitor, estimate.observable);
@@ -240,6 +248,8 @@ void visit_estimate(FieldVisitor& visitor, EstimatedTransform& estimate, bool pa
                                            "upper triangle, row by row, of what is determined");
   if (covariance) estimate.covariance = *covariance;
   if (visitor.is_reading() && !covariance && full) estimate.covariance = covariance_of(sigmas);
+  if (visitor.takes("budget", !estimate.budget.empty()))
+    visitor.nested_list("budget", estimate.budget, "what the variances are made of", visit_share);
   visitor.tolerate("x-");
 }
 
@@ -316,11 +326,18 @@ void visit_residual(FieldVisitor& visitor, ResidualSummary& residual) {
   visitor.tolerate("x-");
 }
 
+void visit_lens(FieldVisitor& visitor, EstimatedLens& lens) {
+  visitor.require("camera", "a camera's name");
+  visitor.field("camera", lens.camera, TextChoices{}, "of which camera");
+  visitor.require("intrinsics", "a block of intrinsics");
+  visitor.nested("intrinsics", lens.intrinsics, "with them the camera's pose is to be used");
+  visitor.tolerate("x-");
+}
+
 void visit_quantity(FieldVisitor& visitor, EstimatedQuantity& quantity) {
   visitor.on_one_line();
-  visitor.require("camera", "a camera's name");
   visitor.require("name", "what was estimated, with its unit");
-  visitor.field("camera", quantity.camera, TextChoices{}, "of which camera");
+  visitor.optional("camera", quantity.camera, "of which camera; absent: of the whole rig, or of the board");
   visitor.field("name", quantity.name, TextChoices{}, "what, with its unit");
   visitor.field("value", quantity.value, {}, "the estimate");
   visitor.field("sigma", quantity.sigma, {0.0}, "its standard deviation");
@@ -341,6 +358,9 @@ void visit_lists(FieldVisitor& visitor, Result& result, const Wording& wording) 
   visitor.nested_list("residuals", result.residuals, "how well everything fits", visit_residual);
   if (visitor.takes("also_estimated", !result.also_estimated.empty()))
     visitor.nested_list("also_estimated", result.also_estimated, "what else was estimated", visit_quantity);
+  if (visitor.takes("lenses", !result.lenses.empty()))
+    visitor.nested_list("lenses", result.lenses, "intrinsics that the poses go with, where they were estimated",
+                        visit_lens);
 }
 
 void visit_result(FieldVisitor& visitor, Result& result, const Wording& wording) {

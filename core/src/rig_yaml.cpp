@@ -164,6 +164,9 @@ void visit_intrinsics(FieldVisitor& visitor, const RigReadOptions& options, cons
   } else {
     find_intrinsics(visitor, options, sensor, named, &camera);
   }
+  if (visitor.takes("intrinsics_sigma", !(camera.intrinsics_sigma == IntrinsicsSigma())))
+    visitor.nested("intrinsics_sigma", camera.intrinsics_sigma,
+                   "how well the intrinsics are known, one sigma: estimated with them");
 }
 
 // However it is spelled or linked to.
@@ -220,6 +223,12 @@ void visit_board(FieldVisitor& visitor, Board& board) {
   visitor.field("squares", squares, {3.0, 100.0}, 2, 2,
                 "[columns, rows]: squares, one more than inner corners; of a checkerboard one even, the other odd");
   visitor.scaled("square_mm", board.square_m, kMmPerM, {0.1, 1e5}, "side of a square");
+  visitor.scaled("square_sigma_mm", board.square_sigma_m, kMmPerM, {0.0, 1e4},
+                 "one sigma of that side: 0.1 where a long row of squares was measured with a ruler, 0: exact; default "
+                 "0.5 % of it, as printers leave it");
+  visitor.scaled("bow_sigma_mm", board.bow_sigma_m, kMmPerM, {0.0, 1e4},
+                 "one sigma of how far the board bows from its middle to its edges, 0: flat; default 0.07 % of its "
+                 "longer side, 0.3 mm over A3");
   visitor.check(squares[0] == std::floor(squares[0]) && squares[1] == std::floor(squares[1]), "squares",
                 "must be whole numbers");
   board.squares_x = static_cast<int>(squares[0]);
@@ -249,6 +258,25 @@ void visit_fields(FieldVisitor& visitor, Camera& camera) {
   visit_camera(visitor, camera);
 }
 
+// `exact`, or what differs from the usual.
+void visit_fields(FieldVisitor& visitor, IntrinsicsSigma& sigma) {
+  visitor.on_one_line();
+  const auto read_exact = [&sigma](const std::string& text) {
+    if (text != "exact") throw Error("must be exact or a block");
+    sigma = IntrinsicsSigma::exact();
+  };
+  const auto write_exact = [&sigma] {
+    return sigma == IntrinsicsSigma::exact() ? std::optional<std::string>("exact") : std::nullopt;
+  };
+  if (visitor.instead({{}, "exact: they are believed to the last digit", read_exact, write_exact})) return;
+  constexpr double kPercent = 100.0;
+  visitor.scaled("focal_percent", sigma.focal_relative, kPercent, {0.0, 20.0}, "of the focal lengths together");
+  visitor.scaled("focal_ratio_percent", sigma.focal_ratio, kPercent, {0.0, 20.0}, "of fx over fy");
+  visitor.field("principal_point_px", sigma.principal_point_px, {0.0, 50.0}, "of the principal point along x and y");
+  visitor.field("distortion_px", sigma.distortion_px, {0.0, 50.0},
+                "of the distortion: radially, in the farthest corner of the image");
+}
+
 void visit_fields(FieldVisitor& visitor, DepthNoise& noise) {
   const bool stereo = noise.law == DepthNoise::Law::kStereo, biased = noise.has_bias();
   visitor.choice("law", noise.law,
@@ -260,6 +288,8 @@ void visit_fields(FieldVisitor& visitor, DepthNoise& noise) {
   visitor.field("correlation_px", noise.correlation_px, {1.0, 1000.0},
                 "side of the square of pixels whose noise is one and the same");
   visitor.field("scale_sigma", noise.scale_sigma, {0.0, 1.0}, "prior of the relative error of all depth, one sigma");
+  visitor.field("common_scale_sigma", noise.common_scale_sigma, {0.0, 1.0},
+                "the same of the part that the rig's depth cameras share, being of one make");
   if (visitor.takes("bias_inverse_depth_per_m", biased && stereo))
     visitor.field("bias_inverse_depth_per_m", noise.bias_inverse_depth_per_m, {0.0, 1.0},
                   "stereo: the device's fixed, smooth error of 1/z over its view, one sigma; 0: none is known of");

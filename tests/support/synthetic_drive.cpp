@@ -115,10 +115,12 @@ class Maker {
 
   void observe() {
     Observations& o = drive_.observations;
+    o.board.square_sigma_m = o.board.bow_sigma_m = 0.0;
     for (int k = 0; k < options_.cameras; ++k) {
       RigCamera camera;
       camera.name = "camera" + std::to_string(k);
       camera.camera = camera_;
+      camera.intrinsics_sigma = IntrinsicsSigma::exact();
       o.cameras.push_back(camera);
     }
     // The world is the robot's frame at the first stop.

@@ -31,6 +31,9 @@ constexpr Section kSections[] = {
      "cause that explains the data as well as the one before."},
     {Severity::kContradiction, "Contradictions: what they concern is not answered."},
     {Severity::kRefusal, "Refusals: something is not answered."},
+    {Severity::kSuspect,
+     "Suspicions: the answer stands, with its uncertainty, but what was stated beforehand is hardly right. They stand\n"
+     "among the `notes`; where a gate was asked for, it fails."},
     {Severity::kNote, "Notes: worth knowing."},
     {Severity::kLeftOut, "Frames that are left out; those of `depth: true` keep their image."},
 };

@@ -43,35 +43,85 @@ void note_riding_height(const Preparation& prepared, Result* result) {
   result->notes.push_back(Finding("robot.riding_height", {{"sigma_mm", 1e3 * sigma_m}}));
 }
 
+// A row of the table as it was estimated for a camera, or for the rig.
+struct Estimated {
+  Nuisance nuisance;
+  int camera;  // 0 for the rig
+  int part;
+  double value, sigma, prior;
+
+  const NuisanceRow::Part& about() const { return row_of(nuisance).parts[static_cast<std::size_t>(part)]; }
+};
+
+std::vector<Estimated> all_estimated(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals) {
+  const Layout layout = Layout::of(prepared.used, prepared.priors);
+  std::vector<Estimated> all;
+  const auto add_row = [&](Nuisance nuisance, int c) {
+    for (int i = 0; layout.has(nuisance) && i < row_of(nuisance).size(); ++i) {
+      const int unknown = layout.place(nuisance, c) + i;
+      const double sigma = std::sqrt(std::max(0.0, globals(unknown, unknown)));
+      const double prior = prepared.priors.sigma(nuisance, c, i);
+      if (prior > 0.0) all.push_back({nuisance, c, i, fit.state.nuisances.of(nuisance, c)[i], sigma, prior});
+    }
+  };
+  for (const bool per_camera : {true, false})
+    for (const int c : per_camera ? prepared.solved_cameras() : std::vector<int>{0})
+      for (std::size_t n = 0; n < kNuisances; ++n)
+        if (row_of(static_cast<Nuisance>(n)).per_camera == per_camera) add_row(static_cast<Nuisance>(n), c);
+  return all;
+}
+
+std::string camera_of(const Preparation& prepared, const Estimated& estimated) {
+  if (!row_of(estimated.nuisance).per_camera) return "";
+  return prepared.original.cameras[static_cast<std::size_t>(estimated.camera)].name;
+}
+
+// What a rig states as zero with a sigma; the other rows are judged as odometry or follow from the data.
+bool is_stated(Nuisance nuisance) { return row_of(nuisance).reported || nuisance == Nuisance::kDepthScale; }
+
+// An estimate v with sigma s of what was believed to be 0 +- p scatters by sqrt(p^2 - s^2). Where the data tell little
+// that is little, and says nothing of what was believed.
+void note_strained(const Preparation& prepared, const Estimated& estimated, Result* result) {
+  // Some thirty values are looked at in every run: one in 5,000 healthy runs is suspected.
+  constexpr double kSuspect = 4.5;
+  const double p = estimated.prior, s = estimated.sigma;
+  if (s > kNothingNew * p) return;
+  const double deviations = std::abs(estimated.value) / std::sqrt(p * p - s * s);
+  if (deviations < kSuspect) return;
+  const double unit = estimated.about().units_per_si;
+  Finding finding("prior.strained", {{"quantity", estimated.about().name},
+                                     {"value", unit * estimated.value},
+                                     {"prior", unit * p},
+                                     {"deviations", deviations}});
+  const std::string camera = camera_of(prepared, estimated);
+  result->notes.push_back(camera.empty() ? finding : finding.of(camera));
+}
+
+void report_lenses(const Preparation& prepared, const Fit& fit, Result* result) {
+  if (!prepared.priors.has(Nuisance::kLens)) return;
+  for (const int c : prepared.solved_cameras()) {
+    const RigCamera& camera = prepared.used.cameras[static_cast<std::size_t>(c)];
+    const LensChange change = fit.state.nuisances.of(Nuisance::kLens, c);
+    result->lenses.push_back({camera.name, prepared.whitened->lenses[static_cast<std::size_t>(c)].changed(change)});
+  }
+}
+
 }  // namespace
 
 void report_also_estimated(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals,
                            Result* result) {
   if (result->status == ResultStatus::kRefused) return;
-  const Priors& priors = prepared.priors;
-  const Layout layout = Layout::of(prepared.used, priors);
-  const auto sigma_of = [&](Nuisance nuisance, int c, int part) {
-    const int unknown = layout.place(nuisance, c) + part;
-    return std::sqrt(std::max(0.0, globals(unknown, unknown)));
-  };
-  for (const int c : prepared.solved_cameras()) {
-    for (std::size_t n = 0; n < kNuisances; ++n) {
-      const Nuisance nuisance = static_cast<Nuisance>(n);
-      const NuisanceRow& row = row_of(nuisance);
-      for (int i = 0; row.reported && layout.has(nuisance) && i < row.size(); ++i) {
-        const NuisanceRow::Part& part = row.parts[static_cast<std::size_t>(i)];
-        const double unit = part.units_per_si, prior = priors.sigma(nuisance, c, i);
-        if (prior > 0.0)
-          result->also_estimated.push_back({prepared.original.cameras[static_cast<std::size_t>(c)].name, part.name,
-                                            unit * fit.state.nuisances.of(nuisance, c)[i],
-                                            unit * sigma_of(nuisance, c, i), unit * prior});
-      }
-    }
+  for (const Estimated& estimated : all_estimated(prepared, fit, globals)) {
+    if (estimated.nuisance == Nuisance::kTurnLag)
+      note_turn_lag(estimated.value, estimated.sigma, estimated.prior, result);
+    if (is_stated(estimated.nuisance)) note_strained(prepared, estimated, result);
+    if (!row_of(estimated.nuisance).reported) continue;
+    const double unit = estimated.about().units_per_si;
+    result->also_estimated.push_back({camera_of(prepared, estimated), estimated.about().name, unit * estimated.value,
+                                      unit * estimated.sigma, unit * estimated.prior});
   }
+  report_lenses(prepared, fit, result);
   note_clocks(prepared, result);
-  if (layout.has(Nuisance::kTurnLag))
-    note_turn_lag(fit.state.nuisances.of(Nuisance::kTurnLag)[0], sigma_of(Nuisance::kTurnLag, 0, 0),
-                  priors.sigma(Nuisance::kTurnLag), result);
   note_rotation_centre(prepared, fit, result);
   note_riding_height(prepared, result);
 }

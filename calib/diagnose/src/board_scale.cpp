@@ -61,7 +61,7 @@ Ratio combined(const std::vector<Ratio>& ratios) {
 struct CameraRatio {
   std::string camera;
   double value, measured_sigma;  // of ln of measured over expected depth
-  double prior;                  // of the depth's scale
+  double prior;                  // of the depth's scale, the board's size and the focal length
   double unit_m;
 
   double sigma() const { return std::hypot(prior, measured_sigma); }
@@ -83,7 +83,9 @@ std::vector<CameraRatio> ratios_of(const Observations& observations, const std::
   std::vector<CameraRatio> ratios;
   for (const auto& [c, of_camera] : all) {
     const RigCamera& camera = observations.cameras[static_cast<std::size_t>(c)];
-    const double prior = std::max(kDepthScaleSigma, camera.depth ? camera.depth->noise.scale_sigma : 0.0);
+    const double scale = std::max(kDepthScaleSigma, camera.depth ? camera.depth->noise.scale_sigma : 0.0);
+    const double prior =
+        std::hypot(scale, observations.board.square_sigma_relative(), camera.intrinsics_sigma.focal_relative);
     const Ratio ratio = combined(of_camera);
     ratios.push_back({camera.name, ratio.value, ratio.sigma, prior, camera.depth ? camera.depth->unit_m : 1.0});
   }

@@ -111,8 +111,8 @@ std::vector<Finding> contradicting_ground(const Preparation& prepared) {
 }
 
 std::optional<LensTest> lens_test(const Preparation& prepared, const Fit& fit) {
-  if (prepared.priors.has(Nuisance::kLens)) return std::nullopt;
-  return test_lenses(problem_at(prepared, fit, fit.noise, with_doubted_lenses(prepared.priors)), fit.state);
+  return test_lenses(problem_at(prepared, fit, fit.noise, with_doubted_lenses(prepared.priors)), prepared.priors,
+                     fit.state);
 }
 
 OdometryLaw likely_law(const Preparation& prepared, const Fit& fit, OdometryModel declared) {
@@ -319,7 +319,8 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
   if (!contradicted && contradicting.empty())
     for (const BoardView* view : left_out) found.notes.push_back(wrong_frame(prepared.used, *view));
   found.lenses = examine_lenses(prepared, fit, found.motion_suffices());
-  if (const std::optional<Finding> note = note_of_lens_trust(found.lenses)) found.notes.push_back(*note);
+  if (!prepared.priors.has(Nuisance::kLens))
+    if (const std::optional<Finding> note = note_of_lens_trust(found.lenses)) found.notes.push_back(*note);
   for (const bool depth : {false, true}) note_repeats(prepared.original, depth, &found.notes);
   if (found.contradictions.odometry.empty()) {  // else the vertical is wrong, too
     const std::vector<Finding> ground = contradicting_ground(prepared);

@@ -19,27 +19,67 @@ bool beyond(const LensEstimate& estimate, double deviations) {
   return false;
 }
 
-// Unknowns x = C y: which combinations of the globals are free.
+// The three values of a camera's lens that are tested.
+Eigen::Index tested(const Layout& layout, int camera) { return layout.place(Nuisance::kLens, camera); }
+
+// What is free in a test: all globals, each lens with its stated prior (none where it is believed), then the last
+// `size` of the tested values, an error beyond that which the listed cameras share.
+struct Freedom {
+  Eigen::MatrixXd combinations;
+  Eigen::VectorXd information, pull;  // of the priors, and their gradient
+};
+Freedom freedom_of(const Layout& layout, const Priors& stated, const State& state, const std::vector<int>& sharing,
+                   Eigen::Index size) {
+  std::vector<Eigen::Index> kept;
+  std::vector<double> information, pull;
+  for (Eigen::Index i = 0; i < layout.globals(); ++i) {
+    const Eigen::Index lens = i - tested(layout, 0), parts = row_of(Nuisance::kLens).size();
+    const Eigen::Index c = lens / parts, part = lens % parts;
+    const bool is_tested = lens >= 0 && c < layout.cameras && part < 3;
+    const double sigma = is_tested ? stated.sigma(Nuisance::kLens, static_cast<int>(c), static_cast<int>(part)) : 0.0;
+    if (is_tested && !(sigma > 0.0)) continue;
+    kept.push_back(i);
+    information.push_back(is_tested ? 1.0 / (sigma * sigma) : 0.0);
+    pull.push_back(is_tested ? information.back() * state.nuisances.of(Nuisance::kLens, static_cast<int>(c))[part]
+                             : 0.0);
+  }
+  const Eigen::Index others = static_cast<Eigen::Index>(kept.size());
+  Freedom freedom{Eigen::MatrixXd::Zero(layout.globals(), others + size), Eigen::VectorXd::Zero(others + size),
+                  Eigen::VectorXd::Zero(others + size)};
+  for (Eigen::Index k = 0; k < others; ++k) {
+    const std::size_t from = static_cast<std::size_t>(k);
+    freedom.combinations(kept[from], k) = 1.0;
+    freedom.information[k] = information[from];
+    freedom.pull[k] = pull[from];
+  }
+  for (const int c : sharing)
+    freedom.combinations.block(tested(layout, c) + 3 - size, others, size, size).setIdentity();
+  return freedom;
+}
+
+// One step from the solution.
 struct Score {
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;
 };
 
 std::optional<Score> step_within(const Eigen::MatrixXd& schur, const Eigen::VectorXd& gradient,
-                                 const Eigen::MatrixXd& C) {
-  const Eigen::MatrixXd H = C.transpose() * schur * C;
+                                 const Freedom& freedom) {
+  const Eigen::MatrixXd& C = freedom.combinations;
+  Eigen::MatrixXd H = C.transpose() * schur * C;
+  H.diagonal() += freedom.information;
   const Eigen::LLT<Eigen::MatrixXd> llt(H);
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
-  return Score{-inverse * (C.transpose() * gradient), inverse};
+  return Score{-inverse * (C.transpose() * gradient + freedom.pull), inverse};
 }
 
-// The last `size` of focal length, cx and cy stand at the offset; the others are believed.
-LensEstimate estimate_at(const std::optional<Score>& score, Eigen::Index offset, Eigen::Index size = 3) {
+// Of the last `size` of focal length, cx and cy; the others are as stated.
+LensEstimate estimate_of(const std::optional<Score>& score, Eigen::Index size) {
   LensEstimate estimate;
   if (!score) return estimate;
-  const Eigen::VectorXd value = score->value.segment(offset, size);
-  const Eigen::MatrixXd covariance = score->covariance.block(offset, offset, size, size);
+  const Eigen::VectorXd value = score->value.tail(size);
+  const Eigen::MatrixXd covariance = score->covariance.bottomRightCorner(size, size);
   estimate.value.tail(size) = value;
   estimate.sigma.setZero();
   estimate.sigma.tail(size) = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -47,18 +87,6 @@ LensEstimate estimate_at(const std::optional<Score>& score, Eigen::Index offset,
   estimate.information.bottomRightCorner(size, size) = information;
   estimate.deviations = std::sqrt(std::max(0.0, value.dot(information * value)));
   return estimate;
-}
-
-// All globals but the intrinsics of the cameras, then the last `size` of the intrinsics, shared by the listed cameras.
-Eigen::MatrixXd combinations(const Layout& layout, const std::vector<int>& sharing, Eigen::Index size = 3) {
-  const Eigen::Index others = layout.globals() - 3 * layout.cameras;
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(layout.globals(), others + size);
-  const int first = layout.place(Nuisance::kLens), end = first + 3 * layout.cameras;
-  Eigen::Index column = 0;
-  for (int i = 0; i < layout.globals(); ++i)
-    if (i < first || i >= end) C(i, column++) = 1.0;
-  for (const int c : sharing) C.block(layout.place(Nuisance::kLens, c) + 3 - size, others, size, size).setIdentity();
-  return C;
 }
 
 }  // namespace
@@ -80,11 +108,11 @@ bool LensTest::suspicious() const {
 Priors with_doubted_lenses(Priors priors) {
   const Eigen::Vector3d sigmas(kDoubtedFocal, kDoubtedPrincipalPoint_px, kDoubtedPrincipalPoint_px);
   for (int c = 0; c < priors.count(Nuisance::kLens); ++c)
-    priors.covariance(Nuisance::kLens, c) = sigmas.cwiseAbs2().asDiagonal();
+    priors.covariance(Nuisance::kLens, c).topLeftCorner<3, 3>() = sigmas.cwiseAbs2().asDiagonal();
   return priors;
 }
 
-std::optional<LensTest> test_lenses(const Problem& problem, const State& state) {
+std::optional<LensTest> test_lenses(const Problem& problem, const Priors& stated, const State& state) {
   const Layout& layout = problem.layout();
   if (!layout.has(Nuisance::kLens)) return std::nullopt;
   const ArrowSystem system = problem.linearise(state, Weighting::kRobust, nullptr, nullptr);
@@ -93,18 +121,16 @@ std::optional<LensTest> test_lenses(const Problem& problem, const State& state) 
   if (!eliminated || !eliminated->step(&pose_step, &global_step)) return std::nullopt;
   const Eigen::MatrixXd& schur = eliminated->schur();
   const Eigen::VectorXd gradient = -schur * global_step;
-  const Eigen::Index others = layout.globals() - 3 * layout.cameras;
+  const auto shared_by = [&](const std::vector<int>& cameras, Eigen::Index size) {
+    return estimate_of(step_within(schur, gradient, freedom_of(layout, stated, state, cameras, size)), size);
+  };
 
   LensTest test;
   std::vector<int> all;
   for (int c = 0; c < layout.cameras; ++c) all.push_back(c);
-  for (const int c : all)
-    test.alone.push_back(estimate_at(step_within(schur, gradient, combinations(layout, {c})), others));
-  test.common = estimate_at(step_within(schur, gradient, combinations(layout, all)), others);
-  test.common_shift = estimate_at(step_within(schur, gradient, combinations(layout, all, 2)), others, 2);
-  const std::optional<Score> free =
-      step_within(schur, gradient, Eigen::MatrixXd::Identity(layout.globals(), layout.globals()));
-  for (const int c : all) test.together.push_back(estimate_at(free, layout.place(Nuisance::kLens, c)));
+  for (const int c : all) test.alone.push_back(shared_by({c}, 3));
+  test.common = shared_by(all, 3);
+  test.common_shift = shared_by(all, 2);
   return test;
 }
 

@@ -1,4 +1,5 @@
-// Whether the corners contradict the stated focal length and principal point: a score test at a solution.
+// Whether the corners contradict the stated focal length and principal point, and how well they are said to be known: a
+// score test at a solution.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,10 +30,9 @@ struct LensEstimate {
 };
 
 struct LensTest {
-  std::vector<LensEstimate> alone;     ///< per camera, the other cameras' intrinsics being believed
-  std::vector<LensEstimate> together;  ///< per camera, all intrinsics being free
-  LensEstimate common;                 ///< one error that all cameras share
-  LensEstimate common_shift;           ///< the same, the focal lengths being believed
+  std::vector<LensEstimate> alone;  ///< per camera, the other cameras' intrinsics being as stated
+  LensEstimate common;              ///< one error that all cameras share
+  LensEstimate common_shift;        ///< the same, the focal lengths being as stated
   bool suspicious() const;
 };
 
@@ -40,11 +40,12 @@ struct LensTest {
 inline constexpr double kDoubtedFocal = 0.2;
 inline constexpr double kDoubtedPrincipalPoint_px = 50.0;
 
-/// The same priors with every camera's intrinsics in doubt.
+/// The same priors with every camera's focal length and principal point in doubt.
 Priors with_doubted_lenses(Priors priors);
 
 /// @param problem with doubted lenses
+/// @param stated the priors of the solution: an estimate is an error beyond them, and its sigma counts theirs
 /// Absent where the data do not determine the rest.
-std::optional<LensTest> test_lenses(const Problem& problem, const State& state);
+std::optional<LensTest> test_lenses(const Problem& problem, const Priors& stated, const State& state);
 
 }  // namespace rigproof::ml

@@ -36,8 +36,9 @@ CalibrationState state_of(const State& solution) {
   for (const RobotPose& pose : solution.poses) state.T_world_robot.push_back(pose.transform());
   state.odometry_scale = solution.odometry_scale();
   state.odometry_yaw_factor = solution.odometry_yaw_factor();
+  const double common = solution.nuisances.of(Nuisance::kCommonDepthScale)[0];
   for (std::size_t c = 0; c < solution.T_robot_camera.size(); ++c)
-    state.depth_scale.push_back(1.0 + solution.nuisances.of(Nuisance::kDepthScale, static_cast<int>(c))[0]);
+    state.depth_scale.push_back(1.0 + common + solution.nuisances.of(Nuisance::kDepthScale, static_cast<int>(c))[0]);
   return state;
 }
 
@@ -80,6 +81,18 @@ std::array<bool, 6> determined(const Eigen::MatrixXd& free) {
   return result;
 }
 
+std::vector<EstimatedTransform::Share> budget_of_camera(const Uncertainty& uncertainty, int c) {
+  const Vector6d variances = uncertainty.joint.diagonal().segment<6>(6 * c);
+  std::vector<EstimatedTransform::Share> budget;
+  for (const BudgetLine& line : uncertainty.budget) {
+    const Vector6d shares = line.variances.segment<6>(6 * c).cwiseQuotient(variances).cwiseMax(0.0).cwiseMin(1.0);
+    if (!shares.allFinite()) return {};
+    budget.push_back({line.source, {}});
+    std::copy(shares.data(), shares.data() + 6, budget.back().share.begin());
+  }
+  return budget;
+}
+
 // Adds to the reasons why a part of it is open.
 EstimatedTransform camera_transform(const Preparation& prepared, const State& solution, const MotionVerdict& motion,
                                     const Uncertainty& uncertainty, int c, Findings* reasons) {
@@ -88,6 +101,7 @@ EstimatedTransform camera_transform(const Preparation& prepared, const State& so
   transform.child = name_of(prepared, c);
   transform.T_parent_child = solution.T_robot_camera[static_cast<std::size_t>(c)];
   transform.covariance = Matrix6d(uncertainty.joint.block<6, 6>(6 * c, 6 * c));
+  transform.budget = budget_of_camera(uncertainty, c);
   const int ground_planes = static_cast<int>(prepared.used.ground_planes.size());
   CameraObservability observability =
       assess_camera(prepared.original, c, prepared.views, prepared.alignment, motion, ground_planes);

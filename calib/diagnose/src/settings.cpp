@@ -44,6 +44,8 @@ MlSettings::MlSettings() {
 void MlSettings::visit(FieldVisitor& visitor) {
   visitor.field("name", name, TextChoices{},
                 "Name of the method in tables and of its result's file; default ml, of a file the file's");
+  visitor.choice("told", believe_told, {{"as_stated", false}, {"exact", true}},
+                 "exact: lenses and board are believed to the last digit, whatever sigmas the rig states of them");
   for (std::size_t i = 0; i < sigmas.size(); ++i) {
     const PriorSetting& setting = prior_settings()[i];
     visitor.field(setting.key, sigmas[i], NumberRange{0.0, setting.most}, setting.description);
@@ -55,6 +57,7 @@ void MlSettings::visit(FieldVisitor& visitor) {
 
 MlOptions MlSettings::options() const {
   MlOptions options;
+  options.priors.believe_told = believe_told;
   for (std::size_t i = 0; i < sigmas.size(); ++i) {
     const PriorSetting& setting = prior_settings()[i];
     options.priors.*setting.sigma = sigmas[i] / setting.units_per_si;

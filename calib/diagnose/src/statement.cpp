@@ -77,6 +77,24 @@ Eigen::MatrixXd normalised(Eigen::MatrixXd directions) {
   return directions;
 }
 
+// What no data tell, and what the other odometry model adds.
+std::vector<BudgetLine> whole_budget(std::vector<BudgetLine> budget, const Preparation& prepared, const Fit& fit,
+                                     const Eigen::MatrixXd& joint) {
+  for (const CommonError& error : common_errors()) {
+    if (error.along_way_only && !fit.noise.along_way) continue;
+    Eigen::VectorXd variances = Eigen::VectorXd::Zero(joint.rows());
+    for (Eigen::Index i = error.axis; i < joint.rows(); i += 6)
+      variances[i] = std::pow(prepared.sigmas().*error.sigma_m, 2);
+    add_to_budget(error.source, variances, &budget);
+  }
+  Eigen::VectorXd rest = joint.diagonal();
+  for (const BudgetLine& line : budget) rest -= line.variances;
+  constexpr double kRounding = 1e-6;
+  add_to_budget("choice of odometry model", (rest.array() > kRounding * joint.diagonal().array()).select(rest, 0.0),
+                &budget);
+  return budget;
+}
+
 }  // namespace
 
 Statement state_solution(const Preparation& prepared, const OdometryChoice& choice, const Examination& found) {
@@ -84,14 +102,17 @@ Statement state_solution(const Preparation& prepared, const OdometryChoice& choi
   const NoiseLevels levels = levels_of(prepared, fit, found.sums);
   GroupSums sums;
   double cost = 0.0;
-  ArrowSystem system = problem_at(prepared, fit, levels).linearise(fit.state, Weighting::kInformation, &cost, &sums);
+  const Problem problem = problem_at(prepared, fit, levels);
+  ArrowSystem system = problem.linearise(fit.state, Weighting::kInformation, &cost, &sums);
   Statement stated{levels, std::move(system), std::move(sums), cost, std::nullopt};
   const std::optional<GlobalCovariance> globals = covariance_of(stated.system);
   if (!globals) return stated;
   Eigen::MatrixXd joint = cameras_covariance(prepared, fit, globals->covariance);
   const Eigen::MatrixXd gate_joint = gate_covariance(prepared, fit, found, joint);
   if (choice.other && globals->free_directions.cols() == 0) joint = with_other_model(prepared, choice, joint);
-  stated.uncertainty = Uncertainty{globals->covariance, joint, gate_joint,
+  std::vector<BudgetLine> budget =
+      whole_budget(budget_of(problem, fit.state, stated.system, globals->covariance), prepared, fit, joint);
+  stated.uncertainty = Uncertainty{globals->covariance, joint, gate_joint, std::move(budget),
                                    normalised(chart_of(prepared, fit) * globals->free_directions)};
   return stated;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "examination.h"
+#include "rigproof/calib/estimate/budget.h"
 #include "rigproof/calib/estimate/odometry_choice.h"
 
 namespace rigproof::ml {
@@ -14,6 +15,7 @@ struct Uncertainty {
   Eigen::MatrixXd globals;          ///< covariance of the global unknowns
   Eigen::MatrixXd joint;            ///< covariance of the cameras
   Eigen::MatrixXd gate_joint;       ///< the same, by which is refused
+  std::vector<BudgetLine> budget;   ///< of what `joint` is made
   Eigen::MatrixXd free_directions;  ///< of the cameras that the data leave open, a column each with 1 as largest part
 };
 

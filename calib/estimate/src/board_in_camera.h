@@ -33,7 +33,7 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
 /// Residuals of one view: summed up on the twist and on unknowns that they know directly, then chained to all others.
 class TwistSystem {
  public:
-  static constexpr int kMaxDirect = 8;
+  static constexpr int kMaxDirect = 10;
 
   /// Unknowns that the residuals know directly. Returns their first column, -1 where they are believed.
   int append(const Layout& layout, Nuisance nuisance, int camera);

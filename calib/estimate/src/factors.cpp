@@ -1,7 +1,5 @@
 #include "factors.h"
 
-#include "rigproof/calib/estimate/lens_change.h"
-
 namespace rigproof::ml {
 namespace {
 
@@ -21,16 +19,21 @@ double block_factor(Weighting weighting, double weight, int dimensions) {
 }
 
 Camera lens_at(const Evaluation& at, int camera) {
-  const Camera& stated = at.observations.cameras[static_cast<std::size_t>(camera)].camera;
-  return at.layout.has(Nuisance::kLens) ? changed_lens(stated, at.state.nuisances.of(Nuisance::kLens, camera)) : stated;
+  const std::size_t c = static_cast<std::size_t>(camera);
+  if (!at.layout.has(Nuisance::kLens)) return at.observations.cameras[c].camera;
+  return at.lenses[c].changed(at.state.nuisances.of(Nuisance::kLens, camera));
+}
+
+double depth_error(const Evaluation& at, int camera) {
+  return at.state.nuisances.of(Nuisance::kDepthScale, camera)[0] +
+         at.state.nuisances.of(Nuisance::kCommonDepthScale)[0];
 }
 
 MeasuredPlane measured_plane(const Evaluation& at, const WhitenedPlane& plane) {
   MeasuredPlane result;
   result.value = plane.measured;
   if (!at.layout.has(Nuisance::kLens) || !plane.registered) return result;
-  result.by_lens =
-      plane_by_lens(plane.measured, at.observations.cameras[static_cast<std::size_t>(plane.camera)].camera);
+  result.by_lens = at.lenses[static_cast<std::size_t>(plane.camera)].plane_by(plane.measured);
   result.value += result.by_lens * at.state.nuisances.of(Nuisance::kLens, plane.camera);
   return result;
 }

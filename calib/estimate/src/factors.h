@@ -13,6 +13,7 @@ namespace rigproof::ml {
 /// Where residuals are evaluated, and how.
 struct Evaluation {
   const Observations& observations;
+  const std::vector<Lenses>& lenses;
   const Layout& layout;
   const NoiseLevels& noise;
   const CauchyLoss& loss;
@@ -27,10 +28,12 @@ struct Evaluation {
 double block_factor(Weighting weighting, double weight, int dimensions);
 /// A camera by the intrinsics of the state.
 Camera lens_at(const Evaluation& at, int camera);
+/// Relative error of a camera's depth: its own, and what all cameras share.
+double depth_error(const Evaluation& at, int camera);
 /// A plane as its depth image shows it through the intrinsics of the state, and its derivative by them.
 struct MeasuredPlane {
   Eigen::Vector3d value;
-  Eigen::Matrix3d by_lens = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 5> by_lens = Eigen::Matrix<double, 3, 5>::Zero();
 };
 MeasuredPlane measured_plane(const Evaluation& at, const WhitenedPlane& plane);
 

@@ -129,7 +129,7 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
 }
 
 Evaluation Problem::at(const State& state, Weighting weighting) const {
-  return {observations_, layout_, noise, loss, state, weighting};
+  return {observations_, whitened_->lenses, layout_, noise, loss, state, weighting};
 }
 
 void Problem::visit_odometry(const Evaluation& at, int stop, BlockSink* sink) const {
@@ -156,6 +156,12 @@ void Problem::visit_blocks(const State& state, Weighting weighting, BlockSink* s
 
 bool Problem::counts(Nuisance nuisance) const {
   return noise.odometry_model == OdometryModel::kPerIncrement || !row_of(nuisance).increments_only;
+}
+
+void Problem::for_each_prior(const std::function<void(Nuisance, int, const Eigen::MatrixXd&)>& visit) const {
+  for_each_nuisance(layout_, [&](Nuisance nuisance, int c) {
+    if (counts(nuisance)) visit(nuisance, layout_.place(nuisance, c), information_of(priors_.covariance(nuisance, c)));
+  });
 }
 
 void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) const {

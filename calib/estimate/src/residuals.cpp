@@ -56,7 +56,7 @@ bool corner_residual(const Camera& camera, const Eigen::Vector3d& corner_camera,
     const Eigen::Vector3d a = J.row(row);
     residual->by_twist.row(row) << corner_camera.cross(a).transpose(), a.transpose();
   }
-  residual->by_intrinsics << pixel.x() - camera.cx_px, 1.0, 0.0, pixel.y() - camera.cy_px, 0.0, 1.0;
+  residual->by_point = J;
   return true;
 }
 

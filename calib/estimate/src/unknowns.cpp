@@ -23,9 +23,11 @@ const std::vector<PriorSetting>& prior_settings() {
        "Each camera's stamps are late or early by about this much against the odometry's: estimated from images "
        "that are taken while the robot moves"},
       {"focal_sigma_percent", &PriorSigmas::focal_relative, 100.0, 20.0, true,
-       "Each camera's focal length is off by about this much: estimated"},
+       "Each camera's focal length is off by about this much, whatever the rig states: estimated; 0: as the rig "
+       "states"},
       {"principal_point_sigma_px", &PriorSigmas::principal_point_px, 1.0, 50.0, true,
-       "Each camera's principal point is off by about this much along x and y: estimated"},
+       "Each camera's principal point is off by about this much along x and y, whatever the rig states: estimated; "
+       "0: as the rig states"},
       {"rotation_centre_sigma_mm", &PriorSigmas::rotation_centre_m, 1e3, 1000.0, false,
        "Odometry along the way: the point about which the robot turns lies off the robot's origin along x by about "
        "this much, which no data tell; 0 where the origin is that point by definition"},
@@ -65,9 +67,38 @@ Covariances of_depth_scale(const PriorSource& source) {
   return covariances;
 }
 
+// Of cameras of one make: as far off as the worst is said to be.
+Covariances of_common_depth_scale(const PriorSource& source) {
+  double sigma = 0.0;
+  for (const RigCamera& camera : source.observations.cameras)
+    if (camera.depth && !source.sigmas.believe_told) sigma = std::max(sigma, camera.depth->noise.common_scale_sigma);
+  return {independent({sigma})};
+}
+
+IntrinsicsSigma lens_sigma(const PriorSigmas& settings, const RigCamera& camera) {
+  IntrinsicsSigma sigma = settings.believe_told ? IntrinsicsSigma::exact() : camera.intrinsics_sigma;
+  if (settings.focal_relative > 0.0) sigma.focal_relative = settings.focal_relative;
+  if (settings.principal_point_px > 0.0) sigma.principal_point_px = settings.principal_point_px;
+  return sigma;
+}
+
 Covariances of_lens(const PriorSource& source) {
-  const double pixel = source.sigmas.principal_point_px;
-  return for_each_camera(source, independent({source.sigmas.focal_relative, pixel, pixel}));
+  Covariances covariances;
+  for (const RigCamera& camera : source.observations.cameras) {
+    const IntrinsicsSigma s = lens_sigma(source.sigmas, camera);
+    covariances.push_back(
+        independent({s.focal_relative, s.principal_point_px, s.principal_point_px, s.focal_ratio, s.distortion_px}));
+  }
+  return covariances;
+}
+
+// Printers scale both directions of a sheet more alike than right.
+Covariances of_board_shape(const PriorSource& source) {
+  constexpr double kRatio = 0.2;  // of the sigma of the squares' side
+  const Board& board = source.observations.board;
+  if (source.sigmas.believe_told) return {Eigen::MatrixXd::Zero(4, 4)};
+  const double side = board.square_sigma_relative(), bow_m = board.bow_sigma();
+  return {independent({side, kRatio * side, bow_m, bow_m})};
 }
 
 Covariances of_ground_offset(const PriorSource& source) {
@@ -92,28 +123,49 @@ Covariances of_turn_lag(const PriorSource& source) {
 const std::array<NuisanceRow, kNuisances>& nuisance_table() {
   constexpr bool kRig = false, kCamera = true, kAnyOdometry = false, kIncrements = true, kReported = true;
   static const std::array<NuisanceRow, kNuisances> kTable = {{
-      {{{"odometry_scale", 1.0}, {"odometry_yaw_factor", 1.0}}, kRig, kIncrements, !kReported, &of_odometry},
-      {{{"depth_scale", 1.0}}, kCamera, kAnyOdometry, !kReported, &of_depth_scale},
-      {{{"focal_length_percent", 100.0}, {"principal_point_x_px", 1.0}, {"principal_point_y_px", 1.0}},
+      {{{"odometry_scale", 1.0}, {"odometry_yaw_factor", 1.0}},
+       kRig,
+       kIncrements,
+       !kReported,
+       "odometry",
+       &of_odometry},
+      {{{"depth_scale_percent", 100.0}}, kCamera, kAnyOdometry, !kReported, "depth scale", &of_depth_scale},
+      {{{"common_depth_scale_percent", 100.0}}, kRig, kAnyOdometry, kReported, "depth scale", &of_common_depth_scale},
+      {{{"focal_length_percent", 100.0},
+        {"principal_point_x_px", 1.0},
+        {"principal_point_y_px", 1.0},
+        {"focal_ratio_percent", 100.0},
+        {"distortion_px", 1.0}},
        kCamera,
        kAnyOdometry,
        kReported,
+       "lens",
        &of_lens},
+      {{{"board_size_percent", 100.0},
+        {"board_ratio_percent", 100.0},
+        {"board_bow_x_mm", 1e3},
+        {"board_bow_y_mm", 1e3}},
+       kRig,
+       kAnyOdometry,
+       kReported,
+       "board",
+       &of_board_shape},
       {{{"ground_offset_x_per_m", 1.0}, {"ground_offset_y_per_m", 1.0}, {"ground_offset_z_per_m", 1.0}},
        kCamera,
        kAnyOdometry,
        !kReported,
+       "depth error",
        &of_ground_offset},
-      {{{"clock_offset_ms", 1e3}}, kCamera, kAnyOdometry, kReported, &of_clock_offset},
-      {{{"turn_lag_ms", 1e3}}, kRig, kAnyOdometry, !kReported, &of_turn_lag},
+      {{{"clock_offset_ms", 1e3}}, kCamera, kAnyOdometry, kReported, "clock", &of_clock_offset},
+      {{{"turn_lag_ms", 1e3}}, kRig, kAnyOdometry, !kReported, "turn lag", &of_turn_lag},
   }};
   return kTable;
 }
 
 const std::array<CommonError, 2>& common_errors() {
   static const std::array<CommonError, 2> kErrors = {{
-      {&PriorSigmas::rotation_centre_m, 0, true},
-      {&PriorSigmas::riding_height_m, 2, false},
+      {&PriorSigmas::rotation_centre_m, 0, true, "turning point"},
+      {&PriorSigmas::riding_height_m, 2, false, "riding height"},
   }};
   return kErrors;
 }

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "rigproof/calib/estimate/depth_bias.h"
-#include "rigproof/calib/estimate/lens_change.h"
 
 namespace rigproof::ml {
 namespace {
@@ -71,8 +70,12 @@ std::vector<WhitenedView::Corner> whitened_corners(const BoardView& view, const 
 
 Whitened whitened(const Observations& observations) {
   const Delays delays(observations);
-  return {whitened_views(observations, delays), whitened_planes(observations, observations.ground_planes, {}, delays),
-          whitened_planes(observations, observations.board_planes, board_plane_biases(observations), delays)};
+  Whitened all{whitened_views(observations, delays),
+               whitened_planes(observations, observations.ground_planes, {}, delays),
+               whitened_planes(observations, observations.board_planes, board_plane_biases(observations), delays),
+               {}};
+  for (const RigCamera& camera : observations.cameras) all.lenses.emplace_back(camera.camera);
+  return all;
 }
 
 }  // namespace rigproof::ml

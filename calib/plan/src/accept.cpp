@@ -62,6 +62,15 @@ void check_uncertainty(const Result& result, const Observations& observations, c
                    {distance, distance, distance, angle, angle, angle}, checks);
 }
 
+// Whoever asks for a gate wants to hear of them.
+void check_suspicions(const Result& result, std::vector<AcceptCheck>* checks) {
+  for (const Finding& note : result.notes) {
+    if (note.severity != Severity::kSuspect) continue;
+    checks->push_back(start("nothing suspected", 0.0, ""));
+    checks->back().reason = note;
+  }
+}
+
 double worst_z(const EstimatedTransform& a, const EstimatedTransform& b) {
   const Vector6d difference = transform_error(a.T_parent_child, b.T_parent_child);
   const Vector6d variance = a.covariance->diagonal() + b.covariance->diagonal();
@@ -124,6 +133,7 @@ Observations stops_of(const Observations& observations, int first, int last) {
 AcceptReport check_acceptance(const Method& method, const Result& result, const Observations& observations,
                               const AcceptCriteria& criteria) {
   AcceptReport report;
+  check_suspicions(result, &report.checks);
   check_uncertainty(result, observations, criteria, &report.checks);
   if (criteria.split_half_max_z) check_split_half(method, observations, *criteria.split_half_max_z, &report.checks);
   if (criteria.held_out_max_ratio) check_held_out(method, result, observations, criteria, &report);

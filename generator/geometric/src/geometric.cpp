@@ -119,6 +119,10 @@ GeometricNoise noise_of(const GeometricConfig& config, int camera) {
   return noise;
 }
 
+Eigen::Vector3d print_error(const GeometricRig& rig, int id) {
+  return rig.print_errors_m.empty() ? Eigen::Vector3d::Zero() : rig.print_errors_m[static_cast<std::size_t>(id)];
+}
+
 // Nothing where the camera does not see the whole front of the board.
 std::optional<BoardView> draw_corners(const Frame& frame, double sigma_px) {
   const Board& board = frame.config.rig.board;
@@ -135,7 +139,8 @@ std::optional<BoardView> draw_corners(const Frame& frame, double sigma_px) {
   for (int id = 0; id < board.corner_count(); ++id) {
     CornerObservation corner;
     corner.id = id;
-    if (!lens.project(T * board.corner(id), &corner.pixel) || !lens.contains(corner.pixel)) return std::nullopt;
+    const Eigen::Vector3d printed = board.corner(id) + print_error(frame.config.rig, id);
+    if (!lens.project(T * printed, &corner.pixel) || !lens.contains(corner.pixel)) return std::nullopt;
     corner.pixel += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
     corner.covariance_px2 = stated_px * stated_px * Eigen::Matrix2d::Identity();
     if (random.uniform() < frame.config.corner_outlier_fraction)

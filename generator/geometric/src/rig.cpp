@@ -21,8 +21,16 @@ RigCamera depth_camera(const std::string& name) {
   RigCamera camera;
   camera.name = camera.folder = name;
   camera.camera = Camera::symmetric(1280, 720, 640.0);
+  camera.intrinsics_sigma = IntrinsicsSigma::exact();
   camera.depth = DepthStream();
+  camera.depth->noise.common_scale_sigma = 0.0;
   return camera;
+}
+
+GeometricRig exact_rig() {
+  GeometricRig rig;
+  rig.board.square_sigma_m = rig.board.bow_sigma_m = 0.0;
+  return rig;
 }
 
 // A camera mounted in any direction.
@@ -53,7 +61,7 @@ bool useful(const GeometricRig& rig, const RigCamera& camera, const Rigid3& T_ro
 }  // namespace
 
 GeometricRig reference_rig() {
-  GeometricRig rig;
+  GeometricRig rig = exact_rig();
   const double yaw[] = {deg_to_rad(20.0), 0.0, deg_to_rad(-20.0)};
   const double y_m[] = {0.22, 0.0, -0.22};
   const char* names[] = {"left", "center", "right"};
@@ -71,7 +79,7 @@ GeometricRig reference_rig() {
 
 GeometricRig random_rig(std::uint64_t seed, int cameras) {
   RandomStream random(seed, "geometric rig");
-  GeometricRig rig;
+  GeometricRig rig = exact_rig();
   rig.board_centre_height_m = random.uniform(0.35, 0.6);
   rig.board_spin_rad = random.uniform(-kPi, kPi);
   rig.board_inclination_rad = deg_to_rad(random.uniform(-25.0, 25.0));

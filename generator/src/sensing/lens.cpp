@@ -12,6 +12,12 @@ void LensSensingConfig::visit(FieldVisitor& visitor) {
                 "the same for each coefficient of the lens");
 }
 
+bool is_exact(const LensSensingConfig& config) {
+  const auto is_zero = [](const Distribution& error) { return error.lowest() == 0.0 && error.highest() == 0.0; };
+  return is_zero(config.focal_error_percent) && is_zero(config.centre_error_px) &&
+         is_zero(config.distortion_error_percent);
+}
+
 Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::uint64_t seed, std::int32_t index) {
   RandomStream random(seed, "lens", -1, index);
   Camera told = camera;

@@ -18,6 +18,8 @@ std::uint64_t sensing_seed(const GenerateConfig& config);
 /// @param outdoors the scene lies in daylight
 std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig& rig, bool outdoors);
 
+/// Whether no error can be drawn.
+bool is_exact(const LensSensingConfig& config);
 /// The intrinsics that the user is told: the true ones with the factory's error.
 Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::uint64_t seed, std::int32_t index);
 

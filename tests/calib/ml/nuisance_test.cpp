@@ -114,8 +114,14 @@ struct ClockRun {
 
 // All cameras take their images at one time while the robot moves, and stamp them by clocks of their own. The
 // odometry is read at the stamp of the middle camera; its wheels turn before the body does.
-ClockRun run_with_wrong_clocks(int seed, bool moving = true) {
+ClockRun run_with_wrong_clocks(int seed, bool moving = true, bool lens_of_every_kind = false) {
   GeometricConfig config;
+  if (lens_of_every_kind) {
+    config.rig.cameras[1].camera.lens = Lens::kBrownConrady;
+    config.rig.cameras[1].camera.distortion = {-0.05, 0.02, 0.001, -0.002, 0.003};
+    config.rig.cameras[2].camera.lens = Lens::kKannalaBrandt;
+    config.rig.cameras[2].camera.distortion = {0.01, -0.004, 0.002, -0.001, 0.0};
+  }
   config.seed = static_cast<std::uint64_t>(seed);
   config.stops = 20;
   RandomStream random(config.seed, "clock errors");
@@ -200,10 +206,21 @@ TEST(MlClocks, OfARobotThatStandsKeepTheirPrior) {
   EXPECT_NE(worded(*note).find("not observable: by the odometry the robot stood"), std::string::npos);
 }
 
+// Nothing is known of lenses, board and depth but what is usual.
+void as_strangers_are(Observations* observations) {
+  observations->board.square_sigma_m.reset();
+  observations->board.bow_sigma_m.reset();
+  for (RigCamera& camera : observations->cameras) {
+    camera.intrinsics_sigma = IntrinsicsSigma();
+    camera.depth->noise.common_scale_sigma = DepthNoise().common_scale_sigma;
+  }
+}
+
 // The gradient of the cost by every global unknown, by central differences, with everything estimated at once.
 void expect_right_derivatives(double clock_sigma_s, bool lenses) {
-  ClockRun made = run_with_wrong_clocks(5);
+  ClockRun made = run_with_wrong_clocks(5, true, lenses);
   Observations& observations = made.run.observations;
+  if (lenses) as_strangers_are(&observations);
   PlaneObservation plane = observations.ground_planes.front();
   plane.inverse_depth_plane << 0.05, 0.1, 0.5;
   observations.board_planes = {plane, plane};
@@ -212,10 +229,6 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   for (std::size_t i = 0; i < observations.ground_planes.size(); i += 2)
     observations.ground_planes[i].file = "depth/000000.png";
   PriorSigmas sigmas;
-  if (lenses) {
-    sigmas.focal_relative = kFocal;
-    sigmas.principal_point_px = kPrincipal_px;
-  }
   sigmas.clock_offset_s = clock_sigma_s;
   sigmas.turn_lag_s = kTurnLag_s;
   ml::Priors priors = ml::Priors::of({observations, sigmas, false});
@@ -233,7 +246,11 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
     for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kClockOffset, c)[0] = 0.012 - 0.016 * c;
     state.nuisances.of(ml::Nuisance::kTurnLag)[0] = 0.015;
   }
-  if (lenses) state.nuisances.of(ml::Nuisance::kLens, 0) << 0.002, 0.7, -0.4;
+  if (lenses) {
+    for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kLens, c) << 0.002, 0.7 - c, -0.4, 0.0004, 0.2;
+    state.nuisances.of(ml::Nuisance::kBoardShape) << 0.004, -0.001, 0.0003, -0.0002;
+    state.nuisances.of(ml::Nuisance::kCommonDepthScale)[0] = 0.005;
+  }
   const ml::Layout& layout = problem.layout();
   for (std::size_t n = 0; clock_sigma_s > 0.0 && lenses && n < ml::kNuisances; ++n)
     EXPECT_TRUE(layout.has(static_cast<ml::Nuisance>(n))) << n;

@@ -7,8 +7,7 @@ void board_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* si
   const int c = plane.camera;
   const BoardInCamera seen = board_in_camera(at, plane.stop, c, plane.after_stop_s);
   const MeasuredPlane measured = measured_plane(at, plane);
-  const BoardPlaneResidual residual =
-      board_plane_residual(seen.T_camera_board, at.state.nuisances.of(Nuisance::kDepthScale, c)[0], measured.value);
+  const BoardPlaneResidual residual = board_plane_residual(seen.T_camera_board, depth_error(at, c), measured.value);
   const Eigen::Matrix3d W = plane.whitening / at.noise.board_plane_scale[static_cast<std::size_t>(c)];
   const Eigen::Vector3d r = W * residual.value;
   const double s = r.squaredNorm(), w = at.loss.weight(s);
@@ -16,10 +15,11 @@ void board_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* si
   LocalBlock block(Group::kBoardPlane, c);
   TwistSystem system;
   RowJacobian<3, TwistSystem::kMaxDirect> direct = RowJacobian<3, TwistSystem::kMaxDirect>::Zero();
-  const int depth = system.append(at.layout, Nuisance::kDepthScale, c);
-  if (depth >= 0) direct.col(depth) = W * residual.by_depth_bias;
+  for (const Nuisance scale : {Nuisance::kDepthScale, Nuisance::kCommonDepthScale})
+    if (const int depth = system.append(at.layout, scale, c); depth >= 0)
+      direct.col(depth) = W * residual.by_depth_bias;
   const int lens = system.append(at.layout, Nuisance::kLens, c);
-  if (lens >= 0) direct.middleCols<3>(lens) = -W * measured.by_lens;
+  if (lens >= 0) direct.middleCols<5>(lens) = -W * measured.by_lens;
   system.add<3>(W * residual.by_twist, direct, r, block_factor(at.weighting, w, 3));
   block.cost = at.loss.cost(s);
   block.sum.add(s, w, 3);

@@ -27,21 +27,60 @@ class CostSum {
   double c2_, excess_ = 0.0, sum_ = 0.0;
 };
 
+// Derivative of the pixel by LensChange, at the lens of the state.
+RowJacobian<2, 5> pixel_by_lens(const Camera& lens, const LensChange& change, double coefficient_by_px,
+                                const Eigen::Vector3d& point, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d n = point.head<2>() / point.z(), from_centre = pixel - Eigen::Vector2d(lens.cx_px, lens.cy_px);
+  const double radius = n.norm(), angle = std::atan(radius);
+  const double cubed =
+      lens.lens == Lens::kKannalaBrandt ? (radius > 0.0 ? angle * angle * angle / radius : 0.0) : radius * radius;
+  RowJacobian<2, 5> by_lens;
+  by_lens.col(0) = from_centre / (1.0 + change[0]);
+  by_lens.block<2, 2>(0, 1).setIdentity();
+  by_lens.col(3) << 0.5 * from_centre.x() / (1.0 + 0.5 * change[3]), -0.5 * from_centre.y() / (1.0 - 0.5 * change[3]);
+  by_lens.col(4) << lens.fx_px * n.x(), lens.fy_px * n.y();
+  by_lens.col(4) *= cubed * coefficient_by_px;
+  return by_lens;
+}
+
+// A corner's place on the board as it is, and its derivative by the board's shape.
+struct CornerOfBoard {
+  Eigen::Vector3d point;
+  Eigen::Matrix<double, 3, 4> by_shape;
+};
+CornerOfBoard corner_of_board(const Board& board, const Eigen::Vector4d& shape, const Eigen::Vector3d& stated) {
+  const Eigen::Vector3d from_centre = stated - board.centre();
+  // The middle and the edges bow apart; the corners' mean stays nearly where it is.
+  const Eigen::Vector2d half = 0.5 * board.square_m * Eigen::Vector2d(board.squares_x, board.squares_y);
+  const Eigen::Vector2d bow = from_centre.head<2>().cwiseQuotient(half).cwiseAbs2().array() - 1.0 / 3.0;
+  CornerOfBoard corner;
+  corner.by_shape.col(0) = from_centre;
+  corner.by_shape.col(1) << 0.5 * from_centre.x(), -0.5 * from_centre.y(), 0.0;
+  corner.by_shape.rightCols<2>() << 0.0, 0.0, 0.0, 0.0, bow.x(), bow.y();
+  corner.point = stated + corner.by_shape * shape;
+  return corner;
+}
+
 }  // namespace
 
 void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
   const Camera camera = lens_at(at, view.camera);
   const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
-  const double stated_focal = 1.0 + at.state.nuisances.of(Nuisance::kLens, view.camera)[0];
+  const LensChange lens_change = at.state.nuisances.of(Nuisance::kLens, view.camera);
+  const double coefficient_by_px = at.lenses[static_cast<std::size_t>(view.camera)].coefficient_by_px();
+  const Eigen::Vector4d board_shape = at.state.nuisances.of(Nuisance::kBoardShape);
   const BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
   const Eigen::Matrix3d R_camera_board = seen.T_camera_board.rotation_matrix();
   LocalBlock block(Group::kCorners, view.camera);
   TwistSystem system;
   const int lens = system.append(at.layout, Nuisance::kLens, view.camera);
+  const int shape = system.append(at.layout, Nuisance::kBoardShape, 0);
   RowJacobian<2, TwistSystem::kMaxDirect> direct = RowJacobian<2, TwistSystem::kMaxDirect>::Zero();
   CostSum cost(at.loss.c2);
   for (const WhitenedView::Corner& corner : view.corners) {
-    const Eigen::Vector3d q = R_camera_board * corner.point_board + seen.T_camera_board.translation;
+    const CornerOfBoard on_board = shape >= 0 ? corner_of_board(at.observations.board, board_shape, corner.point_board)
+                                              : CornerOfBoard{corner.point_board, {}};
+    const Eigen::Vector3d q = R_camera_board * on_board.point + seen.T_camera_board.translation;
     CornerResidual residual;
     if (!corner_residual(camera, q, corner.pixel, &residual)) {
       block.sum.dimensions += 2;
@@ -54,10 +93,10 @@ void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
     cost.add(s);
     block.sum.add(s, w, 2);
     const RowJacobian<2, 6> J = W * residual.by_twist;
-    if (lens >= 0) {
-      residual.by_intrinsics.col(0) /= stated_focal;
-      direct.middleCols<3>(lens) = W * residual.by_intrinsics;
-    }
+    if (lens >= 0)
+      direct.middleCols<5>(lens) =
+          W * pixel_by_lens(camera, lens_change, coefficient_by_px, q, residual.value + corner.pixel);
+    if (shape >= 0) direct.middleCols<4>(shape) = W * (residual.by_point * R_camera_board) * on_board.by_shape;
     system.add<2>(J, direct, r, block_factor(at.weighting, w, 2));
   }
   block.cost = cost.cost();
@@ -71,10 +110,12 @@ ViewFit view_fit(const Evaluation& at, const WhitenedView& view) {
   const Camera camera = lens_at(at, view.camera);
   const double scale = at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
   const Rigid3 T_camera_board = board_in_camera(at, view.stop, view.camera, view.after_stop_s).T_camera_board;
+  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
   double square = 0.0, weight = 0.0;
   for (const WhitenedView::Corner& corner : view.corners) {
     CornerResidual residual;
-    if (!corner_residual(camera, T_camera_board * corner.point_board, corner.pixel, &residual)) continue;
+    const Eigen::Vector3d on_board = corner_of_board(at.observations.board, shape, corner.point_board).point;
+    if (!corner_residual(camera, T_camera_board * on_board, corner.pixel, &residual)) continue;
     square += residual.value.squaredNorm();
     weight += at.loss.weight((corner.whitening * residual.value / scale).squaredNorm());
   }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,17 @@ struct Board {
   int squares_x = 5;
   int squares_y = 4;
   double square_m = 0.1;
+  /// One sigma of the side of the squares; absent: half a percent of it, as printers leave it. 0: exact.
+  std::optional<double> square_sigma_m;
+  /// One sigma of how far the sheet bows out of its plane, from its middle to its edges along x and along y; absent: as
+  /// far as the longer side goes with 0.3 mm over that of an A3 sheet. 0: flat.
+  std::optional<double> bow_sigma_m;
 
+  double square_sigma_relative() const { return square_sigma_m ? *square_sigma_m / square_m : 0.005; }
+  double bow_sigma() const {
+    constexpr double kOverA3_m = 0.0003, kA3_m = 0.42;
+    return bow_sigma_m.value_or(kOverA3_m / kA3_m * square_m * std::max(squares_x, squares_y));
+  }
   int inner_corners_x() const { return squares_x - 1; }
   int inner_corners_y() const { return squares_y - 1; }
   int corner_count() const { return inner_corners_x() * inner_corners_y(); }

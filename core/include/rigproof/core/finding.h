@@ -16,6 +16,7 @@ namespace rigproof {
 
 enum class Severity {
   kNote,           ///< worth knowing
+  kSuspect,        ///< the answer stands, with its uncertainty, but what was stated beforehand is hardly right
   kLeftOut,        ///< a frame, or its depth, that is not used
   kRefusal,        ///< something is not answered
   kContradiction,  ///< data that contradict each other: what they concern is not answered

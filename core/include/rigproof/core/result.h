@@ -22,6 +22,12 @@ struct EstimatedTransform {
   /// Degrees of freedom that the data determine, in the same order. A degree that is not observable is absent on
   /// disk; rotations are then given as roll/pitch/yaw of R = Rz(yaw) Ry(pitch) Rx(roll) of camera's body axes.
   std::array<bool, 6> observable = {true, true, true, true, true, true};
+  /// What each variance on the covariance's diagonal is made of; the shares of a degree of freedom sum up to one.
+  struct Share {
+    std::string source;  ///< "corners", "odometry", "lens", "board", ..
+    std::array<double, 6> share{};
+  };
+  std::vector<Share> budget = {};
 
   bool fully_observable() const;
 };
@@ -47,13 +53,19 @@ struct ResidualSummary {
   double rms = 0.0;
 };
 
-/// Something else that a method estimated of a camera, with what it believed beforehand.
+/// Something else that a method estimated, with what it believed beforehand.
 struct EstimatedQuantity {
-  std::string camera;
-  std::string name;  ///< with its unit: "focal_length_percent", "principal_point_x_px", "clock_offset_ms"
+  std::string camera;  ///< empty: of the whole rig, or of the board
+  std::string name;    ///< with its unit: "focal_length_percent", "principal_point_x_px", "clock_offset_ms"
   double value = 0.0;
   double sigma = 0.0;
   double prior_sigma = 0.0;
+};
+
+/// The intrinsics that an estimated pose goes with.
+struct EstimatedLens {
+  std::string camera;
+  Camera intrinsics;
 };
 
 enum class ResultStatus {
@@ -75,8 +87,10 @@ struct Result {
   std::optional<Eigen::MatrixXd> joint_covariance;
   std::vector<CameraUse> use;
   std::vector<ResidualSummary> residuals;
-  std::vector<EstimatedQuantity> also_estimated;  ///< camera by camera
-  double solve_s = 0.0;                           ///< not written to disk: results are byte-identical across runs
+  std::vector<EstimatedQuantity> also_estimated;  ///< camera by camera, then of the rig
+  /// Where they were estimated: the poses go with these, not with the stated ones.
+  std::vector<EstimatedLens> lenses;
+  double solve_s = 0.0;  ///< not written to disk: results are byte-identical across runs
 
   const EstimatedTransform* find(const std::string& parent, const std::string& child) const;
 };

@@ -26,6 +26,8 @@ struct DepthNoise {
   double correlation_px = 1.0;
   /// Prior of the relative error of the depth scale, one sigma.
   double scale_sigma = 0.003;
+  /// The same of what all depth cameras of a rig share, being of one make: data sheets promise 2 %.
+  double common_scale_sigma = 0.01;
   /// The device's fixed, smooth error over its view, one sigma, as the law says: of 1/z (stereo) or of z (time of
   /// flight). 0 = none is known of. It falls off over an angle as a Gaussian with 0.82 bias_cell_deg does.
   double bias_inverse_depth_per_m = 0.0;
@@ -54,6 +56,21 @@ struct DepthStream {
   std::optional<OwnCamera> own_camera;
 };
 
+/// How well the stated intrinsics of a camera are known, one sigma each; all zero: they are exact. The defaults are
+/// what a careful calibration leaves of a camera that then travels, warms up and is focused anew.
+struct IntrinsicsSigma {
+  double focal_relative = 0.005;    ///< of fx and fy together
+  double focal_ratio = 0.0005;      ///< of fx / fy
+  double principal_point_px = 2.0;  ///< along x and along y
+  double distortion_px = 0.3;       ///< radially, in the farthest corner of the image
+
+  static IntrinsicsSigma exact() { return {0.0, 0.0, 0.0, 0.0}; }
+  bool operator==(const IntrinsicsSigma& other) const {
+    return focal_relative == other.focal_relative && focal_ratio == other.focal_ratio &&
+           principal_point_px == other.principal_point_px && distortion_px == other.distortion_px;
+  }
+};
+
 /// One camera as the user describes it.
 struct RigCamera {
   std::string name;    ///< frame name of the optical frame in results, unique
@@ -61,6 +78,7 @@ struct RigCamera {
   std::string link;    ///< the camera in the user's TF tree; may be empty
   std::string folder;  ///< folder inside the recording, relative
   Camera camera;
+  IntrinsicsSigma intrinsics_sigma;
   std::optional<DepthStream> depth;
 };
 

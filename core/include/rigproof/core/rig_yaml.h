@@ -32,6 +32,8 @@ void visit_fields(FieldVisitor& visitor, Camera& camera);
 /// The same, where another key may stand for some of them: none is required.
 void visit_camera(FieldVisitor& visitor, Camera& camera);
 void visit_fields(FieldVisitor& visitor, DepthNoise& noise);
+/// `exact`, or {focal_percent, focal_ratio_percent, principal_point_px, distortion_px}.
+void visit_fields(FieldVisitor& visitor, IntrinsicsSigma& sigma);
 /// unit_m min_m max_m noise camera T_color_depth; what is absent stays as it is.
 void visit_fields(FieldVisitor& visitor, DepthStream& depth);
 /// Intrinsics and T_color_depth.

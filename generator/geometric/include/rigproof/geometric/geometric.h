@@ -17,6 +17,7 @@ struct GeometricRig {
   std::vector<RigCamera> cameras;
   std::vector<Rigid3> T_robot_camera;
   Board board;
+  std::vector<Eigen::Vector3d> print_errors_m;  ///< of each corner, true minus stated [board frame]; empty: none
   double board_centre_height_m = 0.55;
   double board_spin_rad = 0.0;         ///< of the board about its own normal
   double board_inclination_rad = 0.0;  ///< of its normal to the horizontal

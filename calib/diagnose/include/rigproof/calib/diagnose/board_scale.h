@@ -30,7 +30,8 @@ struct BoardScale {
 /// Compares the depth at the board's centre with the distance at which its stated squares look as they do.
 ///
 /// A real sensor's depth scale is off by 1 % (one sigma; data sheets promise 2 %), and sensors of one make are off
-/// alike, so many cameras are no better than one. Refused is a deviation beyond 4 sigmas of both, or beyond 2.5 if the
+/// alike, so many cameras are no better than one. The board's size and the focal length add what the rig says of them.
+/// Refused is a deviation beyond 4 sigmas of both, or beyond 2.5 if the
 /// odometry (2 %, one sigma) agrees and both together are beyond 4.
 BoardScale check_board_scale(const Observations& observations, const std::vector<ViewPose>& views,
                              const std::optional<OdometryScale>& odometry);

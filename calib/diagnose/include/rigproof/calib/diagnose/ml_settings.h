@@ -15,6 +15,7 @@ namespace rigproof {
 /// Priors of values that `ml` otherwise believes, one sigma each; 0 = believed. See docs/guides/lenses-and-clocks.md.
 struct MlSettings {
   std::string name = "ml";     ///< in tables and results/NAME.yaml
+  bool believe_told = false;   ///< PriorSigmas
   std::vector<double> sigmas;  ///< in the order and the units of prior_settings()
 
   MlSettings();

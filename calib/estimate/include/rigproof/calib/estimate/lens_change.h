@@ -12,14 +12,28 @@ namespace rigproof::ml {
 /// exact.
 bool is_registered(const PlaneObservation& plane, const RigCamera& camera);
 
-/// A lens with focal lengths longer by change[0] (relative) and the principal point moved by (change[1], change[2]) px.
-Camera changed_lens(Camera lens, const Eigen::Vector3d& change);
+/// By how much a lens differs from the stated one: both focal lengths (relative), principal point along x and y [px],
+/// fx / fy (relative), radial displacement in the farthest corner of the image [px].
+using LensChange = Eigen::Matrix<double, 5, 1>;
 
-/// Derivative of a registered plane [1/m] by such a change: 1/z = a . K^-1 u holds for every pixel u, so intrinsics K'
-/// turn a into (K^-1 K')' a. Linear in the change.
-Eigen::Matrix3d plane_by_lens(const Eigen::Vector3d& plane_per_m, const Camera& lens);
+/// The lenses that a stated one may be.
+class Lenses {
+ public:
+  explicit Lenses(const Camera& stated);
+  Camera changed(const LensChange& change) const;
+  /// Derivative of the lens's leading coefficient, of the third power of radius or angle, by LensChange[4] [1/px].
+  double coefficient_by_px() const { return coefficient_by_px_; }
+  /// Derivative of a registered plane [1/m] by a change: 1/z = a . ray(u) holds for the rays of all pixels u, so other
+  /// rays need another a. Exact and linear in the first four; of the distortion as planes that fill the image show it.
+  Eigen::Matrix<double, 3, 5> plane_by(const Eigen::Vector3d& plane_per_m) const;
 
-/// Changes a camera's intrinsics and, accordingly, its registered planes.
+ private:
+  Camera stated_;
+  double coefficient_by_px_;
+  Eigen::Matrix3d plane_by_distortion_;
+};
+
+/// Changes a camera's focal length (relative) and principal point [px] and, accordingly, its registered planes.
 void change_lens(int camera, const Eigen::Vector3d& change, Observations* observations);
 
 }  // namespace rigproof::ml

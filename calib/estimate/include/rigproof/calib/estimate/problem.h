@@ -1,6 +1,7 @@
 // The whitened least-squares problem: its cost, its normal equations and what each group of residuals contributes.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -47,6 +48,10 @@ class Problem {
   std::optional<GroupSums> sums_with_leverage(const State& state) const;
   /// -2 ln of the normalisation of the residuals: sum of 2 ln sigma over every residual whose sigma may be estimated.
   double log_normalisation() const;
+  /// Every factor's block of normal equations at the state.
+  void visit_blocks(const State& state, Weighting weighting, BlockSink* sink) const;
+  /// Every prior that counts: of which row, where its unknowns stand among the globals, its information.
+  void for_each_prior(const std::function<void(Nuisance, int, const Eigen::MatrixXd&)>& visit) const;
   ViewFit view_fit(const State& state, std::size_t view) const;
   /// Whether each view is left out.
   std::vector<bool> view_left_out;
@@ -57,7 +62,6 @@ class Problem {
 
  private:
   Evaluation at(const State& state, Weighting weighting) const;
-  void visit_blocks(const State& state, Weighting weighting, BlockSink* sink) const;
   void visit_odometry(const Evaluation& at, int stop, BlockSink* sink) const;
   // Absolute odometry does not depend on some rows.
   bool counts(Nuisance nuisance) const;

@@ -28,7 +28,7 @@ ViewGeometry view_geometry(const Rigid3& T_robot_camera, const Rigid3& T_world_b
 struct CornerResidual {
   Eigen::Vector2d value;
   RowJacobian<2, 6> by_twist;
-  RowJacobian<2, 3> by_intrinsics;
+  RowJacobian<2, 3> by_point;
 };
 /// @param corner_camera the corner in camera coordinates.
 /// Returns false where the point is not in front of the camera.

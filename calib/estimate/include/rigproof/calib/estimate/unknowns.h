@@ -1,5 +1,5 @@
-// The one table of the unknowns beside cameras, board and robot poses: systematic errors of odometry, depth, lenses and
-// clocks. Settings, priors, layout, state, covariance and report follow from it.
+// The one table of the unknowns beside cameras, board and robot poses: systematic errors of odometry, depth, lenses,
+// board and clocks. Settings, priors, layout, state, covariance and report follow from it.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,9 @@ struct PriorSigmas {
   /// Of the odometry (increments only): measured = factor * true, of translations and of turns.
   double odometry_scale = 0.1;
   double odometry_yaw_factor = 0.1;
-  /// Of each camera's focal length (relative) and principal point; 0 = the stated intrinsics are believed.
+  /// Whether what the rig states of lenses and board is believed to the last digit, whatever sigmas it states.
+  bool believe_told = false;
+  /// Of each camera's focal length (relative) and principal point, in place of the rig's; 0 = as the rig states.
   double focal_relative = 0.0;
   double principal_point_px = 0.0;
   /// Of the delay of each camera's stamps against the odometry's clock; 0 = the stamps are believed. Only stops with a
@@ -39,8 +41,17 @@ namespace ml {
 
 /// A row of the table. A new one needs its name here, its row in unknowns.cpp, its sigma above if users may set it, and
 /// its derivative in the factors that it enters.
-enum class Nuisance { kOdometryFactors, kDepthScale, kLens, kGroundOffset, kClockOffset, kTurnLag };
-inline constexpr std::size_t kNuisances = 6;
+enum class Nuisance {
+  kOdometryFactors,
+  kDepthScale,
+  kCommonDepthScale,
+  kLens,
+  kBoardShape,
+  kGroundOffset,
+  kClockOffset,
+  kTurnLag
+};
+inline constexpr std::size_t kNuisances = 8;
 
 /// Where a prior comes from.
 struct PriorSource {
@@ -58,6 +69,7 @@ struct NuisanceRow {
   bool per_camera;       ///< else one for the whole rig
   bool increments_only;  ///< no residual of absolute odometry knows it
   bool reported;         ///< in Result::also_estimated
+  const char* source;    ///< of uncertainty: what its prior is called in the budget
   /// Covariance of the prior (parts x parts, mean zero), one a camera or one for the rig; zero = believed.
   std::vector<Eigen::MatrixXd> (*prior)(const PriorSource& source);
 
@@ -111,6 +123,7 @@ struct CommonError {
   double PriorSigmas::*sigma_m;
   int axis;
   bool along_way_only;
+  const char* source;  ///< in the budget
 };
 const std::array<CommonError, 2>& common_errors();
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/core/observations.h"
 
 namespace rigproof::ml {
@@ -33,6 +34,7 @@ std::vector<WhitenedView::Corner> whitened_corners(const BoardView& view, const 
 struct Whitened {
   std::vector<WhitenedView> views;  ///< one for each board view, without corners whose covariance is of no use
   std::vector<WhitenedPlane> ground_planes, board_planes;
+  std::vector<Lenses> lenses;  ///< of each camera
 };
 Whitened whitened(const Observations& observations);
 

@@ -1,0 +1,77 @@
+#include "rigproof/calib/estimate/budget.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "local_block.h"
+#include "rigproof/calib/estimate/covariance.h"
+
+namespace rigproof::ml {
+namespace {
+
+// By Group.
+constexpr std::array<const char*, kGroupCount> kSources = {"corners",  "ground depth", "board depth", "odometry",
+                                                           "odometry", "suspension",   "suspension"};
+
+// C H_b C of every block, by the rows of C: of the unknowns a column each, of the cameras' errors a row each.
+class BudgetSink : public BlockSink {
+ public:
+  BudgetSink(Eigen::MatrixXd poses, Eigen::MatrixXd globals) : poses_(std::move(poses)), globals_(std::move(globals)) {
+    for (Eigen::VectorXd& sum : sums_) sum = Eigen::VectorXd::Zero(globals_.rows());
+  }
+
+  void add(const LocalBlock& block) override {
+    Eigen::VectorXd& sum = sums_[static_cast<std::size_t>(block.group)];
+    for (std::size_t a = 0; a < static_cast<std::size_t>(block.count); ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        const Segment &rows = block.segments[a], &columns = block.segments[b];
+        const auto H = block.H.block(block.starts[a], block.starts[b], rows.size, columns.size);
+        const double share = a == b ? 1.0 : 2.0;  // both are symmetric
+        sum += share * (of(rows) * H).cwiseProduct(of(columns)).rowwise().sum();
+      }
+  }
+
+  const Eigen::VectorXd& of(Group group) const { return sums_[static_cast<std::size_t>(group)]; }
+
+ private:
+  Eigen::MatrixXd::ConstColsBlockXpr of(const Segment& segment) const {
+    return segment.pose < 0 ? globals_.middleCols(segment.offset, segment.size)
+                            : poses_.middleCols(6 * segment.pose + segment.offset, segment.size);
+  }
+
+  Eigen::MatrixXd poses_, globals_;
+  std::array<Eigen::VectorXd, kGroupCount> sums_;
+};
+
+}  // namespace
+
+void add_to_budget(const std::string& source, const Eigen::VectorXd& variances, std::vector<BudgetLine>* budget) {
+  if (!(variances.maxCoeff() > 0.0)) return;
+  const auto found =
+      std::find_if(budget->begin(), budget->end(), [&source](const BudgetLine& line) { return line.source == source; });
+  if (found == budget->end())
+    budget->push_back({source, variances});
+  else
+    found->variances += variances;
+}
+
+std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, const ArrowSystem& system,
+                                  const Eigen::MatrixXd& globals) {
+  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
+  if (!eliminated) return {};
+  const Layout& layout = problem.layout();
+  const Eigen::MatrixXd J = camera_chart(state, layout), by_globals = J * globals;
+  BudgetSink sink(J * eliminated->pose_covariance(globals).with_globals.transpose(), by_globals);
+  problem.visit_blocks(state, Weighting::kInformation, &sink);
+  std::vector<BudgetLine> budget;
+  for (std::size_t g = 0; g < kGroupCount; ++g) add_to_budget(kSources[g], sink.of(static_cast<Group>(g)), &budget);
+  problem.for_each_prior([&](Nuisance nuisance, int place, const Eigen::MatrixXd& information) {
+    const auto by_prior = by_globals.middleCols(place, information.rows());
+    add_to_budget(row_of(nuisance).source, (by_prior * information).cwiseProduct(by_prior).rowwise().sum(), &budget);
+  });
+  return budget;
+}
+
+}  // namespace rigproof::ml
