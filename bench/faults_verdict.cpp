@@ -112,8 +112,19 @@ std::string SharedFindings::content_of(const std::filesystem::path& file) {
   return contents_[number] = hash;
 }
 
+// A simulator knows its rig exactly and says so; a robot's owner does not.
+static void as_strangers_are(Rig* rig) {
+  rig->board.square_sigma_m.reset();
+  rig->board.bow_sigma_m.reset();
+  for (RigCamera& camera : rig->cameras) {
+    camera.intrinsics_sigma = IntrinsicsSigma();
+    if (camera.depth) camera.depth->noise.common_scale_sigma = DepthNoise().common_scale_sigma;
+  }
+}
+
 Result calibrate_as_the_command(const std::filesystem::path& recording, SharedFindings* findings) {
-  const Input input = open_input(recording);
+  Input input = open_input(recording);
+  as_strangers_are(&input.recording.value().rig);
   RecordingMemory memory(recording, findings);
   ObserveOptions options;
   options.threads = 1;

@@ -29,7 +29,8 @@ class SharedFindings {
   std::map<std::string, std::string> found_, contents_;
 };
 
-/// What `rigproof calibrate` does with its defaults. Throws what it would print as an error.
+/// What `rigproof calibrate` does with its defaults, with a rig.yaml that states no sigma of lenses, board and depth.
+/// Throws what it would print as an error.
 Result calibrate_as_the_command(const std::filesystem::path& recording, SharedFindings* findings);
 
 enum class Outcome {

@@ -330,6 +330,12 @@ std::string rig_problems(const std::string& text) {
   return found;
 }
 
+Board read_board(const std::string& text) {
+  const TempFolder folder;
+  folder.write("rig.yaml", "board: " + text + "\ncameras:\n  left: {intrinsics: " + kIntrinsics + "}\n");
+  return load_rig(folder / "rig.yaml").board;
+}
+
 TEST(Rig, TheShortestUsefulFileTakesSensorAndCameraInfo) {
   const TempFolder folder;
   folder.write("rig.yaml", rig_text("  left: {sensor: d455, folder: cam0, link: left_link}\n",
@@ -447,6 +453,34 @@ TEST(Rig, DepthRefinesThePresetOrIsNone) {
   EXPECT_THAT(error_text([&] { depth(", depth: {camera: " + std::string(kIntrinsics) + "}"); }),
               HasSubstr("camera and T_color_depth belong together"));
   EXPECT_THAT(error_text([&] { depth(", depth: off"); }), HasSubstr("depth: off: must be none or a block"));
+}
+
+TEST(Rig, HowWellItIsKnownIsThatOfAStrangerUnlessItIsSaid) {
+  const TempFolder folder;
+  const auto sigma = [&](const std::string& text) {
+    folder.write("rig.yaml", rig_text("  left: {intrinsics: " + std::string(kIntrinsics) + text + "}\n"));
+    return load_rig(folder / "rig.yaml").cameras.at(0).intrinsics_sigma;
+  };
+  EXPECT_EQ(sigma(""), IntrinsicsSigma());
+  EXPECT_EQ(sigma(", intrinsics_sigma: exact"), IntrinsicsSigma::exact());
+  const IntrinsicsSigma some = sigma(", intrinsics_sigma: {focal_percent: 0.1, distortion_px: 0}");
+  EXPECT_DOUBLE_EQ(some.focal_relative, 0.001);
+  EXPECT_EQ(some.distortion_px, 0.0);
+  EXPECT_EQ(some.principal_point_px, IntrinsicsSigma().principal_point_px) << "what is not given stays the usual";
+  EXPECT_THAT(error_text([&] { sigma(", intrinsics_sigma: none"); }), HasSubstr("none: must be exact or a block"));
+  EXPECT_THAT(error_text([&] { sigma(", intrinsics_sigma: {focal_percent: -1, focal_px: 2}"); }),
+              AllOf(HasSubstr("focal_percent: -1: allowed is 0 to 20"), HasSubstr("focal_px")));
+}
+
+TEST(Rig, ABoardIsAsPrintersLeaveItUnlessItWasMeasured) {
+  const Board board = read_board("{squares: [6, 5], square_mm: 110}");
+  EXPECT_DOUBLE_EQ(board.square_sigma_relative(), 0.005);
+  EXPECT_NEAR(board.bow_sigma(), 0.0003 * 0.66 / 0.42, 1e-9);
+  const Board measured = read_board("{squares: [6, 5], square_mm: 110, square_sigma_mm: 0.11, bow_sigma_mm: 0}");
+  EXPECT_DOUBLE_EQ(measured.square_sigma_relative(), 0.001);
+  EXPECT_EQ(measured.bow_sigma(), 0.0);
+  EXPECT_THAT(error_text([] { read_board("{squares: [6, 5], square_mm: 110, square_sigma_mm: -1}"); }),
+              HasSubstr("square_sigma_mm: -1"));
 }
 
 TEST(Rig, QuaternionsMustBeUnits) {

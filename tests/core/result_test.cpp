@@ -51,6 +51,12 @@ TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(b.also_estimated[0].value, -0.31);
   EXPECT_EQ(b.also_estimated[0].sigma, 0.02);
   EXPECT_EQ(b.also_estimated[1].prior_sigma, 10.0);
+  ASSERT_EQ(b.camera_to_robot[0].budget.size(), 2U);
+  EXPECT_EQ(b.camera_to_robot[0].budget[1].source, "board");
+  EXPECT_EQ(b.camera_to_robot[0].budget[1].share, a.camera_to_robot[0].budget[1].share);
+  ASSERT_EQ(b.lenses.size(), 1U);
+  EXPECT_EQ(b.lenses[0].camera, "left");
+  EXPECT_EQ(b.lenses[0].intrinsics.fx_px, 640.0);
   EXPECT_EQ(b.find("left", "center"), &b.camera_to_camera[0]);
   EXPECT_EQ(b.find("left", "right"), nullptr);
   save_result(b, folder / "b.yaml");

@@ -33,6 +33,9 @@ inline Rig sample_rig() {
                  sample_camera(random, "right", Lens::kKannalaBrandt)};
   rig.cameras[0].depth->own_camera =
       DepthStream::OwnCamera{random_camera(random, Lens::kBrownConrady), random_transform(random, 0.1, 0.1)};
+  rig.cameras[0].intrinsics_sigma = IntrinsicsSigma::exact();
+  rig.cameras[1].intrinsics_sigma.focal_relative = 0.001;
+  rig.board.square_sigma_m = 0.0001;
   rig.cameras[2].depth.reset();
   rig.cameras[2].sensor.clear();
   rig.odometry_noise = {OdometryModel::kPerIncrement, 0.002, deg_to_rad(0.57)};
@@ -147,6 +150,9 @@ inline Result sample_result() {
   result.use = {{"left", 22, {{0, 3, "left/color/000003.png", Finding("board.cut_off")}}, 0.0321},
                 {"center", 23, {}, 0.0456}};
   result.residuals = {{"corners", "px", 1234, 0.05}, {"odometry", "sigma", 69, 1.01}};
+  result.camera_to_robot[0].budget = {{"corners", {0.25, 0.5, 0.125, 1.0, 0.75, 0.0}},
+                                      {"board", {0.75, 0.5, 0.875, 0.0, 0.25, 1.0}}};
+  result.lenses = {{"left", Camera::symmetric(1280, 720, 640.0)}};
   result.also_estimated = {{"left", "focal_length_percent", -0.31, 0.02, 0.5},
                            {"center", "clock_offset_ms", 4.5, 0.7, 10.0}};
   return result;

@@ -68,6 +68,23 @@ TEST(Accept, StatedUncertaintyIsGatedByAxis) {
   EXPECT_NEAR(tx.value, 1000.0 * std::sqrt((*result.camera_to_robot[0].covariance)(0, 0)), 1e-12);
 }
 
+// Estimated well in spite of it, so that the answer stands; whoever asks for a gate wants to know.
+TEST(Accept, WhatIsSuspectedFailsTheGate) {
+  Observations observations = observed(3);
+  RigCamera& camera = observations.cameras[0];
+  camera.intrinsics_sigma = IntrinsicsSigma();
+  camera.camera.fx_px *= 1.0 + 4.8 * camera.intrinsics_sigma.focal_relative;
+  camera.camera.fy_px *= 1.0 + 4.8 * camera.intrinsics_sigma.focal_relative;
+  const Result result = ml_method().solve(observations);
+  ASSERT_EQ(result.status, ResultStatus::kSolved);
+  const AcceptReport report = check_acceptance(ml_method(), result, observations, AcceptCriteria());
+  ASSERT_EQ(report.failures(), 1U);
+  const AcceptCheck& check = check_of(report, "nothing suspected");
+  EXPECT_FALSE(check.passed);
+  EXPECT_EQ(check.reason->code, "prior.strained");
+  EXPECT_EQ(check.reason->cameras, std::vector<std::string>{camera.name});
+}
+
 TEST(Accept, WhatIsRefusedFailsWhereItIsLimited) {
   GeometricConfig config;
   config.seed = 5;

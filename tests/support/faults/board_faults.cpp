@@ -5,7 +5,7 @@
 namespace rigproof::faults {
 namespace {
 
-const std::vector<std::string> kSize = {"board.size"};
+const std::vector<std::string> kSize = {"board.size", "prior.strained"};
 // Beyond what a board can be off by, its size is the second half of the sentence about the depth's unit.
 const std::vector<std::string> kSizeOrUnit = {"board.size", "depth.unit_of_all", "depth.unit"};
 // A board that is not found is named by its frames.
@@ -50,8 +50,10 @@ std::vector<RecordingFault> board_faults() {
   faults.push_back(squares_fault("inner corners told as squares", -1, -1));
   faults.push_back(squares_fault("the board told one square too wide and high", 1, 1));
   faults.push_back(squares_fault("the board told two squares too wide", 2, 0));
-  faults.push_back(print_fault("the board's squares 0.5 % wider than high", "wide-0.5", {"board.size", "corners.off"}));
-  faults.push_back(print_fault("the board's squares 2 % wider than high", "wide-2", {"board.size", "corners.off"}));
+  faults.push_back(print_fault("the board's squares 0.5 % wider than high", "wide-0.5",
+                               {"board.size", "corners.off", "prior.strained"}));
+  faults.push_back(print_fault("the board's squares 2 % wider than high", "wide-2",
+                               {"board.size", "corners.off", "prior.strained"}));
   faults.push_back(print_fault("the board bent by 1 mm", "bow-1", {"corners.off"}));
   faults.push_back(print_fault("the board bent by 6 mm", "bow-6", {"corners.off"}));
   return faults;

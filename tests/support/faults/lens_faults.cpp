@@ -10,11 +10,11 @@ namespace {
 
 using Edit = std::function<void(Camera*)>;
 
-const std::vector<std::string> kIntrinsics = {"lens.intrinsics"};
-const std::vector<std::string> kCentre = {"lens.principal_point", "lens.half_pixel_slip"};
+const std::vector<std::string> kIntrinsics = {"lens.intrinsics", "prior.strained"};
+const std::vector<std::string> kCentre = {"lens.principal_point", "lens.half_pixel_slip", "prior.strained"};
 // Wrong coefficients leave corners off, or shift what the corners put the focal length and the centre to.
 const std::vector<std::string> kAnyLens = {"lens.intrinsics", "lens.principal_point", "lens.half_pixel_slip",
-                                           "corners.off"};
+                                           "corners.off", "prior.strained"};
 
 RecordingFault of_one(const std::string& name, const std::vector<std::string>& codes, const Edit& edit) {
   return {name, "lens", codes, {Files::kRig}, [edit](FaultyRecording* r) {
@@ -90,7 +90,7 @@ void add_wrong_cameras(std::vector<RecordingFault>* faults) {
   };
   faults->push_back({"intrinsics of two cameras swapped",
                      "lens",
-                     {"frames.exchanged", "lens.intrinsics"},
+                     {"frames.exchanged", "lens.intrinsics", "prior.strained"},
                      {Files::kRig},
                      swap,
                      has_two_cameras});
