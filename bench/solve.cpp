@@ -51,6 +51,20 @@ BENCHMARK_CAPTURE(solve, told, true)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(solve, told_nothing, false)->Args({3, 100})->Args({8, 1000})->Unit(benchmark::kMillisecond);
 
+// Noise told, and nothing said of lenses, board and depth: their errors are among the unknowns.
+void solve_strangers(benchmark::State& state) {
+  GeometricRun run = draw(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), true);
+  run.observations.board.square_sigma_m.reset();
+  run.observations.board.bow_sigma_m.reset();
+  for (RigCamera& camera : run.observations.cameras) {
+    camera.intrinsics_sigma = IntrinsicsSigma();
+    camera.depth->noise.common_scale_sigma = DepthNoise().common_scale_sigma;
+  }
+  const MlOptions options = options_of(true);
+  for (auto iteration : state) benchmark::DoNotOptimize(estimate_maximum_likelihood(run.observations, options));
+}
+BENCHMARK(solve_strangers)->Args({3, 100})->Args({8, 250})->Unit(benchmark::kMillisecond);
+
 void view_poses(benchmark::State& state) {
   const GeometricRun run = draw(3, 100, true);
   for (auto iteration : state) benchmark::DoNotOptimize(estimate_view_poses(run.observations));

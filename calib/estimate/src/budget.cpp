@@ -18,19 +18,21 @@ constexpr std::array<const char*, kGroupCount> kSources = {"corners",  "ground d
 // C H_b C of every block, by the rows of C: of the unknowns a column each, of the cameras' errors a row each.
 class BudgetSink : public BlockSink {
  public:
-  BudgetSink(Eigen::MatrixXd poses, Eigen::MatrixXd globals) : poses_(std::move(poses)), globals_(std::move(globals)) {
+  BudgetSink(Eigen::MatrixXd poses, Eigen::MatrixXd globals)
+      : poses_(std::move(poses)),
+        globals_(std::move(globals)),
+        rows_(globals_.rows(), LocalBlock::kMaxUnknowns),
+        product_(rows_) {
     for (Eigen::VectorXd& sum : sums_) sum = Eigen::VectorXd::Zero(globals_.rows());
   }
 
   void add(const LocalBlock& block) override {
-    Eigen::VectorXd& sum = sums_[static_cast<std::size_t>(block.group)];
+    const int n = block.unknowns;
     for (std::size_t a = 0; a < static_cast<std::size_t>(block.count); ++a)
-      for (std::size_t b = 0; b <= a; ++b) {
-        const Segment &rows = block.segments[a], &columns = block.segments[b];
-        const auto H = block.H.block(block.starts[a], block.starts[b], rows.size, columns.size);
-        const double share = a == b ? 1.0 : 2.0;  // both are symmetric
-        sum += share * (of(rows) * H).cwiseProduct(of(columns)).rowwise().sum();
-      }
+      rows_.middleCols(block.starts[a], block.segments[a].size) = of(block.segments[a]);
+    product_.leftCols(n).noalias() = rows_.leftCols(n) * block.H.topLeftCorner(n, n).selfadjointView<Eigen::Lower>();
+    sums_[static_cast<std::size_t>(block.group)] +=
+        product_.leftCols(n).cwiseProduct(rows_.leftCols(n)).rowwise().sum();
   }
 
   const Eigen::VectorXd& of(Group group) const { return sums_[static_cast<std::size_t>(group)]; }
@@ -42,6 +44,7 @@ class BudgetSink : public BlockSink {
   }
 
   Eigen::MatrixXd poses_, globals_;
+  Eigen::MatrixXd rows_, product_;  // of the block at hand
   std::array<Eigen::VectorXd, kGroupCount> sums_;
 };
 
