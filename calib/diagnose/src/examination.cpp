@@ -250,8 +250,8 @@ void note_repeats(const Observations& observations, bool depth, std::vector<Find
 }
 
 // Of depth that was left out as a whole: each cause once, with its cameras.
-// Where a camera's images contradict the others they are wrong, not depth that does not meet them.
 std::optional<Cause> cause_of_exclusions(const Observations& observations, const std::vector<Finding>& of_cameras) {
+  // Where a camera's images contradict the others they are wrong, not depth that does not meet them.
   const auto by_images = [&of_cameras](const Finding& cause) {
     return cause.is("depth.contradicts") &&
            std::any_of(of_cameras.begin(), of_cameras.end(), [&cause](const Finding& found) {

@@ -21,10 +21,13 @@ double farthest_radius(const Camera& lens) {
   for (const double u : {0.0, lens.width_px - 1.0})
     for (const double v : {0.0, lens.height_px - 1.0}) {
       Eigen::Vector3d ray;
-      // Where the lens shows nothing the distance in the image stands for it.
-      const double in_image = std::hypot((u - lens.cx_px) / lens.fx_px, (v - lens.cy_px) / lens.fy_px);
-      const double radius = lens.unproject({u, v}, &ray) ? ray.head<2>().norm() : in_image;
-      farthest = std::max(farthest, lens.lens == Lens::kKannalaBrandt ? std::atan(radius) : radius);
+      // Where the lens has no ray the distance in the image stands for radius or angle.
+      double reach = std::hypot((u - lens.cx_px) / lens.fx_px, (v - lens.cy_px) / lens.fy_px);
+      if (lens.unproject({u, v}, &ray)) {
+        const double radius = ray.head<2>().norm();
+        reach = lens.lens == Lens::kKannalaBrandt ? std::atan(radius) : radius;
+      }
+      farthest = std::max(farthest, reach);
     }
   return farthest;
 }

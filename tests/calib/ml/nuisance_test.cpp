@@ -9,6 +9,7 @@
 
 #include "calibration_truth.h"
 #include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/calib/estimate/problem.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
@@ -102,6 +103,31 @@ TEST(MlLenses, AreEstimatedAndTheUncertaintyIsTrueOverTrials) {
   EXPECT_NEAR(mean, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
   focal.expect_one();
   principal.expect_one();
+}
+
+// In the farthest corner, whatever the lens, and where a fisheye's corners see nothing.
+TEST(MlLenses, APixelOfDistortionIsAPixelInTheCorner) {
+  for (const auto& [kind, coefficients, focal_px] :
+       {std::tuple(Lens::kPinhole, std::array<double, 5>{}, 640.0),
+        std::tuple(Lens::kBrownConrady, std::array<double, 5>{-0.05, 0.02, 0.001, -0.002, 0.003}, 640.0),
+        std::tuple(Lens::kKannalaBrandt, std::array<double, 5>{0.01, -0.004, 0.002, -0.001, 0.0}, 640.0),
+        std::tuple(Lens::kKannalaBrandt, std::array<double, 5>{}, 400.0)}) {
+    Camera camera = Camera::symmetric(1280, 720, focal_px);
+    camera.lens = kind;
+    camera.distortion = coefficients;
+    ml::LensChange change = ml::LensChange::Zero();
+    change[4] = 1.0;
+    const Camera changed = ml::Lenses(camera).changed(change);
+    // As far out as the lens still shows, the cube of the distance says how much of the pixel is left.
+    const Eigen::Vector2d corner(0.0, 0.0), centre(camera.cx_px, camera.cy_px);
+    Eigen::Vector3d ray;
+    const bool sees = camera.unproject(corner, &ray);
+    const double share = sees ? 1.0 : 0.7;
+    Eigen::Vector2d after;
+    ASSERT_TRUE(camera.unproject(centre + share * (corner - centre), &ray));
+    ASSERT_TRUE(changed.project(ray, &after));
+    EXPECT_NEAR((after - centre).norm() - share * (corner - centre).norm(), share * share * share, 0.15) << focal_px;
+  }
 }
 
 TEST(MlLenses, WithoutPriorsTheErrorShows) { EXPECT_TRUE(error_shows(run_with_wrong_lenses(0))); }
