@@ -114,11 +114,10 @@ std::string SharedFindings::content_of(const std::filesystem::path& file) {
 
 // A simulator knows its rig exactly and says so; a robot's owner does not.
 static void as_strangers_are(Rig* rig) {
-  rig->board.square_sigma_m.reset();
-  rig->board.bow_sigma_m.reset();
+  rig->board.doubt();
   for (RigCamera& camera : rig->cameras) {
     camera.intrinsics_sigma = IntrinsicsSigma();
-    if (camera.depth) camera.depth->noise.common_scale_sigma = DepthNoise().common_scale_sigma;
+    if (camera.depth) camera.depth->noise.doubt_place_and_common_scale();
   }
 }
 

@@ -54,11 +54,10 @@ BENCHMARK_CAPTURE(solve, told_nothing, false)->Args({3, 100})->Args({8, 1000})->
 // Noise told, and nothing said of lenses, board and depth: their errors are among the unknowns.
 void solve_strangers(benchmark::State& state) {
   GeometricRun run = draw(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), true);
-  run.observations.board.square_sigma_m.reset();
-  run.observations.board.bow_sigma_m.reset();
+  run.observations.board.doubt();
   for (RigCamera& camera : run.observations.cameras) {
     camera.intrinsics_sigma = IntrinsicsSigma();
-    camera.depth->noise.common_scale_sigma = DepthNoise().common_scale_sigma;
+    camera.depth->noise.doubt_place_and_common_scale();
   }
   const MlOptions options = options_of(true);
   for (auto iteration : state) benchmark::DoNotOptimize(estimate_maximum_likelihood(run.observations, options));

@@ -87,6 +87,8 @@ void visit_preset(FieldVisitor& visitor, SensorPreset& preset, const VisitFields
   visitor.section(
       "color", [&preset](FieldVisitor& block) { visit_nominal_camera(block, preset.camera); },
       "nominal intrinsics of the colour camera");
+  visitor.nested("intrinsics_sigma", preset.intrinsics_sigma,
+                 "how well the intrinsics that are told of a device are known, one sigma");
   if (visitor.takes("depth", preset.depth.has_value()))
     visitor.section(
         "depth", [&preset](FieldVisitor& block) { visit_preset_depth(block, preset); }, "the depth stream");

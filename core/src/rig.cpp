@@ -2,6 +2,13 @@
 
 namespace rigproof {
 
+void DepthNoise::doubt_place_and_common_scale() {
+  const DepthNoise usual;
+  common_scale_sigma = usual.common_scale_sigma;
+  offset_sigma_m = usual.offset_sigma_m;
+  tilt_sigma_rad = usual.tilt_sigma_rad;
+}
+
 double DepthNoise::sigma_m(double depth_m) const {
   if (law == Law::kStereo) return depth_m * depth_m * inverse_depth_sigma_per_m;
   return constant_m + proportional * depth_m;

@@ -164,7 +164,8 @@ void visit_intrinsics(FieldVisitor& visitor, const RigReadOptions& options, cons
   } else {
     find_intrinsics(visitor, options, sensor, named, &camera);
   }
-  if (visitor.takes("intrinsics_sigma", !(camera.intrinsics_sigma == IntrinsicsSigma())))
+  if (sensor) camera.intrinsics_sigma = sensor->intrinsics_sigma;
+  if (visitor.takes("intrinsics_sigma", !camera.sensor.empty() || !(camera.intrinsics_sigma == IntrinsicsSigma())))
     visitor.nested("intrinsics_sigma", camera.intrinsics_sigma,
                    "how well the intrinsics are known, one sigma: estimated with them");
 }
@@ -229,6 +230,10 @@ void visit_board(FieldVisitor& visitor, Board& board) {
   visitor.scaled("bow_sigma_mm", board.bow_sigma_m, kMmPerM, {0.0, 1e4},
                  "one sigma of how far the board bows from its middle to its edges, 0: flat; default 0.07 % of its "
                  "longer side, 0.3 mm over A3");
+  visitor.scaled(
+      "print_sigma_mm", board.print_sigma_m, kMmPerM, {0.0, 100.0},
+      "one sigma of where each corner lies against these, along each axis, 0: exactly; default 0.05, of print "
+      "and paper");
   visitor.check(squares[0] == std::floor(squares[0]) && squares[1] == std::floor(squares[1]), "squares",
                 "must be whole numbers");
   board.squares_x = static_cast<int>(squares[0]);
@@ -275,6 +280,8 @@ void visit_fields(FieldVisitor& visitor, IntrinsicsSigma& sigma) {
   visitor.field("principal_point_px", sigma.principal_point_px, {0.0, 50.0}, "of the principal point along x and y");
   visitor.field("distortion_px", sigma.distortion_px, {0.0, 50.0},
                 "of the distortion: radially, in the farthest corner of the image");
+  visitor.field("residual_px", sigma.residual_px, {0.0, 10.0},
+                "of what no distortion model follows: a smooth field over the image, root mean square");
 }
 
 void visit_fields(FieldVisitor& visitor, DepthNoise& noise) {
@@ -290,6 +297,10 @@ void visit_fields(FieldVisitor& visitor, DepthNoise& noise) {
   visitor.field("scale_sigma", noise.scale_sigma, {0.0, 1.0}, "prior of the relative error of all depth, one sigma");
   visitor.field("common_scale_sigma", noise.common_scale_sigma, {0.0, 1.0},
                 "the same of the part that the rig's depth cameras share, being of one make");
+  visitor.scaled("offset_sigma_mm", noise.offset_sigma_m, kMmPerM, {0.0, 1000.0},
+                 "prior of an error of all depth alike, one sigma");
+  visitor.scaled("tilt_sigma_deg", noise.tilt_sigma_rad, kDegPerRad, {0.0, 20.0},
+                 "prior of the depth camera's tilt against the colour camera, about x and y, one sigma");
   if (visitor.takes("bias_inverse_depth_per_m", biased && stereo))
     visitor.field("bias_inverse_depth_per_m", noise.bias_inverse_depth_per_m, {0.0, 1.0},
                   "stereo: the device's fixed, smooth error of 1/z over its view, one sigma; 0: none is known of");

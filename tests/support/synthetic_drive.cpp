@@ -115,7 +115,7 @@ class Maker {
 
   void observe() {
     Observations& o = drive_.observations;
-    o.board.square_sigma_m = o.board.bow_sigma_m = 0.0;
+    o.board.believe();
     for (int k = 0; k < options_.cameras; ++k) {
       RigCamera camera;
       camera.name = "camera" + std::to_string(k);

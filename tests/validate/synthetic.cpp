@@ -18,7 +18,7 @@ Rigid3 looking(const Eigen::Vector3d& place_m, double yaw_deg, double down_deg, 
 Truth make_truth(std::size_t stops) {
   Truth truth;
   truth.scene = "synthetic";
-  truth.board.square_sigma_m = truth.board.bow_sigma_m = 0.0;
+  truth.board.believe();
   const Camera camera = Camera::symmetric(640, 360, 320.0);
   truth.cameras = {{"left", looking({0.31, 0.24, 0.62}, 25.0, 12.0, 1.0), camera, 1.0, {}},
                    {"center", looking({0.36, 0.02, 0.64}, -1.0, 10.0, -0.5), camera, 1.0, {}},
@@ -93,7 +93,7 @@ RigCamera rig_camera_of(const TrueCamera& camera) {
   rig_camera.camera = camera.camera;
   rig_camera.intrinsics_sigma = IntrinsicsSigma::exact();
   rig_camera.depth = DepthStream();
-  rig_camera.depth->noise.common_scale_sigma = 0.0;
+  rig_camera.depth->noise.believe_place_and_common_scale();
   return rig_camera;
 }
 

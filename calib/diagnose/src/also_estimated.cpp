@@ -79,11 +79,12 @@ std::string camera_of(const Preparation& prepared, const Estimated& estimated) {
 // What a rig states as zero with a sigma; the other rows are judged as odometry or follow from the data.
 bool is_stated(Nuisance nuisance) { return row_of(nuisance).reported || nuisance == Nuisance::kDepthScale; }
 
+// Some thirty values are looked at in every run: one in 5,000 healthy runs is suspected.
+constexpr double kSuspect = 4.5;
+
 // An estimate v with sigma s of what was believed to be 0 +- p scatters by sqrt(p^2 - s^2). Where the data tell little
 // that is little, and says nothing of what was believed.
 void note_strained(const Preparation& prepared, const Estimated& estimated, Result* result) {
-  // Some thirty values are looked at in every run: one in 5,000 healthy runs is suspected.
-  constexpr double kSuspect = 4.5;
   const double p = estimated.prior, s = estimated.sigma;
   if (s > kNothingNew * p) return;
   const double deviations = std::abs(estimated.value) / std::sqrt(p * p - s * s);
@@ -95,6 +96,21 @@ void note_strained(const Preparation& prepared, const Estimated& estimated, Resu
                                      {"deviations", deviations}});
   const std::string camera = camera_of(prepared, estimated);
   result->notes.push_back(camera.empty() ? finding : finding.of(camera));
+}
+
+// Errors that repeat in every image: some numbers of unit variance each, so that their size tells.
+void note_strained_repeating(const Preparation& prepared, Result* result) {
+  const auto note = [&](const std::string& camera, const char* quantity, double size, double prior) {
+    if (!(prior > 0.0) || size < kSuspect * prior) return;
+    Finding finding("prior.strained",
+                    {{"quantity", quantity}, {"value", size}, {"prior", prior}, {"deviations", size / prior}});
+    result->notes.push_back(camera.empty() ? finding : finding.of(camera));
+  };
+  for (std::size_t c = 0; c < prepared.repeating_size.field_px.size(); ++c)
+    note(prepared.used.cameras[c].name, "lens_residual_px", prepared.repeating_size.field_px[c],
+         prepared.used.cameras[c].intrinsics_sigma.residual_px);
+  constexpr double kMm = 1e3;
+  note("", "print_mm", kMm * prepared.repeating_size.print_m, kMm * prepared.used.board.print_sigma());
 }
 
 void report_lenses(const Preparation& prepared, const Fit& fit, Result* result) {
@@ -120,6 +136,7 @@ void report_also_estimated(const Preparation& prepared, const Fit& fit, const Ei
     result->also_estimated.push_back({camera_of(prepared, estimated), estimated.about().name, unit * estimated.value,
                                       unit * estimated.sigma, unit * estimated.prior});
   }
+  note_strained_repeating(prepared, result);
   report_lenses(prepared, fit, result);
   note_clocks(prepared, result);
   note_rotation_centre(prepared, fit, result);

@@ -27,9 +27,22 @@ std::optional<GlobalCovariance> covariance_of(const ArrowSystem& system) {
   return invert_information(eliminated->schur());
 }
 
+// Of the globals, with what is left of errors that repeat in every image.
+std::optional<GlobalCovariance> covariance_with_repeating(const Preparation& prepared, const Fit& fit,
+                                                          const Problem& problem) {
+  if (!prepared.repeating.errors.any())
+    return covariance_of(problem.linearise(fit.state, Weighting::kInformation, nullptr, nullptr));
+  std::optional<GlobalCovariance> all =
+      covariance_of(problem.linearise_with(prepared.repeating, fit.state, Weighting::kInformation));
+  if (!all) return std::nullopt;
+  const Eigen::Index globals = problem.layout().globals();
+  all->covariance = all->covariance.topLeftCorner(globals, globals).eval();
+  all->free_directions = all->free_directions.topRows(globals).eval();
+  return all;
+}
+
 std::optional<GlobalCovariance> covariance_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels) {
-  return covariance_of(
-      problem_at(prepared, fit, levels).linearise(fit.state, Weighting::kInformation, nullptr, nullptr));
+  return covariance_with_repeating(prepared, fit, problem_at(prepared, fit, levels));
 }
 
 NoiseLevels levels_of(const Preparation& prepared, const Fit& fit, const std::optional<GroupSums>& sums) {
@@ -105,13 +118,18 @@ Statement state_solution(const Preparation& prepared, const OdometryChoice& choi
   const Problem problem = problem_at(prepared, fit, levels);
   ArrowSystem system = problem.linearise(fit.state, Weighting::kInformation, &cost, &sums);
   Statement stated{levels, std::move(system), std::move(sums), cost, std::nullopt};
-  const std::optional<GlobalCovariance> globals = covariance_of(stated.system);
-  if (!globals) return stated;
+  const std::optional<GlobalCovariance> alone = covariance_of(stated.system);
+  const std::optional<GlobalCovariance> globals =
+      prepared.repeating.errors.any() ? covariance_with_repeating(prepared, fit, problem) : alone;
+  if (!globals || !alone) return stated;
   Eigen::MatrixXd joint = cameras_covariance(prepared, fit, globals->covariance);
   const Eigen::MatrixXd gate_joint = gate_covariance(prepared, fit, found, joint);
   if (choice.other && globals->free_directions.cols() == 0) joint = with_other_model(prepared, choice, joint);
-  std::vector<BudgetLine> budget =
-      whole_budget(budget_of(problem, fit.state, stated.system, globals->covariance), prepared, fit, joint);
+  std::vector<BudgetLine> budget = budget_of(problem, fit.state, stated.system, alone->covariance);
+  const Eigen::MatrixXd J = chart_of(prepared, fit);
+  add_to_budget("print and lens residual",
+                (J * (globals->covariance - alone->covariance) * J.transpose()).diagonal().cwiseMax(0.0), &budget);
+  budget = whole_budget(std::move(budget), prepared, fit, joint);
   stated.uncertainty = Uncertainty{globals->covariance, joint, gate_joint, std::move(budget),
                                    normalised(chart_of(prepared, fit) * globals->free_directions)};
   return stated;

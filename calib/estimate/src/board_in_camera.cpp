@@ -33,7 +33,8 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
 int TwistSystem::append(const Layout& layout, Nuisance nuisance, int camera) {
   if (!layout.has(nuisance)) return -1;
   const int first = direct_, size = row_of(nuisance).size();
-  if (first + size > kMaxDirect) throw Error("estimate: the residuals of a view know too many unknowns directly");
+  if (first + size > kMaxDirect || count_ == static_cast<int>(segments_.size()))
+    throw Error("estimate: the residuals of a view know too many unknowns directly");
   segments_[static_cast<std::size_t>(count_++)] = of_globals(layout.place(nuisance, camera), size);
   direct_ += size;
   return first;

@@ -60,7 +60,7 @@ class TwistSystem {
   Matrix6d H_ = Matrix6d::Zero();
   Vector6d g_ = Vector6d::Zero();
   int direct_ = 0, count_ = 0;
-  std::array<Segment, 3> segments_;  // of the direct unknowns
+  std::array<Segment, 4> segments_;  // of the direct unknowns
   RowJacobian<kMaxDirect, 6> by_twist_ = RowJacobian<kMaxDirect, 6>::Zero();
   Eigen::Matrix<double, kMaxDirect, kMaxDirect> by_direct_ = Eigen::Matrix<double, kMaxDirect, kMaxDirect>::Zero();
   Eigen::Matrix<double, kMaxDirect, 1> direct_g_ = Eigen::Matrix<double, kMaxDirect, 1>::Zero();

@@ -113,12 +113,6 @@ class PlaneResponse {
   std::vector<std::pair<Place, Eigen::Vector3d>> columns_;
 };
 
-// Mean of 1/z over the points of a floor, by their weights: its covariance tells how far off they are.
-double mean_inverse_depth(const PlaneObservation& plane) {
-  const Eigen::Vector3d moments = plane.covariance_per_m2.ldlt().solve(Eigen::Vector3d::UnitZ());
-  return plane.inverse_depth_plane.dot(moments) / moments.z();
-}
-
 using ViewOfPlane = std::map<std::pair<int, int>, const BoardView*>;  // by stop and camera
 
 ViewOfPlane views_by_place(const Observations& observations) {
@@ -259,6 +253,20 @@ Eigen::Matrix3d of_board_plane(const RigCamera& camera, const BoardView& view, c
 }
 
 }  // namespace
+
+double mean_inverse_depth(const PlaneObservation& plane) {
+  const Eigen::Vector3d moments = plane.covariance_per_m2.ldlt().solve(Eigen::Vector3d::UnitZ());
+  return plane.inverse_depth_plane.dot(moments) / moments.z();
+}
+
+Eigen::Matrix3d plane_by_depth_offset(const Eigen::Vector3d& measured, double mean_inverse_depth) {
+  const double m = mean_inverse_depth;
+  Eigen::Matrix3d by_offset;
+  by_offset.col(0) = 2.0 * m * measured - m * m * Eigen::Vector3d::UnitZ();
+  by_offset.col(1) = -Eigen::Vector3d::UnitX().cross(measured);
+  by_offset.col(2) = -Eigen::Vector3d::UnitY().cross(measured);
+  return by_offset;
+}
 
 std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observations, DepthScaleSource scale) {
   const std::size_t cameras = observations.cameras.size();

@@ -1,5 +1,7 @@
 #include "factors.h"
 
+#include "rigproof/calib/estimate/depth_bias.h"
+
 namespace rigproof::ml {
 namespace {
 
@@ -32,9 +34,14 @@ double depth_error(const Evaluation& at, int camera) {
 MeasuredPlane measured_plane(const Evaluation& at, const WhitenedPlane& plane) {
   MeasuredPlane result;
   result.value = plane.measured;
-  if (!at.layout.has(Nuisance::kLens) || !plane.registered) return result;
-  result.by_lens = at.lenses[static_cast<std::size_t>(plane.camera)].plane_by(plane.measured);
-  result.value += result.by_lens * at.state.nuisances.of(Nuisance::kLens, plane.camera);
+  if (at.layout.has(Nuisance::kLens) && plane.registered) {
+    result.by_lens = at.lenses[static_cast<std::size_t>(plane.camera)].plane_by(plane.measured);
+    result.value += result.by_lens * at.state.nuisances.of(Nuisance::kLens, plane.camera);
+  }
+  if (at.layout.has(Nuisance::kDepthOffset)) {
+    result.by_offset = plane_by_depth_offset(plane.measured, plane.mean_inverse_depth);
+    result.value += result.by_offset * at.state.nuisances.of(Nuisance::kDepthOffset, plane.camera);
+  }
   return result;
 }
 

@@ -30,10 +30,12 @@ double block_factor(Weighting weighting, double weight, int dimensions);
 Camera lens_at(const Evaluation& at, int camera);
 /// Relative error of a camera's depth: its own, and what all cameras share.
 double depth_error(const Evaluation& at, int camera);
-/// A plane as its depth image shows it through the intrinsics of the state, and its derivative by them.
+/// A plane as its depth image shows it through the intrinsics of the state and without the error of its depth camera's
+/// place, and its derivatives by both.
 struct MeasuredPlane {
   Eigen::Vector3d value;
   Eigen::Matrix<double, 3, 5> by_lens = Eigen::Matrix<double, 3, 5>::Zero();
+  Eigen::Matrix3d by_offset = Eigen::Matrix3d::Zero();
 };
 MeasuredPlane measured_plane(const Evaluation& at, const WhitenedPlane& plane);
 

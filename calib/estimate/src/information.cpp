@@ -4,6 +4,7 @@
 
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/declared_problem.h"
+#include "rigproof/calib/estimate/repeating_errors.h"
 #include "rigproof/core/error.h"
 
 namespace rigproof {
@@ -29,10 +30,15 @@ InformationBound cramer_rao_bound(const Observations& observations, const Calibr
                                   const CalibrationNoise& noise) {
   const ml::State state = to_state(observations, values);
   const ml::Problem problem = ml::declared_problem(observations, noise);
-  const ml::ArrowSystem system = problem.linearise(state, ml::Weighting::kUnit, nullptr, nullptr);
+  const ml::RemovedErrors repeating = ml::none_removed(observations, noise.priors);
+  const ml::ArrowSystem system = repeating.errors.any()
+                                     ? problem.linearise_with(repeating, state, ml::Weighting::kUnit)
+                                     : problem.linearise(state, ml::Weighting::kUnit, nullptr, nullptr);
   const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) throw Error("bound: the information of the robot poses is not positive definite");
-  const ml::GlobalCovariance globals = ml::invert_information(eliminated->schur());
+  const ml::GlobalCovariance all = ml::invert_information(eliminated->schur());
+  const Eigen::Index count = problem.layout().globals();
+  const ml::GlobalCovariance globals{all.covariance.topLeftCorner(count, count), all.free_directions.topRows(count)};
   const Eigen::MatrixXd J = ml::camera_chart(state, problem.layout());
 
   InformationBound bound;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "robust_views.h"
+#include "settle_repeating.h"
 
 namespace rigproof::ml {
 namespace {
@@ -53,6 +54,8 @@ Preparation prepare(const Observations& observations, const MlOptions& options,
   prepared.start = state_from(options.start ? *options.start : guessed(prepared.guess));
   prepared.priors = Priors::of({prepared.used, options.priors, options.estimate_plane_level});
   prepared.whitened = std::make_shared<const Whitened>(whitened(prepared.used));
+  prepared.repeating = none_removed(prepared.used, options.priors);
+  if (prepared.repeating.errors.any()) settle_repeating(&prepared);
   return prepared;
 }
 

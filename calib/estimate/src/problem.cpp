@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "factors.h"
+#include "repeating_couplings.h"
 
 namespace rigproof::ml {
 namespace {
@@ -191,12 +192,28 @@ void Problem::fix_unknowns(ArrowSystem* system) const {
 }
 
 ArrowSystem Problem::linearise(const State& state, Weighting weighting, double* cost, GroupSums* sums) const {
-  ArrowSystem system(layout_.poses, layout_.globals());
+  return linearised(state, weighting, nullptr, cost, sums);
+}
+
+ArrowSystem Problem::linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting) const {
+  return linearised(state, weighting, &removed, nullptr, nullptr);
+}
+
+ArrowSystem Problem::linearised(const State& state, Weighting weighting, const RemovedErrors* removed, double* cost,
+                                GroupSums* sums) const {
+  ArrowSystem system(layout_.poses, layout_.globals() + (removed != nullptr ? removed->errors.size() : 0));
   double total = 0.0;
   if (sums != nullptr) *sums = empty_sums();
   Assembler assembler(&system, &total, sums);
   visit_blocks(state, weighting, &assembler);
   system.global = system.global.selfadjointView<Eigen::Lower>().toDenseMatrix();
+  if (removed != nullptr) {
+    const Evaluation here = at(state, weighting);
+    RepeatingCouplings couplings(*removed, layout_.poses, layout_.globals());
+    for (std::size_t v = 0; v < whitened_->views.size(); ++v)
+      if (!view_left_out[v]) couplings.add(here, v, whitened_->views[v]);
+    couplings.add_to(&system);
+  }
   add_priors(state, &system, &total);
   fix_unknowns(&system);
   if (cost != nullptr) *cost = total;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "rigproof/calib/estimate/depth_bias.h"
+#include "rigproof/core/conventions.h"
 #include "shared_ground_error.h"
 
 namespace rigproof {
@@ -67,12 +68,27 @@ Covariances of_depth_scale(const PriorSource& source) {
   return covariances;
 }
 
+DepthNoise exact_depth() {
+  DepthNoise noise;
+  noise.believe_place_and_common_scale();
+  return noise;
+}
+
 // Of cameras of one make: as far off as the worst is said to be.
 Covariances of_common_depth_scale(const PriorSource& source) {
   double sigma = 0.0;
   for (const RigCamera& camera : source.observations.cameras)
     if (camera.depth && !source.sigmas.believe_told) sigma = std::max(sigma, camera.depth->noise.common_scale_sigma);
   return {independent({sigma})};
+}
+
+Covariances of_depth_offset(const PriorSource& source) {
+  Covariances covariances;
+  for (const RigCamera& camera : source.observations.cameras) {
+    const DepthNoise noise = camera.depth && !source.sigmas.believe_told ? camera.depth->noise : exact_depth();
+    covariances.push_back(independent({noise.offset_sigma_m, noise.tilt_sigma_rad, noise.tilt_sigma_rad}));
+  }
+  return covariances;
 }
 
 IntrinsicsSigma lens_sigma(const PriorSigmas& settings, const RigCamera& camera) {
@@ -131,6 +147,12 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
        &of_odometry},
       {{{"depth_scale_percent", 100.0}}, kCamera, kAnyOdometry, !kReported, "depth scale", &of_depth_scale},
       {{{"common_depth_scale_percent", 100.0}}, kRig, kAnyOdometry, kReported, "depth scale", &of_common_depth_scale},
+      {{{"depth_offset_mm", 1e3}, {"depth_tilt_x_deg", 180.0 / kPi}, {"depth_tilt_y_deg", 180.0 / kPi}},
+       kCamera,
+       kAnyOdometry,
+       kReported,
+       "depth error",
+       &of_depth_offset},
       {{{"focal_length_percent", 100.0},
         {"principal_point_x_px", 1.0},
         {"principal_point_y_px", 1.0},

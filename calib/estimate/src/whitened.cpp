@@ -51,7 +51,8 @@ std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
     const Eigen::Matrix3d whitening = L.inverse();
     if (!whitening.allFinite() || !plane.inverse_depth_plane.allFinite()) continue;
     prepared.push_back({plane.stop, plane.camera, delays.after(plane.stop, plane.camera), plane.inverse_depth_plane,
-                        whitening, is_registered(plane, observations.cameras[static_cast<std::size_t>(plane.camera)])});
+                        whitening, is_registered(plane, observations.cameras[static_cast<std::size_t>(plane.camera)]),
+                        mean_inverse_depth(plane)});
   }
   return prepared;
 }
@@ -63,7 +64,7 @@ std::vector<WhitenedView::Corner> whitened_corners(const BoardView& view, const 
   corners.reserve(view.corners.size());
   for (const CornerObservation& corner : view.corners) {
     const Eigen::Matrix2d L = corner.covariance_px2.llt().matrixL();
-    corners.push_back({board.corner(corner.id), corner.pixel, L.inverse()});
+    corners.push_back({corner.id, board.corner(corner.id), corner.pixel, L.inverse()});
   }
   return corners;
 }

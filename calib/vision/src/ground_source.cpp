@@ -92,6 +92,7 @@ GroundReport take_ground_from(GroundSource source, const MethodInput& input, Obs
     std::optional<DepthStream>& depth = observations->cameras[static_cast<std::size_t>(camera)].depth;
     depth = DepthStream();
     depth->noise.scale_sigma = kHeightScaleSigma;
+    depth->noise.believe_place_and_common_scale();
     for (const PlaneObservation& plane : ground.planes)
       if (plane.camera == camera) observations->ground_planes.push_back(plane);
     for (const Exclusion& exclusion : ground.rejected)

@@ -23,13 +23,13 @@ RigCamera depth_camera(const std::string& name) {
   camera.camera = Camera::symmetric(1280, 720, 640.0);
   camera.intrinsics_sigma = IntrinsicsSigma::exact();
   camera.depth = DepthStream();
-  camera.depth->noise.common_scale_sigma = 0.0;
+  camera.depth->noise.believe_place_and_common_scale();
   return camera;
 }
 
 GeometricRig exact_rig() {
   GeometricRig rig;
-  rig.board.square_sigma_m = rig.board.bow_sigma_m = 0.0;
+  rig.board.believe();
   return rig;
 }
 

@@ -234,11 +234,10 @@ TEST(MlClocks, OfARobotThatStandsKeepTheirPrior) {
 
 // Nothing is known of lenses, board and depth but what is usual.
 void as_strangers_are(Observations* observations) {
-  observations->board.square_sigma_m.reset();
-  observations->board.bow_sigma_m.reset();
+  observations->board.doubt();
   for (RigCamera& camera : observations->cameras) {
     camera.intrinsics_sigma = IntrinsicsSigma();
-    camera.depth->noise.common_scale_sigma = DepthNoise().common_scale_sigma;
+    camera.depth->noise.doubt_place_and_common_scale();
   }
 }
 

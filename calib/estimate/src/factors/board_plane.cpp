@@ -20,6 +20,8 @@ void board_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* si
       direct.col(depth) = W * residual.by_depth_bias;
   const int lens = system.append(at.layout, Nuisance::kLens, c);
   if (lens >= 0) direct.middleCols<5>(lens) = -W * measured.by_lens;
+  const int offset = system.append(at.layout, Nuisance::kDepthOffset, c);
+  if (offset >= 0) direct.middleCols<3>(offset) = -W * measured.by_offset;
   system.add<3>(W * residual.by_twist, direct, r, block_factor(at.weighting, w, 3));
   block.cost = at.loss.cost(s);
   block.sum.add(s, w, 3);

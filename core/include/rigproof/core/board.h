@@ -22,12 +22,23 @@ struct Board {
   /// One sigma of how far the sheet bows out of its plane, from its middle to its edges along x and along y; absent: as
   /// far as the longer side goes with 0.3 mm over that of an A3 sheet. 0: flat.
   std::optional<double> bow_sigma_m;
+  /// One sigma of where each corner lies against all of these, along each axis; absent: 0.05 mm, of print and paper.
+  std::optional<double> print_sigma_m;
 
+  /// From now on exactly as stated.
+  void believe() { square_sigma_m = bow_sigma_m = print_sigma_m = 0.0; }
+  /// From now on known as usual.
+  void doubt() {
+    square_sigma_m.reset();
+    bow_sigma_m.reset();
+    print_sigma_m.reset();
+  }
   double square_sigma_relative() const { return square_sigma_m ? *square_sigma_m / square_m : 0.005; }
   double bow_sigma() const {
     constexpr double kOverA3_m = 0.0003, kA3_m = 0.42;
     return bow_sigma_m.value_or(kOverA3_m / kA3_m * square_m * std::max(squares_x, squares_y));
   }
+  double print_sigma() const { return print_sigma_m.value_or(5e-5); }
   int inner_corners_x() const { return squares_x - 1; }
   int inner_corners_y() const { return squares_y - 1; }
   int corner_count() const { return inner_corners_x() * inner_corners_y(); }

@@ -28,12 +28,21 @@ struct DepthNoise {
   double scale_sigma = 0.003;
   /// The same of what all depth cameras of a rig share, being of one make: data sheets promise 2 %.
   double common_scale_sigma = 0.01;
+  /// Prior of an error of all depth alike [m], and of a tilt of the depth camera against the colour camera about x and
+  /// y of the latter [rad], one sigma each. Assumed: time of flight is off by less than 5 mm at a metre (librealsense
+  /// #5808), a registration by some 1.5 px of 640.
+  double offset_sigma_m = 0.005;
+  double tilt_sigma_rad = 0.0025;
   /// The device's fixed, smooth error over its view, one sigma, as the law says: of 1/z (stereo) or of z (time of
   /// flight). 0 = none is known of. It falls off over an angle as a Gaussian with 0.82 bias_cell_deg does.
   double bias_inverse_depth_per_m = 0.0;
   double bias_m = 0.0;
   double bias_cell_deg = 15.0;
 
+  /// From now on without an error that cameras share, an offset or a tilt.
+  void believe_place_and_common_scale() { common_scale_sigma = offset_sigma_m = tilt_sigma_rad = 0.0; }
+  /// With the usual ones.
+  void doubt_place_and_common_scale();
   double sigma_m(double depth_m) const;
   /// Standard deviation of 1/z at the given depth [1/m].
   double inverse_depth_sigma(double depth_m) const;
@@ -63,11 +72,13 @@ struct IntrinsicsSigma {
   double focal_ratio = 0.0005;      ///< of fx / fy
   double principal_point_px = 2.0;  ///< along x and along y
   double distortion_px = 0.3;       ///< radially, in the farthest corner of the image
+  double residual_px = 0.1;         ///< of the smooth field that no model follows, rms over the image
 
-  static IntrinsicsSigma exact() { return {0.0, 0.0, 0.0, 0.0}; }
+  static IntrinsicsSigma exact() { return {0.0, 0.0, 0.0, 0.0, 0.0}; }
   bool operator==(const IntrinsicsSigma& other) const {
     return focal_relative == other.focal_relative && focal_ratio == other.focal_ratio &&
-           principal_point_px == other.principal_point_px && distortion_px == other.distortion_px;
+           principal_point_px == other.principal_point_px && distortion_px == other.distortion_px &&
+           residual_px == other.residual_px;
   }
 };
 

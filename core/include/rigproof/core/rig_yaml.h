@@ -67,7 +67,8 @@ struct StereoGeometry {
 struct SensorPreset {
   std::string name;
   std::string description;
-  Camera camera;  ///< nominal intrinsics of the colour stream
+  Camera camera;                     ///< nominal intrinsics of the colour stream
+  IntrinsicsSigma intrinsics_sigma;  ///< how well those of a device are known
   std::optional<DepthStream> depth;
   /// Where the device measures depth before its driver registers it to colour: `depth.raw` of the preset.
   std::optional<DepthStream::OwnCamera> raw_depth;

@@ -8,6 +8,15 @@
 
 namespace rigproof {
 
+/// Mean of 1/z over the points of a plane, by their weights [1/m]: its covariance tells how far off they are.
+double mean_inverse_depth(const PlaneObservation& plane);
+
+/// Derivative of a plane without an error of its depth camera by that error: depth too large by an offset [m], and a
+/// turn of the depth camera against the colour camera about x and y of the latter [rad]. An offset bends a plane in
+/// 1/z a little: this is the plane that touches it at the points' mean.
+/// @param measured the plane with the error: 1/z = a . ray [1/m]
+Eigen::Matrix3d plane_by_depth_offset(const Eigen::Vector3d& measured, double mean_inverse_depth);
+
 /// Source of the depth scale: the device, or depth on the board, whose bias it then inherits.
 enum class DepthScaleSource { kDevice, kBoard };
 

@@ -6,6 +6,7 @@
 
 #include "rigproof/calib/estimate/ml_options.h"
 #include "rigproof/calib/estimate/noise.h"
+#include "rigproof/calib/estimate/repeating_errors.h"
 #include "rigproof/calib/estimate/state.h"
 #include "rigproof/calib/estimate/whitened.h"
 #include "rigproof/calib/geometry/initial_guess.h"
@@ -22,7 +23,7 @@ struct Preparation {
 
   const Observations& original;
   const MlOptions& options;
-  Observations used;  ///< without planes that are not the ground
+  Observations used;  ///< without planes that are not the ground, and without errors that repeat in every image
   std::vector<ViewPose> views;
   std::vector<Exclusion> excluded;
   TrajectoryAlignment alignment;
@@ -31,6 +32,8 @@ struct Preparation {
   std::size_t rejected_planes = 0;
   Priors priors;
   std::shared_ptr<const Whitened> whitened;  ///< what is used
+  RemovedErrors repeating;  ///< errors that repeat in every image, and what was taken out of the corners
+  RepeatingSize repeating_size;
 
   /// False: no camera saw the board, there is nothing to solve.
   bool solvable() const { return guess.T_world_board.has_value(); }

@@ -10,6 +10,7 @@
 #include "rigproof/calib/estimate/group_sums.h"
 #include "rigproof/calib/estimate/noise.h"
 #include "rigproof/calib/estimate/odometry_way.h"
+#include "rigproof/calib/estimate/repeating_errors.h"
 #include "rigproof/calib/estimate/state.h"
 #include "rigproof/calib/estimate/weighting.h"
 #include "rigproof/calib/estimate/whitened.h"
@@ -40,6 +41,8 @@ class Problem {
 
   /// Normal equations at the state, with cost and sums where wanted.
   ArrowSystem linearise(const State& state, Weighting weighting, double* cost, GroupSums* sums) const;
+  /// The same with the repeating errors as further globals, after all others.
+  ArrowSystem linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting) const;
   /// Dimensions of each group that the estimate absorbs: its leverage.
   void add_leverage(const State& state, const EliminatedSystem::PoseCovariance& poses, const Eigen::MatrixXd& globals,
                     GroupSums* sums) const;
@@ -61,6 +64,8 @@ class Problem {
   GroupSums empty_sums() const;
 
  private:
+  ArrowSystem linearised(const State& state, Weighting weighting, const RemovedErrors* removed, double* cost,
+                         GroupSums* sums) const;
   Evaluation at(const State& state, Weighting weighting) const;
   void visit_odometry(const Evaluation& at, int stop, BlockSink* sink) const;
   // Absolute odometry does not depend on some rows.

@@ -45,13 +45,14 @@ enum class Nuisance {
   kOdometryFactors,
   kDepthScale,
   kCommonDepthScale,
+  kDepthOffset,
   kLens,
   kBoardShape,
   kGroundOffset,
   kClockOffset,
   kTurnLag
 };
-inline constexpr std::size_t kNuisances = 8;
+inline constexpr std::size_t kNuisances = 9;
 
 /// Where a prior comes from.
 struct PriorSource {

@@ -11,6 +11,7 @@ namespace rigproof::ml {
 
 struct WhitenedView {
   struct Corner {
+    int id;
     Eigen::Vector3d point_board;
     Eigen::Vector2d pixel;
     Eigen::Matrix2d whitening;
@@ -25,7 +26,8 @@ struct WhitenedPlane {
   double after_stop_s;
   Eigen::Vector3d measured;
   Eigen::Matrix3d whitening;
-  bool registered;  ///< errs with the intrinsics
+  bool registered;            ///< errs with the intrinsics
+  double mean_inverse_depth;  ///< of its points, by their weights [1/m]
 };
 
 /// The corners of a view; one whose covariance is of no use has no finite whitening.

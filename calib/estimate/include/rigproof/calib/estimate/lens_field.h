@@ -1,0 +1,31 @@
+// What no distortion model follows of a lens: a smooth field over the image.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "rigproof/calib/estimate/lens_change.h"
+
+namespace rigproof::ml {
+
+/// Polynomials over a camera's image, without the part that a change of the lens (LensChange) or a turn of the camera
+/// makes, and orthogonal to each other over the image.
+class LensField {
+ public:
+  explicit LensField(const Camera& camera);
+  /// Number of coefficients.
+  int size() const { return static_cast<int>(combination_.cols()); }
+  /// Displacement [px] by each coefficient, 2 x size; zero where the lens has no ray. Independent coefficients of unit
+  /// variance make a field whose coordinates have a root mean square of 1 px over the image; the higher its order, the
+  /// less a coefficient makes.
+  Eigen::Matrix2Xd at(const Eigen::Vector2d& pixel) const;
+
+ private:
+  // What a change of the lens and a turn of the camera make, then polynomials: 2 x columns.
+  bool raw(const Eigen::Vector2d& pixel, Eigen::Matrix2Xd* columns) const;
+
+  Camera camera_;
+  double coefficient_by_px_;
+  Eigen::MatrixXd combination_;  // of raw columns
+};
+
+}  // namespace rigproof::ml

@@ -1,0 +1,66 @@
+// Errors that repeat in every image and that no lens or board of few parameters follows: where each corner was
+// printed, and a smooth field over each camera's image. They are estimated from the images alone, where the board may
+// lie anywhere, and taken out of the corners before anything else; what the data leave of them counts as unknowns of
+// the whole problem.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rigproof/calib/estimate/lens_field.h"
+#include "rigproof/calib/estimate/unknowns.h"
+#include "rigproof/calib/geometry/view_poses.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+class RepeatingErrors {
+ public:
+  /// None where lenses and board are believed, or where a drive is so long that its memory would not hold them: of
+  /// that many views the images of a few would tell them all.
+  RepeatingErrors() = default;
+  RepeatingErrors(const Observations& observations, const PriorSigmas& priors);
+
+  bool any() const { return size() > 0; }
+  /// Independent unknowns, each of unit variance before any data.
+  int size() const { return static_cast<int>(raw_by_unknowns_.cols()); }
+  /// Offsets of all corners of the board (three each, by id [m]), then each camera's coefficients of its field [px].
+  int raw_size() const { return static_cast<int>(raw_by_unknowns_.rows()); }
+  const Eigen::MatrixXd& raw_by_unknowns() const { return raw_by_unknowns_; }
+
+  /// Where a corner's offset begins among the raw errors; -1 if the print is believed.
+  int print(int id) const { return has_print_ ? 3 * id : -1; }
+  /// Where a camera's coefficients begin; -1 if its lens is believed.
+  int field(int camera) const { return fields_[static_cast<std::size_t>(camera)]; }
+  const LensField& lens_field(int camera) const { return lens_fields_[static_cast<std::size_t>(camera)]; }
+
+ private:
+  bool has_print_ = false;
+  std::vector<int> fields_;
+  std::vector<LensField> lens_fields_;
+  Eigen::MatrixXd raw_by_unknowns_;
+};
+
+/// What was taken out of the corners.
+struct RemovedErrors {
+  RepeatingErrors errors;
+  /// Of each board view: displacement of its corners, two rows each, by the coefficients of its camera's field.
+  std::vector<Eigen::MatrixXd> fields;
+  Eigen::VectorXd value;  ///< of the errors' unknowns
+};
+/// Nothing taken out yet.
+RemovedErrors none_removed(const Observations& observations, const PriorSigmas& priors);
+
+/// From the images alone: every view's pose, the lenses and the board's shape are estimated with them.
+Eigen::VectorXd estimate_repeating(const RemovedErrors& removed, const Observations& observations,
+                                   const std::vector<ViewPose>& views, const Priors& priors);
+/// How large what was taken out is, root mean square.
+struct RepeatingSize {
+  double print_m = 0.0;          ///< of each coordinate of the corners' offsets
+  std::vector<double> field_px;  ///< of each coordinate over the corners of each camera
+};
+/// Takes the estimate out of the corners of all views that have a pose.
+RepeatingSize remove_repeating(const RemovedErrors& removed, const std::vector<ViewPose>& views,
+                               Observations* observations);
+
+}  // namespace rigproof::ml

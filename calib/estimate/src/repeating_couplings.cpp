@@ -1,0 +1,128 @@
+#include "repeating_couplings.h"
+
+#include <cmath>
+
+#include "corner_model.h"
+
+namespace rigproof::ml {
+namespace {
+
+constexpr int kLens = 5, kShape = 4, kTwist = 6;
+
+// The corners of a view, whitened and weighted: residual, and derivatives by the view's twist, the lens and the board's
+// shape; by each corner's own offset; and by the field. A corner that is not in front of the camera has none.
+struct Rows {
+  Rows(Eigen::Index corners, Eigen::Index fields)
+      : residual(Eigen::VectorXd::Zero(2 * corners)),
+        by_globals(Eigen::MatrixXd::Zero(2 * corners, kTwist + kLens + kShape)),
+        by_offset(Eigen::MatrixXd::Zero(2 * corners, 3)),
+        by_field(Eigen::MatrixXd::Zero(2 * corners, fields)) {}
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd by_globals, by_offset, by_field;
+};
+
+Rows rows_of(const Evaluation& at, const WhitenedView& view, const Rigid3& T_camera_board, const RemovedErrors& removed,
+             std::size_t index) {
+  const Camera lens = lens_at(at, view.camera);
+  const LensChange change = at.state.nuisances.of(Nuisance::kLens, view.camera);
+  const double by_px = at.lenses[static_cast<std::size_t>(view.camera)].coefficient_by_px();
+  const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
+  const Eigen::Matrix3d R = T_camera_board.rotation_matrix();
+  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
+  const Eigen::MatrixXd& fields = removed.fields[index];
+  const LensField& of_lens = removed.errors.lens_field(view.camera);
+  // Corners without a finite covariance are missing among those that are whitened.
+  const bool all_there = fields.rows() == 2 * static_cast<Eigen::Index>(view.corners.size());
+  Rows rows(static_cast<Eigen::Index>(view.corners.size()), fields.cols());
+  for (std::size_t i = 0; i < view.corners.size(); ++i) {
+    const WhitenedView::Corner& corner = view.corners[i];
+    const CornerOfBoard on_board = corner_of_board(at.observations.board, shape, corner.point_board);
+    const Eigen::Vector3d q = R * on_board.point + T_camera_board.translation;
+    CornerResidual residual;
+    if (!corner_residual(lens, q, corner.pixel, &residual)) continue;
+    const Eigen::Matrix2d W = whiten * corner.whitening;
+    const double weight = at.loss.weight((W * residual.value).squaredNorm());
+    const Eigen::Matrix2d root = std::sqrt(block_factor(at.weighting, weight, 2)) * W;
+    const Eigen::Matrix<double, 2, 3> by_offset = residual.by_point * R;
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    rows.residual.segment<2>(row) = root * residual.value;
+    auto by_globals = rows.by_globals.middleRows<2>(row);
+    by_globals.leftCols<kTwist>() = root * residual.by_twist;
+    by_globals.middleCols<kLens>(kTwist) = root * pixel_by_lens(lens, change, by_px, q, residual.value + corner.pixel);
+    by_globals.rightCols<kShape>() = root * by_offset * on_board.by_shape;
+    rows.by_offset.middleRows<2>(row) = root * by_offset;
+    if (fields.cols() == 0) continue;
+    if (all_there)
+      rows.by_field.middleRows<2>(row).noalias() = root * fields.middleRows<2>(row);
+    else
+      rows.by_field.middleRows<2>(row) = root * of_lens.at(corner.pixel);
+  }
+  return rows;
+}
+
+}  // namespace
+
+RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, int globals)
+    : removed_(removed),
+      errors_(removed.errors),
+      own_(Eigen::MatrixXd::Zero(errors_.raw_size(), errors_.raw_size())),
+      with_globals_(Eigen::MatrixXd::Zero(globals, errors_.raw_size())),
+      with_poses_(Eigen::MatrixXd::Zero(6 * poses, errors_.raw_size())),
+      gradient_(Eigen::VectorXd::Zero(errors_.raw_size())) {}
+
+void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const WhitenedView& view) {
+  const BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
+  const Rows rows = rows_of(at, view, seen.T_camera_board, removed_, index);
+  const int field = errors_.field(view.camera);
+  const Eigen::Index fields = field >= 0 ? rows.by_field.cols() : 0;
+  if (fields > 0) {
+    add_with_others(at, view, seen, field, rows.by_globals.transpose() * rows.by_field);
+    own_.block(field, field, fields, fields).noalias() += rows.by_field.transpose() * rows.by_field;
+    gradient_.segment(field, fields).noalias() += rows.by_field.transpose() * rows.residual;
+  }
+  for (std::size_t i = 0; errors_.print(0) >= 0 && i < view.corners.size(); ++i) {
+    const int print = errors_.print(view.corners[i].id);
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    const Eigen::Matrix<double, 2, 3> by_offset = rows.by_offset.middleRows<2>(row);
+    add_with_others(at, view, seen, print, rows.by_globals.middleRows<2>(row).transpose() * by_offset);
+    own_.block<3, 3>(print, print) += by_offset.transpose() * by_offset;
+    gradient_.segment<3>(print) += by_offset.transpose() * rows.residual.segment<2>(row);
+    if (fields > 0)
+      own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.by_field.middleRows<2>(row);
+  }
+}
+
+void RepeatingCouplings::add_with_others(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
+                                         int place, const Eigen::MatrixXd& by_globals) {
+  const Eigen::Index size = by_globals.cols();
+  const auto by_twist = by_globals.topRows<kTwist>();
+  for (std::size_t p = 0; p < static_cast<std::size_t>(seen.count); ++p) {
+    const auto& [segment, twist] = seen.parts[p];
+    if (segment.pose < 0)
+      with_globals_.block(segment.offset, place, segment.size, size).noalias() +=
+          twist.leftCols(segment.size).transpose() * by_twist;
+    else
+      with_poses_.block(6 * segment.pose + segment.offset, place, segment.size, size).noalias() +=
+          twist.leftCols(segment.size).transpose() * by_twist;
+  }
+  if (at.layout.has(Nuisance::kLens))
+    with_globals_.block(at.layout.place(Nuisance::kLens, view.camera), place, kLens, size) +=
+        by_globals.middleRows<kLens>(kTwist);
+  if (at.layout.has(Nuisance::kBoardShape))
+    with_globals_.block(at.layout.place(Nuisance::kBoardShape), place, kShape, size) += by_globals.bottomRows<kShape>();
+}
+
+void RepeatingCouplings::add_to(ArrowSystem* system) const {
+  const Eigen::MatrixXd& M = errors_.raw_by_unknowns();
+  const Eigen::Index first = with_globals_.rows(), size = M.cols();
+  system->pose_global.rightCols(size) = with_poses_ * M;
+  system->global.topRightCorner(first, size) = with_globals_ * M;
+  system->global.bottomLeftCorner(size, first) = system->global.topRightCorner(first, size).transpose();
+  // Offsets come first: between them and fields only one of the two blocks was filled.
+  const Eigen::MatrixXd own = own_.selfadjointView<Eigen::Upper>();
+  system->global.bottomRightCorner(size, size) = M.transpose() * own * M;
+  system->global.diagonal().tail(size).array() += 1.0;
+  system->global_gradient.tail(size) = M.transpose() * gradient_ + removed_.value;
+}
+
+}  // namespace rigproof::ml
