@@ -153,22 +153,15 @@ std::string numbered(const std::string& folder, std::size_t number, const char* 
   return fmt::format("{}/{:06}{}", folder, number, extension);
 }
 
-// What is told without an error is said to be exact.
-void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* camera) {
-  const LensSensingConfig& lens = config.sensing.lens;
-  if (is_exact(lens)) camera->intrinsics_sigma = IntrinsicsSigma::exact();
-  camera->camera = told_camera(camera->camera, lens, sensing_seed(config), index);
-}
-
 Recording recorded_part(const Scenario& scenario, const Board& board) {
   Recording recording;
   recording.rig = scenario.rig.rig;
   recording.rig.board = board;
-  recording.rig.board.square_sigma_m = recording.rig.board.bow_sigma_m = 0.0;
+  tell_board(scenario.config, &recording.rig.board);
   for (std::size_t i = 0; i < recording.rig.cameras.size(); ++i) {
     tell_lens(scenario.config, static_cast<std::int32_t>(i), &recording.rig.cameras[i]);
+    tell_depth(scenario.config, &recording.rig.cameras[i]);
     tell_depth_bias(scenario.sensors[i], &recording.rig.cameras[i]);
-    if (recording.rig.cameras[i].depth) recording.rig.cameras[i].depth->noise.common_scale_sigma = 0.0;
   }
   const char* image_extension = scenario.sensor_images_are_jpeg() ? ".jpg" : ".png";
   const bool clouds = scenario.config.clouds == "pcd";

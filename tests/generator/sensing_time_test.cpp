@@ -103,18 +103,29 @@ TEST(SensingTime, LateOdometryIsToldInTheTruth) {
   EXPECT_NEAR(data.truth.drawn.at("sensing.time.odometry_delay_ms"), 80.0, 1e-9);
 }
 
-TEST(SensingLens, ToldIntrinsicsAreOffByTheFactorysError) {
-  Camera camera = Camera::symmetric(1280, 720, 640.0);
-  EXPECT_EQ(told_camera(camera, {}, 0, 0).fx_px, 640.0);
+RigCamera told_of(const RigCamera& camera, const GenerateConfig& config, std::int32_t index) {
+  RigCamera told = camera;
+  tell_lens(config, index, &told);
+  return told;
+}
+
+TEST(SensingLens, ToldIntrinsicsAreOffAsAskedFor) {
+  RigCamera rig_camera;
+  Camera& camera = rig_camera.camera;
+  camera = Camera::symmetric(1280, 720, 640.0);
+  GenerateConfig run;
+  run.sensing.told = "exact";
+  EXPECT_EQ(told_of(rig_camera, run, 0).camera.fx_px, 640.0);
+  EXPECT_EQ(told_of(rig_camera, run, 0).intrinsics_sigma, IntrinsicsSigma::exact());
   camera.distortion = {0.1, -0.2, 0.0, 0.0, 0.0};
-  LensSensingConfig config;
+  LensSensingConfig& config = run.sensing.lens;
   config.focal_error_percent = Distribution::Kind(Distribution::Normal{0.0, 0.2});
   config.centre_error_px = Distribution::Kind(Distribution::Normal{0.0, 3.0});
   config.distortion_error_percent = 5.0;
   double focal = 0.0, centre = 0.0;
   constexpr int kCameras = 500;
   for (int i = 0; i < kCameras; ++i) {
-    const Camera told = told_camera(camera, config, 0, i);
+    const Camera told = told_of(rig_camera, run, i).camera;
     EXPECT_EQ(told.fx_px, told.fy_px);
     EXPECT_NEAR(told.distortion[1], -0.21, 1e-12);
     focal += std::pow(told.fx_px / 640.0 - 1.0, 2) / kCameras;
@@ -122,6 +133,84 @@ TEST(SensingLens, ToldIntrinsicsAreOffByTheFactorysError) {
   }
   EXPECT_NEAR(std::sqrt(focal) / 0.002, 1.0, 0.13);  // standard error 3.2 %, four of them
   EXPECT_NEAR(std::sqrt(centre) / 3.0, 1.0, 0.09);   // twice as many values
+}
+
+// Each quantity spreads as the recording says that it is known; a corner moves by what is said of the distortion.
+TEST(SensingTold, LensesAreDrawnAsWellAsTheyAreSaidToBeKnown) {
+  RigCamera rig_camera;
+  rig_camera.camera = Camera::symmetric(1280, 720, 640.0);
+  rig_camera.intrinsics_sigma = {0.004, 0.001, 1.5, 0.5, 0.0};
+  const Camera& camera = rig_camera.camera;
+  Eigen::Vector3d ray;
+  ASSERT_TRUE(camera.unproject({0.0, 0.0}, &ray));
+  Eigen::Matrix<double, 5, 1> squares = Eigen::Matrix<double, 5, 1>::Zero();
+  constexpr int kCameras = 1000;
+  for (int i = 0; i < kCameras; ++i) {
+    const RigCamera drawn = told_of(rig_camera, {}, i);
+    EXPECT_EQ(drawn.intrinsics_sigma, rig_camera.intrinsics_sigma);
+    const Camera& told = drawn.camera;
+    Camera bent = camera;
+    bent.lens = told.lens;
+    bent.distortion = told.distortion;
+    Eigen::Vector2d moved;
+    ASSERT_TRUE(bent.project(ray, &moved));
+    Eigen::Matrix<double, 5, 1> errors;
+    errors << std::sqrt(told.fx_px * told.fy_px) / 640.0 - 1.0, told.fx_px / told.fy_px - 1.0,
+        told.cx_px - camera.cx_px, told.cy_px - camera.cy_px, moved.norm();
+    squares += errors.cwiseAbs2() / kCameras;
+  }
+  const std::vector<double> sigmas = {0.004, 0.001, 1.5, 1.5, 0.5};
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(std::sqrt(squares(i)) / sigmas[i], 1.0, 0.09) << i;  // four of 2.2 %
+}
+
+TEST(SensingTold, AnErrorThatIsAskedForReplacesTheOneDrawn) {
+  RigCamera camera;
+  camera.camera = Camera::symmetric(1280, 720, 640.0);
+  GenerateConfig run;
+  run.sensing.lens.focal_error_percent = 1.0;
+  const Camera told = told_of(camera, run, 3).camera;
+  EXPECT_DOUBLE_EQ(told.fx_px, 646.4);
+  EXPECT_DOUBLE_EQ(told.fy_px, 646.4);
+  EXPECT_NE(told.cx_px, camera.camera.cx_px);
+}
+
+TEST(SensingTold, NothingIsDrawnForSensorsWithoutNoiseOrWhereAllIsKnown) {
+  RigCamera camera;
+  camera.camera = Camera::symmetric(1280, 720, 640.0);
+  GenerateConfig run;
+  run.sensor_noise = "none";
+  EXPECT_EQ(told_of(camera, run, 0).camera.fx_px, 640.0);
+  EXPECT_EQ(told_of(camera, run, 0).intrinsics_sigma, IntrinsicsSigma::exact());
+  run.sensor_noise = "realistic";
+  camera.intrinsics_sigma = IntrinsicsSigma::exact();
+  EXPECT_EQ(told_of(camera, run, 0).camera.cx_px, camera.camera.cx_px);
+}
+
+TEST(SensingTold, SquaresAndDepthScalesAreDrawnWithWhatCamerasShare) {
+  GenerateConfig run;
+  RigCamera camera;
+  camera.depth = DepthStream();
+  camera.depth->noise.scale_sigma = 0.003;
+  double sides = 0.0, shared = 0.0, apart = 0.0;
+  constexpr int kRuns = 1000;
+  for (run.seed = 0; run.seed < kRuns; ++run.seed) {
+    Board board;
+    const double true_m = board.square_m;
+    tell_board(run, &board);
+    EXPECT_FALSE(board.square_sigma_m.has_value());
+    EXPECT_EQ(board.print_sigma(), 0.0);
+    sides += std::pow(board.square_m / true_m - 1.0, 2) / kRuns;
+    double scales[2];
+    for (std::int32_t i = 0; i < 2; ++i) {
+      DeviceDraws draws({sensing_seed(run), -1, i});
+      scales[i] = depth_scale_of(run, camera, &draws) - 1.0;
+    }
+    shared += scales[0] * scales[1] / kRuns;
+    apart += std::pow(scales[0] - scales[1], 2) / 2.0 / kRuns;
+  }
+  EXPECT_NEAR(std::sqrt(sides) / 0.005, 1.0, 0.09);
+  EXPECT_NEAR(std::sqrt(shared) / 0.01, 1.0, 0.09);
+  EXPECT_NEAR(std::sqrt(apart) / 0.003, 1.0, 0.09);
 }
 
 TEST(SensingSeed, IsTheRunsUnlessItHasItsOwn) {

@@ -44,6 +44,9 @@ void DepthSensingConfig::visit(FieldVisitor& visitor) {
 void SensingConfig::visit(FieldVisitor& visitor) {
   visitor.field("seed", seed, {-1.0, 9007199254740992.0},
                 "of noise, devices and odometry; -1 = the run's seed, which also draws the world and the drive");
+  visitor.field("told", told, TextChoices{{"drawn", "exact"}},
+                "what the recording tells of lenses, the squares' side and depth scales: drawn, as calibrations and "
+                "rulers leave it, around what is true; or exact, but for errors that other fields ask for");
   visitor.nested("image", image, "colour images");
   visitor.nested("depth", depth, "depth images");
   visitor.nested("lens", lens, "what the user is told of the lens against what is true");
@@ -59,7 +62,7 @@ std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig
   for (std::size_t i = 0; i < models.size(); ++i) {
     const RigCamera& camera = rig.cameras[i];
     DeviceDraws draws({sensing_seed(config), -1, static_cast<std::int32_t>(i)});
-    models[i].depth_scale = 1.0 + config.depth_scale_bias_percent.sample(draws.of("depth scale")) / 100.0;
+    models[i].depth_scale = depth_scale_of(config, camera, &draws);
     if (config.sensor_noise == "none") continue;
     const SensorDevice device = load_sensor_device(camera.sensor, config.sensing);
     models[i].image = resolve_image(config.sensing.image, device.color, &draws);

@@ -18,10 +18,17 @@ std::uint64_t sensing_seed(const GenerateConfig& config);
 /// @param outdoors the scene lies in daylight
 std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig& rig, bool outdoors);
 
-/// Whether no error can be drawn.
-bool is_exact(const LensSensingConfig& config);
-/// The intrinsics that the user is told: the true ones with the factory's error.
-Camera told_camera(const Camera& camera, const LensSensingConfig& config, std::uint64_t seed, std::int32_t index);
+/// Whether lenses, board and depth scales are told with the errors that calibrations and rulers leave.
+bool told_is_drawn(const GenerateConfig& config);
+/// What a camera's depth is multiplied by: asked for, or drawn with a part that all cameras share, or 1.
+double depth_scale_of(const GenerateConfig& config, const RigCamera& camera, DeviceDraws* draws);
+/// In place of what is true: the intrinsics and how well they are known, which is exactly unless an error may be drawn.
+/// What `sensing.lens` asks for replaces what would be drawn of the same quantity.
+void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* camera);
+/// The same for the side of the squares.
+void tell_board(const GenerateConfig& config, Board* board);
+/// How well the scale of depth that cameras share is known; neither an offset nor a tilt is simulated.
+void tell_depth(const GenerateConfig& config, RigCamera* camera);
 
 /// Says in the camera's noise law how large the device's fixed depth error is that the model simulates: none, if none.
 void tell_depth_bias(const SensorModel& model, RigCamera* camera);

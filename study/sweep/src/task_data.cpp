@@ -132,7 +132,9 @@ std::size_t sample_at(const std::vector<OdometrySample>& odometry, double stamp_
 
 // Rig, stops and odometry as the run plans them; corners and planes drawn.
 TaskData planned_data(const SweepTask& task) {
-  PlannedRun plan = plan_run(task.config);
+  GenerateConfig planned = task.config;
+  planned.sensing.told = "exact";  // corners and planes are drawn through the lenses that are told
+  PlannedRun plan = plan_run(planned);
   const std::int64_t seed = task.config.sensing.seed >= 0 ? task.config.sensing.seed : task.config.seed;
   GeometricConfig config = noise_of(task.geometric, static_cast<std::uint64_t>(seed));
   config.rig.cameras = plan.recording.rig.cameras;

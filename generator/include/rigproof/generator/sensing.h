@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "rigproof/core/distribution.h"
 #include "rigproof/generator/effect.h"
@@ -46,7 +47,8 @@ struct TimeSensingConfig {
 };
 
 struct SensingConfig {
-  std::int64_t seed = -1;  ///< of everything random that is not rendered; -1 = the run's
+  std::int64_t seed = -1;      ///< of everything random that is not rendered; -1 = the run's
+  std::string told = "drawn";  ///< drawn | exact: what the recording tells of lenses, board and depth scales
   ImageSensingConfig image;
   DepthSensingConfig depth;
   LensSensingConfig lens;

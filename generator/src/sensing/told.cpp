@@ -1,0 +1,126 @@
+// What the recording tells of lenses, board and depth scales against what is true: `sensing.told` and `sensing.lens`.
+#include <algorithm>
+#include <cmath>
+
+#include "resolve.h"
+#include "rigproof/core/random.h"
+
+namespace rigproof {
+namespace {
+
+bool is_zero(const Distribution& error) { return error.lowest() == 0.0 && error.highest() == 0.0; }
+
+bool is_zero(const LensSensingConfig& config) {
+  return is_zero(config.focal_error_percent) && is_zero(config.centre_error_px) &&
+         is_zero(config.distortion_error_percent);
+}
+
+// How far a point in the farthest corner moves, in pixels, for each unit of the lens's leading radial coefficient.
+double corner_px_by_leading_term(const Camera& camera) {
+  const double focal_px = std::sqrt(camera.fx_px * camera.fy_px);
+  double farthest = 0.0;
+  for (const double u : {0.0, camera.width_px - 1.0})
+    for (const double v : {0.0, camera.height_px - 1.0}) {
+      const bool fisheye = camera.lens == Lens::kKannalaBrandt;
+      // Where a fisheye has no ray in front of it, the distance in the image is nearly the angle.
+      double radius = std::hypot((u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px);
+      Eigen::Vector3d ray;
+      if (camera.unproject({u, v}, &ray)) radius = fisheye ? std::atan(ray.head<2>().norm()) : ray.head<2>().norm();
+      farthest = std::max(farthest, radius);
+    }
+  return focal_px * farthest * farthest * farthest;
+}
+
+// One draw from all that `sigma` says, in a fixed order.
+Camera drawn_around(const Camera& camera, const IntrinsicsSigma& sigma, const LensSensingConfig& asked,
+                    RandomStream* random) {
+  const auto draw = [random](double deviation) { return random->normal(0.0, deviation); };
+  Camera told = camera;
+  const double focal = draw(sigma.focal_relative), ratio = draw(sigma.focal_ratio);
+  const Eigen::Vector2d centre_px(draw(sigma.principal_point_px), draw(sigma.principal_point_px));
+  const double corner_px = draw(sigma.distortion_px);
+  if (is_zero(asked.focal_error_percent)) {
+    told.fx_px *= (1.0 + focal) * (1.0 + 0.5 * ratio);
+    told.fy_px *= (1.0 + focal) * (1.0 - 0.5 * ratio);
+  }
+  if (is_zero(asked.centre_error_px)) {
+    told.cx_px += centre_px.x();
+    told.cy_px += centre_px.y();
+  }
+  if (is_zero(asked.distortion_error_percent) && corner_px != 0.0) {
+    if (told.lens == Lens::kPinhole) told.lens = Lens::kBrownConrady;
+    told.distortion[0] += corner_px / corner_px_by_leading_term(camera);
+  }
+  return told;
+}
+
+Camera with_errors_asked_for(Camera told, const LensSensingConfig& asked, std::uint64_t seed, std::int32_t index) {
+  RandomStream random(seed, "lens", -1, index);
+  const double focal = 1.0 + asked.focal_error_percent.sample(random) / 100.0;
+  told.fx_px *= focal;
+  told.fy_px *= focal;
+  told.cx_px += asked.centre_error_px.sample(random);
+  told.cy_px += asked.centre_error_px.sample(random);
+  for (double& coefficient : told.distortion)
+    coefficient *= 1.0 + asked.distortion_error_percent.sample(random) / 100.0;
+  return told;
+}
+
+}  // namespace
+
+void LensSensingConfig::visit(FieldVisitor& visitor) {
+  visitor.field("focal_error_percent", focal_error_percent, {-10.0, 10.0},
+                "the focal length that the user is told is too large by this, drawn for each camera");
+  visitor.field("centre_error_px", centre_error_px, {-50.0, 50.0},
+                "the same for the principal point, drawn for each camera and axis");
+  visitor.field("distortion_error_percent", distortion_error_percent, {-100.0, 100.0},
+                "the same for each coefficient of the lens");
+}
+
+bool told_is_drawn(const GenerateConfig& config) {
+  return config.sensing.told == "drawn" && config.sensor_noise != "none";
+}
+
+double depth_scale_of(const GenerateConfig& config, const RigCamera& camera, DeviceDraws* draws) {
+  if (!is_zero(config.depth_scale_bias_percent))
+    return 1.0 + config.depth_scale_bias_percent.sample(draws->of("depth scale")) / 100.0;
+  if (!told_is_drawn(config) || !camera.depth) return 1.0;
+  RandomStream common(sensing_seed(config), "depth scale of all cameras");
+  const DepthNoise& noise = camera.depth->noise;
+  return 1.0 + common.normal(0.0, noise.common_scale_sigma) + draws->of("depth scale").normal(0.0, noise.scale_sigma);
+}
+
+void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* camera) {
+  const LensSensingConfig& asked = config.sensing.lens;
+  const std::uint64_t seed = sensing_seed(config);
+  if (told_is_drawn(config)) {
+    RandomStream random(seed, "told lens", -1, index);
+    camera->intrinsics_sigma.residual_px = 0.0;  // none is simulated
+    camera->camera = drawn_around(camera->camera, camera->intrinsics_sigma, asked, &random);
+  } else if (is_zero(asked)) {
+    camera->intrinsics_sigma = IntrinsicsSigma::exact();
+  }
+  camera->camera = with_errors_asked_for(camera->camera, asked, seed, index);
+}
+
+void tell_board(const GenerateConfig& config, Board* board) {
+  if (!told_is_drawn(config)) {
+    board->believe();
+    return;
+  }
+  board->print_sigma_m = 0.0;  // none is simulated
+  RandomStream random(sensing_seed(config), "told board");
+  constexpr double kReading_m = 1e-5;
+  const double measured_m = board->square_m * (1.0 + random.normal(0.0, board->square_sigma_relative()));
+  board->square_m = std::round(measured_m / kReading_m) * kReading_m;
+}
+
+void tell_depth(const GenerateConfig& config, RigCamera* camera) {
+  if (!camera->depth) return;
+  DepthNoise& noise = camera->depth->noise;
+  const double common_scale_sigma = noise.common_scale_sigma;
+  noise.believe_place_and_common_scale();
+  if (told_is_drawn(config)) noise.common_scale_sigma = common_scale_sigma;
+}
+
+}  // namespace rigproof
