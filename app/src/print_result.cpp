@@ -279,12 +279,16 @@ void print_result(const Terminal& terminal, const Result& result) {
   else
     print_usable(terminal, result);
   print_also_estimated(terminal, result);
-  if (const std::string sources = main_sources(result); !sources.empty()) terminal.line(sources);
+  print_main_sources(terminal, result);
   print_notes(terminal, result, false);
 }
 
 void print_also_estimated(const Terminal& terminal, const Result& result) {
   for (const std::string& line : also_estimated_lines(result)) terminal.line(line);
+}
+
+void print_main_sources(const Terminal& terminal, const Result& result) {
+  if (const std::string sources = main_sources(result); !sources.empty()) terminal.line(sources);
 }
 
 nlohmann::json json_of(const std::vector<Finding>& findings) {

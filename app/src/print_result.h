@@ -22,6 +22,9 @@ void print_result(const Terminal& terminal, const Result& result);
 /// What was estimated beside the poses, if anything.
 void print_also_estimated(const Terminal& terminal, const Result& result);
 
+/// What the stated uncertainty mostly comes from, if anything is stated.
+void print_main_sources(const Terminal& terminal, const Result& result);
+
 /// Findings as a JSON list, in words beside.
 nlohmann::json json_of(const std::vector<Finding>& findings);
 

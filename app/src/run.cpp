@@ -51,6 +51,7 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     terminal.text(format_verdict(verdict.comparison, verdict.gate, budget, words::sentence_of));
     terminal.text(format_suspicion(verdict.comparison));
     terminal.text(format_errors(shown, &verdict.gate, words::sentence_of));
+    if (result.status == ResultStatus::kSolved) print_main_sources(terminal, result);
     terminal.text(format_same_run(verdict.comparison, budget, comparisons));
     const auto report = gates ? judge_acceptance(terminal, *method, result, input.observations, *gates) : std::nullopt;
     if (report) records.push_back(acceptance_record(result, *report, gates->criteria));

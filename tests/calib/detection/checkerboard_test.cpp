@@ -19,8 +19,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-Board board_5x4() { return {"checkerboard", 5, 4, 0.1, {}, {}}; }
-Board board_6x5() { return {"checkerboard", 6, 5, 0.11, {}, {}}; }
+Board board_5x4() { return {"checkerboard", 5, 4, 0.1, {}, {}, {}}; }
+Board board_6x5() { return {"checkerboard", 6, 5, 0.11, {}, {}, {}}; }
 
 Camera d455() { return Camera::symmetric(1280, 720, 640.0); }
 
@@ -247,7 +247,7 @@ TEST(Checkerboard, AnotherBoardIsNotTakenAndIsNamed) {
   ASSERT_TRUE(seen.has_value());
   EXPECT_EQ(seen->inner_corners_long, 4);
   EXPECT_EQ(seen->inner_corners_short, 3);
-  const Board corners_for_squares{"checkerboard", 4, 3, 0.1, {}, {}};
+  const Board corners_for_squares{"checkerboard", 4, 3, 0.1, {}, {}, {}};
   EXPECT_THAT(reason_of(detect_checkerboard(image, corners_for_squares)), testing::HasSubstr("another board (4x3"));
   EXPECT_THAT(reason_of(detect_checkerboard(image, board_6x5())), testing::Not("found"));
   const std::string text = describe_size_mismatch(*seen, corners_for_squares);
@@ -259,7 +259,7 @@ TEST(Checkerboard, SwappedSidesDescribeTheSameBoardTurned) {
   // 4 x 5 squares are 5 x 4 squares turned by 90 degrees: found as well, with the axes that the rig asks for.
   const Camera camera = d455();
   const Rigid3 T = board_in_view(camera, board_5x4(), 1.5, 0.4, 0.5, 0.3, {600.0, 330.0});
-  const Board swapped{"checkerboard", 4, 5, 0.1, {}, {}};
+  const Board swapped{"checkerboard", 4, 5, 0.1, {}, {}, {}};
   const auto corners = corners_of(detect_checkerboard(draw_board(camera, board_5x4(), T), swapped));
   ASSERT_EQ(corners.size(), 12U);
   const Vector2d x = corners[1].pixel - corners[0].pixel, y = corners[3].pixel - corners[0].pixel;
@@ -268,7 +268,7 @@ TEST(Checkerboard, SwappedSidesDescribeTheSameBoardTurned) {
 
 TEST(Checkerboard, SymmetricBoardIsReadUpright) {
   const Camera camera = d455();
-  const Board board{"checkerboard", 6, 4, 0.1, {}, {}};
+  const Board board{"checkerboard", 6, 4, 0.1, {}, {}, {}};
   ASSERT_TRUE(board.ambiguous_under_half_turn());
   for (const double roll : {0.2, 0.2 + kPi}) {
     const Rigid3 T = board_in_view(camera, board, 1.5, 0.3, 0.5, roll, {600.0, 330.0});
@@ -311,7 +311,7 @@ TEST(Checkerboard, StrangeImagesGiveNoBoardAndNoException) {
     }
   }
   EXPECT_NO_THROW(detect_checkerboard(Image8(), board));
-  EXPECT_NO_THROW(detect_checkerboard(Image8(64, 64), Board{"checkerboard", 1, 1, 0.1, {}, {}}));
+  EXPECT_NO_THROW(detect_checkerboard(Image8(64, 64), Board{"checkerboard", 1, 1, 0.1, {}, {}, {}}));
 }
 
 TEST(SaddleFit, CovarianceMatchesMonteCarloOverTrials) {

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 constexpr int kStops = 6;
-const Board kBoard{"checkerboard", 5, 4, 0.1, {}, {}};
+const Board kBoard{"checkerboard", 5, 4, 0.1, {}, {}, {}};
 constexpr double kHeight = 0.6;
 
 /// A robot with two cameras that drives in front of a board that stands on the floor, written as a recording.

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-const Board kBoard{"checkerboard", 5, 4, 0.1, {}, {}};
+const Board kBoard{"checkerboard", 5, 4, 0.1, {}, {}, {}};
 
 std::vector<Camera> cameras() {
   Camera pinhole = Camera::symmetric(1280, 720, 640.0);

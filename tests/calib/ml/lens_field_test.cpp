@@ -6,12 +6,13 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <string>
 
 namespace rigproof::ml {
 namespace {
 
 Camera fisheye() {
-  Camera camera = Camera::symmetric(1280, 800, 420.0);
+  Camera camera = Camera::symmetric(1280, 800, 520.0);
   camera.lens = Lens::kKannalaBrandt;
   camera.distortion = {0.02, -0.01, 0.002, 0.0, 0.0};
   return camera;
@@ -75,7 +76,8 @@ TEST_P(EveryLensField, HasARootMeanSquareOfOnePixel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lenses, EveryLensField,
-                         testing::Values(Camera::symmetric(1280, 720, 640.0), bent(), fisheye()));
+                         testing::Values(Camera::symmetric(1280, 720, 640.0), bent(), fisheye()),
+                         [](const auto& test) { return std::string(lens_name(test.param.lens)); });
 
 }  // namespace
 }  // namespace rigproof::ml
