@@ -110,9 +110,9 @@ void tell_board(const GenerateConfig& config, Board* board) {
   }
   board->print_sigma_m = 0.0;  // none is simulated
   RandomStream random(sensing_seed(config), "told board");
-  constexpr double kReading_m = 1e-5;
+  constexpr double kReadingsPerM = 1e5;  // a hundredth of a millimetre
   const double measured_m = board->square_m * (1.0 + random.normal(0.0, board->square_sigma_relative()));
-  board->square_m = std::round(measured_m / kReading_m) * kReading_m;
+  board->square_m = std::round(measured_m * kReadingsPerM) / kReadingsPerM;
 }
 
 void tell_depth(const GenerateConfig& config, RigCamera* camera) {
