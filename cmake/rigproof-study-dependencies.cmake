@@ -1,1 +1,2 @@
 find_dependency(OpenCV COMPONENTS core features2d imgproc imgcodecs)
+find_dependency(pugixml)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command_line.h"
+#include "export_command.h"
 #include "number_in.h"
 #include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/error.h"
@@ -288,6 +289,7 @@ int run_main(int argc, char** argv) {
   add_sweep_command(app, action);
   add_paper_command(app, action);
   add_uncertainty_commands(app, action);
+  add_export_command(app, action);
   add_inspect(app, action);
   add_convert(app, action);
   add_doctor(app, action);

@@ -164,6 +164,33 @@ Lines suggest_keys() {
                   {"cameras[].then.NAME", "number or null", axes}}});
 }
 
+Lines export_keys() {
+  return {{"to", "text", "the format"},
+          {"result", "text", "the file that was exported"},
+          {"status", "solved | partial | refused", "whether everything was answered"},
+          {"remarks", "texts", "what the user should know, in words"},
+          {"notes", "texts", "what the format has no place for, and how links were read, in words"},
+          {"text?", "text", "the export, where no file was named"},
+          {"files[]", "", "that were written"},
+          {"files[].file", "text", "its name"},
+          {"files[].backup", "text or null", "what was there before"},
+          {"files[].changed", "boolean", "false: it held the same bytes"},
+          {"joints[]", "", "that --into gave a new origin"},
+          {"joints[].camera", "text", "that it is for"},
+          {"joints[].joint", "text", "its name"},
+          {"joints[].line", "integer", "of the file"},
+          {"joints[].parent", "text", "link"},
+          {"joints[].child", "text", "link"},
+          {"joints[].optical_frame", "text", "link that the camera's pose was taken for"},
+          {"joints[].before", "", "its origin as it was; empty where nothing was given"},
+          {"joints[].before.NAME", "text", "xyz, rpy"},
+          {"joints[].after", "", "its origin"},
+          {"joints[].after.NAME", "text", "xyz, rpy"},
+          {"joints[].moved_m", "number", "how far"},
+          {"joints[].turned_rad", "number", "how far"},
+          {"joints[].others", "texts", "joints that --joint could have named"}};
+}
+
 }  // namespace
 
 std::vector<OutputSchema> output_schemas() {
@@ -229,6 +256,7 @@ std::vector<OutputSchema> output_schemas() {
             {"images", "integer", "how many"},
             {"clouds", "integer", "how many"},
             {"notes", "texts", "what could not be said in that layout"}}},
+          {"export", "", export_keys()},
           {"inspect", "", {{"[]", "text", "a picture that was written"}}},
           {"board", "", {{"file", "text", "the PDF"}}},
           {"methods",

@@ -13,6 +13,7 @@
 #include "rigproof/generator/config.h"
 #include "rigproof/generator/sensor_device.h"
 #include "rigproof/sim/model_schemas.h"
+#include "rigproof/study/export/export.h"
 #include "rigproof/study/sweep/config.h"
 #include "rigproof/study/workflow/external.h"
 #include "rigproof/truth/truth_schema.h"
@@ -49,11 +50,10 @@ const std::vector<FileSchema> kWritten = {
     {"scene", "scenes/NAME.yaml", scene_schema}};
 
 std::vector<FileSchema> all_produced() {
-  std::vector<FileSchema> schemas = {{"result", "results/METHOD.yaml", result_schema},
-                                     {"observations", "observations.json", observations_schema},
-                                     {"manifest", "run.yaml of a run", manifest_schema},
-                                     {"truth", "truth/truth.yaml of a run", truth_schema},
-                                     {"proof", "truth/proof.yaml of a run", proof_schema}};
+  std::vector<FileSchema> schemas = {
+      {"result", "results/METHOD.yaml", result_schema},     {"observations", "observations.json", observations_schema},
+      {"export", "`export --to json`", export_json_schema}, {"manifest", "run.yaml of a run", manifest_schema},
+      {"truth", "truth/truth.yaml of a run", truth_schema}, {"proof", "truth/proof.yaml of a run", proof_schema}};
   for (const OutputSchema& output : output_schemas())
     schemas.push_back(
         {name_of(output), "`" + output.command + " --json`" + output.note, [output] { return schema_of(output); }});

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "finding_tree.h"
+#include "rigproof/core/body_axes.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
@@ -36,36 +37,15 @@ bool all_observable(const Observable& observable) {
 
 // ---------------------------------------------------------------------------------- attitude of body axes, covariance
 
-// Columns: the optical axes (x right, y down, z forward) in body axes (x forward, y left, z up).
-Eigen::Matrix3d body_from_optical() {
-  Eigen::Matrix3d R;
-  R << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  return R;
-}
-
 // Attitude of the child camera's body axes; `parent_is_camera`: in the body axes of the parent camera.
-Eigen::Matrix3d body_attitude(const Rigid3& T, bool parent_is_camera) {
-  const Eigen::Matrix3d B = body_from_optical();
-  const Eigen::Matrix3d R = T.rotation_matrix() * B.transpose();
-  return parent_is_camera ? Eigen::Matrix3d(B * R) : R;
+Eigen::Quaterniond body_attitude(const Rigid3& T, bool parent_is_camera) {
+  const Eigen::Quaterniond attitude = T.rotation * optical_from_body();
+  return parent_is_camera ? optical_from_body().conjugate() * attitude : attitude;
 }
 
-Eigen::Quaterniond optical_rotation(const Eigen::Matrix3d& attitude, bool parent_is_camera) {
-  const Eigen::Matrix3d B = body_from_optical();
-  const Eigen::Matrix3d R = attitude * B;
-  return Eigen::Quaterniond(parent_is_camera ? Eigen::Matrix3d(B.transpose() * R) : R);
-}
-
-// (roll, pitch, yaw) of R = Rz(yaw) Ry(pitch) Rx(roll).
-Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) {
-  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(2, 1), R(2, 2))),
-          std::atan2(R(1, 0), R(0, 0))};
-}
-
-Eigen::Matrix3d attitude_of(const Eigen::Vector3d& rpy) {
-  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
-          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
-      .toRotationMatrix();
+Eigen::Quaterniond optical_rotation(const Eigen::Quaterniond& attitude, bool parent_is_camera) {
+  const Eigen::Quaterniond rotation = attitude * optical_from_body().conjugate();
+  return parent_is_camera ? optical_from_body() * rotation : rotation;
 }
 
 std::vector<Eigen::Index> observable_rows(const std::vector<EstimatedTransform>& transforms) {
@@ -184,7 +164,8 @@ void visit_partial_pose(FieldVisitor& visitor, EstimatedTransform& estimate, boo
   for (std::size_t i = 0; i < 3; ++i)
     visit_degree(visitor, observable[3 + i], kAngleKeys[i], rpy[static_cast<Eigen::Index>(i)], 7.0,
                  "the same, of the camera's body axes: R = Rz(yaw) Ry(pitch) Rx(roll)");
-  if (visitor.is_reading()) estimate.T_parent_child = Rigid3(optical_rotation(attitude_of(rpy), parent_is_camera), t);
+  if (visitor.is_reading())
+    estimate.T_parent_child = Rigid3(optical_rotation(from_roll_pitch_yaw(rpy), parent_is_camera), t);
 }
 
 using Sigmas = std::array<std::optional<double>, 6>;

@@ -60,6 +60,8 @@ TEST(Schema, EveryFileHasOneWithTitleAndVersion) {
                            "sense_output",
                            "sweep_start_output",
                            "paper_output",
+                           "export",
+                           "export_output",
                            "inspect_output",
                            "convert_output",
                            "scenes_scene_output",

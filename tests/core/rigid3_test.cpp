@@ -4,6 +4,7 @@
 
 #include "pose_near.h"
 #include "random_values.h"
+#include "rigproof/core/body_axes.h"
 
 namespace rigproof {
 namespace {
@@ -121,6 +122,24 @@ TEST(Rigid3, AnglesWrapToTheHalfOpenInterval) {
   EXPECT_EQ(wrap_angle(-kPi), kPi);
   EXPECT_NEAR(wrap_angle(7.0), 7.0 - 2.0 * kPi, 1e-15);
   EXPECT_NEAR(wrap_angle(-100.0), -100.0 + 32.0 * kPi, 1e-13);
+}
+
+// A camera that looks straight down: roll and yaw turn about nearly one axis, and must still give the rotation back.
+TEST(BodyAxes, RollPitchYawGiveTheRotationBackNearThePole) {
+  for (const double off_pole_rad : {2e-9, 1e-8, 1e-6, 1e-3, 0.5}) {
+    const Eigen::Quaterniond R = from_roll_pitch_yaw({0.3, 0.5 * kPi - off_pole_rad, 0.7});
+    EXPECT_LT(so3_log(from_roll_pitch_yaw(roll_pitch_yaw(R)) * R.conjugate()).norm(), 1e-14) << off_pole_rad;
+  }
+  // At the pole itself all of the turn is called yaw.
+  const Eigen::Quaterniond down = from_roll_pitch_yaw({0.3, 0.5 * kPi, 0.7});
+  EXPECT_EQ(roll_pitch_yaw(down).x(), 0.0);
+  EXPECT_LT(so3_log(from_roll_pitch_yaw(roll_pitch_yaw(down)) * down.conjugate()).norm(), 1e-9);
+}
+
+TEST(BodyAxes, OpticalAxesAreTheBodysTurned) {
+  EXPECT_LT((optical_from_body() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitZ()).norm(), 1e-15);  // forward
+  EXPECT_LT((optical_from_body() * Eigen::Vector3d::UnitY() + Eigen::Vector3d::UnitX()).norm(), 1e-15);  // left
+  EXPECT_LT((optical_from_body() * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitY()).norm(), 1e-15);  // up
 }
 
 }  // namespace

@@ -1,29 +1,6 @@
 #include "rigproof/validate/body_angles.h"
 
-#include <cmath>
-
 namespace rigproof {
-
-Eigen::Quaterniond optical_from_body() {
-  Eigen::Matrix3d R;  // columns: forward, left and up in optical axes
-  R << 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0;
-  return Eigen::Quaterniond(R);
-}
-
-Eigen::Vector3d roll_pitch_yaw(const Eigen::Quaterniond& rotation) {
-  const Eigen::Matrix3d R = rotation.toRotationMatrix();
-  const double cosine_pitch = std::hypot(R(0, 0), R(1, 0));
-  const double pitch = std::atan2(-R(2, 0), cosine_pitch);
-  // Within 1e-9 of the pole roll and yaw are one angle; all of it is called yaw.
-  if (cosine_pitch < 1e-9) return {0.0, pitch, std::atan2(-R(0, 1), R(1, 1))};
-  return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
-}
-
-Eigen::Quaterniond from_roll_pitch_yaw(const Eigen::Vector3d& angles) {
-  return Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
-}
 
 Eigen::Vector3d roll_pitch_yaw_error(const Rigid3& T_estimate, const Rigid3& T_true, bool between_cameras) {
   const Eigen::Quaterniond child = optical_from_body();

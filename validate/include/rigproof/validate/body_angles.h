@@ -1,19 +1,12 @@
-// Roll, pitch and yaw of a camera's body axes (x forward, y left, z up), beside the optical ones.
+// Differences of roll, pitch and yaw of a camera's body axes (core/body_axes.h).
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 
-#include "rigproof/core/rigid3.h"
+#include "rigproof/core/body_axes.h"
 
 namespace rigproof {
-
-/// Rotation R_optical_body: body axes (x forward, y left, z up) written in optical axes (x right, y down, z forward).
-Eigen::Quaterniond optical_from_body();
-
-/// (roll, pitch, yaw) in radians of R = Rz(yaw) Ry(pitch) Rx(roll); at pitch +-90 degrees roll is 0.
-Eigen::Vector3d roll_pitch_yaw(const Eigen::Quaterniond& rotation);
-Eigen::Quaterniond from_roll_pitch_yaw(const Eigen::Vector3d& angles);
 
 /// Difference of roll, pitch and yaw of the camera's body axes, wrapped to (-pi, pi]: how the paper's tables read a
 /// rotation error. `between_cameras`: the parent's axes are a camera's too and are turned to its body axes.

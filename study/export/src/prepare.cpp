@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <set>
+
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
+#include "rigproof/study/export/export.h"
+
+namespace rigproof {
+namespace {
+
+std::vector<std::string> names_of(const Result& result) {
+  std::vector<std::string> names;
+  for (const EstimatedTransform& estimate : result.camera_to_robot) names.push_back(estimate.child);
+  return names;
+}
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+template <typename Value>
+void check_names(const std::map<std::string, Value>& values, const char* option, const std::vector<std::string>& known,
+                 Problems* problems) {
+  for (const auto& entry : values)
+    if (!holds(known, entry.first))
+      problems->add({"", 0, option, for_message(entry.first),
+                     "the result has no such camera; " + suggestion(entry.first, known)});
+}
+
+// The cameras are named by hand.
+void check_cameras(const ExportOptions& options, const std::vector<std::string>& known) {
+  Problems problems;
+  for (const std::string& name : options.cameras)
+    if (!holds(known, name))
+      problems.add({"", 0, "--camera", for_message(name), "the result has no such camera; " + suggestion(name, known)});
+  check_names(options.links, "--link", known, &problems);
+  check_names(options.optical_frames, "--optical", known, &problems);
+  check_names(options.T_link_camera, "--optical", known, &problems);
+  check_names(options.joints, "--joint", known, &problems);
+  problems.throw_if_any();
+}
+
+std::string unknown_axes(const EstimatedTransform& estimate) {
+  std::vector<std::string> axes;
+  for (std::size_t i = 0; i < 6; ++i)
+    if (!estimate.observable[i]) axes.emplace_back(kDegreeOfFreedomNames[i]);
+  return joined(axes);
+}
+
+void refuse_partial(const Result& result, const ExportOptions& options) {
+  const std::string place = options.result_file.empty() ? "result" : options.result_file;
+  if (result.camera_to_robot.empty())
+    throw Error(place + ": is " + result_status_name(result.status) + " and holds no pose; there is nothing to export",
+                ExitCode::kRefused);
+  if (options.partial) return;
+  std::string unknown;
+  for (const EstimatedTransform& estimate : result.camera_to_robot)
+    if (!estimate.fully_observable())
+      unknown += (unknown.empty() ? "" : "; ") + estimate.child + ": " + unknown_axes(estimate);
+  if (result.status == ResultStatus::kSolved && unknown.empty()) return;
+  throw Error(place + ": is " + result_status_name(result.status) +
+                  (unknown.empty() ? "" : ", unknown are " + unknown) +
+                  ". Correct what it names and calibrate again, or export what is known with --partial",
+              ExitCode::kRefused);
+}
+
+template <typename Value>
+const Value* find(const std::map<std::string, Value>& values, const std::string& name) {
+  const auto found = values.find(name);
+  return found == values.end() ? nullptr : &found->second;
+}
+
+void take_rig(const RigCamera& from, ExportCamera* camera) {
+  if (!from.link.empty()) camera->link = from.link;
+  if (from.camera.width_px > 0) camera->told = from.camera;
+}
+
+void take_options(const ExportOptions& options, ExportCamera* camera) {
+  if (const auto* link = find(options.links, camera->name)) camera->link = *link;
+  if (const auto* T = find(options.T_link_camera, camera->name)) camera->T_link_camera = *T;
+  if (const auto* joint = find(options.joints, camera->name)) camera->joint = *joint;
+  if (const auto* frame = find(options.optical_frames, camera->name)) camera->optical_frame = *frame;
+}
+
+ExportCamera export_camera(const Result& result, const EstimatedTransform& estimate, const RigFacts& rig,
+                           const ExportOptions& options) {
+  ExportCamera camera;
+  camera.name = camera.link = estimate.child;
+  camera.estimate = heading_free(estimate);
+  if (!options.parent.empty()) camera.estimate.parent = options.parent;
+  for (const RigCamera& from : rig.cameras)
+    if (from.name == camera.name) take_rig(from, &camera);
+  take_options(options, &camera);
+  for (const EstimatedLens& lens : result.lenses)
+    if (lens.camera == camera.name) camera.estimated = lens.intrinsics;
+  return camera;
+}
+
+}  // namespace
+
+ExportJob prepare_export(const Result& result, const RigFacts& rig, const ExportOptions& options) {
+  check_cameras(options, names_of(result));
+  refuse_partial(result, options);
+  ExportJob job;
+  job.method = result.method;
+  job.status = result.status;
+  job.result_file = options.result_file;
+  job.rig_source = rig.source;
+  job.date = options.date;
+  job.warnings = options.warnings;
+  std::set<std::string> wanted;
+  for (const EstimatedTransform& estimate : result.camera_to_robot) {
+    if (!options.cameras.empty() && !holds(options.cameras, estimate.child)) continue;
+    job.cameras.push_back(export_camera(result, estimate, rig, options));
+    wanted.insert(estimate.child);
+  }
+  for (const EstimatedTransform& between : result.camera_to_camera)
+    if (wanted.count(between.parent) > 0 && wanted.count(between.child) > 0) job.camera_to_camera.push_back(between);
+  return job;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,60 @@
+#include <algorithm>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/recording.h"
+#include "rigproof/core/text.h"
+#include "rigproof/formats/format.h"
+#include "rigproof/study/export/export.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+std::vector<fs::path> results_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const fs::path& place : {folder / "results", folder}) {
+    for (fs::directory_iterator it(place, ignored), end; !ignored && it != end; it.increment(ignored))
+      if (it->path().extension() == ".yaml" && it->path().filename() != "rig.yaml" &&
+          it->path().filename() != "run.yaml")
+        files.push_back(it->path());
+    if (!files.empty()) break;
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+RigFacts read_rig_facts(const fs::path& path) {
+  std::error_code ignored;
+  if (path.extension() == ".yaml" && fs::is_regular_file(path, ignored)) return {path.string(), load_rig(path).cameras};
+  const Input input = open_input(path);
+  return {path.string(), input.recording ? input.recording->rig.cameras : input.observations.value().cameras};
+}
+
+RigFacts find_rig_facts(const fs::path& result_file) {
+  const fs::path here = folder_of(result_file), above = here / "..";
+  for (const fs::path& file : {here / "rig.yaml", above / "rig.yaml", above / "recording" / "rig.yaml",
+                               here / "observations.json", above / "observations.json"}) {
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) return read_rig_facts(file.lexically_normal());
+  }
+  return {};
+}
+
+fs::path find_result_file(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return path;
+  const std::vector<fs::path> files = results_in(path);
+  if (files.size() == 1) return files.front();
+  std::vector<std::string> names;
+  for (const fs::path& file : files) names.push_back(for_message(file.filename().string()));
+  throw Error(path.string() + (files.empty() ? ": holds no result; `rigproof calibrate` writes one"
+                                             : ": holds several results; name one of " + joined(names)));
+}
+
+}  // namespace rigproof
