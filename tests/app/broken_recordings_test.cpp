@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <regex>
 #include <sstream>
 
@@ -93,6 +94,16 @@ void edit_images(const std::vector<std::string>& files, const std::function<void
 
 void mirror(cv::Mat* image) { cv::flip(*image, *image, 1); }
 
+// As of a camera that was turned about its optical axis: its depth stays what it is.
+void roll(const std::vector<std::string>& files, double degrees) {
+  edit_images(files, [degrees](cv::Mat* image) {
+    const cv::Point2f centre(0.5F * static_cast<float>(image->cols - 1), 0.5F * static_cast<float>(image->rows - 1));
+    const bool depth = image->depth() == CV_16U;
+    cv::warpAffine(*image, *image, cv::getRotationMatrix2D(centre, degrees, 1.0), image->size(),
+                   depth ? cv::INTER_NEAREST : cv::INTER_CUBIC, depth ? cv::BORDER_CONSTANT : cv::BORDER_REPLICATE);
+  });
+}
+
 // Each file becomes a copy of the one `by` places before it.
 void delay(const std::vector<std::string>& files, std::size_t by) {
   for (std::size_t i = files.size() - 1; i >= by; --i)
@@ -172,6 +183,13 @@ const Broken kBroken[] = {
      [](const fs::path& r) { edit_images(images_of(r, "left", "depth"), [](cv::Mat* depth) { *depth *= 0.513; }); }},
     {"CloudsInBodyAxes", "clouds of left have the axes of a robot",
      [](const fs::path& r) { write_clouds_in_body_axes(r, "left"); }},
+    {"KnockedCamera", "left moved during the drive, between .* \\(stops 4 and 5\\): by .* mm and 1.0. deg",
+     [](const fs::path& r) {
+       for (const char* kind : {"color", "depth"}) {
+         const std::vector<std::string> files = images_of(r, "left", kind);
+         roll({files.begin() + 5, files.end()}, 1.0);
+       }
+     }},
     {"StampsBehind", "odometry's stamps are shifted: its rows run behind the images by about 1 stop",
      [](const fs::path& r) { shift_stamps(r, -2.0); }},
 };
@@ -184,7 +202,7 @@ TEST_P(BrokenRecordings, AreRefusedAndTheCauseIsNamed) {
   GetParam().apply(recording);
   const ProcessOutput output = rigproof_command({"calibrate", recording.string()});
   EXPECT_EQ(output.exit_code, 3) << output.out << output.err;
-  EXPECT_THAT(output.out, ContainsRegex(std::string("REFUSED  Most likely cause: (a|the) ") + GetParam().cause));
+  EXPECT_THAT(output.out, ContainsRegex(std::string("REFUSED  Most likely cause: (a |the |)") + GetParam().cause));
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, BrokenRecordings, testing::ValuesIn(kBroken),

@@ -7,6 +7,7 @@
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/core/exclusions.h"
+#include "steps.h"
 #include "swapped_frames.h"
 
 namespace rigproof::ml {
@@ -295,6 +296,26 @@ std::optional<Finding> note_of_lens_trust(const std::optional<LensTest>& lenses)
   return Finding("lens.on_trust", {{"sigma_px", sigma_px}});
 }
 
+bool leaves_in_order(const Preparation& prepared, const FoundStep& step) {
+  return is_clean(prepared, step.fit, problem_at(prepared, step.fit, step.fit.noise), std::nullopt);
+}
+
+// What moved during the drive, and what else may be wrong. Where the data contradict themselves, a step is the cause if
+// it leaves them in order, or if nothing else does.
+void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std::vector<StepScore>& scores,
+                         Examination* found) {
+  std::optional<FoundStep> step;
+  if (found->motion_suffices() && static_cast<int>(prepared.used.stops.size()) >= kLeastStopsForSteps)
+    step = find_step(prepared, fit, scores);
+  if (found->symptoms.any() && prepared.original.stops.size() >= 3 && !(step && leaves_in_order(prepared, *step)))
+    found->cause = cause_of(prepared, fit, found->symptoms);
+  if (!step || found->cause) return;
+  if (step->bends)
+    found->cause = Cause{step->findings, true};
+  else
+    found->notes.insert(found->notes.end(), step->findings.begin(), step->findings.end());
+}
+
 }  // namespace
 
 Examination examine(const Preparation& prepared, const Fit& fit) {
@@ -302,7 +323,9 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
   Examination found;
   found.motion =
       assess_motion(prepared.original, prepared.views, prepared.alignment, prepared.guess, prepared.solved_cameras());
-  found.sums = problem.sums_with_leverage(fit.state);
+  std::vector<StepScore> steps;
+  found.sums = problem.sums_with_leverage(
+      fit.state, splits_of(static_cast<int>(prepared.used.stops.size()), kSplitsAtFirst), &steps);
   found.upside_down = hangs_upside_down(prepared);
   found.contradictions = contradictions_of(problem, fit.state, found.sums, found.upside_down);
   std::vector<Finding>& of_cameras = found.contradictions.cameras;
@@ -330,8 +353,8 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
   const std::optional<Cause> foreign = cause_of_exclusions(prepared.original, of_cameras);
   if (const auto dead = find_dead_odometry(prepared.original, prepared.views, !found.contradictions.odometry.empty()))
     found.cause = Cause{{*dead}, false};
-  else if (found.symptoms.any() && prepared.original.stops.size() >= 3 && found.wrong_frames.empty())
-    found.cause = cause_of(prepared, fit, found.symptoms);
+  else if (found.wrong_frames.empty())
+    find_moved_or_wrong(prepared, fit, steps, &found);
   // Depth that does not belong to its images contradicts images that are wrong themselves.
   if (foreign && (!found.cause || !found.cause->spoils_all)) found.cause = joined(found.cause, *foreign);
   return found;

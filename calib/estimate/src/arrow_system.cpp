@@ -147,6 +147,35 @@ EliminatedSystem::PoseCovariance EliminatedSystem::pose_covariance(const Eigen::
   return covariance;
 }
 
+Eigen::MatrixXd EliminatedSystem::pose_response() const {
+  Eigen::MatrixXd transposed = forward_;
+  solve_backwards(&transposed);
+  return transposed;
+}
+
+// With Z = P^-1: Z_kj = -L_k+1' Z_k+1,j for j > k, so what the rows after k answer is carried along, backwards.
+std::vector<Matrix6d> EliminatedSystem::squares_from_each_pose(const std::vector<Matrix6d>& B) const {
+  const std::size_t n = inverse_pivot_.size();
+  std::vector<Matrix6d> squares(n);
+  Matrix6d Z = Matrix6d::Zero(), answer = Matrix6d::Zero(),
+           sum = Matrix6d::Zero();  // Z_kk, sum of Z_kj B_j over j >= k
+  for (std::size_t k = n; k-- > 0;) {
+    Matrix6d later = Matrix6d::Zero();
+    if (k + 1 < n) {
+      const Matrix6d& L = factor_[k + 1];
+      Z = (inverse_pivot_[k] + L.transpose() * Z * L).eval();
+      later = -L.transpose() * answer;
+    } else {
+      Z = inverse_pivot_[k];
+    }
+    const Matrix6d own = Z * B[k], cross = B[k].transpose() * later;
+    answer = own + later;
+    sum += B[k].transpose() * own + cross + cross.transpose();
+    squares[k] = sum;
+  }
+  return squares;
+}
+
 GlobalCovariance invert_information(const Eigen::MatrixXd& schur) {
   // Unknowns in units of their own conditional sigma: a metre and a radian then compare.
   const Eigen::VectorXd unit = schur.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

@@ -12,13 +12,12 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
     at_image = pose_at_image(
         at.pose(stop), at.stop(stop).velocity, at.state.nuisances.of(Nuisance::kClockOffset, camera)[0] - after_stop_s,
         at.state.nuisances.of(Nuisance::kTurnLag)[0], at.state.odometry_scale(), at.state.odometry_yaw_factor());
-  ViewGeometry geometry =
-      view_geometry(at.state.T_robot_camera[static_cast<std::size_t>(camera)], at.state.T_world_board, at_image.pose);
+  ViewGeometry geometry = view_geometry(at.T_robot_camera(camera, stop), at.T_world_board(stop), at_image.pose);
   const ClockTwist clock = moved ? chain_to_stop(at_image, &geometry) : ClockTwist();
   BoardInCamera seen;
   seen.T_camera_board = geometry.T_camera_board;
-  seen.add(of_globals(layout.camera(camera), 6), geometry.twist_by_camera);
-  seen.add(of_globals(layout.board(), 6), geometry.twist_by_board);
+  seen.add(at.camera_unknowns(camera, stop), geometry.twist_by_camera);
+  seen.add(at.board_unknowns(stop), geometry.twist_by_board);
   seen.add(of_pose(stop), geometry.twist_by_pose);
   const auto add = [&](Nuisance nuisance, const auto& twist) {
     if (moved && layout.has(nuisance))

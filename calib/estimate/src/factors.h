@@ -22,6 +22,24 @@ struct Evaluation {
 
   const RobotPose& pose(int stop) const { return state.poses[static_cast<std::size_t>(stop)]; }
   const Stop& stop(int index) const { return observations.stops[static_cast<std::size_t>(index)]; }
+  /// Poses at a stop, and where they stand among the unknowns: a step changes them.
+  const Rigid3& T_robot_camera(int camera, int stop) const {
+    const int second = layout.second_of(camera, stop);
+    return second < 0 ? state.T_robot_camera[static_cast<std::size_t>(camera)]
+                      : state.second_poses[static_cast<std::size_t>(second)];
+  }
+  Segment camera_unknowns(int camera, int stop) const {
+    const int second = layout.second_of(camera, stop);
+    return of_globals(second < 0 ? layout.camera(camera) : layout.second(second), 6);
+  }
+  const Rigid3& T_world_board(int stop) const {
+    const int second = layout.second_of(Step::kBoard, stop);
+    return second < 0 ? state.T_world_board : state.second_poses[static_cast<std::size_t>(second)];
+  }
+  Segment board_unknowns(int stop) const {
+    const int second = layout.second_of(Step::kBoard, stop);
+    return of_globals(second < 0 ? layout.board() : layout.second(second), 6);
+  }
 };
 
 /// By what a block's squares count, of residuals of so many dimensions with this weight by the loss.

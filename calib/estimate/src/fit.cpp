@@ -133,6 +133,31 @@ bool reseat_poses(const Preparation& prepared, const Problem& problem, State* st
   return changed;
 }
 
+// Views whose pose could not be found.
+void leave_out_without_pose(const Preparation& prepared, Problem* problem) {
+  for (const Exclusion& excluded : prepared.excluded)
+    for (std::size_t v = 0; v < prepared.used.board_views.size(); ++v)
+      if (prepared.used.board_views[v].stop == excluded.stop &&
+          prepared.used.board_views[v].camera == excluded.camera && !excluded.depth && !prepared.has_pose(v))
+        problem->view_left_out[v] = true;
+}
+
+// Solves from the state of the fit.
+void solve(const Preparation& prepared, int leave_out_rounds, Problem* problem, Fit* fit) {
+  anneal(problem, &fit->state);
+  const EstimatedLevels levels = estimated_levels(prepared.used, prepared.options);
+  SolverOptions solver;
+  solver.tolerance = prepared.options.tolerance;
+  fit->summary = minimise_with_levels(levels, solver, problem, &fit->state);
+  if (fit->step.bodies.empty() && reseat_poses(prepared, *problem, &fit->state))
+    fit->summary = minimise_with_levels(levels, solver, problem, &fit->state);
+  for (int round = 0; round < leave_out_rounds && leave_out_wrong_views(problem, fit->state); ++round)
+    fit->summary = minimise_with_levels(levels, solver, problem, &fit->state);
+  fit->minus_two_log_likelihood = minus_two_log_likelihood(*problem, fit->state);
+  fit->noise = problem->noise;
+  fit->view_left_out = problem->view_left_out;
+}
+
 }  // namespace
 
 Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out_rounds, const Fit* other) {
@@ -149,29 +174,31 @@ Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out
   }
   fit.state = other != nullptr ? other->state : prepared.start;
   fix_unseen_cameras(prepared, &problem);
-  for (const Exclusion& excluded : prepared.excluded)
-    for (std::size_t v = 0; v < prepared.used.board_views.size(); ++v)
-      if (prepared.used.board_views[v].stop == excluded.stop &&
-          prepared.used.board_views[v].camera == excluded.camera && !excluded.depth && !prepared.has_pose(v))
-        problem.view_left_out[v] = true;
+  leave_out_without_pose(prepared, &problem);
   if (law.model == OdometryModel::kPerPose) move_to_odometry_frame(prepared.used, &fit.state);
-  anneal(&problem, &fit.state);
-  const EstimatedLevels levels = estimated_levels(prepared.used, prepared.options);
-  SolverOptions solver;
-  solver.tolerance = prepared.options.tolerance;
-  fit.summary = minimise_with_levels(levels, solver, &problem, &fit.state);
-  if (reseat_poses(prepared, problem, &fit.state))
-    fit.summary = minimise_with_levels(levels, solver, &problem, &fit.state);
-  for (int round = 0; round < leave_out_rounds && leave_out_wrong_views(&problem, fit.state); ++round)
-    fit.summary = minimise_with_levels(levels, solver, &problem, &fit.state);
-  fit.minus_two_log_likelihood = minus_two_log_likelihood(problem, fit.state);
-  fit.noise = problem.noise;
-  fit.view_left_out = problem.view_left_out;
+  solve(prepared, leave_out_rounds, &problem, &fit);
+  return fit;
+}
+
+Fit fit_with_step(const Preparation& prepared, const Fit& without, const Step& step) {
+  Fit fit;
+  fit.step = step;
+  fit.state = without.state;
+  fit.state.second_poses.clear();
+  for (const int body : step.bodies)
+    fit.state.second_poses.push_back(body == Step::kBoard ? fit.state.T_world_board
+                                                          : fit.state.T_robot_camera[static_cast<std::size_t>(body)]);
+  Problem problem(prepared.used, prepared.priors, without.noise, prepared.whitened);
+  problem.add(step);
+  fix_unseen_cameras(prepared, &problem);
+  leave_out_without_pose(prepared, &problem);
+  solve(prepared, kLeaveOutRounds, &problem, &fit);
   return fit;
 }
 
 Problem problem_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels, const Priors& priors) {
   Problem problem(prepared.used, priors, levels, prepared.whitened);
+  if (!fit.step.bodies.empty()) problem.add(fit.step);
   if (!fit.view_left_out.empty()) problem.view_left_out = fit.view_left_out;
   fix_unseen_cameras(prepared, &problem);
   return problem;

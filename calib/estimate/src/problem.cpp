@@ -6,6 +6,7 @@
 
 #include "factors.h"
 #include "repeating_couplings.h"
+#include "step_scan.h"
 
 namespace rigproof::ml {
 namespace {
@@ -34,15 +35,17 @@ void add_to(const Meeting<double>& place, const double* from, int rows, int colu
 // Where local segments meet in an arrow system. Of the globals' block only the part below the diagonal is filled.
 class Assembler : public BlockSink {
  public:
-  Assembler(ArrowSystem* system, double* cost, GroupSums* sums)
+  Assembler(ArrowSystem* system, double* cost, GroupSums* sums, BlockSink* also)
       : system_(system),
         blocks_{system->diagonal.data(), system->coupling.data(), system->pose_global.data(), system->global.data(),
                 system->globals()},
         cost_(cost),
-        sums_(sums) {}
+        sums_(sums),
+        also_(also) {}
 
   void add(const LocalBlock& block) override {
     *cost_ += block.cost;
+    if (also_ != nullptr) also_->add(block);
     if (sums_ != nullptr) sum_of(*sums_, block.group, block.camera) += block.sum;
     for (std::size_t a = 0; a < static_cast<std::size_t>(block.count); ++a) {
       const Segment& s = block.segments[a];
@@ -66,6 +69,7 @@ class Assembler : public BlockSink {
   ArrowBlocks<Matrix6d, double> blocks_;
   double* cost_;
   GroupSums* sums_;
+  BlockSink* also_;
 };
 
 // Trace of H times the covariance of the block's unknowns.
@@ -192,19 +196,20 @@ void Problem::fix_unknowns(ArrowSystem* system) const {
 }
 
 ArrowSystem Problem::linearise(const State& state, Weighting weighting, double* cost, GroupSums* sums) const {
-  return linearised(state, weighting, nullptr, cost, sums);
+  return linearised(state, weighting, {}, cost, sums);
 }
 
 ArrowSystem Problem::linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting) const {
-  return linearised(state, weighting, &removed, nullptr, nullptr);
+  return linearised(state, weighting, {&removed, nullptr}, nullptr, nullptr);
 }
 
-ArrowSystem Problem::linearised(const State& state, Weighting weighting, const RemovedErrors* removed, double* cost,
+ArrowSystem Problem::linearised(const State& state, Weighting weighting, const Besides& besides, double* cost,
                                 GroupSums* sums) const {
+  const RemovedErrors* removed = besides.removed;
   ArrowSystem system(layout_.poses, layout_.globals() + (removed != nullptr ? removed->errors.size() : 0));
   double total = 0.0;
   if (sums != nullptr) *sums = empty_sums();
-  Assembler assembler(&system, &total, sums);
+  Assembler assembler(&system, &total, sums, besides.also);
   visit_blocks(state, weighting, &assembler);
   system.global = system.global.selfadjointView<Eigen::Lower>().toDenseMatrix();
   if (removed != nullptr) {
@@ -226,13 +231,18 @@ void Problem::add_leverage(const State& state, const EliminatedSystem::PoseCovar
   visit_blocks(state, Weighting::kInformation, &sink);
 }
 
-std::optional<GroupSums> Problem::sums_with_leverage(const State& state) const {
+std::optional<GroupSums> Problem::sums_with_leverage(const State& state, const std::vector<int>& splits,
+                                                     std::vector<StepScore>* scores) const {
   GroupSums sums;
-  const ArrowSystem system = linearise(state, Weighting::kInformation, nullptr, &sums);
+  std::optional<StepScan> scan;
+  if (scores != nullptr) scan.emplace(layout_, splits);
+  const ArrowSystem system =
+      linearised(state, Weighting::kInformation, {nullptr, scan ? &*scan : nullptr}, nullptr, &sums);
   const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) return std::nullopt;
   const Eigen::MatrixXd covariance = invert_information(eliminated->schur()).covariance;
   add_leverage(state, eliminated->pose_covariance(covariance), covariance, &sums);
+  if (scan) *scores = scan->scores(state, *eliminated, covariance);
   return sums;
 }
 

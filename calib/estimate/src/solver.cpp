@@ -202,6 +202,8 @@ double minus_two_log_likelihood(const Problem& problem, const State& state) {
   ArrowSystem system = problem.linearise(state, Weighting::kInformation, &cost, nullptr);
   // What the drive leaves open of the mountings (their height, where no ground is seen) counts alike in all models.
   system.global.diagonal().head(problem.layout().board()).array() += kMountingInformation;
+  system.global.diagonal().tail(6 * static_cast<Eigen::Index>(problem.layout().step().bodies.size())).array() +=
+      kMountingInformation;
   const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) return std::numeric_limits<double>::infinity();
   const double priors = problem.noise.odometry_model == OdometryModel::kPerIncrement

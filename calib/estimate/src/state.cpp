@@ -49,6 +49,11 @@ Layout Layout::of(const Observations& observations, const Priors& priors) {
   return layout;
 }
 
+void Layout::add(const Step& step) {
+  step_ = step;
+  globals_ += 6 * static_cast<int>(step.bodies.size());
+}
+
 State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pose_step,
             const Eigen::VectorXd& global_step) {
   State result = state;
@@ -67,6 +72,9 @@ State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pos
     result.T_robot_camera[i] = moved_transform(state.T_robot_camera[i], global_step.segment<6>(layout.camera(c)));
   }
   result.T_world_board = moved_transform(state.T_world_board, global_step.segment<6>(layout.board()));
+  for (std::size_t i = 0; i < state.second_poses.size(); ++i)
+    result.second_poses[i] =
+        moved_transform(state.second_poses[i], global_step.segment<6>(layout.second(static_cast<int>(i))));
   for (std::size_t n = 0; n < kNuisances; ++n) {
     const Nuisance nuisance = static_cast<Nuisance>(n);
     const NuisanceRow& row = row_of(nuisance);

@@ -75,6 +75,27 @@ TEST(ArrowSystem, CovarianceEqualsTheDenseInverse) {
   }
 }
 
+TEST(ArrowSystem, SquaresFromEachPoseEqualTheDenseOnes) {
+  Eigen::MatrixXd dense;
+  Eigen::VectorXd gradient;
+  const auto eliminated = EliminatedSystem::eliminate(random_system(&dense, &gradient), 0.0);
+  ASSERT_TRUE(eliminated);
+  RandomStream random(5, "arrow test");
+  const Eigen::MatrixXd coupling = random_matrix(random, 6 * kPoses, 6);
+  std::vector<Matrix6d> B;
+  for (int i = 0; i < kPoses; ++i) B.emplace_back(coupling.middleRows<6>(6 * i));
+  const Eigen::MatrixXd inverse = dense.topLeftCorner(6 * kPoses, 6 * kPoses).inverse();
+  const std::vector<Matrix6d> squares = eliminated->squares_from_each_pose(B);
+  for (int k = 0; k < kPoses; ++k) {
+    Eigen::MatrixXd from = coupling;
+    from.topRows(6 * k).setZero();
+    const Matrix6d expected = from.transpose() * inverse * from;
+    EXPECT_LE((expected - squares[static_cast<std::size_t>(k)]).norm(), kTolerance * expected.norm()) << k;
+  }
+  const Eigen::MatrixXd response = inverse * dense.topRightCorner(6 * kPoses, kGlobals);
+  EXPECT_LE((response.transpose() - eliminated->pose_response().topRows(kGlobals)).norm(), kTolerance);
+}
+
 TEST(ArrowSystem, LogDeterminantEqualsTheDenseOne) {
   Eigen::MatrixXd dense;
   Eigen::VectorXd gradient;

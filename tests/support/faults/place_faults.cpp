@@ -13,17 +13,23 @@ void replace_second_half(FaultyRecording* r, std::size_t camera, const std::stri
   }
 }
 
+using Codes = std::vector<std::string>;
+
+// In the plane of the floor a board that was moved is what slipping wheels are.
+const Codes kCamera = {"camera.moved", "camera.moved_slightly"};
+const Codes kBoard = {"board.moved", "board.moved_slightly", "odometry.slip"};
+
 RecordingFault camera_moved(const std::string& name, const std::string& variant) {
   // The frames of a camera without depth are its images alone.
   const auto apply = [variant](FaultyRecording* r) { replace_second_half(r, r->depth_camera(), variant); };
-  return {"camera " + name + " at half time", "place", {}, {Files::kColor, Files::kDepth}, apply, {}, {variant}};
+  return {"camera " + name + " at half time", "place", kCamera, {Files::kColor, Files::kDepth}, apply, {}, {variant}};
 }
 
-RecordingFault all_moved(const std::string& name, const std::string& variant) {
+RecordingFault all_moved(const std::string& name, const Codes& codes, const std::string& variant) {
   const auto apply = [variant](FaultyRecording* r) {
     for (std::size_t k = 0; k < r->cameras(); ++k) replace_second_half(r, k, variant);
   };
-  return {name + " at half time", "place", {}, {Files::kColor, Files::kDepth}, apply, {}, {variant}};
+  return {name + " at half time", "place", codes, {Files::kColor, Files::kDepth}, apply, {}, {variant}};
 }
 
 }  // namespace
@@ -59,12 +65,12 @@ std::vector<RecordingFault> place_faults() {
   faults.push_back(camera_moved("turned by 1 deg", "yaw-1"));
   for (const char* mm : {"5", "20", "100"})
     faults.push_back(camera_moved(std::string("forward by ") + mm + " mm", std::string("forward-") + mm));
-  faults.push_back(all_moved("all cameras pitched by 1 deg", "pitch-1"));
-  faults.push_back(all_moved("all cameras turned by 1 deg", "yaw-1"));
+  faults.push_back(all_moved("all cameras pitched by 1 deg", kCamera, "pitch-1"));
+  faults.push_back(all_moved("all cameras turned by 1 deg", kCamera, "yaw-1"));
   for (const char* deg : {"0.5", "2", "10"})
-    faults.push_back(all_moved(std::string("board turned by ") + deg + " deg", std::string("turn-") + deg));
+    faults.push_back(all_moved(std::string("board turned by ") + deg + " deg", kBoard, std::string("turn-") + deg));
   for (const char* mm : {"2", "10", "100"})
-    faults.push_back(all_moved(std::string("board aside by ") + mm + " mm", std::string("aside-") + mm));
+    faults.push_back(all_moved(std::string("board aside by ") + mm + " mm", kBoard, std::string("aside-") + mm));
   return faults;
 }
 

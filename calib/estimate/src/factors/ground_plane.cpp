@@ -7,15 +7,15 @@ void ground_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* s
   const int c = plane.camera;
   const NuisanceValues& values = at.state.nuisances;
   const MeasuredPlane measured = measured_plane(at, plane);
-  const GroundResidual residual = ground_residual(at.state.T_robot_camera[static_cast<std::size_t>(c)],
-                                                  at.pose(plane.stop), depth_error(at, c), measured.value);
+  const GroundResidual residual =
+      ground_residual(at.T_robot_camera(c, plane.stop), at.pose(plane.stop), depth_error(at, c), measured.value);
   const Eigen::Matrix3d W = plane.whitening / at.noise.ground_scale[static_cast<std::size_t>(c)];
   const Eigen::Vector3d r = W * (residual.value + values.of(Nuisance::kGroundOffset, c));
   const double s = r.squaredNorm(), w = at.loss.weight(s);
 
   LocalBlock block(Group::kGround, c);
   BlockRows rows(&block);
-  rows.add(of_globals(at.layout.camera(c), 6), residual.by_camera);
+  rows.add(at.camera_unknowns(c, plane.stop), residual.by_camera);
   rows.add(of_pose(plane.stop), residual.by_pose);
   rows.add(at.layout, Nuisance::kDepthScale, c, residual.by_depth_bias);
   rows.add(at.layout, Nuisance::kCommonDepthScale, c, residual.by_depth_bias);

@@ -55,6 +55,12 @@ class EliminatedSystem {
   };
   PoseCovariance pose_covariance(const Eigen::MatrixXd& global_covariance) const;
 
+  /// (P^-1 [U g])': a row for each global, then one of the gradient; six columns a pose.
+  Eigen::MatrixXd pose_response() const;
+  /// With six columns B that couple to the poses, six rows B_i each: for every pose k the sum of B_i' (P^-1)_ij B_j
+  /// over all i, j >= k. Linear in the number of poses.
+  std::vector<Matrix6d> squares_from_each_pose(const std::vector<Matrix6d>& B) const;
+
  private:
   // D^-1 y, then backwards through the chain: the rest of P^-1 after the elimination's L^-1. Six columns a pose.
   void solve_backwards(Eigen::MatrixXd* transposed) const;

@@ -12,6 +12,7 @@ struct Fit {
   NoiseLevels noise;
   State state;
   std::vector<bool> view_left_out;
+  Step step;  ///< that the state's second poses are of
   SolverSummary summary;
   double minus_two_log_likelihood = 0.0;
 };
@@ -27,6 +28,9 @@ inline constexpr int kLeaveOutRounds = 8;
 /// @param other the other model's solution, if there is one: it differs by the odometry only
 Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out_rounds = kLeaveOutRounds,
               const Fit* other = nullptr);
+
+/// The same from a solution, with second poses of the step's bodies, and with the views again that it left out.
+Fit fit_with_step(const Preparation& prepared, const Fit& without, const Step& step);
 
 /// The problem as it stands at a solution: its views left out, with the given levels.
 Problem problem_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels, const Priors& priors);

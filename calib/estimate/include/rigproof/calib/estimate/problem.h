@@ -12,6 +12,7 @@
 #include "rigproof/calib/estimate/odometry_way.h"
 #include "rigproof/calib/estimate/repeating_errors.h"
 #include "rigproof/calib/estimate/state.h"
+#include "rigproof/calib/estimate/step_scores.h"
 #include "rigproof/calib/estimate/weighting.h"
 #include "rigproof/calib/estimate/whitened.h"
 #include "rigproof/core/observations.h"
@@ -33,6 +34,8 @@ class Problem {
   explicit Problem(const Observations& observations, const Priors& priors, const NoiseLevels& noise,
                    std::shared_ptr<const Whitened> whitened = nullptr);
 
+  /// From a stop on some bodies have second poses, those of the state.
+  void add(const Step& step) { layout_.add(step); }
   const Layout& layout() const { return layout_; }
   const Observations& observations() const { return observations_; }
   const Priors& priors() const { return priors_; }
@@ -48,7 +51,12 @@ class Problem {
                     GroupSums* sums) const;
   /// Sums of all groups with leverage, weighted by the information that the loss keeps; absent if the poses are not
   /// determined.
-  std::optional<GroupSums> sums_with_leverage(const State& state) const;
+  std::optional<GroupSums> sums_with_leverage(const State& state) const {
+    return sums_with_leverage(state, {}, nullptr);
+  }
+  /// The same, and the scores of steps at the given splits.
+  std::optional<GroupSums> sums_with_leverage(const State& state, const std::vector<int>& splits,
+                                              std::vector<StepScore>* scores) const;
   /// -2 ln of the normalisation of the residuals: sum of 2 ln sigma over every residual whose sigma may be estimated.
   double log_normalisation() const;
   /// Every factor's block of normal equations at the state.
@@ -64,7 +72,11 @@ class Problem {
   GroupSums empty_sums() const;
 
  private:
-  ArrowSystem linearised(const State& state, Weighting weighting, const RemovedErrors* removed, double* cost,
+  struct Besides {
+    const RemovedErrors* removed = nullptr;  // further globals
+    BlockSink* also = nullptr;               // is shown every block
+  };
+  ArrowSystem linearised(const State& state, Weighting weighting, const Besides& besides, double* cost,
                          GroupSums* sums) const;
   Evaluation at(const State& state, Weighting weighting) const;
   void visit_odometry(const Evaluation& at, int stop, BlockSink* sink) const;

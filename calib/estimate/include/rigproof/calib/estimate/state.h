@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -26,11 +27,19 @@ struct RobotPose {
   static RobotPose from_transform(const Rigid3& T_world_robot);
 };
 
+/// Bodies that have another pose from a stop on: something was knocked, or the board was moved, during the drive.
+struct Step {
+  static constexpr int kBoard = -1;
+  int split = 0;            ///< the first stop at which they have it
+  std::vector<int> bodies;  ///< cameras, kBoard
+};
+
 struct State {
   std::vector<Rigid3> T_robot_camera;
   Rigid3 T_world_board;
   std::vector<RobotPose> poses;
   NuisanceValues nuisances;
+  std::vector<Rigid3> second_poses;  ///< of a step's bodies from its split on, in their order
 
   double odometry_scale() const { return 1.0 + nuisances.of(Nuisance::kOdometryFactors)[0]; }
   double odometry_yaw_factor() const { return 1.0 + nuisances.of(Nuisance::kOdometryFactors)[1]; }
@@ -39,11 +48,12 @@ struct State {
 /// The state of values as they are reported; depth scales of one where none are given, all else as declared.
 State state_from(const CalibrationState& values);
 
-/// Unknowns: six a pose (x, y, yaw, height, roll, pitch); then the globals: six a camera, six of the board, and the
-/// rows of the table of nuisances of which any has a prior. Rotations move by R <- R Exp(phi).
+/// Unknowns: six a pose (x, y, yaw, height, roll, pitch); then the globals: six a camera, six of the board, the rows of
+/// the table of nuisances of which any has a prior, and six of each body of a step. Rotations move by R <- R Exp(phi).
 class Layout {
  public:
   static Layout of(const Observations& observations, const Priors& priors);
+  void add(const Step& step);
   int poses = 0;
   int cameras = 0;
   int camera(int c) const { return 6 * c; }
@@ -56,10 +66,20 @@ class Layout {
     return first_[static_cast<std::size_t>(nuisance)] + (row.per_camera ? c * row.size() : 0);
   }
   int globals() const { return globals_; }
+  const Step& step() const { return step_; }
+  /// Which of a step's bodies the second pose of a camera (or Step::kBoard) is at a stop; -1: it has its first one.
+  int second_of(int body, int stop) const {
+    if (step_.bodies.empty() || stop < step_.split) return -1;
+    const auto found = std::find(step_.bodies.begin(), step_.bodies.end(), body);
+    return found == step_.bodies.end() ? -1 : static_cast<int>(found - step_.bodies.begin());
+  }
+  /// Where the second pose of a step's body stands.
+  int second(int index) const { return globals_ - 6 * (static_cast<int>(step_.bodies.size()) - index); }
 
  private:
   std::array<int, kNuisances> first_{};
   int globals_ = 0;
+  Step step_;
 };
 
 /// Moves the state by the steps of the poses (6 * poses) and of the globals.
