@@ -117,8 +117,8 @@ void visit_finding(FieldVisitor& visitor, Finding& finding, const Wording& wordi
   if (visitor.instead({{}, "a sentence, in files of before and of other programs", state})) return;
   visit_code(visitor, finding, wording);
   std::vector<std::pair<const char*, Severity>> severities;
-  for (const Severity severity :
-       {Severity::kNote, Severity::kLeftOut, Severity::kRefusal, Severity::kContradiction, Severity::kCause})
+  for (const Severity severity : {Severity::kNote, Severity::kSuspect, Severity::kLeftOut, Severity::kRefusal,
+                                  Severity::kContradiction, Severity::kCause})
     severities.emplace_back(severity_name(severity), severity);
   visitor.choice("severity", finding.severity, severities, "what it means for the result");
   visit_texts(visitor, "cameras", finding.cameras, "which it concerns");
