@@ -8,6 +8,7 @@
 #include "lens_check.h"
 #include "rigproof/core/finding.h"
 #include "rigproof/core/observations.h"
+#include "yaw_drift.h"
 
 namespace rigproof::ml {
 
@@ -30,6 +31,7 @@ struct Symptoms {
   bool frames = false;            ///< many views of a camera had to be left out
   double stops_ahead = 0.0;       ///< of the odometry, by the residuals' slope
   double odometry_scale = 1.0;    ///< if it were free
+  YawDrift yaw_drift;
   bool any() const { return odometry || lenses || frames; }
 };
 

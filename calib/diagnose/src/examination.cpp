@@ -9,6 +9,7 @@
 #include "rigproof/core/exclusions.h"
 #include "steps.h"
 #include "swapped_frames.h"
+#include "yaw_drift.h"
 
 namespace rigproof::ml {
 namespace {
@@ -196,6 +197,7 @@ Symptoms symptoms_of(const Preparation& prepared, const Fit& fit, const Examinat
   Symptoms symptoms;
   symptoms.stops_ahead = shift.stops;
   symptoms.odometry_scale = fit.state.odometry_scale();
+  symptoms.yaw_drift = estimate_yaw_drift(prepared.used, fit.noise, fit.state);
   symptoms.bad_corners = found.contradictions.bad_corners;
   symptoms.bad_corners.resize(prepared.original.cameras.size(), false);
   // Odometry in millimetres can bend the corners and agree with the bent ones.
@@ -300,6 +302,14 @@ bool leaves_in_order(const Preparation& prepared, const FoundStep& step) {
   return is_clean(prepared, step.fit, problem_at(prepared, step.fit, step.fit.noise), std::nullopt);
 }
 
+// What bends the answer is a cause, what does not a warning.
+void take(const std::vector<Finding>& findings, bool bends, bool spoils_all, Examination* found) {
+  if (bends)
+    found->cause = Cause{findings, spoils_all};
+  else
+    found->notes.insert(found->notes.end(), findings.begin(), findings.end());
+}
+
 // What moved during the drive, and what else may be wrong. Where the data contradict themselves, a step is the cause if
 // it leaves them in order, or if nothing else does.
 void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std::vector<StepScore>& scores,
@@ -309,11 +319,12 @@ void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std:
     step = find_step(prepared, fit, scores);
   if (found->symptoms.any() && prepared.original.stops.size() >= 3 && !(step && leaves_in_order(prepared, *step)))
     found->cause = cause_of(prepared, fit, found->symptoms);
-  if (!step || found->cause) return;
-  if (step->bends)
-    found->cause = Cause{step->findings, true};
-  else
-    found->notes.insert(found->notes.end(), step->findings.begin(), step->findings.end());
+  if (found->cause) return;
+  if (step)
+    take(step->findings, step->bends, true, found);
+  else if (found->motion_suffices() && !found->symptoms.any())
+    if (const std::optional<FoundDrift> drift = find_yaw_drift(prepared, fit))
+      take({drift->finding}, drift->bends, false, found);
 }
 
 }  // namespace

@@ -91,6 +91,27 @@ double median_interval_s(const Observations& observations) {
   return median(std::move(intervals));
 }
 
+// Drives the same increments anew, each turned back by what it drifted. Rows between two stops come at even times.
+void undrift(double rad_s, std::vector<Stop>* rows) {
+  if (rows->empty()) return;
+  Rigid3 before = pose_of(rows->front()), after = before;
+  for (std::size_t i = 1; i < rows->size(); ++i) {
+    Stop& stop = (*rows)[i];
+    const double step_s = (stop.stamp_s - (*rows)[i - 1].stamp_s) / static_cast<double>(stop.way.size() + 1);
+    const auto drive_to = [&](const Rigid3& pose) {
+      const Rigid3 step = before.inverse() * pose;
+      before = pose;
+      after = after * planar_pose(step.translation.x(), step.translation.y(), yaw_of(step) - rad_s * step_s);
+    };
+    for (Eigen::Vector3d& pose : stop.way) {
+      drive_to(planar_pose(pose.x(), pose.y(), pose.z()));
+      pose = {after.translation.x(), after.translation.y(), yaw_of(after)};
+    }
+    drive_to(pose_of(stop));
+    set_pose(after, &stop);
+  }
+}
+
 Finding shifted_stamps(const Observations& observations, double stops) {
   const double size = std::abs(stops);
   return Finding("odometry.stamps", {{"side", stops > 0.0 ? "ahead of" : "behind"},
@@ -234,6 +255,14 @@ Fault odometry_scaled(double factor) {
           for_each_stop(scale_positions(1.0 / factor))};
 }
 
+Fault odometry_drifting(const Observations& observations, double rad_s) {
+  const double lasts_s =
+      observations.stops.empty() ? 0.0 : observations.stops.back().stamp_s - observations.stops.front().stamp_s;
+  const Finding cause("odometry.yaw_drifts",
+                      {{"drift_deg_s", rad_to_deg(rad_s)}, {"drift_deg", rad_to_deg(rad_s * lasts_s)}});
+  return {FaultKind::kDrift, cause, false, [rad_s](Observations* repaired) { undrift(rad_s, &repaired->stops); }};
+}
+
 Fault odometry_ahead(const Observations& observations, double stops) {
   const int whole = static_cast<int>(std::floor(stops));
   const double share = stops - whole;
@@ -305,14 +334,23 @@ Fault wrong_stop(const Observations& observations, int stop) {
           }};
 }
 
+Observations stops_between(const Observations& observations, int first, int end) {
+  Observations part = observations;
+  part.stops.assign(observations.stops.begin() + first, observations.stops.begin() + end);
+  const auto cut = [&](auto* values) {
+    keep_stops(first, end, values);
+    for (auto& value : *values) value.stop -= first;
+  };
+  cut(&part.board_views);
+  cut(&part.ground_planes);
+  cut(&part.board_planes);
+  cut(&part.exclusions);
+  return part;
+}
+
 Observations first_stops(const Observations& observations, int stops) {
-  Observations first = observations;
-  if (static_cast<int>(first.stops.size()) <= stops) return first;
-  first.stops.resize(static_cast<std::size_t>(stops));
-  keep_stops(0, stops, &first.board_views);
-  keep_stops(0, stops, &first.ground_planes);
-  keep_stops(0, stops, &first.board_planes);
-  return first;
+  if (static_cast<int>(observations.stops.size()) <= stops) return observations;
+  return stops_between(observations, 0, stops);
 }
 
 }  // namespace rigproof::ml

@@ -10,7 +10,7 @@
 
 namespace rigproof::ml {
 
-enum class FaultKind { kUnit, kSign, kStamps, kScale, kImages, kFrames, kLens, kStop };
+enum class FaultKind { kUnit, kSign, kStamps, kScale, kDrift, kImages, kFrames, kLens, kStop };
 
 /// A fault with its remedy.
 struct Fault {
@@ -33,6 +33,9 @@ Fault odometry_ahead(const Observations& observations, double stops);
 /// Odometry whose translations are `factor` times those that the cameras see.
 Fault odometry_scaled(double factor);
 
+/// Odometry whose yaw drifts by so much a second, as by the bias of a gyro.
+Fault odometry_drifting(const Observations& observations, double rad_s);
+
 /// Frames of one camera that were taken a stop earlier or later than stated.
 std::vector<Fault> camera_shift_faults(const Observations& observations);
 
@@ -44,5 +47,7 @@ Fault wrong_stop(const Observations& observations, int stop);
 
 /// The first `stops` stops, as a separate run.
 Observations first_stops(const Observations& observations, int stops);
+/// The stops `first` <= i < `end`, as a separate run.
+Observations stops_between(const Observations& observations, int first, int end);
 
 }  // namespace rigproof::ml

@@ -1,13 +1,12 @@
 #include "steps.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 
-#include "rigproof/calib/estimate/covariance.h"
-#include "rigproof/calib/estimate/stated_levels.h"
+#include "bending.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof::ml {
@@ -118,17 +117,6 @@ Tried best_split(const Preparation& prepared, const Fit& without, const Step& st
   return best;
 }
 
-// The covariance of the unknowns by stated levels, and the directions that the data leave open.
-std::optional<GlobalCovariance> covariance_of(const Preparation& prepared, const Fit& fit) {
-  const std::optional<GroupSums> sums = problem_at(prepared, fit, fit.noise).sums_with_leverage(fit.state);
-  if (!sums) return std::nullopt;
-  const Problem problem = problem_at(prepared, fit, stated_levels(prepared, fit, *sums));
-  const auto eliminated =
-      EliminatedSystem::eliminate(problem.linearise(fit.state, Weighting::kInformation, nullptr, nullptr), 0.0);
-  if (!eliminated) return std::nullopt;
-  return invert_information(eliminated->schur());
-}
-
 const Rigid3& first_pose(const State& state, int body) {
   return body == Step::kBoard ? state.T_world_board : state.T_robot_camera[static_cast<std::size_t>(body)];
 }
@@ -160,25 +148,6 @@ Motion motion_of(const Fit& fit, const Layout& layout, const GlobalCovariance& c
 double turn_deg(const Vector6d& change) { return rad_to_deg(change.tail<3>().norm()); }
 double shift_mm(const Vector6d& change) { return 1e3 * change.head<3>().norm(); }
 
-// By how many of its standard deviations a stated value is another without the step.
-double bent_by(const Fit& without, const Fit& with, const Layout& layout, const GlobalCovariance& covariance) {
-  const Eigen::MatrixXd J = camera_chart(with.state, layout);
-  const Eigen::VectorXd variance = (J * covariance.covariance * J.transpose()).diagonal();
-  double most = 0.0;
-  for (int c = 0; c < layout.cameras; ++c) {
-    const std::size_t k = static_cast<std::size_t>(c);
-    const auto sigma = variance.segment<6>(6 * c).cwiseMax(1e-18).cwiseSqrt();
-    const auto look = [&](const Rigid3& T) {
-      most = std::max(most,
-                      transform_error(without.state.T_robot_camera[k], T).cwiseAbs().cwiseQuotient(sigma).maxCoeff());
-    };
-    look(with.state.T_robot_camera[k]);
-    for (std::size_t i = 0; i < with.step.bodies.size(); ++i)
-      if (with.step.bodies[i] == c) look(with.state.second_poses[i]);
-  }
-  return most;
-}
-
 struct Examined {
   Tried tried;
   std::vector<Motion> motions;
@@ -187,7 +156,7 @@ struct Examined {
 };
 
 std::optional<Examined> examine(const Preparation& prepared, const Fit& without, Tried tried) {
-  const std::optional<GlobalCovariance> covariance = covariance_of(prepared, tried.fit);
+  const std::optional<GlobalCovariance> covariance = stated_covariance(prepared, tried.fit);
   if (!covariance) return std::nullopt;
   const Problem problem = problem_at(prepared, tried.fit, tried.fit.noise);
   Examined examined{std::move(tried), {}, 0.0, 0.0};
@@ -196,7 +165,7 @@ std::optional<Examined> examine(const Preparation& prepared, const Fit& without,
     examined.motions.push_back(motion_of(fit, problem.layout(), *covariance, static_cast<int>(i)));
     examined.square = std::max(examined.square, examined.motions.back().square);
   }
-  examined.bent = bent_by(without, fit, problem.layout(), *covariance);
+  examined.bent = bent_by(without.state, prepared, fit, *covariance);
   return examined;
 }
 
@@ -225,7 +194,7 @@ Finding finding_of(const Preparation& prepared, const Examined& examined, bool b
 // A step that would be stated wrongly by little, or that is too small for anybody to care, is worth a warning. What a
 // camera moved is wrong in its pose in another camera, too, which is better known than that in the robot.
 bool worth_refusing(const Examined& examined) {
-  constexpr double kBentSigmas = 5.0, kMovedSquare = 100.0, kTurn_deg = 0.1, kShift_mm = 3.0;
+  constexpr double kMovedSquare = 100.0, kTurn_deg = 0.1, kShift_mm = 3.0;
   return std::any_of(examined.motions.begin(), examined.motions.end(), [&examined](const Motion& motion) {
     const bool bends = examined.bent > kBentSigmas || (motion.body != Step::kBoard && motion.square > kMovedSquare);
     return bends && (turn_deg(motion.change) > kTurn_deg || shift_mm(motion.change) > kShift_mm);

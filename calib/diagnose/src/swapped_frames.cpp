@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "faults.h"
@@ -18,6 +19,10 @@ namespace {
 // cannot be told apart by single frames.
 constexpr double kAgrees_m = 0.15, kAgrees_rad = 0.08;
 constexpr double kDiffers = 2.0;  // times that
+// More stops than these, and than one in five, are no exceptions: their frames are not looked at one by one.
+constexpr std::size_t kFew = 8, kMany = 5;
+// Stops before and after one whose frames are exchanged: what is farther does not feel it.
+constexpr int kNear = 12;
 
 // From the nearest stop that nothing is wrong with, by odometry.
 std::optional<Rigid3> predicted_pose(const Observations& observations, const State& state,
@@ -76,36 +81,63 @@ std::vector<RobotPose> proposals(const Observations& observations, const State& 
   return poses;
 }
 
-// Least cost of the run when every view of one stop counts, filed as in `observations`.
-double cost_with_all_views(const Problem& solved, const State& solution, int stop, const Observations& observations) {
-  Problem problem(observations, solved.priors(), solved.noise);
-  problem.camera_fixed = solved.camera_fixed;
-  std::map<std::pair<int, int>, bool> left_out;
-  const std::vector<BoardView>& filed = solved.observations().board_views;
-  for (std::size_t v = 0; v < filed.size(); ++v) left_out[{filed[v].stop, filed[v].camera}] = solved.view_left_out[v];
-  for (std::size_t v = 0; v < observations.board_views.size(); ++v) {
-    const BoardView& view = observations.board_views[v];
-    problem.view_left_out[v] = view.stop != stop && left_out[{view.stop, view.camera}];
+// A solved run about one of its stops: all of it if it is short, else the stops near it, with the cameras as they were
+// solved.
+class Near {
+ public:
+  Near(const Problem& solved, const State& solution, int stop) : solved_(solved), state_(solution) {
+    const int stops = static_cast<int>(solved.observations().stops.size());
+    const bool all = stops <= 4 * kNear;
+    first_ = all ? 0 : std::max(0, stop - kNear);
+    const int end = all ? stops : std::min(stops, stop + kNear + 1);
+    stop_ = stop - first_;
+    observations_ = stops_between(solved.observations(), first_, end);
+    state_.poses = {solution.poses.begin() + first_, solution.poses.begin() + end};
+    camera_fixed_ = all ? solved.camera_fixed : std::vector<bool>(solved.camera_fixed.size(), true);
+    const std::vector<BoardView>& filed = solved.observations().board_views;
+    for (std::size_t v = 0; v < filed.size(); ++v)
+      if (solved.view_left_out[v]) left_out_.insert({filed[v].stop - first_, filed[v].camera});
   }
-  State state = solution;
-  RobotPose& pose = state.poses[static_cast<std::size_t>(stop)];
-  RobotPose best = pose;
-  double least = 0.0;
-  problem.linearise(state, Weighting::kRobust, &least, nullptr);
-  for (const RobotPose& proposed : proposals(observations, solution, stop)) {
-    double cost = 0.0;
-    pose = proposed;
-    problem.linearise(state, Weighting::kRobust, &cost, nullptr);
-    if (cost >= least) continue;
-    least = cost;
-    best = proposed;
+
+  const Observations& observations() const { return observations_; }
+  int stop() const { return stop_; }
+
+  /// Least cost when every view of the stop counts, filed as in `observations`.
+  double cost_with_all_views(const Observations& observations) const {
+    Problem problem(observations, solved_.priors(), solved_.noise);
+    problem.camera_fixed = camera_fixed_;
+    for (std::size_t v = 0; v < observations.board_views.size(); ++v) {
+      const BoardView& view = observations.board_views[v];
+      problem.view_left_out[v] = view.stop != stop_ && left_out_.count({view.stop, view.camera}) > 0;
+    }
+    State state = state_;
+    RobotPose& pose = state.poses[static_cast<std::size_t>(stop_)];
+    RobotPose best = pose;
+    double least = 0.0;
+    problem.linearise(state, Weighting::kRobust, &least, nullptr);
+    for (const RobotPose& proposed : proposals(observations, state_, stop_)) {
+      double cost = 0.0;
+      pose = proposed;
+      problem.linearise(state, Weighting::kRobust, &cost, nullptr);
+      if (cost >= least) continue;
+      least = cost;
+      best = proposed;
+    }
+    pose = best;
+    SolverOptions options;
+    options.max_iterations = 8;
+    options.tolerance = 0.1;
+    return minimise(problem, options, &state).cost;
   }
-  pose = best;
-  SolverOptions options;
-  options.max_iterations = 8;
-  options.tolerance = 0.1;
-  return minimise(problem, options, &state).cost;
-}
+
+ private:
+  const Problem& solved_;
+  State state_;
+  int first_ = 0, stop_ = 0;
+  Observations observations_;
+  std::vector<bool> camera_fixed_;
+  std::set<std::pair<int, int>> left_out_;  // stop, camera
+};
 
 }  // namespace
 
@@ -133,12 +165,14 @@ std::vector<SwappedFrames> likelier_swapped(const Problem& problem, const State&
   constexpr double kDecides = 20.0;  // -2 ln of the likelihood ratio
   std::vector<SwappedFrames> kept;
   for (const SwappedFrames& candidate : candidates) {
+    if (candidate.stops.size() > std::max(kFew, problem.observations().stops.size() / kMany)) continue;
     SwappedFrames likelier{candidate.first, candidate.second, {}};
     for (const int stop : candidate.stops) {
-      Observations exchanged = problem.observations();
-      swap_frames(stop, candidate.first, candidate.second, &exchanged);
-      const double as_filed = cost_with_all_views(problem, state, stop, problem.observations());
-      if (cost_with_all_views(problem, state, stop, exchanged) < as_filed - kDecides) likelier.stops.push_back(stop);
+      const Near near(problem, state, stop);
+      Observations exchanged = near.observations();
+      swap_frames(near.stop(), candidate.first, candidate.second, &exchanged);
+      const double as_filed = near.cost_with_all_views(near.observations());
+      if (near.cost_with_all_views(exchanged) < as_filed - kDecides) likelier.stops.push_back(stop);
     }
     if (!likelier.stops.empty()) kept.push_back(std::move(likelier));
   }

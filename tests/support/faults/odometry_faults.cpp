@@ -14,6 +14,8 @@ using EditSample = std::function<void(OdometrySample*)>;
 using EditSamples = std::function<void(Samples*)>;
 
 const Codes kTurns = {"odometry.turn_factor", "odometry.turns_contradict"};
+const Codes kDrift = {"odometry.yaw_drifts", "odometry.yaw_drifts_slightly", "odometry.turn_factor",
+                      "odometry.turns_contradict"};
 const Codes kNoisy = {"odometry.implausible", "odometry.mostly_outliers"};
 const Codes kDead = {"odometry.dead", "odometry.constant"};
 
@@ -166,7 +168,7 @@ void add_scales(std::vector<RecordingFault>* faults) {
     faults->push_back(samples(sized("odometry's turns", percent, " %"), {"odometry.turn_factor"},
                               turning(1.0 + percent / 100.0, 0.0)));
   for (const double deg_s : {0.01, 0.05, 0.2, 1.0})
-    faults->push_back(samples(sized("gyro bias", deg_s, " deg/s"), kTurns, turning(1.0, deg_to_rad(deg_s))));
+    faults->push_back(samples(sized("gyro bias", deg_s, " deg/s"), kDrift, turning(1.0, deg_to_rad(deg_s))));
 }
 
 void add_deaths(std::vector<RecordingFault>* faults) {
