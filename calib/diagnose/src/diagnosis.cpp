@@ -121,21 +121,28 @@ Explanations try_odometry(const Run& run, const Symptoms& symptoms) {
   return explained;
 }
 
+using LensOf = std::function<LensEstimate(const LensTest&)>;
+
+std::optional<Trial> with_lens(const Run& run, const std::vector<int>& cameras, const Eigen::Vector3d& change) {
+  if (change.isZero(0.0)) return run.as_is;
+  Observations repaired = run.observations;
+  for (const int c : cameras) change_lens(c, change, &repaired);
+  return run.refit(repaired, false);
+}
+
 // Gauss-Newton on the intrinsics of one camera, or of all alike, by refits.
-Explanations try_lens(const Run& run, const std::vector<int>& cameras,
-                      const std::function<LensEstimate(const LensTest&)>& estimate_of) {
+Explanations try_lens(const Run& run, const std::vector<int>& cameras, const LensOf& estimate_of,
+                      const Eigen::Vector3d& start = Eigen::Vector3d::Zero()) {
   constexpr int kSteps = 6;
-  Eigen::Vector3d change = Eigen::Vector3d::Zero();
-  std::optional<Trial> trial = run.as_is;
+  Eigen::Vector3d change = start;
+  std::optional<Trial> trial = with_lens(run, cameras, change);
   const LensEstimate at_start = estimate_of(*run.as_is.lenses);
   for (int step = 0; step < kSteps && trial && trial->lenses; ++step) {
     const LensEstimate estimate = estimate_of(*trial->lenses);
     if (step > 0 && (estimate.value.cwiseAbs() - 0.2 * estimate.sigma).maxCoeff() <= 0.0) break;
-    change[0] = std::clamp((1.0 + change[0]) * (1.0 + estimate.value[0]) - 1.0, -0.5, 1.0);
+    change[0] = std::clamp((1.0 + change[0]) * (1.0 + estimate.value[0]) - 1.0, -0.8, 4.0);
     change.tail<2>() += estimate.value.tail<2>();
-    Observations repaired = run.observations;
-    for (const int c : cameras) change_lens(c, change, &repaired);
-    trial = run.refit(repaired, false);
+    trial = with_lens(run, cameras, change);
   }
   if (!trial || !trial->lenses || trial->unexplained > run.as_is.unexplained - kDecidesLens) return {};
   LensEstimate final = estimate_of(*trial->lenses);
@@ -145,22 +152,37 @@ Explanations try_lens(const Run& run, const std::vector<int>& cameras,
   return {{{FaultKind::kLens, wrong_lens(run.observations, cameras, final), true, {}}, *trial, {}}};
 }
 
-Explanations try_lenses(const Run& run, const std::vector<bool>& bad_corners) {
+// Where depth and corners differ by a factor the focal length may be off by it: too far for Gauss and Newton. The centre
+// is where it is stated, or where another resolution puts it.
+std::vector<Eigen::Vector3d> starts_of(const Camera& camera, double factor) {
+  const auto of_resolution = [factor](double centre_px) { return (centre_px + 0.5) * factor - 0.5 - centre_px; };
+  return {{factor - 1.0, 0.0, 0.0}, {factor - 1.0, of_resolution(camera.cx_px), of_resolution(camera.cy_px)}};
+}
+
+Explanations try_lenses(const Run& run, const Symptoms& symptoms) {
   const LensTest& lenses = *run.as_is.lenses;
   Explanations explained;
-  const auto try_of = [&](const std::vector<int>& cameras, const auto& estimate_of) {
-    const Explanations more = try_lens(run, cameras, estimate_of);
+  const auto try_of = [&](const std::vector<int>& cameras, const LensOf& estimate_of,
+                          const Eigen::Vector3d& start = Eigen::Vector3d::Zero()) {
+    const Explanations more = try_lens(run, cameras, estimate_of, start);
     explained.insert(explained.end(), more.begin(), more.end());
   };
+  const auto alone = [](std::size_t camera) { return [camera](const LensTest& test) { return test.alone[camera]; }; };
   std::vector<int> all;
   for (std::size_t i = 0; i < run.observations.cameras.size(); ++i) {
     all.push_back(static_cast<int>(i));
-    if (lenses.alone[i].contradicts() || bad_corners[i])
-      try_of({all.back()}, [i](const LensTest& test) { return test.alone[i]; });
+    if (lenses.alone[i].contradicts() || symptoms.bad_corners[i]) try_of({all.back()}, alone(i));
   }
-  if (all.size() > 1 && lenses.common.contradicts()) try_of(all, [](const LensTest& test) { return test.common; });
+  const LensOf common = [](const LensTest& test) { return test.common; };
+  if (all.size() > 1 && lenses.common.contradicts()) try_of(all, common);
   if (lenses.common_shift.may_contradict())  // what remains without it decides
     try_of(all, [](const LensTest& test) { return test.common_shift; });
+  if (any_clean(explained)) return explained;
+  for (const auto& [cameras, factor] : symptoms.depth_ratios) {
+    const std::size_t first = static_cast<std::size_t>(cameras.front());
+    for (const Eigen::Vector3d& start : starts_of(run.observations.cameras[first].camera, factor))
+      try_of(cameras, cameras.size() > 1 ? common : LensOf(alone(first)), start);
+  }
   return explained;
 }
 
@@ -285,7 +307,7 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
   const std::vector<Finding> causes = any_clean(found) ? conclude(found).findings : std::vector<Finding>();
   if (causes.empty() || (causes.size() == 1 && causes.front().is("odometry.mirrored")))
     add(try_faults(run, image_faults(run.observations), false));
-  if (!any_clean(found) && run.as_is.lenses) add(try_lenses(run, symptoms.bad_corners));
+  if (!any_clean(found) && run.as_is.lenses) add(try_lenses(run, symptoms));
   if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_shift_faults(run.observations), false));
   if (!any_clean(found) && symptoms.frames && run.observations.cameras.size() > 1) add(try_swaps(run));
   if (!any_clean(found) && symptoms.odometry) add(try_single_stops(run));

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "lens_check.h"
@@ -32,6 +33,8 @@ struct Symptoms {
   double stops_ahead = 0.0;       ///< of the odometry, by the residuals' slope
   double odometry_scale = 1.0;    ///< if it were free
   YawDrift yaw_drift;
+  /// Cameras whose depth of the board is so many times what their corners say, or both for all: focal lengths may be.
+  std::vector<std::pair<std::vector<int>, double>> depth_ratios;
   bool any() const { return odometry || lenses || frames; }
 };
 

@@ -218,16 +218,37 @@ bool board_is_clean(const Preparation& prepared, const Fit& fit, double log_dept
   return trial && trial->clean;
 }
 
+// Cameras whose depth differs from their corners by a factor that no unit explains, or all of them.
+std::vector<std::pair<std::vector<int>, double>> depth_ratios(const Preparation& prepared, const BoardScale& scale) {
+  constexpr double kFarOff = 0.2;  // ln: beyond it a focal length is out of reach of small steps
+  std::vector<std::pair<std::vector<int>, double>> ratios;
+  for (const Finding& finding : scale.contradictions) {
+    if (!finding.is("depth.scale")) continue;
+    for (const int c : prepared.solved_cameras())
+      if (prepared.original.cameras[static_cast<std::size_t>(c)].name == finding.cameras.front())
+        ratios.push_back({{c}, std::get<double>(finding.find("factor")->value)});
+  }
+  if (ratios.empty() && !scale.depth_unit && scale.log_depth_ratio && std::abs(*scale.log_depth_ratio) > kFarOff)
+    ratios.push_back({prepared.solved_cameras(), std::exp(*scale.log_depth_ratio)});
+  return ratios;
+}
+
 std::optional<Cause> cause_of(const Preparation& prepared, const Fit& fit, Symptoms symptoms) {
   const BoardScale scale = check_board_scale(prepared.used, prepared.views, std::nullopt);
-  if (scale.depth_unit) return std::nullopt;
+  symptoms.depth_ratios = depth_ratios(prepared, scale);
+  if (scale.depth_unit && symptoms.depth_ratios.empty()) return std::nullopt;
+  symptoms.lenses = symptoms.lenses || !symptoms.depth_ratios.empty();
   if (!scale.contradictions.empty() && scale.log_depth_ratio) {
-    if (board_is_clean(prepared, fit, *scale.log_depth_ratio)) return std::nullopt;
+    if (!scale.depth_unit && board_is_clean(prepared, fit, *scale.log_depth_ratio)) return std::nullopt;
     symptoms.lenses = true;
   }
-  return find_cause(prepared.original, symptoms, [&](const Observations& repaired, bool same_views) {
-    return refit(prepared, fit, repaired, same_views, symptoms.lenses);
-  });
+  const std::optional<Cause> cause =
+      find_cause(prepared.original, symptoms, [&](const Observations& repaired, bool same_views) {
+        return refit(prepared, fit, repaired, same_views, symptoms.lenses);
+      });
+  // Depth that is wrong by a factor bends what else is tried.
+  if (scale.depth_unit && cause && !cause->findings.front().is("lens.intrinsics")) return std::nullopt;
+  return cause;
 }
 
 std::vector<Finding> notes_of_rows(const Preparation& prepared, const std::vector<WildRow>& rows) {

@@ -50,6 +50,24 @@ INSTANTIATE_TEST_SUITE_P(Recordings, Broken, testing::Range<std::size_t>(0, brea
                            return name;
                          });
 
+// Far from what small steps reach, and no unit of the depth: what the depth says of the focal length is tried.
+TEST(Lenses, AFocalLengthHalvedOrDoubledIsNotBlamedOnTheDepth) {
+  for (const double factor : {0.5, 2.0}) {
+    GeometricConfig config;
+    config.seed = 3;
+    config.stops = 20;
+    config.board_planes = true;
+    Observations observations = draw_geometric_run(config).observations;
+    Camera& told = observations.cameras[1].camera;
+    told.fx_px *= factor;
+    told.fy_px *= factor;
+    const Result result = estimate_maximum_likelihood(observations).result;
+    ASSERT_FALSE(result.reasons.empty());
+    EXPECT_EQ(result.reasons.front().code, "lens.intrinsics") << factor;
+    EXPECT_EQ(result.reasons.front().cameras, std::vector<std::string>{observations.cameras[1].name});
+  }
+}
+
 // The levels of suspension and odometry grow with the slip and hide it, four and a half deviations deep.
 TEST(Lenses, AHalfPixelIsJudgedByTheLevelsWithoutIt) {
   const auto slip = std::find_if(breakages().begin(), breakages().end(), [](const Breakage& breakage) {
