@@ -11,7 +11,7 @@
 namespace rigproof::ml {
 
 /// Steps are looked for at so many splits at first, in drives of so many stops at least.
-inline constexpr int kSplitsAtFirst = 32;
+inline constexpr int kSplitsAtFirst = 16;
 inline constexpr int kLeastStopsForSteps = 2 * kLeastViewsOfStep;
 
 struct FoundStep {
