@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "rigproof/core/conventions.h"
@@ -180,14 +181,44 @@ Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out
   return fit;
 }
 
+namespace {
+
+// Of the poses of a body that the views after a step propose, the one that is nearest to all others: a start that is
+// right though the body fell over.
+Rigid3 pose_after(const Preparation& prepared, const State& state, const Step& step, int body) {
+  std::vector<Rigid3> proposed;
+  for (const ViewPose& view : prepared.views) {
+    if (view.stop < step.split || (body != Step::kBoard && view.camera != body)) continue;
+    const Rigid3 robot = state.poses[static_cast<std::size_t>(view.stop)].transform();
+    proposed.push_back(body == Step::kBoard
+                           ? robot * state.T_robot_camera[static_cast<std::size_t>(view.camera)] * view.T_camera_board
+                           : robot.inverse() * state.T_world_board * view.T_camera_board.inverse());
+  }
+  constexpr std::size_t kEnough = 50;
+  if (proposed.size() > kEnough) proposed.resize(kEnough);
+  double least = std::numeric_limits<double>::infinity();
+  Rigid3 nearest = body == Step::kBoard ? state.T_world_board : state.T_robot_camera[static_cast<std::size_t>(body)];
+  for (const Rigid3& one : proposed) {
+    double sum = 0.0;
+    for (const Rigid3& other : proposed) {
+      const Vector6d apart = transform_error(one, other);
+      sum += std::min(1.0, apart.head<3>().norm() + apart.tail<3>().norm());
+    }
+    if (sum >= least) continue;
+    least = sum;
+    nearest = one;
+  }
+  return nearest;
+}
+
+}  // namespace
+
 Fit fit_with_step(const Preparation& prepared, const Fit& without, const Step& step) {
   Fit fit;
   fit.step = step;
   fit.state = without.state;
   fit.state.second_poses.clear();
-  for (const int body : step.bodies)
-    fit.state.second_poses.push_back(body == Step::kBoard ? fit.state.T_world_board
-                                                          : fit.state.T_robot_camera[static_cast<std::size_t>(body)]);
+  for (const int body : step.bodies) fit.state.second_poses.push_back(pose_after(prepared, without.state, step, body));
   Problem problem(prepared.used, prepared.priors, without.noise, prepared.whitened);
   problem.add(step);
   fix_unseen_cameras(prepared, &problem);
