@@ -9,6 +9,7 @@
 #include "drive_store.h"
 #include "driven.h"
 #include "exposures.h"
+#include "lens_residual.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -262,6 +263,25 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   scenario->recording.odometry = std::move(driven.drive.odometry);
 }
 
+// What board and lenses show in every image alike: where it is simulated the recording says how large it may be.
+void tell_repeating_errors(const WorldDescription& description, const BoardDefectsDraw& drawn, Scenario* scenario) {
+  const BoardDefects& defects = description.board_defects;
+  Board& told = scenario->recording.rig.board;
+  if (defects.print_scale_x != 1.0 || defects.print_scale_y != 1.0) told.square_sigma_m.reset();
+  if (defects.bow_m != 0.0) told.bow_sigma_m.reset();
+  if (!defects.corner_shifts_m.empty()) told.print_sigma_m = drawn.print_error_m;
+  if (defects.moves_corners())
+    scenario->truth.printed_corners = printed_corners(description.board, description.board_margin_m, defects);
+  for (std::size_t i = 0; i < description.cameras.size(); ++i) {
+    const std::optional<LensResidual>& residual = description.cameras[i].lens_residual;
+    if (!residual) continue;
+    const double rms_px = lens_residual_rms_px(scenario->config, scenario->rig.rig.cameras[i]);
+    scenario->truth.cameras[i].lens_residual = residual;
+    scenario->truth.cameras[i].sensing["lens_residual_px"] = rms_px;
+    scenario->recording.rig.cameras[i].intrinsics_sigma.residual_px = rms_px;
+  }
+}
+
 // The frames that were not dropped, stop by stop. A camera's last stops may have none.
 std::vector<FrameJob> recorded_frames(std::size_t stops, const std::vector<std::vector<CameraFrame>>& taken,
                                       const std::vector<std::vector<CameraFrame>>& recorded) {
@@ -301,10 +321,13 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
   scenario.shutters = resolve_shutters(config, scenario.rig.rig);
   const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene));
-  const BoardDefectsDraw defects = draw_board_defects(config.board.defects, seed_of(config));
+  const BoardDefectsDraw defects = draw_board_defects(config.board.defects, board, seed_of(config));
   WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
   description.board_defects = defects.defects;
   description.board_margin_m = defects.border_m;
+  for (std::size_t i = 0; i < description.cameras.size(); ++i)
+    description.cameras[i].lens_residual =
+        drawn_lens_residual(config, scenario.rig.rig.cameras[i], static_cast<std::int32_t>(i));
   if (config.motion == "drive")
     description.ground = ground_of(config.drive, description.scene.drivable_area, seed_of(config));
   scenario.world = World::compose(description);
@@ -314,6 +337,7 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   else
     teleport(description, subject, &scenario);
   scenario.truth.drawn.insert(defects.drawn.begin(), defects.drawn.end());
+  tell_repeating_errors(description, defects, &scenario);
   const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;
   disturb_time(sensed_time(config), sensing_seed(config), &scenario.recording, &scenario.truth);
   scenario.frames = recorded_frames(scenario.stop_count(), taken, scenario.recording.frames);

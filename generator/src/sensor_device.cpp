@@ -9,6 +9,12 @@ void ImageDevice::visit(FieldVisitor& visitor) {
   visitor.field("exposure_ms", exposure_ms, {0.001, 200.0}, "exposure of a row");
   visitor.field("readout_ms", readout_ms, {0.0, 200.0},
                 "rolling shutter: from the first row's start to the last row's; 0 = global shutter");
+  visitor.field(
+      "lens_residual_px", lens_residual_px, {0.0, 5.0},
+      "smooth displacement of the image that the lens model's coefficients do not follow, root mean square of a "
+      "coordinate, in pixels of the preset's image");
+  visitor.field("lens_residual_cells", lens_residual_cells, {4.0, 40.0},
+                "lattice cells of that displacement across the image's longer side");
   visitor.check(read_noise_electrons < full_well_electrons, "read_noise_electrons",
                 "must be less than full_well_electrons");
   effects.visit_strengths(visitor);

@@ -70,9 +70,11 @@ class Plate {
     MeshText mesh;
     const int strips = defects_.bow_m != 0.0 ? kBowStrips : 1;
     const auto edges = [&](int i) { return std::array<double, 2>{x(i, strips), x(i + 1, strips)}; };
-    for (int i = 0; i < strips; ++i) {
-      const auto [a, b] = edges(i);
-      mesh.add({front(a, low_[1]), front(a, high_[1]), front(b, high_[1]), front(b, low_[1])});
+    const std::vector<double> columns = face_columns(strips), rows = face_rows();
+    for (std::size_t i = 0; i + 1 < columns.size(); ++i) {
+      const double a = columns[i], b = columns[i + 1];
+      for (std::size_t j = 0; j + 1 < rows.size(); ++j)
+        mesh.add({front(a, rows[j]), front(a, rows[j + 1]), front(b, rows[j + 1]), front(b, rows[j])});
     }
     const Point behind = {0.0, 0.0, 1.0}, left = {-1.0, 0.0, 0.0}, right = {1.0, 0.0, 0.0};
     const Point up = {0.0, -1.0, 0.0}, down = {0.0, 1.0, 0.0};
@@ -95,7 +97,46 @@ class Plate {
     return mesh.attributes();
   }
 
+  Eigen::Vector3d corner(int id) const {
+    const Eigen::Vector3d nominal = board_.corner(id);
+    const Point p = front(nominal.x(), nominal.y()).position;
+    return {p[0], p[1], p[2]};
+  }
+
  private:
+  // Where the printed face is cut along x: at the strips of a bow, and at corners that have moved.
+  std::vector<double> face_columns(int strips) const {
+    std::vector<double> cuts;
+    for (int i = 0; i <= strips; ++i) cuts.push_back(x(i, strips));
+    if (!defects_.corner_shifts_m.empty())
+      for (int i = 0; i < board_.inner_corners_x(); ++i) cuts.push_back(board_.square_m * i);
+    std::sort(cuts.begin(), cuts.end());
+    return cuts;
+  }
+  std::vector<double> face_rows() const {
+    std::vector<double> cuts = {low_[1], high_[1]};
+    if (!defects_.corner_shifts_m.empty())
+      for (int i = 0; i < board_.inner_corners_y(); ++i) cuts.push_back(board_.square_m * i);
+    std::sort(cuts.begin(), cuts.end());
+    return cuts;
+  }
+
+  // Shift of a place of the print, between the corners around it; beyond the outermost ones it is theirs.
+  Eigen::Vector2d shift(double px, double py) const {
+    if (defects_.corner_shifts_m.empty()) return Eigen::Vector2d::Zero();
+    const int nx = board_.inner_corners_x(), ny = board_.inner_corners_y();
+    const double u = std::clamp(px / board_.square_m, 0.0, nx - 1.0),
+                 v = std::clamp(py / board_.square_m, 0.0, ny - 1.0);
+    const int i = std::min(static_cast<int>(u), std::max(0, nx - 2)),
+              j = std::min(static_cast<int>(v), std::max(0, ny - 2));
+    const auto at = [&](int ix, int iy) -> const Eigen::Vector2d& {
+      return defects_.corner_shifts_m[static_cast<std::size_t>(std::min(iy, ny - 1) * nx + std::min(ix, nx - 1))];
+    };
+    const double s = u - i, t = v - j;
+    return (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(i + 1, j)) +
+           t * ((1.0 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
+  }
+
   double x(int i, int count) const { return i == count ? high_[0] : low_[0] + (high_[0] - low_[0]) * i / count; }
 
   Point place(double px, double py, double z) const {
@@ -113,7 +154,10 @@ class Plate {
   MeshText::Corner front(double px, double py) const {
     const double slope = defects_.bow_m * 4.0 * across(px) / ((high_[0] - low_[0]) * defects_.print_scale_x);
     const double length = std::hypot(slope, 1.0);
-    return {place(px, py, bow(px)),
+    const Eigen::Vector2d moved = shift(px, py);
+    Point position = place(px, py, bow(px));
+    if (!defects_.corner_shifts_m.empty()) position = {position[0] + moved.x(), position[1] + moved.y(), position[2]};
+    return {position,
             {slope / length, 0.0, -1.0 / length},
             (px / board_.square_m + 1.0 + frame_) / (board_.squares_x + 2.0 * frame_),
             (py / board_.square_m + 1.0 + frame_) / (board_.squares_y + 2.0 * frame_)};
@@ -178,6 +222,13 @@ BoardTexture draw_board(const Board& board, double margin_m, const BoardDefects&
   (board.type == "checkerboard" ? fill_squares : fill_areas)(board, texels, &texture);
   if (defects.on_surface()) soil(board, margin_m, defects, &texture);
   return texture;
+}
+
+std::vector<Eigen::Vector3d> printed_corners(const Board& board, double margin_m, const BoardDefects& defects) {
+  const Plate plate(board, margin_m, 0.0, 1.0, defects);
+  std::vector<Eigen::Vector3d> corners;
+  for (int id = 0; id < board.corner_count(); ++id) corners.push_back(plate.corner(id));
+  return corners;
 }
 
 BoardMjcf board_mjcf(const Board& board, double margin_m, double thickness_m, const BoardTexture& texture,

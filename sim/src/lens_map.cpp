@@ -37,7 +37,7 @@ void require_field(const Camera& camera) {
 
 }  // namespace
 
-LensMap::LensMap(const Camera& camera) {
+LensMap::LensMap(const Camera& camera, const std::optional<LensResidual>& field) {
   require_field(camera);
   columns_ = (camera.width_px + 2 * kBorder) / kCell + 4;
   rows_ = (camera.height_px + 2 * kBorder) / kCell + 4;
@@ -46,7 +46,7 @@ LensMap::LensMap(const Camera& camera) {
   for (int j = 0; j < rows_; ++j) {
     for (int i = 0; i < columns_; ++i) {
       Eigen::Vector3d ray;
-      if (!camera.unproject({node_x(i), node_x(j)}, &ray) || ray.head<2>().norm() > kMaxTangent) continue;
+      if (!unproject(camera, field, {node_x(i), node_x(j)}, &ray) || ray.head<2>().norm() > kMaxTangent) continue;
       const std::size_t node =
           static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(i);
       x_[node] = ray.x();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "rigproof/core/camera.h"
+#include "rigproof/core/lens_residual.h"
 
 namespace rigproof {
 
@@ -22,7 +23,7 @@ class LensMap {
   static constexpr int kBorder = 16;
 
   /// Throws Error if the middle of an image border looks more than 75 degrees away from the axis.
-  explicit LensMap(const Camera& camera);
+  explicit LensMap(const Camera& camera, const std::optional<LensResidual>& field = std::nullopt);
 
   /// Rays of the pixels (first + i * step, row), i < count, which may be fractional.
   void rays_of_row(double row, double first, double step, int count, double* xs, double* ys) const;

@@ -88,6 +88,12 @@ std::string World::view_hash(std::size_t camera) const {
     bytes.add(entry.depth_camera->T_color_depth);
     bytes.add(entry.depth_camera->camera);
   }
+  if (entry.lens_residual) {
+    bytes.add(entry.lens_residual->cell_px);
+    bytes.add(entry.lens_residual->columns);
+    bytes.add_all(entry.lens_residual->dx_px);
+    bytes.add_all(entry.lens_residual->dy_px);
+  }
   bytes.add(data->geom_xpos, 3 * geoms);
   bytes.add(data->geom_xmat, 9 * geoms);
   bytes.add(data->light_xpos, 3 * lights);

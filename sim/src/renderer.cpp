@@ -144,13 +144,14 @@ struct CameraPlan {
   RayTable table;                 // of the whole image at 1x
 };
 
-CameraPlan plan_camera(const Camera& camera, const std::string& name) {
+CameraPlan plan_camera(const Camera& camera, const std::string& name,
+                       const std::optional<LensResidual>& field = std::nullopt) {
   require_usable(camera, name);
   CameraPlan plan;
   plan.camera = camera;
-  if (is_direct(camera)) return plan;
+  if (is_direct(camera) && !field) return plan;
   try {
-    plan.lens = std::make_unique<LensMap>(camera);
+    plan.lens = std::make_unique<LensMap>(camera, field);
   } catch (const Error& error) {
     throw Error("camera " + name + ": " + error.what());
   }
@@ -211,7 +212,7 @@ struct Renderer::Impl {
         point_spread(options_in.psf_sigma_px),
         reduction(options_in.psf_sigma_px) {
     for (const WorldCamera& camera : world.description().cameras) {
-      plans.push_back(plan_camera(camera.camera, camera.name));
+      plans.push_back(plan_camera(camera.camera, camera.name, camera.lens_residual));
       depth_plans.emplace_back();
       if (camera.depth_camera) depth_plans.back() = plan_camera(camera.depth_camera->camera, camera.name + " (depth)");
     }

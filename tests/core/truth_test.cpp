@@ -55,6 +55,38 @@ TEST(Truth, ACameraMayHaveStopsOfItsOwn) {
   EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
 }
 
+TEST(Truth, LensResidualAndPrintedCornersAreKept) {
+  const TempFolder folder;
+  Truth a = sample_truth();
+  a.cameras[0].lens_residual = draw_lens_residual(a.cameras[0].camera, 0.07, 8.0, RandomStream(1, "field"));
+  for (int id = 0; id < a.board.corner_count(); ++id)
+    a.printed_corners.push_back(a.board.corner(id) + Eigen::Vector3d(1e-4 * id, -2e-5, 3e-5));
+  save_truth(a, folder / "a.yaml");
+  const Truth b = load_truth(folder / "a.yaml");
+  ASSERT_TRUE(b.cameras[0].lens_residual);
+  EXPECT_FALSE(b.cameras[1].lens_residual);
+  EXPECT_EQ(b.cameras[0].lens_residual->dx_px, a.cameras[0].lens_residual->dx_px);
+  EXPECT_EQ(b.cameras[0].lens_residual->at({100.0, 50.0}), a.cameras[0].lens_residual->at({100.0, 50.0}));
+  EXPECT_EQ(b.printed_corners, a.printed_corners);
+  EXPECT_EQ(b.corner(3), a.printed_corners[3]);
+  EXPECT_EQ(sample_truth().corner(3), a.board.corner(3));
+  save_truth(b, folder / "b.yaml");
+  EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
+}
+
+TEST(Truth, DamagedLensResidualsAndCornersAreNamed) {
+  const TempFolder folder;
+  Truth a = sample_truth();
+  a.printed_corners.emplace_back(0.0, 0.0, 0.0);
+  a.cameras[0].lens_residual = LensResidual{100.0, 5, std::vector<double>(20, 0.1), std::vector<double>(25, 0.1)};
+  save_truth(a, folder / "a.yaml");
+  const std::string text = error_text([&] { load_truth(folder / "a.yaml"); });
+  EXPECT_THAT(text, HasSubstr("printed_corners_m: "));
+  EXPECT_THAT(text, HasSubstr("must have a corner of the board in each line: " +
+                              std::to_string(sample_truth().board.corner_count())));
+  EXPECT_THAT(text, HasSubstr("dx_px and dy_px must have as many numbers"));
+}
+
 TEST(Truth, ProblemsAreNamed) {
   const TempFolder folder;
   folder.write("t.yaml",

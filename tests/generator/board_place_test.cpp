@@ -60,5 +60,38 @@ TEST(BoardPlace, InclinationAndMountingAreDrawnByTheSeed) {
   EXPECT_EQ(drawn_by(world, 3).centre_m, drawn_by(world, 3).centre_m);
 }
 
+// Errors that repeat in every image: the truth has them, the recording says how large they may be and nothing else.
+TEST(RepeatingErrors, AreInTheTruthAndTheirSizesInTheRecording) {
+  const TinyWorld world;
+  const auto resolved = [&world](const std::string& more) {
+    return resolve_scenario(parse_generate_config(
+        "scene: " + world.scene() + "\nrig: husky_1x_d455\nimage_scale: 0.1\nposes: 1\n" + more, "repeat.yaml"));
+  };
+  const Scenario without = resolved("");
+  EXPECT_FALSE(without.truth.cameras[0].lens_residual);
+  EXPECT_TRUE(without.truth.printed_corners.empty());
+  EXPECT_EQ(without.recording.rig.cameras[0].intrinsics_sigma.residual_px, 0.0);
+  const Scenario with = resolved("render: {lens_residual: true}\nboard: {defects: {print_error_mm: 0.08}}\n");
+  ASSERT_TRUE(with.truth.cameras[0].lens_residual);
+  const double rms_px = with.truth.cameras[0].sensing.at("lens_residual_px");
+  EXPECT_GT(rms_px, 0.0);
+  EXPECT_EQ(with.recording.rig.cameras[0].intrinsics_sigma.residual_px, rms_px);
+  EXPECT_EQ(with.recording.rig.board.print_sigma_m, 8e-5);
+  const Board& board = with.truth.board;
+  ASSERT_EQ(static_cast<int>(with.truth.printed_corners.size()), board.corner_count());
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double squares = 0.0, turn = 0.0, size_x = 0.0, size_y = 0.0;
+  for (int id = 0; id < board.corner_count(); ++id) {
+    const Eigen::Vector3d shift = with.truth.corner(id) - board.corner(id), place = board.corner(id) - board.centre();
+    sum += shift;
+    squares += shift.head<2>().squaredNorm();
+    turn += place.x() * shift.y() - place.y() * shift.x();
+    size_x += place.x() * shift.x();
+    size_y += place.y() * shift.y();
+  }
+  EXPECT_NEAR(std::sqrt(0.5 * squares / board.corner_count()), 8e-5, 1e-12);
+  for (const double whole : {sum.x(), sum.y(), sum.z(), turn, size_x, size_y}) EXPECT_NEAR(whole, 0.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace rigproof

@@ -130,6 +130,7 @@ const std::vector<Row>& world_rows() {
       {"board.defects.print_scale_x", "1.01", {}, true},
       {"board.defects.print_scale_y", "1.01", {}, true},
       {"board.defects.bow_mm", "2", {}, true},
+      {"board.defects.print_error_mm", "0.1", {}, true},
       {"board.defects.border_mm", "40", {}, true},
       {"board.defects.glare", "0.5", {}, true},
       {"board.defects.covered_percent", "10", {}, true},
@@ -137,6 +138,7 @@ const std::vector<Row>& world_rows() {
       {"render.psf_sigma_px", "0.6000000001", {}, true},
       {"render.board_at_double", "false", {}, true},
       {"render.whole_at_double", "true", {}, true},
+      {"render.lens_residual", "true", {}, true},
   };
   return rows;
 }
@@ -235,6 +237,8 @@ const std::vector<Row>& sense_rows() {
       {"sensing.image.exposure", "0.8", {}},
       {"sensing.image.exposure_jitter_percent", "2", {}},
       {"sensing.image.defocus_sigma_px", "0.5", {}},
+      {"sensing.image.demosaicing", "true", {}},
+      {"sensing.image.sharpening", "true", {}},
       {"sensing.image.jpeg_quality", "90", {}},
       {"sensing.depth.noise", "false", {}},
       {"sensing.depth.disparity_steps", "false", {}},

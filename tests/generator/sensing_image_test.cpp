@@ -173,5 +173,79 @@ TEST(SensingImage, DefocusBlursLightWithItsSigma) {
   }
 }
 
+const ImageEffect& only_effect(const ImageSensing& model) { return **model.effects.begin(); }
+
+// Bayer's pattern keeps what all pixels see alike, in each colour by itself: red and blue stay where they are.
+TEST(SensingImage, DemosaicingKeepsEvenColours) {
+  const ImageSensing model = image_sensing("demosaicing: true");
+  Image8 image(40, 30, 3);
+  for (std::size_t i = 0; i < image.pixels.size(); i += 3) {
+    image.pixels[i] = 200;
+    image.pixels[i + 1] = 120;
+    image.pixels[i + 2] = 40;
+  }
+  const Image8 even = image;
+  only_effect(model).change_levels(&image);
+  EXPECT_EQ(image.pixels, even.pixels);
+}
+
+// A step of grey in the second of two columns of one colour: what a pixel sees itself stays, the rest is a guess
+// between its neighbours, and no level lies beyond theirs.
+TEST(SensingImage, DemosaicingGuessesBesideEdgesAlone) {
+  const ImageSensing model = image_sensing("demosaicing: true");
+  Image8 image(40, 30, 3, 40);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 20; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = 210;
+  const Image8 sharp = image;
+  only_effect(model).change_levels(&image);
+  int changed = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const int own = (x & 1) + (y & 1);
+      const bool at_rim = x == 0 || y == 0 || x + 1 == image.width || y + 1 == image.height;
+      if (!at_rim) {
+        EXPECT_EQ(image.at(x, y, own), sharp.at(x, y, own)) << x << " " << y;
+      }
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_GE(image.at(x, y, c), 40);
+        EXPECT_LE(image.at(x, y, c), 210);
+        if (image.at(x, y, c) == sharp.at(x, y, c)) continue;
+        ++changed;
+        EXPECT_LE(std::abs(x - 19.5), 2.0) << "a guess reaches two pixels";
+      }
+    }
+  }
+  EXPECT_GT(changed, 20);
+}
+
+// Unsharp masking of a step: overshoot of amount times what the blur takes, away from it nothing.
+TEST(SensingImage, SharpeningOvershootsByItsAmount) {
+  const ImageSensing model = image_sensing("sharpening: true", "{sharpening_amount: 0.5, sharpening_sigma_px: 1}");
+  Image8 image(64, 16, 3, 80);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 32; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = 160;
+  only_effect(model).change_levels(&image);
+  for (const int x : {29, 30, 31, 32, 33, 34}) {
+    const double step = x < 32 ? 80.0 : 160.0;
+    const double blurred = 80.0 + 80.0 * 0.5 * std::erfc(-(x - 31.5) / std::sqrt(2.0));
+    // Of the sampled Gaussian, and of rounding twice.
+    EXPECT_NEAR(static_cast<double>(image.at(x, 8, 1)), step + 0.5 * (step - blurred), 1.5) << x;
+  }
+  EXPECT_EQ(image.at(5, 8, 0), 80);
+  EXPECT_EQ(image.at(60, 8, 2), 160);
+}
+
+// After the noise, as a camera's processor has it: one frame's noise is sharpened, too.
+TEST(SensingImage, ProcessingComesAfterNoise) {
+  const Image8 flat(kWidth, kHeight, 3, 128);
+  const double plain = light_of(ImageSensing{}, sense(ImageSensing{}, flat)).variance;
+  const ImageSensing sharpened = image_sensing("sharpening: true"), guessed = image_sensing("demosaicing: true");
+  // What is added is of the three colours' mean, a third of whose noise any colour shares.
+  EXPECT_GT(light_of(sharpened, sense(sharpened, flat)).variance, 1.1 * plain);
+  EXPECT_LT(light_of(guessed, sense(guessed, flat)).variance, 0.9 * plain);
+}
+
 }  // namespace
 }  // namespace rigproof

@@ -266,5 +266,25 @@ TEST(BoardDefects, AScaledPrintIsLarger) {
   EXPECT_NE(hit, ObjectKind::kBoard);
 }
 
+TEST(BoardDefects, PrintedCornersHaveScaleBowAndShifts) {
+  const Board board = load_rig_model("husky_3x_d455").rig.board;
+  BoardDefects defects;
+  EXPECT_FALSE(defects.moves_corners());
+  EXPECT_EQ(printed_corners(board, 0.05, defects), board.corners());
+  defects.print_scale_x = 1.01;
+  defects.bow_m = 0.002;
+  for (int id = 0; id < board.corner_count(); ++id) defects.corner_shifts_m.emplace_back(1e-4 * id, -2e-4);
+  EXPECT_TRUE(defects.moves_corners());
+  const std::vector<Eigen::Vector3d> corners = printed_corners(board, 0.05, defects);
+  const double half = 0.5 * board.square_m * board.squares_x + 0.05;
+  for (int id = 0; id < board.corner_count(); ++id) {
+    const Eigen::Vector3d from_centre = board.corner(id) - board.centre();
+    const double across = from_centre.x() / half;
+    const Eigen::Vector3d expected(board.centre().x() + 1.01 * from_centre.x() + 1e-4 * id, board.corner(id).y() - 2e-4,
+                                   -0.002 * (1.0 - across * across));
+    EXPECT_LT((corners[static_cast<std::size_t>(id)] - expected).norm(), 1e-12) << id;
+  }
+}
+
 }  // namespace
 }  // namespace rigproof

@@ -26,6 +26,23 @@ TEST(LensMap, IsTheInverseOfProject) {
   }
 }
 
+TEST(LensMap, FollowsALensResidual) {
+  for (const WorldCamera& camera : figure_cameras()) {
+    const std::optional<LensResidual> field = draw_lens_residual(camera.camera, 0.15, 8.0, RandomStream(2, "field"));
+    const LensMap map(camera.camera, field);
+    double worst = 0.0, x[2], y[2];
+    for (double row = 2.0; row < camera.camera.height_px; row += 23.17) {
+      for (double first = 2.0; first < camera.camera.width_px - 4.0; first += 31.41) {
+        map.rays_of_row(row, first, 0.5, 2, x, y);
+        Eigen::Vector2d pixel;
+        ASSERT_TRUE(project(camera.camera, field, {x[1], y[1], 1.0}, &pixel)) << camera.name;
+        worst = std::max(worst, (pixel - Eigen::Vector2d(first + 0.5, row)).norm());
+      }
+    }
+    EXPECT_LT(worst, 3e-4) << camera.name;
+  }
+}
+
 TEST(LensMap, HasNoRaysWhereTheLensHasNone) {
   Camera fisheye = Camera::symmetric(1280, 720, 520.0);  // 141 degrees wide; the corners look 81 degrees away
   fisheye.lens = Lens::kKannalaBrandt;

@@ -19,6 +19,7 @@ struct View {
 // How corners are predicted; a hypothesis changes one part of it.
 struct Setup {
   Camera camera;
+  std::optional<LensResidual> lens_residual;
   Rigid3 T_robot_camera;
   Rigid3 T_world_board;
   std::function<Rigid3(std::size_t)> T_world_robot;  // by stop
@@ -95,6 +96,7 @@ Subject subject_of(const Observations& observations, const Truth& truth, std::si
 Setup as_stated(const Subject& subject) {
   const TrueCamera& camera = subject.truth.cameras[subject.camera];
   return {camera.camera,
+          camera.lens_residual,
           camera.T_robot_camera,
           subject.truth.T_world_board,
           [&subject](std::size_t stop) { return subject.stops[stop].T_world_robot; },
@@ -107,12 +109,13 @@ Setup as_stated(const Subject& subject) {
 bool project(const Setup& setup, const TrueStop& stop, const Rigid3& T_camera_board, const Eigen::Vector3d& p_board,
              const Eigen::Vector2d& seen, Eigen::Vector2d* pixel) {
   const std::optional<Vector6d>& velocity = stop.velocity;
-  if (!velocity || setup.readout_s <= 0.0) return setup.camera.project(T_camera_board * p_board, pixel);
+  if (!velocity || setup.readout_s <= 0.0)
+    return project(setup.camera, setup.lens_residual, T_camera_board * p_board, pixel);
   const double dt_s = row_delay_s(seen.y(), setup.camera.height_px, setup.readout_s);
   const Rigid3 T_now_before = se3_exp(-dt_s * *velocity);  // of the robot
   const Rigid3 T_camera_robot = setup.T_robot_camera.inverse();
-  return setup.camera.project(T_camera_robot * (T_now_before * (setup.T_robot_camera * (T_camera_board * p_board))),
-                              pixel);
+  return project(setup.camera, setup.lens_residual,
+                 T_camera_robot * (T_now_before * (setup.T_robot_camera * (T_camera_board * p_board))), pixel);
 }
 
 Residuals residuals_of(const Subject& subject, const Setup& setup) {
@@ -123,8 +126,8 @@ Residuals residuals_of(const Subject& subject, const Setup& setup) {
     double squares = 0.0;
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;
-      if (!project(setup, subject.stops[view.stop], T_camera_board,
-                   subject.truth.board.corner(setup.board_id(corner.id)), setup.seen(corner.pixel), &projected)) {
+      if (!project(setup, subject.stops[view.stop], T_camera_board, subject.truth.corner(setup.board_id(corner.id)),
+                   setup.seen(corner.pixel), &projected)) {
         result.complete = false;
         continue;
       }
@@ -217,6 +220,7 @@ void add_wrong_cameras(const Subject& subject, std::vector<Hypothesis>* list) {
     if (other == subject.camera) continue;
     setup = as_stated(subject);
     setup.camera = subject.truth.cameras[other].camera;
+    setup.lens_residual = subject.truth.cameras[other].lens_residual;
     setup.T_robot_camera = subject.truth.cameras[other].T_robot_camera;
     list->push_back({"its images are those of " + subject.truth.cameras[other].name + " (cameras exchanged)", setup});
   }

@@ -68,6 +68,7 @@ struct Subject {
   const TrueCamera& true_camera;
   const std::vector<TrueStop>& stops;
   Camera camera;
+  std::optional<LensResidual> lens_residual;  // of depth that is registered to colour
   Rigid3 T_robot_depth;
   double scale = 1.0;
   int shift_x = 0, shift_y = 0;  // of the depth image, as the truth labels it
@@ -86,6 +87,7 @@ Subject subject_of(const Recording& recording, const Truth& truth, std::size_t r
                   true_camera,
                   truth.stops_of(camera),
                   true_camera.camera,
+                  true_camera.lens_residual,
                   true_camera.T_robot_camera,
                   true_camera.depth_scale.value_or(1.0),
                   static_cast<int>(label_of(true_camera, "depth_shift_x_px")),
@@ -97,6 +99,7 @@ Subject subject_of(const Recording& recording, const Truth& truth, std::size_t r
       true_camera.depth_camera || !rig.depth ? true_camera.depth_camera : rig.depth->own_camera;
   if (!own) return subject;
   subject.camera = own->camera;
+  subject.lens_residual.reset();
   subject.T_robot_depth = subject.T_robot_depth * own->T_color_depth;
   return subject;
 }
@@ -161,7 +164,7 @@ Sample sample_at(const Subject& subject, const Frame& frame, int u, int v, const
 
 void collect_pixel(const Subject& subject, const Frame& frame, int u, int v, Samples* samples) {
   Eigen::Vector3d ray;
-  if (!subject.camera.unproject({u, v}, &ray)) return;
+  if (!unproject(subject.camera, subject.lens_residual, Eigen::Vector2d(u, v), &ray)) return;
   const DepthStream& stream = *subject.rig_camera.depth;
   const Board& board = subject.truth.board;
   const double margin = 0.2 * board.square_m;  // away from the squares' edge, where depth may fly

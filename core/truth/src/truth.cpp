@@ -1,5 +1,7 @@
 #include "rigproof/truth/truth.h"
 
+#include <algorithm>
+
 #include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/truth/truth_schema.h"
@@ -41,7 +43,34 @@ void visit_odometry(FieldVisitor& visitor, Truth& truth) {
   visitor.field("yaw_factor", truth.odometry_yaw_factor, {0.01, 100.0}, "measured over true angle of a turn");
 }
 
+void visit_corners(FieldVisitor& visitor, Truth& truth) {
+  if (!visitor.takes("printed_corners_m", !truth.printed_corners.empty())) return;
+  std::vector<std::vector<double>> rows;
+  for (const Eigen::Vector3d& p : truth.printed_corners) rows.push_back({p.x(), p.y(), p.z()});
+  visitor.field("printed_corners_m", rows, {-1e3, 1e3}, 3, "where its corners truly are, by id, in the board's frame");
+  if (!visitor.is_reading()) return;
+  const std::size_t corners = static_cast<std::size_t>(std::max(0, truth.board.corner_count()));
+  visitor.check(rows.size() == corners, "printed_corners_m",
+                "must have a corner of the board in each line: " + std::to_string(corners));
+  if (rows.size() != corners) return;
+  truth.printed_corners.clear();
+  for (const std::vector<double>& row : rows) truth.printed_corners.emplace_back(row[0], row[1], row[2]);
+}
+
 }  // namespace
+
+static void visit_fields(FieldVisitor& visitor, LensResidual& field) {
+  for (const char* key : {"cell_px", "columns", "dx_px", "dy_px"}) visitor.require(key, "a value");
+  visitor.field("cell_px", field.cell_px, {1.0, 1e5},
+                "distance of the lattice's nodes; the first is two cells outside");
+  visitor.field("columns", field.columns, {4.0, 1e4}, "nodes in a row of the lattice");
+  visitor.field("dx_px", field.dx_px, {-100.0, 100.0}, 16, 1U << 20U, "coefficients to the right, row by row");
+  visitor.field("dy_px", field.dy_px, {-100.0, 100.0}, 16, 1U << 20U, "the same downwards");
+  const bool whole = field.columns >= 4 && field.dx_px.size() == field.dy_px.size() && field.rows() >= 4 &&
+                     field.dx_px.size() % static_cast<std::size_t>(field.columns) == 0;
+  visitor.check(whole || !visitor.is_reading(), "dx_px",
+                "dx_px and dy_px must have as many numbers, in four rows or more of `columns`");
+}
 
 static void visit_fields(FieldVisitor& visitor, TrueStop& stop) {
   visitor.on_one_line();
@@ -57,6 +86,8 @@ static void visit_fields(FieldVisitor& visitor, TrueCamera& camera) {
   visitor.nested("intrinsics", camera.camera, "true ones; the recording may tell others");
   visitor.field("depth_scale", camera.depth_scale, {0.1, 10.0}, "measured over true depth");
   visitor.nested("depth_camera", camera.depth_camera, "where depth is not registered to colour");
+  visitor.nested("lens_residual", camera.lens_residual,
+                 "what the lens does beyond its intrinsics: cubic B-splines over a lattice in the image");
   visitor.field("sensing", camera.sensing, "what else is simulated of the sensor, by name with unit", true);
   if (visitor.takes("stops", !camera.stops.empty()))
     visitor.nested_list("stops", camera.stops, "of a camera that takes its images while the robot moves");
@@ -68,7 +99,8 @@ static void visit_fields(FieldVisitor& visitor, Truth& truth) {
   visitor.require("seed", "a whole number, >= 0");
   visitor.field("seed", truth.seed, "of all random numbers");
   visitor.require("board", "{type, squares, square_mm}");
-  visitor.nested("board", truth.board, "true size");
+  visitor.nested("board", truth.board, "as it is told");
+  visit_corners(visitor, truth);
   visit_required(visitor, "T_world_board", truth.T_world_board, "pose of the board in the world");
   visitor.require("odometry", "a block with noise, scale, yaw_factor");
   visitor.section(

@@ -7,7 +7,9 @@ namespace rigproof {
   EFFECT(pixel_pattern)                \
   EFFECT(vignetting)                   \
   EFFECT(exposure)                     \
-  EFFECT(defocus)
+  EFFECT(defocus)                      \
+  EFFECT(demosaicing)                  \
+  EFFECT(sharpening)
 
 #define RIGPROOF_DEPTH_EFFECTS(EFFECT) \
   EFFECT(coarse_noise)                 \

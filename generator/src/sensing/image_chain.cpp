@@ -160,6 +160,7 @@ void ImageChain::apply(const ImageSensing& model, const FrameSeed& frame, Image8
     noise.fill(words.data(), words.size());
     code_row(electrons.data(), words.data(), electrons.size(), roots.data(), row);
   }
+  for (const auto& effect : model.effects) effect->change_levels(image);
 }
 
 }  // namespace rigproof

@@ -192,7 +192,7 @@ Written draw_corners(const InspectInput& input, std::size_t camera, const std::f
         (stops[*stop].T_world_robot * truth.cameras[*true_camera].T_robot_camera).inverse() * truth.T_world_board;
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;
-      if (!picture.image.project(T_camera_board * truth.board.corner(corner.id), &projected)) continue;
+      if (!truth.cameras[*true_camera].project(T_camera_board * truth.corner(corner.id), &projected)) continue;
       picture.residuals.push_back({corner.pixel, corner.pixel - projected});
       variance += 0.5 * corner.covariance_px2.trace();
     }

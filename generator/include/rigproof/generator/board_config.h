@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "rigproof/core/board.h"
 #include "rigproof/core/fields.h"
 #include "rigproof/sim/board_defects.h"
 
@@ -15,6 +16,7 @@ struct BoardDefectsConfig {
   Distribution print_scale_x = 1.0;
   Distribution print_scale_y = 1.0;
   Distribution bow_mm = 0.0;
+  Distribution print_error_mm = 0.0;
   Distribution border_mm = 50.0;
   Distribution glare = 0.0;
   Distribution covered_percent = 0.0;
@@ -26,8 +28,9 @@ struct BoardDefectsConfig {
 struct BoardDefectsDraw {
   BoardDefects defects;
   double border_m = 0.05;               ///< white around the squares
+  double print_error_m = 0.0;           ///< one sigma of BoardDefects::corner_shifts_m
   std::map<std::string, double> drawn;  ///< for the truth, by field
 };
-BoardDefectsDraw draw_board_defects(const BoardDefectsConfig& config, std::uint64_t seed);
+BoardDefectsDraw draw_board_defects(const BoardDefectsConfig& config, const Board& board, std::uint64_t seed);
 
 }  // namespace rigproof

@@ -66,8 +66,8 @@ class Effect {
   virtual void prepare(int /*width*/, int /*height*/, const FrameSeed& /*device*/) {}
 };
 
-/// Changes light between the lens and the pixels' noise. Hooks are called in the order in which they stand here, those
-/// of several effects in the order of the registry.
+/// Changes light between the lens and the pixels' noise, and levels after it. Hooks are called in the order in which
+/// they stand here, those of several effects in the order of the registry.
 class ImageEffect : public Effect {
  public:
   virtual std::unique_ptr<ImageEffect> clone() const = 0;
@@ -84,6 +84,8 @@ class ImageEffect : public Effect {
   virtual void change_light(int /*y*/, std::size_t /*pixels*/, float* /*light*/) const {}
   /// Electrons of the three interleaved channels of row y.
   virtual void change_electrons(int /*y*/, std::size_t /*samples*/, float* /*electrons*/) const {}
+  /// The levels of the whole picture, after noise: what the camera's processor makes of it.
+  virtual void change_levels(Image8* /*image*/) const {}
   /// How far below nothing change_electrons() may bring a sample [electrons], but for a few in a hundred thousand.
   virtual double pedestal_electrons() const { return 0.0; }
 };

@@ -15,8 +15,10 @@ struct ImageDevice {
   double full_well_electrons = 6300.0;  ///< light that gives level 255
   double read_noise_electrons = 2.5;
   double gamma = 2.2;
-  double exposure_ms = 10.0;  ///< of a row, indoors
-  double readout_ms = 0.0;    ///< rolling shutter: from the first row's start to the last row's; 0 = global
+  double exposure_ms = 10.0;          ///< of a row, indoors
+  double readout_ms = 0.0;            ///< rolling shutter: from the first row's start to the last row's; 0 = global
+  double lens_residual_px = 0.15;     ///< of a coordinate, over the image: see LensResidual
+  double lens_residual_cells = 16.0;  ///< across the image
   EffectList<ImageEffect> effects = image_effects();
 
   void visit(FieldVisitor& visitor);

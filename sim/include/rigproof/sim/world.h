@@ -11,6 +11,7 @@
 
 #include "rigproof/core/board.h"
 #include "rigproof/core/camera.h"
+#include "rigproof/core/lens_residual.h"
 #include "rigproof/core/rig.h"
 #include "rigproof/core/rigid3.h"
 #include "rigproof/sim/board_defects.h"
@@ -24,6 +25,8 @@ struct WorldCamera {
   Camera camera;
   /// Where depth is measured; without it, at the camera's own place and with its pixels.
   std::optional<DepthStream::OwnCamera> depth_camera = std::nullopt;
+  /// What the camera's lens does beyond its model, in colour and in depth with its pixels.
+  std::optional<LensResidual> lens_residual = std::nullopt;
 };
 
 /// A texture that a scene's MJCF refers to by name: procedural and seeded, or an image file.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rigproof/core/camera.h"
+#include "rigproof/core/lens_residual.h"
 #include "rigproof/core/rig.h"
 #include "rigproof/core/rigid3.h"
 
@@ -39,6 +40,16 @@ struct TrueCamera {
   /// Of a camera that takes its images while the robot moves, and not when the others do: for each of the truth's stops
   /// its own one, as far as the drive goes. Empty = the truth's stops. See Truth::stops_of().
   std::vector<TrueStop> stops = {};
+  /// What the lens does beyond its intrinsics.
+  std::optional<LensResidual> lens_residual = std::nullopt;
+
+  /// Where the colour camera sees a point, and along which ray it sees a pixel: intrinsics and lens field.
+  bool project(const Eigen::Vector3d& p_camera, Eigen::Vector2d* pixel) const {
+    return rigproof::project(camera, lens_residual, p_camera, pixel);
+  }
+  bool unproject(const Eigen::Vector2d& pixel, Eigen::Vector3d* ray) const {
+    return rigproof::unproject(camera, lens_residual, pixel, ray);
+  }
 };
 
 /// A shutter that reads rows one after the other: when row v of `height` is exposed, against the middle row.
@@ -47,7 +58,9 @@ inline double row_delay_s(double row, int height, double readout_s) { return rea
 struct Truth {
   std::string scene;
   std::uint64_t seed = 0;
-  Board board;  ///< true size
+  Board board;  ///< as it is told
+  /// Where its corners truly are, by id [board frame]; empty = where `board` says.
+  std::vector<Eigen::Vector3d> printed_corners = {};
   Rigid3 T_world_board;
   std::vector<TrueCamera> cameras;
   std::vector<TrueStop> stops;
@@ -57,6 +70,10 @@ struct Truth {
   /// What was drawn once for the run, by the field of its configuration: "drive.payload_kg", "board.bow_mm", ...
   std::map<std::string, double> drawn;
 
+  /// A corner of the board as it is printed and bent [board frame].
+  Eigen::Vector3d corner(int id) const {
+    return printed_corners.empty() ? board.corner(id) : printed_corners[static_cast<std::size_t>(id)];
+  }
   /// When a camera took its images and where the robot was: those of its own, or the stops that all cameras share.
   const std::vector<TrueStop>& stops_of(std::size_t camera) const {
     return cameras[camera].stops.empty() ? stops : cameras[camera].stops;
