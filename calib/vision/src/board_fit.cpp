@@ -169,6 +169,45 @@ double print_contrast(const Image8& grey, const Homography& H, const Board& boar
   return sum > 0.0 ? difference / sum : 0.0;
 }
 
+// A picture whose edges are sharper than a pixel's own area leaves them was made of few rays a pixel: every edge is
+// known to their distance alone, and where it runs along the pixels' rows the error is the same all along it, so that
+// no residual shows it. The distance is told by the residuals of the whole board.
+struct Aliasing {
+  double ray_distance_px = 0.0;  ///< 0: none
+};
+
+Aliasing aliasing_of(const std::vector<MeasuredCorner>& corners) {
+  // With one ray a pixel the model's residual is a third of the contrast.
+  constexpr double kPixelsPerResidual = 3.2;
+  // A pixel's own area blurs by sqrt(1/12); a fit finds no less than 0.3 px.
+  constexpr double kAliasedBlur = 0.35;
+  if (median_of(corners, blur_of) > kAliasedBlur) return {};
+  const double of_residual =
+      kPixelsPerResidual * median_of(corners, [](const SaddleFit& f) { return f.residual_rms / f.contrast; });
+  // Where all edges run along the rows no residual is left.
+  return {std::clamp(of_residual, 0.25, 1.0)};
+}
+
+// Covariance of the corner by what rays leave of its two edges: over the window an edge that leans across them meets
+// them at other phases again and again.
+Matrix2d covariance_of(const Aliasing& aliasing, const MeasuredCorner& corner) {
+  constexpr double kReachPx = 12.0;
+  constexpr double kPhases = 4.0;  // how fast the phases that an edge meets average out
+  if (aliasing.ray_distance_px <= 0.0) return Matrix2d::Zero();
+  Matrix2d across;
+  Vector2d variance;
+  for (int edge = 0; edge < 2; ++edge) {
+    const double c = std::cos(corner.fit.edge_rad[edge]), s = std::sin(corner.fit.edge_rad[edge]);
+    const double length = 2.0 * std::min(kReachPx, corner.window.square.col(edge).norm());
+    const double slope = std::min(std::abs(c), std::abs(s)) / std::max(std::abs(c), std::abs(s));
+    const double phases = length * slope / aliasing.ray_distance_px;
+    variance[edge] = aliasing.ray_distance_px * aliasing.ray_distance_px / 12.0 / (1.0 + kPhases * phases * phases);
+    across.row(edge) << -s, c;
+  }
+  const Matrix2d edges_to_corner = across.inverse();
+  return edges_to_corner * variance.asDiagonal() * edges_to_corner.transpose();
+}
+
 // Why a measured board cannot be used; absent if it can.
 std::optional<Finding> fault_of(const Board& board, const std::vector<MeasuredCorner>& corners,
                                 const CheckerboardOptions& options) {
@@ -204,6 +243,7 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
     drop_outliers(board, *H, options, &corners);
   }
   result.outside = count(corners, SaddleStatus::kOutsideImage);
+  result.fitted = count(corners, SaddleStatus::kFitted);
   result.why_not = fault_of(board, corners, options);
   const bool incomplete = count(corners, SaddleStatus::kFitted) < board.corner_count();
   if (!result.why_not && incomplete && (!H || !outline_in_image(board, *H, grey)))
@@ -211,10 +251,12 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   if (!result.why_not && H && print_contrast(grey, *H, board) < kMinPrintContrast)
     result.why_not = Finding("board.not_found");
   if (result.why_not) return result;
+  const Aliasing aliasing = aliasing_of(corners);
   for (const MeasuredCorner& corner : corners) {
     if (corner.fit.status != SaddleStatus::kFitted) continue;
     const Matrix2d floor = Matrix2d::Identity() * (options.min_sigma_px * options.min_sigma_px);
-    result.corners.push_back({corner.id, corner.fit.pixel, corner.fit.covariance_px2 + floor});
+    result.corners.push_back(
+        {corner.id, corner.fit.pixel, corner.fit.covariance_px2 + floor + covariance_of(aliasing, corner)});
   }
   return result;
 }

@@ -12,6 +12,7 @@ struct BoardFit {
   std::vector<CornerObservation> corners;  ///< in the order of ids; empty if the board was not measured
   std::optional<Finding> why_not;          ///< why it is empty
   int outside = 0;                         ///< corners that lie outside of the image
+  int fitted = 0;                          ///< corners that were measured, also of a board that is not taken
 };
 
 /// Fits every corner twice: first in windows from the seeds' homography, then from that of the fitted corners.

@@ -88,6 +88,7 @@ BoardFit complete(const Image8& grey, const Board& board, const BoardHypothesis&
     BoardFit fit = fit_board(grey, board, placement, options);
     if (fit.corners.empty()) {
       if (best.corners.empty()) best.why_not = fit.why_not;
+      best.fitted = std::max(best.fitted, fit.fitted);
       continue;
     }
     ++fits;
@@ -139,7 +140,11 @@ class BoardFinder {
     if (!best_part_) return BoardNotFound{Finding("board.not_found")};
     if (const std::optional<CornerGrid> grid = detection::opencv_corner_grid(grey_, board_))
       if (try_hypotheses(detection::rank_hypotheses({*grid}, board_), part_size())) return std::move(fit_.corners);
-    return BoardNotFound{why_not_ ? *why_not_ : reason_for_part(*best_part_, grey_, board_)};
+    if (why_not_) return BoardNotFound{*why_not_};
+    const Finding reason = reason_for_part(*best_part_, grey_, board_);
+    // Where next to no corner of a board is one when looked at closely, nothing hides it: it was never there.
+    const bool never_there = reason.code == "board.partly_hidden" && most_fitted_ < part_size();
+    return BoardNotFound{never_there ? Finding("board.not_found") : reason};
   }
 
  private:
@@ -147,6 +152,7 @@ class BoardFinder {
     for (const BoardHypothesis& hypothesis : hypotheses) {
       if (hypothesis.corners < static_cast<std::size_t>(min_corners)) break;
       fit_ = fit_hypothesis(grey_, board_, hypothesis, options_);
+      most_fitted_ = std::max(most_fitted_, fit_.fitted);
       if (!fit_.corners.empty()) return true;
       const bool better = !best_part_ || hypothesis.corners > best_part_->corners;
       if (better) best_part_ = hypothesis;
@@ -189,6 +195,7 @@ class BoardFinder {
   std::vector<std::vector<BoardHypothesis>> hypotheses_;  ///< by level searched
   BoardFit fit_;
   std::optional<BoardHypothesis> best_part_;
+  int most_fitted_ = 0;  ///< corners of one hypothesis
   std::optional<Finding> why_not_;
 };
 

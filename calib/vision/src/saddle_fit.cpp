@@ -273,6 +273,23 @@ double noise_variance_of(const System& system, std::size_t pixels) {
   return std::max(system.residual_squares / static_cast<double>(pixels - kCount), kQuantisationVariance);
 }
 
+// A step that takes no blur below its least. A blur that is held there leaves the others their own best step: edges of
+// a picture without blur would never converge.
+Parameters bounded_step(Normal normal, Parameters gradient, const Parameters& from) {
+  Parameters step = normal.ldlt().solve(-gradient);
+  const double held = kMinBlur + 1e-9;
+  const bool first = from[kBlur1] < held && step[kBlur1] < 0.0, second = from[kBlur2] < held && step[kBlur2] < 0.0;
+  if (!first && !second) return step;
+  for (const Parameter blur : {kBlur1, kBlur2}) {
+    if (!(blur == kBlur1 ? first : second)) continue;
+    normal.row(blur).setZero();
+    normal.col(blur).setZero();
+    normal(blur, blur) = 1.0;
+    gradient[blur] = 0.0;
+  }
+  return normal.ldlt().solve(-gradient);
+}
+
 // Levenberg-Marquardt. The noise variance only weighs the priors against the pixels.
 Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, double noise_variance, double reach,
                  double converged_step) {
@@ -281,7 +298,7 @@ Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, doub
   for (int iteration = 0; iteration < kMaxIterations && damping < 1e6 && !best.converged; ++iteration) {
     Normal damped = best.system.normal;
     damped.diagonal() *= 1.0 + damping;
-    const Parameters step = damped.ldlt().solve(-best.system.gradient);
+    const Parameters step = bounded_step(damped, best.system.gradient, best.parameters);
     Parameters next = best.parameters + step;
     next[kBlur1] = std::max(next[kBlur1], kMinBlur);
     next[kBlur2] = std::max(next[kBlur2], kMinBlur);
@@ -332,6 +349,7 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
   fit.status = SaddleStatus::kFitted;
   fit.pixel = window.centre + p.head<2>();
   fit.blur_px = p.segment<2>(kBlur1);
+  fit.edge_rad = p.segment<2>(kAngle1);
   fit.contrast = std::abs(p[kContrast]);
   fit.pixels = static_cast<int>(pixels->size());
   fit.residual_rms = std::sqrt(minimum.system.residual_squares / static_cast<double>(pixels->size()));

@@ -27,8 +27,10 @@ struct SaddleFit {
   Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();
   Eigen::Vector2d blur_px =
       Eigen::Vector2d::Zero();  ///< across the edges along board x and along board y, pixel included
-  double contrast = 0.0;        ///< half of light minus dark [grey levels]
-  double residual_rms = 0.0;    ///< [grey levels]
+  /// Directions of the edges along board x and along board y, from the image's x towards its y [rad].
+  Eigen::Vector2d edge_rad = Eigen::Vector2d::Zero();
+  double contrast = 0.0;      ///< half of light minus dark [grey levels]
+  double residual_rms = 0.0;  ///< [grey levels]
   int pixels = 0;
 };
 

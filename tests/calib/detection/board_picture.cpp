@@ -30,12 +30,21 @@ double coverage(double s, double width, double low, double high) {
   return std::max(0.0, std::min(s + half, high) - std::max(s - half, low)) / (2.0 * half);
 }
 
+// Height of the bent sheet, to the board's z: edges of the border stay.
+double sheet_z(const Board& board, const BoardPictureOptions& options, double x_m) {
+  const double half = 0.5 * board.square_m * board.squares_x + options.border_m;
+  const double across = (x_m - board.centre().x()) / half;
+  return -options.bow_m * (1.0 - across * across);
+}
+
 /// The board's plane as seen along rays.
 class BoardTexture {
  public:
   BoardTexture(const Board& board, const Rigid3& T_camera_board, const BoardPictureOptions& options)
       : board_(board), options_(options) {
     const Eigen::Matrix3d R = T_camera_board.rotation_matrix();
+    R_board_camera_ = R.transpose();
+    eye_ = -R_board_camera_ * T_camera_board.translation;
     to_board_.col(0) = R.col(0) * board.square_m;
     to_board_.col(1) = R.col(1) * board.square_m;
     to_board_.col(2) = T_camera_board.translation;
@@ -47,10 +56,12 @@ class BoardTexture {
     const Vector3d p = to_board_ * ray.homogeneous();
     if (!(p.z() > 0.0)) return false;
     *squares = p.hnormalized() + Vector2d::Ones();
+    if (options_.bow_m != 0.0) bend(ray, squares);
     return true;
   }
   // Grey value and share of the sample that shows the board, over a footprint [squares].
-  void shade(const Vector2d& s, const Vector2d& width, double* grey, double* share) const {
+  void shade(const Vector2d& s, const Vector2d& footprint, double* grey, double* share) const {
+    const Vector2d width = options_.point_samples ? Vector2d::Zero() : footprint;
     const double border = options_.border_m / board_.square_m;
     const double x = coverage(s.x(), width.x(), -border, board_.squares_x + border);
     const double y = coverage(s.y(), width.y(), -border, board_.squares_y + border);
@@ -65,9 +76,22 @@ class BoardTexture {
   }
 
  private:
+  // From where the ray meets the plane to where it meets the bent sheet: a bow is small, so each round gains two
+  // digits.
+  void bend(const Vector2d& ray, Vector2d* squares) const {
+    const Vector3d direction = R_board_camera_ * ray.homogeneous();
+    for (int round = 0; round < 5; ++round) {
+      const double z = sheet_z(board_, options_, board_.square_m * (squares->x() - 1.0));
+      const Vector3d p = eye_ + (z - eye_.z()) / direction.z() * direction;
+      *squares = p.head<2>() / board_.square_m + Vector2d::Ones();
+    }
+  }
+
   Board board_;
   BoardPictureOptions options_;
   Eigen::Matrix3d to_board_;
+  Eigen::Matrix3d R_board_camera_;
+  Vector3d eye_;  // the camera in the board's frame
 };
 
 // A fine checker texture in one part, rectangles of all sizes elsewhere.
@@ -123,6 +147,14 @@ ImageF reduce_and_transpose(const ImageF& fine, int factor, const std::vector<fl
     }
   }
   return result;
+}
+
+// What the lens passes at a pixel over what it passes in the middle.
+double passed_light(const Camera& camera, const BoardPictureOptions& options, int x, int y) {
+  if (options.corner_light == 1.0) return 1.0;
+  const double half_x = 0.5 * (camera.width_px - 1), half_y = 0.5 * (camera.height_px - 1);
+  const double r2 = (Vector2d(x - half_x, y - half_y) / std::hypot(half_x, half_y)).squaredNorm();
+  return std::pow(1.0 + (1.0 / std::sqrt(options.corner_light) - 1.0) * r2, -2.0);
 }
 
 struct Box {
@@ -207,7 +239,8 @@ Image8 draw_board(const Camera& camera, const Board& board, const Rigid3& T_came
   Image8 result(camera.width_px, camera.height_px);
   for (int y = 0; y < result.height; ++y) {
     for (int x = 0; x < result.width; ++x) {
-      const double light = 1.0 + options.slope_per_px * (x - camera.cx_px + y - camera.cy_px);
+      const double light =
+          (1.0 + options.slope_per_px * (x - camera.cx_px + y - camera.cy_px)) * passed_light(camera, options, x, y);
       double value = image.at(x, y) * light;
       if (options.noise_sigma > 0.0) value += random.normal(0.0, options.noise_sigma);
       result.at(x, y) = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
@@ -216,11 +249,13 @@ Image8 draw_board(const Camera& camera, const Board& board, const Rigid3& T_came
   return result;
 }
 
-std::vector<Vector2d> true_corners(const Camera& camera, const Board& board, const Rigid3& T_camera_board) {
+std::vector<Vector2d> true_corners(const Camera& camera, const Board& board, const Rigid3& T_camera_board,
+                                   const BoardPictureOptions& options) {
   std::vector<Vector2d> corners;
   for (const Vector3d& p : board.corners()) {
     Vector2d pixel;
-    if (!camera.project(T_camera_board * p, &pixel)) return {};
+    const Vector3d bent(p.x(), p.y(), options.bow_m == 0.0 ? 0.0 : sheet_z(board, options, p.x()));
+    if (!camera.project(T_camera_board * bent, &pixel)) return {};
     corners.push_back(pixel);
   }
   return corners;

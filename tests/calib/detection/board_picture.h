@@ -16,6 +16,10 @@ struct BoardPictureOptions {
   int supersampling = 4;  ///< samples a pixel along each axis; edges are area-sampled within each sample
   double dark = 40.0;     ///< grey levels
   double light = 215.0;
+  bool point_samples =
+      false;           ///< edges are not area-sampled: each sample is light or dark, as a plain ray-caster has it
+  double bow_m = 0.0;  ///< the middle of the sheet stands out towards the viewer, bent about the board's y
+  double corner_light = 1.0;  ///< in the image's corner over that in its middle: 1 / (1 + k r^2)^2
   double noise_sigma = 0.0;   ///< grey levels, white
   double slope_per_px = 0.0;  ///< relative change of the light along x and y
   double border_m = 0.05;     ///< white margin around the squares
@@ -29,7 +33,8 @@ Image8 draw_board(const Camera& camera, const Board& board, const Rigid3& T_came
                   const BoardPictureOptions& options = {});
 
 /// True corners in the image, by id. Empty if one of them does not project.
-std::vector<Eigen::Vector2d> true_corners(const Camera& camera, const Board& board, const Rigid3& T_camera_board);
+std::vector<Eigen::Vector2d> true_corners(const Camera& camera, const Board& board, const Rigid3& T_camera_board,
+                                          const BoardPictureOptions& options = {});
 
 /// The board's centre at `distance_m` along the ray of `pixel`, its normal at `obliquity_rad` from that ray, tilted
 /// about an axis across the ray at angle `axis_rad`, turned in its own plane by `roll_rad`.
