@@ -1,6 +1,7 @@
 // What the recording tells of lenses, board and depth scales against what is true: `sensing.told` and `sensing.lens`.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "resolve.h"
 #include "rigproof/core/random.h"
@@ -95,20 +96,22 @@ void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* came
   const std::uint64_t seed = sensing_seed(config);
   if (told_is_drawn(config)) {
     RandomStream random(seed, "told lens", -1, index);
-    camera->intrinsics_sigma.residual_px = 0.0;  // none is simulated
     camera->camera = drawn_around(camera->camera, camera->intrinsics_sigma, asked, &random);
   } else if (is_zero(asked)) {
+    const double residual_px = camera->intrinsics_sigma.residual_px;
     camera->intrinsics_sigma = IntrinsicsSigma::exact();
+    camera->intrinsics_sigma.residual_px = residual_px;
   }
+  if (!config.render.lens_residual) camera->intrinsics_sigma.residual_px = 0.0;
   camera->camera = with_errors_asked_for(camera->camera, asked, seed, index);
 }
 
 void tell_board(const GenerateConfig& config, Board* board) {
-  if (!told_is_drawn(config)) {
-    board->believe();
-    return;
-  }
-  board->print_sigma_m = 0.0;  // none is simulated
+  const std::optional<double> print_sigma_m = board->print_sigma_m;
+  if (!told_is_drawn(config)) board->believe();
+  const bool misprinted = !is_zero(config.board.defects.print_error_mm);
+  board->print_sigma_m = misprinted ? print_sigma_m : 0.0;
+  if (!told_is_drawn(config)) return;
   RandomStream random(sensing_seed(config), "told board");
   constexpr double kReadingsPerM = 1e5;  // a hundredth of a millimetre
   const double measured_m = board->square_m * (1.0 + random.normal(0.0, board->square_sigma_relative()));
