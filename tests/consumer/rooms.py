@@ -14,7 +14,7 @@ def room_of(path):
     parts = path.parts
     if parts[0] in ("calib", "study"):
         return "/".join(parts[:2])
-    nested = len(parts) > 2 and parts[1] in ("truth", "formats", "geometric")
+    nested = len(parts) > 2 and parts[1] in ("truth", "formats", "bags", "geometric")
     return parts[1] if nested else parts[0]
 
 

@@ -1,0 +1,13 @@
+# What a consumer of the static library rigproof::bags links with.
+find_dependency(PkgConfig)
+find_dependency(fastcdr)
+find_dependency(SQLite3)
+if(NOT TARGET PkgConfig::ISAL)
+  pkg_check_modules(ISAL REQUIRED IMPORTED_TARGET libisal)
+endif()
+if(NOT TARGET PkgConfig::LZ4)
+  pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+endif()
+if(NOT TARGET PkgConfig::ZSTD)
+  pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+endif()

@@ -1,0 +1,84 @@
+// The messages of ROS 2 that a calibration needs, as their definitions have them. Each read_ function takes the bytes
+// of one message (plain CDR, in either byte order) and throws Error, without a topic's name, for what is no such
+// message.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof {
+
+// Types as topics name them.
+inline constexpr const char* kImageType = "sensor_msgs/msg/Image";
+inline constexpr const char* kCompressedImageType = "sensor_msgs/msg/CompressedImage";
+inline constexpr const char* kCameraInfoType = "sensor_msgs/msg/CameraInfo";
+inline constexpr const char* kOdometryType = "nav_msgs/msg/Odometry";
+inline constexpr const char* kTfType = "tf2_msgs/msg/TFMessage";
+
+/// std_msgs/Header.
+struct RosHeader {
+  std::int64_t stamp_ns = 0;
+  std::string frame_id;
+};
+/// Of any message that begins with a header, without reading the rest.
+RosHeader read_header(std::string_view message);
+
+/// sensor_msgs/Image.
+struct RosImage {
+  RosHeader header;
+  std::uint32_t height = 0, width = 0;
+  std::string encoding;
+  bool is_bigendian = false;
+  std::uint32_t step = 0;  ///< bytes of a row
+  std::string_view data;   ///< into the message
+};
+RosImage read_image(std::string_view message);
+
+/// sensor_msgs/CompressedImage.
+struct RosCompressedImage {
+  RosHeader header;
+  std::string format;
+  std::string_view data;  ///< into the message
+};
+RosCompressedImage read_compressed_image(std::string_view message);
+
+/// sensor_msgs/CameraInfo.
+struct RosCameraInfo {
+  RosHeader header;
+  std::uint32_t height = 0, width = 0;  ///< of the full sensor, before binning and the region of interest
+  std::string distortion_model;
+  std::vector<double> d;
+  std::array<double, 9> k{};  ///< row-major, of the full sensor
+  std::array<double, 9> r{};
+  std::array<double, 12> p{};                  ///< row-major, of the rectified image
+  std::uint32_t binning_x = 0, binning_y = 0;  ///< 0 and 1: none
+  struct Region {
+    std::uint32_t x_offset = 0, y_offset = 0, height = 0, width = 0;  ///< of the full sensor; size 0: all of it
+  } roi;
+};
+RosCameraInfo read_camera_info_message(std::string_view message);
+
+/// What nav_msgs/Odometry says of the pose.
+struct RosOdometry {
+  RosHeader header;  ///< frame_id: the odometry frame
+  std::string child_frame_id;
+  Rigid3 T_odom_child;
+};
+/// Throws Error for a quaternion whose norm is not 1 within 1 %.
+RosOdometry read_odometry_message(std::string_view message);
+
+/// geometry_msgs/TransformStamped.
+struct RosTransform {
+  RosHeader header;  ///< frame_id: the parent
+  std::string child_frame_id;
+  Rigid3 T_parent_child;
+};
+/// tf2_msgs/TFMessage.
+std::vector<RosTransform> read_tf_message(std::string_view message);
+
+}  // namespace rigproof
