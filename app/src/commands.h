@@ -46,6 +46,24 @@ struct VisionArguments {
   std::string horizon;            ///< onnx:FILE; empty = geometry
 };
 
+struct InitArguments {
+  CommonArguments common;
+  std::filesystem::path source;
+  std::filesystem::path output;
+  std::string board;    ///< preset or file
+  std::string squares;  ///< "6x5"
+  double square_mm = 0.0;
+  std::filesystem::path odometry;  ///< trajectory of a folder of images
+  std::vector<std::string> topics;
+  std::vector<std::string> camera_infos;
+  std::vector<std::string> sensors;
+  std::string robot_frame;
+  std::string stamps = "header";  ///< or log
+  bool every_image = false;
+  int images_per_stop = 3;
+};
+int init_command(const InitArguments& arguments);
+
 struct ObserveArguments {
   CommonArguments common;
   VisionArguments vision;

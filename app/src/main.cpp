@@ -283,6 +283,7 @@ int run_main(int argc, char** argv) {
   add_run(app, action);
   add_generate(app, action);
   add_sense(app, action);
+  add_init_command(app, action);
   add_observe(app, action);
   add_calibrate(app, action);
   add_validate(app, action);

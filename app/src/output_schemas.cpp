@@ -191,6 +191,36 @@ Lines export_keys() {
           {"joints[].others", "texts", "joints that --joint could have named"}};
 }
 
+Lines init_keys() {
+  return all_of(
+      {{{"recording", "text", "the folder that was made"},
+        {"robot_frame", "text", "frame that results are given in"},
+        {"odometry.topic", "text", "where it came from"},
+        {"odometry.rows", "integer", "poses"},
+        {"odometry.duration_s", "number", "from the first to the last"},
+        {"odometry.tilt_deg", "number", "largest angle between the robot's vertical and the odometry frame's"},
+        {"odometry.rise_m", "number", "highest less lowest position"},
+        {"stops", "integer", "places at which the robot stood still and images were taken"},
+        {"moving_images", "integer", "left out, because the robot moved"}},
+       below("cameras[]",
+             {{".name", "text", "of the camera"},
+              {".images", "text", "topic"},
+              {".camera_info", "text", "topic or file"},
+              {".depth", "text or null", "topic"},
+              {".link", "text", "by which the camera is mounted"},
+              {".width_px", "integer", "of its images"},
+              {".height_px", "integer", "of its images"},
+              {".images_in_source", "integer", "how many there are"},
+              {".images_kept", "integer", "how many were written"},
+              {".depth_kept", "integer", "depth images written"},
+              {".stops", "integer", "stops with an image of it"},
+              {".board_stops", "integer or null", "those with the whole board in it; null: not looked for"}}),
+       {{"notes", "texts", "for people"},
+        {"missing", "texts", "what rig.yaml still needs, for people"},
+        {"bytes", "integer", "of the source"},
+        {"unpacked_bytes", "integer", "of its messages"}}});
+}
+
 }  // namespace
 
 std::vector<OutputSchema> output_schemas() {
@@ -203,6 +233,7 @@ std::vector<OutputSchema> output_schemas() {
             {"board_views", "integer", "how many"},
             {"ground_planes", "integer", "how many"},
             {"left_out", "integer", "how many"}}},
+          {"init", "", init_keys()},
           {"moved", "", moved_keys()},
           {"suggest", "", suggest_keys()},
           {"generate",

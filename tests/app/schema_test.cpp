@@ -53,6 +53,7 @@ TEST(Schema, EveryFileHasOneWithTitleAndVersion) {
                            "calibrate_output",
                            "validate_output",
                            "observe_output",
+                           "init_output",
                            "moved_output",
                            "suggest_output",
                            "doctor_output",

@@ -1,51 +1,16 @@
 #include "rigproof/study/workflow/convert.h"
 
-#include <system_error>
-
 #include "rigproof/calib/vision/ground_plane.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/calib/vision/stops.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/study/workflow/folder_in_making.h"
 
 namespace rigproof {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder that gets its name when it is whole, and is gone again if that never happens.
-class FolderInMaking {
- public:
-  explicit FolderInMaking(const fs::path& folder)
-      : folder_(folder.has_filename() ? folder : folder.parent_path()), making_(folder_.string() + ".partial") {
-    std::error_code error;
-    const fs::file_status there = fs::symlink_status(folder_, error);  // a link would be replaced by the folder
-    if (fs::exists(there) && !(fs::is_directory(there) && fs::is_empty(folder_, error)))
-      throw Error(folder_.string() + ": there is something already; name a new folder");
-    fs::remove_all(making_, error);
-    fs::create_directories(making_, error);
-    if (error) throw Error(making_.string() + ": " + error.message());
-  }
-  ~FolderInMaking() {
-    std::error_code ignored;
-    if (!done_) fs::remove_all(making_, ignored);
-  }
-  FolderInMaking(const FolderInMaking&) = delete;
-  FolderInMaking& operator=(const FolderInMaking&) = delete;
-
-  const fs::path& path() const { return making_; }
-  void finish() {
-    std::error_code error;
-    fs::remove(folder_, error);
-    fs::rename(making_, folder_, error);
-    if (error) throw Error(folder_.string() + ": " + error.message());
-    done_ = true;
-  }
-
- private:
-  fs::path folder_, making_;
-  bool done_ = false;
-};
 
 void step(const ConvertOptions& options, std::size_t done, std::size_t total) {
   if (options.progress && !options.progress(done, total)) throw Error("interrupted", ExitCode::kTryAgain);

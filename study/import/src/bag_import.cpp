@@ -1,0 +1,327 @@
+#include "bag_import.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "camera_of_info.h"
+#include "depth_of_bag.h"
+#include "ground_track.h"
+#include "import_words.h"
+#include "rig_files.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/text.h"
+#include "topic_names.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kGroundFrame = "base_footprint";
+
+// Whole seconds apart: nanoseconds since 1970 are more digits than a double has.
+double seconds(std::int64_t ns) {
+  constexpr std::int64_t kNsPerS = 1000000000;
+  return static_cast<double>(ns / kNsPerS) + 1e-9 * static_cast<double>(ns % kNsPerS);
+}
+
+class Planner {
+ public:
+  Planner(const BagSurvey& survey, const InitOptions& options, fs::path scratch)
+      : survey_(survey), options_(options), scratch_(std::move(scratch)) {}
+
+  ImportPlan run() {
+    choice_ = choose_topics(survey_, topic_rules(options_.topics));
+    plan_.recording.rig.name = options_.output.filename().string();
+    if (options_.board) plan_.recording.rig.board = *options_.board;
+    describe_cameras();
+    take_odometry();
+    check_clocks();
+    keep_frames();
+    return std::move(plan_);
+  }
+
+ private:
+  std::vector<std::string>& notes() { return plan_.report.notes; }
+
+  // ------------------------------------------------------------------------------------------------------ cameras
+
+  void describe_cameras() {
+    std::vector<std::string> names;
+    for (const CameraTopics& camera : choice_.cameras) names.push_back(camera.name);
+    const auto infos = values_by_camera(options_.camera_infos, "--camera-info", names, false);
+    const auto sensors = values_by_camera(options_.sensors, "--sensor", names, true);
+    Problems problems;
+    for (const CameraTopics& topics : choice_.cameras) {
+      try {
+        describe_camera(topics, infos, sensors);
+      } catch (const Error& error) {
+        problems.add({"", 0, "camera " + topics.name, "", error.what()});
+      }
+    }
+    problems.throw_if_any();
+    if (!without_sensor_.empty())
+      notes().push_back(
+          "depth of " + joined(without_sensor_) +
+          " is taken for that of a common stereo camera; say what it is: --sensor d455, or `sensor: d455` "
+          "below each in rig.yaml (`rigproof sensors` lists them)");
+  }
+
+  void describe_camera(const CameraTopics& topics, const std::map<std::string, std::string>& infos,
+                       const std::map<std::string, std::string>& sensors) {
+    const ImageTopic& images = *survey_.find_image(topics.images);
+    if (images.frame_ids.size() > 1)
+      throw Error(images.name + " carries images of several frames, " +
+                  for_message(joined({images.frame_ids.begin(), images.frame_ids.end()})) +
+                  ": two drivers publish there; each camera needs a topic of its own");
+    InitCamera report;
+    report.name = topics.name;
+    report.images = images.name;
+    report.images_in_source = images.images.size();
+    RigCamera camera;
+    camera.name = camera.folder = topics.name;
+    const auto info = infos.find(topics.name);
+    camera.camera =
+        info == infos.end() ? camera_of_bag(topics, images) : camera_of_file(info->second, scratch_ / topics.name);
+    report.camera_info = info == infos.end() ? topics.camera_info : info->second;
+    check_image_size(images, camera.camera);
+    camera.link = report.link = link_of(images);
+    take_depth(topics, images, sensors, &camera, &report);
+    report.width_px = camera.camera.width_px;
+    report.height_px = camera.camera.height_px;
+    plan_.images.push_back(&images);
+    plan_.optical_frames.push_back(survey_.tf_static.has(images.frame_id()) ? images.frame_id() : "");
+    plan_.recording.rig.cameras.push_back(camera);
+    plan_.report.cameras.push_back(report);
+  }
+
+  Camera camera_of_bag(const CameraTopics& topics, const ImageTopic& images) {
+    const std::string expected = namespace_of(images.name) + "/camera_info";
+    const std::string remedy = "; give --topic " + topics.name + ".camera_info=TOPIC, or --camera-info " + topics.name +
+                               "=FILE with the YAML that camera_calibration writes";
+    if (topics.camera_info.empty())
+      throw Error("there is no CameraInfo for " + images.name + " (looked for " + expected + ")" + remedy);
+    const InfoTopic& info = *survey_.find_info(topics.camera_info);
+    if (info.changes)
+      throw Error(info.name +
+                  " changes within the bag: the camera was set up anew; record a bag with one set of "
+                  "intrinsics, or give --camera-info " +
+                  topics.name + "=FILE");
+    try {
+      const InfoReading reading = camera_of_info(info.info, is_rectified(images.name));
+      for (const std::string& note : reading.notes) notes().push_back(topics.name + ": " + note);
+      return reading.camera;
+    } catch (const Error& error) {
+      throw Error(info.name + ": " + error.what() + remedy);
+    }
+  }
+
+  static void check_image_size(const ImageTopic& images, const Camera& camera) {
+    if (images.width == 0 || (images.width == camera.width_px && images.height == camera.height_px)) return;
+    throw Error("images of " + images.name + " are " + std::to_string(images.width) + "x" +
+                std::to_string(images.height) + ", the intrinsics are of " + std::to_string(camera.width_px) + "x" +
+                std::to_string(camera.height_px) + "; record the topic that they belong to");
+  }
+
+  std::vector<std::string> robot_frames() const {
+    std::vector<std::string> frames = {kGroundFrame, "base_link"};
+    if (choice_.odometry != nullptr) frames.push_back(choice_.odometry->child_frame_id);
+    if (!options_.robot_frame.empty()) frames.push_back(options_.robot_frame);
+    return frames;
+  }
+
+  std::string link_of(const ImageTopic& images) {
+    if (survey_.tf_static.has(images.frame_id()))
+      return survey_.tf_static.mount_link(images.frame_id(), robot_frames());
+    notes().push_back(images.name + ": its frame " + for_message(images.frame_id()) +
+                      " is not in /tf_static, so that the link by which the camera is mounted is unknown; `link` in "
+                      "rig.yaml is the frame itself");
+    return images.frame_id();
+  }
+
+  // -------------------------------------------------------------------------------------------------------- depth
+
+  void take_depth(const CameraTopics& topics, const ImageTopic& images,
+                  const std::map<std::string, std::string>& sensors, RigCamera* camera, InitCamera* report) {
+    const ImageTopic* depth = topics.depth.empty() ? nullptr : survey_.find_image(topics.depth);
+    const auto sensor = sensors.find(topics.name);
+    std::optional<SensorPreset> preset;
+    if (sensor != sensors.end()) preset = load_sensor_preset(sensor->second);
+    if (preset) camera->sensor = sensor->second;
+    std::vector<std::string> depth_notes;
+    if (depth != nullptr) camera->depth = depth_of_topic(survey_, *depth, images, camera->camera, &depth_notes);
+    for (const std::string& note : depth_notes) notes().push_back(topics.name + ": " + note);
+    if (!camera->depth) depth = nullptr;
+    if (depth != nullptr && preset && preset->depth) {
+      camera->depth->min_m = preset->depth->min_m;
+      camera->depth->max_m = preset->depth->max_m;
+      camera->depth->noise = preset->depth->noise;
+    }
+    plan_.depth.push_back(depth);
+    if (depth != nullptr) report->depth = depth->name;
+    if (depth != nullptr && !preset) without_sensor_.push_back(topics.name);
+  }
+
+  // ----------------------------------------------------------------------------------------------------- odometry
+
+  // The robot frame lies on the ground below the frame that odometry moves.
+  Rigid3 find_robot_frame() {
+    const std::string& child = choice_.odometry->child_frame_id;
+    Rig& rig = plan_.recording.rig;
+    rig.robot_frame = options_.robot_frame.empty() ? kGroundFrame : options_.robot_frame;
+    const std::optional<Rigid3> T = survey_.tf_static.between(child, rig.robot_frame);
+    if (!T && !options_.robot_frame.empty() && options_.robot_frame != child &&
+        survey_.tf_static.has(options_.robot_frame))
+      throw Error("--robot-frame " + for_message(options_.robot_frame) + ": /tf_static does not join it with " + child +
+                  ", which " + choice_.odometry->name + " moves");
+    if (!T)
+      notes().push_back("/tf_static has no " + rig.robot_frame + ": it stands for the point on the ground below " +
+                        child + ", which " + choice_.odometry->name + " moves");
+    return T.value_or(Rigid3());
+  }
+
+  void take_odometry() {
+    const PoseTopic& topic = *choice_.odometry;
+    const Rigid3 T_child_robot = find_robot_frame();
+    std::vector<TimedPose> poses;
+    for (const StampedPose& pose : topic.poses)
+      poses.push_back({seconds(pose.stamp_ns), pose.T_odom_child * T_child_robot});
+    GroundTrack track = ground_track(poses);
+    InitReport& report = plan_.report;
+    report.odometry = topic.name;
+    report.odometry_rows = track.odometry.size();
+    report.duration_s = track.odometry.back().stamp_s - track.odometry.front().stamp_s;
+    report.tilt_deg = track.tilt_deg;
+    report.rise_m = track.rise_m;
+    report.robot_frame = plan_.recording.rig.robot_frame;
+    if (const std::string note = level_note(topic.name, track); !note.empty()) notes().push_back(note);
+    plan_.recording.odometry = std::move(track.odometry);
+  }
+
+  // ------------------------------------------------------------------------------------------------------- clocks
+
+  struct Span {
+    double first_s = 0.0, last_s = 0.0;
+    bool meets(const Span& other) const { return first_s <= other.last_s && other.first_s <= last_s; }
+    std::string text() const { return fixed_text(first_s, 3) + " to " + fixed_text(last_s, 3) + " s"; }
+  };
+
+  static Span span_of(const ImageTopic& images) {
+    return {seconds(images.images.front().stamp_ns), seconds(images.images.back().stamp_ns)};
+  }
+
+  void check_clocks() {
+    const auto& odometry = plan_.recording.odometry;
+    const Span driven{odometry.front().stamp_s, odometry.back().stamp_s};
+    Problems problems;
+    for (std::size_t i = 0; i < plan_.images.size(); ++i) {
+      const Span seen = span_of(*plan_.images[i]);
+      if (!seen.meets(driven))
+        problems.add({"", 0, "camera " + plan_.report.cameras[i].name, "",
+                      plan_.images[i]->name + " has stamps from " + seen.text() + ", " + choice_.odometry->name +
+                          " from " + driven.text() + clock_remedy(*plan_.images[i])});
+      else
+        note_lag(*plan_.images[i]);
+    }
+    problems.throw_if_any();
+  }
+
+  const Clocks* clocks_of(const std::string& topic) const {
+    const auto found = survey_.clocks.find(topic);
+    return found == survey_.clocks.end() ? nullptr : &found->second;
+  }
+
+  std::string clock_remedy(const ImageTopic& images) const {
+    const Clocks* camera = clocks_of(images.name);
+    const Clocks* wheels = clocks_of(choice_.odometry->name);
+    const bool logs_meet = camera != nullptr && wheels != nullptr && camera->first_log_ns <= wheels->last_log_ns &&
+                           wheels->first_log_ns <= camera->last_log_ns;
+    if (options_.log_stamps || !logs_meet) return ": they never meet; are both of one drive?";
+    return ": their headers are of different clocks. Both were recorded at the same time: `--stamps log` takes the "
+           "times of "
+           "recording instead, late by what messages travel, which does no harm while the robot stands; better set the "
+           "driver to the computer's clock";
+  }
+
+  // Headers of one clock lag behind the log alike.
+  void note_lag(const ImageTopic& images) {
+    const Clocks* camera = clocks_of(images.name);
+    const Clocks* wheels = clocks_of(choice_.odometry->name);
+    constexpr double kAlike_s = 0.5;
+    if (options_.log_stamps || camera == nullptr || wheels == nullptr) return;
+    const double lag =
+        seconds(camera->last_log_ns - camera->last_stamp_ns) - seconds(wheels->last_log_ns - wheels->last_stamp_ns);
+    if (std::abs(lag) > kAlike_s)
+      notes().push_back(images.name + ": its headers are " + fixed_text(lag, 2) +
+                        " s further behind the time of recording than those of " + choice_.odometry->name +
+                        "; if their clocks differ, `--stamps log` takes the times of recording");
+  }
+
+  // ------------------------------------------------------------------------------------------------------- frames
+
+  void keep_frames() {
+    std::vector<std::vector<double>> stamps_s;
+    for (const ImageTopic* images : plan_.images) {
+      stamps_s.emplace_back();
+      for (const StampedPlace& image : images->images) stamps_s.back().push_back(seconds(image.stamp_ns));
+    }
+    const FrameChoice kept =
+        choose_frames(stamps_s, plan_.recording.odometry, {options_.every_image, options_.images_per_stop});
+    plan_.report.stops = kept.stops;
+    plan_.report.moving_images = kept.moving;
+    for (const std::string& note : choice_notes(kept, options_.images_per_stop)) notes().push_back(note);
+    for (std::size_t camera = 0; camera < plan_.images.size(); ++camera) keep_frames_of(camera, kept);
+  }
+
+  void keep_frames_of(std::size_t camera, const FrameChoice& kept) {
+    const ImageTopic& images = *plan_.images[camera];
+    InitCamera& report = plan_.report.cameras[camera];
+    report.stops = kept.on_the_move ? kept.kept[camera].size() : kept.stops_of_camera[camera];
+    const ImageTopic* depth = plan_.depth[camera];
+    const DepthPairs pairs = depth == nullptr ? DepthPairs() : pair_depth(images.images, depth->images);
+    if (depth != nullptr) note_depth_gap(pairs, *depth, report.name);
+    std::vector<CameraFrame> frames;
+    for (const std::size_t index : kept.kept[camera]) {
+      CameraFrame frame;
+      const std::string number = file_number(frames.size());
+      frame.stamp_s = seconds(images.images[index].stamp_ns);
+      frame.color_file = report.name + "/color/" + number;
+      plan_.pictures.push_back({camera, frames.size(), false, images.images[index].place});
+      if (depth != nullptr && pairs.nearest[index]) {
+        frame.depth_file = report.name + "/depth/" + number;
+        plan_.pictures.push_back({camera, frames.size(), true, depth->images[*pairs.nearest[index]].place});
+      }
+      frames.push_back(frame);
+    }
+    plan_.recording.frames.push_back(std::move(frames));
+  }
+
+  void note_depth_gap(const DepthPairs& pairs, const ImageTopic& depth, const std::string& camera) {
+    const auto ms = [](double s) { return fixed_text(1e3 * s, 1) + " ms"; };
+    const bool any =
+        std::any_of(pairs.nearest.begin(), pairs.nearest.end(), [](const auto& one) { return one.has_value(); });
+    if (!any)
+      notes().push_back(camera + ": " + depth.name + " is left out: its stamps are " + ms(pairs.least_gap_s) +
+                        " and more beside those of the images; 20 ms are allowed");
+    else if (pairs.largest_gap_s > 1e-3)
+      notes().push_back(camera + ": depth is up to " + ms(pairs.largest_gap_s) +
+                        " beside its image; each image has the nearest one, which is right while the robot stands");
+  }
+
+  const BagSurvey& survey_;
+  const InitOptions& options_;
+  fs::path scratch_;
+  TopicChoice choice_;
+  std::vector<std::string> without_sensor_;
+  ImportPlan plan_;
+};
+
+}  // namespace
+
+ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options, const fs::path& scratch) {
+  return Planner(survey, options, scratch).run();
+}
+
+}  // namespace rigproof

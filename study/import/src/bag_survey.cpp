@@ -1,0 +1,179 @@
+#include "bag_survey.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
+#include "ros_pictures.h"
+#include "topic_names.h"
+
+namespace rigproof {
+namespace {
+
+// "sensor_msgs/Image" of early versions.
+std::string full_type(const std::string& type) {
+  const std::size_t slash = type.find('/');
+  return slash == std::string::npos || type.find("/msg/") != std::string::npos
+             ? type
+             : type.substr(0, slash) + "/msg" + type.substr(slash);
+}
+
+bool is_tf(const BagTopic& topic) { return full_type(topic.type) == kTfType; }
+
+bool is_static(const BagTopic& topic) { return topic.name.find("tf_static") != std::string::npos; }
+
+// Of all that moves, what can be odometry.
+bool may_be_odometry(const RosTransform& transform) {
+  return transform.header.frame_id.find("odom") != std::string::npos || transform.child_frame_id.rfind("base", 0) == 0;
+}
+
+bool same_calibration(const RosCameraInfo& a, const RosCameraInfo& b) {
+  return a.width == b.width && a.height == b.height && a.k == b.k && a.d == b.d && a.p == b.p &&
+         a.distortion_model == b.distortion_model && a.binning_x == b.binning_x && a.binning_y == b.binning_y &&
+         a.roi.x_offset == b.roi.x_offset && a.roi.y_offset == b.roi.y_offset;
+}
+
+template <typename Topic>
+Topic& topic_named(std::vector<Topic>& topics, const std::string& name) {
+  const auto found =
+      std::find_if(topics.begin(), topics.end(), [&name](const Topic& topic) { return topic.name == name; });
+  if (found != topics.end()) return *found;
+  topics.emplace_back();
+  topics.back().name = name;
+  return topics.back();
+}
+
+class Surveyor {
+ public:
+  Surveyor(Bag& bag, bool log_stamps) : bag_(bag), log_stamps_(log_stamps) {}
+
+  BagSurvey run() {
+    const auto wants = [](const BagTopic& topic) {
+      static const std::set<std::string> kWanted = {kImageType, kCompressedImageType, kCameraInfoType, kOdometryType,
+                                                    kTfType};
+      return topic.encoding == "cdr" && kWanted.count(full_type(topic.type)) > 0;
+    };
+    bag_.read(wants, [this](const BagMessage& message) { take(message); });
+    survey_.topics = bag_.topics();
+    for (ImageTopic& topic : survey_.images) sort_images(topic);
+    for (std::vector<PoseTopic>* topics : {&survey_.odometry, &survey_.tf})
+      for (PoseTopic& topic : *topics) sort_poses(topic);
+    return std::move(survey_);
+  }
+
+ private:
+  void take(const BagMessage& message) {
+    const BagTopic& topic = bag_.topics()[message.topic];
+    try {
+      dispatch(topic, message);
+    } catch (const Error& error) {
+      throw Error("topic " + for_message(topic.name) + " (" + for_message(topic.type) + "): a message recorded at " +
+                  fixed_text(1e-9 * static_cast<double>(message.log_time_ns), 3) + " s: " + error.what());
+    }
+  }
+
+  void dispatch(const BagTopic& topic, const BagMessage& message) {
+    const std::string type = full_type(topic.type);
+    if (is_tf(topic)) return take_transforms(topic, message);
+    const RosHeader header = read_header(message.data);
+    note_clock(topic.name, header.stamp_ns, message.log_time_ns);
+    if (type == kImageType || type == kCompressedImageType) take_image(topic.name, type, header, message);
+    if (type == kCameraInfoType) take_info(topic.name, message);
+    if (type == kOdometryType) take_odometry(topic.name, message);
+  }
+
+  std::int64_t stamp_of(const RosHeader& header, const BagMessage& message) const {
+    return log_stamps_ ? message.log_time_ns : header.stamp_ns;
+  }
+
+  void note_clock(const std::string& topic, std::int64_t stamp_ns, std::int64_t log_ns) {
+    const auto [place, is_new] = survey_.clocks.emplace(topic, Clocks{stamp_ns, stamp_ns, log_ns, log_ns});
+    Clocks& clocks = place->second;
+    clocks.first_stamp_ns = std::min(clocks.first_stamp_ns, stamp_ns);
+    clocks.last_stamp_ns = std::max(clocks.last_stamp_ns, stamp_ns);
+    clocks.first_log_ns = std::min(clocks.first_log_ns, log_ns);
+    clocks.last_log_ns = std::max(clocks.last_log_ns, log_ns);
+  }
+
+  void take_image(const std::string& name, const std::string& type, const RosHeader& header,
+                  const BagMessage& message) {
+    ImageTopic& topic = topic_named(survey_.images, name);
+    if (topic.images.empty()) {
+      topic.type = type;
+      const PictureKind kind = kind_of_picture(type, name, message.data);
+      topic.encoding = kind.encoding;
+      topic.is_depth = kind.is_depth;
+      topic.width = kind.width;
+      topic.height = kind.height;
+    }
+    topic.frame_ids.insert(header.frame_id);
+    topic.images.push_back({stamp_of(header, message), message.place});
+  }
+
+  void take_info(const std::string& name, const BagMessage& message) {
+    const RosCameraInfo info = read_camera_info_message(message.data);
+    const std::size_t known = survey_.infos.size();
+    InfoTopic& topic = topic_named(survey_.infos, name);
+    if (survey_.infos.size() > known)
+      topic.info = info;
+    else
+      topic.changes = topic.changes || !same_calibration(topic.info, info);
+  }
+
+  void take_odometry(const std::string& name, const BagMessage& message) {
+    const RosOdometry odometry = read_odometry_message(message.data);
+    PoseTopic& topic = topic_named(survey_.odometry, name);
+    topic.frame_id = odometry.header.frame_id;
+    topic.child_frame_id = odometry.child_frame_id;
+    topic.poses.push_back({stamp_of(odometry.header, message), odometry.T_odom_child});
+  }
+
+  void take_transforms(const BagTopic& from, const BagMessage& message) {
+    for (const RosTransform& transform : read_tf_message(message.data)) {
+      if (is_static(from)) {
+        survey_.tf_static.add(transform);
+        continue;
+      }
+      if (!may_be_odometry(transform)) continue;
+      PoseTopic& topic =
+          topic_named(survey_.tf, from.name + " " + transform.header.frame_id + " -> " + transform.child_frame_id);
+      topic.frame_id = transform.header.frame_id;
+      topic.child_frame_id = transform.child_frame_id;
+      topic.poses.push_back({stamp_of(transform.header, message), transform.T_parent_child});
+    }
+  }
+
+  static void sort_images(ImageTopic& topic) {
+    std::stable_sort(topic.images.begin(), topic.images.end(),
+                     [](const StampedPlace& a, const StampedPlace& b) { return a.stamp_ns < b.stamp_ns; });
+  }
+
+  // A stamp that comes twice says the same: relays and players repeat.
+  static void sort_poses(PoseTopic& topic) {
+    std::stable_sort(topic.poses.begin(), topic.poses.end(),
+                     [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; });
+    const auto same = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns == b.stamp_ns; };
+    topic.poses.erase(std::unique(topic.poses.begin(), topic.poses.end(), same), topic.poses.end());
+  }
+
+  Bag& bag_;
+  bool log_stamps_;
+  BagSurvey survey_;
+};
+
+template <typename Topic>
+const Topic* find_named(const std::vector<Topic>& topics, const std::string& name) {
+  const auto found =
+      std::find_if(topics.begin(), topics.end(), [&name](const Topic& topic) { return topic.name == name; });
+  return found == topics.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+const ImageTopic* BagSurvey::find_image(const std::string& topic) const { return find_named(images, topic); }
+const InfoTopic* BagSurvey::find_info(const std::string& topic) const { return find_named(infos, topic); }
+
+BagSurvey survey_bag(Bag& bag, bool log_stamps) { return Surveyor(bag, log_stamps).run(); }
+
+}  // namespace rigproof

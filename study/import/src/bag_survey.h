@@ -1,0 +1,73 @@
+// What a bag holds, found in one pass: everything but the pictures themselves, of which it is known where they lie.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "frame_tree.h"
+#include "rigproof/bags/bag.h"
+#include "rigproof/bags/messages.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof {
+
+struct StampedPlace {
+  std::int64_t stamp_ns = 0;  ///< of the header, or of the log
+  BagPlace place;
+};
+
+struct ImageTopic {
+  std::string name;
+  std::string type;
+  std::set<std::string> frame_ids;
+  std::string encoding;  ///< of the first picture; "png", "jpeg" or "compressedDepth" for compressed ones
+  bool is_depth = false;
+  int width = 0, height = 0;         ///< of the first picture
+  std::vector<StampedPlace> images;  ///< by stamp
+
+  bool is_compressed() const { return type == kCompressedImageType; }
+  const std::string& frame_id() const { return *frame_ids.begin(); }
+};
+
+struct InfoTopic {
+  std::string name;
+  RosCameraInfo info;  ///< the first
+  bool changes = false;
+};
+
+struct StampedPose {
+  std::int64_t stamp_ns = 0;
+  Rigid3 T_odom_child;
+};
+
+struct PoseTopic {
+  std::string name;  ///< "/odom", or "/tf odom -> base_link"
+  std::string frame_id, child_frame_id;
+  std::vector<StampedPose> poses;  ///< by stamp, each once
+};
+
+/// Header against log of one topic [s].
+struct Clocks {
+  std::int64_t first_stamp_ns = 0, last_stamp_ns = 0, first_log_ns = 0, last_log_ns = 0;
+};
+
+struct BagSurvey {
+  std::vector<BagTopic> topics;
+  std::vector<ImageTopic> images;
+  std::vector<InfoTopic> infos;
+  std::vector<PoseTopic> odometry;  ///< of nav_msgs/Odometry
+  std::vector<PoseTopic> tf;        ///< moving transforms that may be odometry
+  FrameTree tf_static;
+  std::map<std::string, Clocks> clocks;  ///< by topic
+
+  const ImageTopic* find_image(const std::string& topic) const;
+  const InfoTopic* find_info(const std::string& topic) const;
+};
+
+/// @param log_stamps the time of recording stands for the headers' stamps
+/// Throws Error that names the topic.
+BagSurvey survey_bag(Bag& bag, bool log_stamps);
+
+}  // namespace rigproof

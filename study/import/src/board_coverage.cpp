@@ -1,0 +1,77 @@
+#include "board_coverage.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "rigproof/calib/vision/checkerboard.h"
+#include "rigproof/calib/vision/image_io.h"
+#include "rigproof/calib/vision/observe.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+
+namespace rigproof {
+namespace {
+
+constexpr std::size_t kGuessedImages = 8;  // of each camera: finding a board of unknown size takes a second
+
+std::vector<std::size_t> stops_with(const std::vector<BoardView>& views, std::size_t cameras) {
+  std::vector<std::set<int>> stops(cameras);
+  for (const BoardView& view : views) stops[static_cast<std::size_t>(view.camera)].insert(view.stop);
+  std::vector<std::size_t> counts;
+  for (const auto& some : stops) counts.push_back(some.size());
+  return counts;
+}
+
+void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
+
+}  // namespace
+
+BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress) {
+  BoardCoverage coverage;
+  const std::size_t cameras = recording.rig.cameras.size();
+  ObserveOptions options;
+  options.threads = threads;
+  options.use_depth = false;
+  if (progress) options.progress = [&progress](std::size_t done, std::size_t total) { return progress(done, total); };
+  try {
+    const Observations observations = observe(recording, options);
+    coverage.stops = stops_with(observations.board_views, cameras);
+    coverage.looked_at.assign(cameras, observations.stops.size());
+  } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain) throw;
+    coverage = guess_board(recording, progress);  // in no image: it may be another one
+    coverage.stops.assign(cameras, 0);
+  }
+  return coverage;
+}
+
+BoardCoverage guess_board(const Recording& recording, const CoverageProgress& progress) {
+  BoardCoverage coverage;
+  std::map<std::pair<int, int>, int> votes;
+  const std::size_t total = kGuessedImages * recording.frames.size();
+  std::size_t done = 0;
+  for (const std::vector<CameraFrame>& frames : recording.frames) {
+    std::size_t seen = 0, looked_at = 0;
+    const std::size_t count = std::min(kGuessedImages, frames.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      if (progress && !progress(done++, total)) interrupt();
+      const auto image = read_grey_image(path_inside(recording.folder, frames[i * frames.size() / count].color_file));
+      if (!std::holds_alternative<Image8>(image)) continue;
+      ++looked_at;
+      const auto size = find_any_checkerboard(std::get<Image8>(image));
+      if (!size) continue;
+      ++seen;
+      ++votes[{size->inner_corners_long + 1, size->inner_corners_short + 1}];
+    }
+    coverage.stops.push_back(seen);
+    coverage.looked_at.push_back(looked_at);
+  }
+  const auto most =
+      std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (most != votes.end())
+    coverage.seen = "[" + std::to_string(most->first.first) + ", " + std::to_string(most->first.second) + "]";
+  return coverage;
+}
+
+}  // namespace rigproof

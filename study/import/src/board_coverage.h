@@ -1,0 +1,28 @@
+// How often each camera of a recording sees the board.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/recording.h"
+
+namespace rigproof {
+
+struct BoardCoverage {
+  std::vector<std::size_t> stops;      ///< [camera] stops at which the whole board was found
+  std::vector<std::size_t> looked_at;  ///< [camera] stops that were looked at
+  std::optional<std::string> seen;     ///< the squares of the checkerboard that most images show: "[5, 4]"
+};
+
+/// Called with images looked at and in all; false interrupts.
+using CoverageProgress = std::function<bool(std::uint64_t, std::uint64_t)>;
+
+/// The board that the recording's rig states, at every stop.
+BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress);
+/// Any checkerboard, in some images of each camera: which one it may be.
+BoardCoverage guess_board(const Recording& recording, const CoverageProgress& progress);
+
+}  // namespace rigproof

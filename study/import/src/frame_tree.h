@@ -1,0 +1,41 @@
+// The static part of a robot's TF.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/bags/messages.h"
+#include "rigproof/core/rigid3.h"
+
+namespace rigproof {
+
+class FrameTree {
+ public:
+  struct Edge {
+    std::string parent;
+    Rigid3 T_parent_child;
+    std::string other_parent;  ///< of a frame that was given two; empty: as it should be
+  };
+
+  void add(const RosTransform& transform);
+  bool has(const std::string& frame) const;
+  bool empty() const { return edges_.empty(); }
+  const std::map<std::string, Edge>& edges() const { return edges_; }  ///< by child
+
+  /// The frame, its parent, and so on up to the root. Throws Error for a loop, and for a frame with two parents.
+  std::vector<std::string> way_up(const std::string& frame) const;
+  /// T_target_source, where both are in one tree.
+  std::optional<Rigid3> between(const std::string& target, const std::string& source) const;
+  /// The link by which the camera is mounted: the nearest frame above the optical one whose name ends in _link, else
+  /// the last one below `robot_frames`, else the optical frame itself.
+  std::string mount_link(const std::string& optical, const std::vector<std::string>& robot_frames) const;
+
+ private:
+  Rigid3 T_root(const std::string& frame) const;
+
+  std::map<std::string, Edge> edges_;
+};
+
+}  // namespace rigproof

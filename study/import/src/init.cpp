@@ -1,0 +1,211 @@
+#include "rigproof/study/import/init.h"
+
+#include <algorithm>
+#include <map>
+
+#include "bag_import.h"
+#include "board_coverage.h"
+#include "folder_import.h"
+#include "rig_files.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "rigproof/core/recording.h"
+#include "rigproof/core/text.h"
+#include "rigproof/formats/format.h"
+#include "rigproof/study/workflow/folder_in_making.h"
+#include "ros_pictures.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+void step(const InitOptions& options, const char* what, std::uint64_t done, std::uint64_t total) {
+  if (options.progress && !options.progress(what, done, total)) throw Error("interrupted", ExitCode::kTryAgain);
+}
+
+// Reads the pictures where they lie in the bag and writes them.
+class PictureWriter {
+ public:
+  PictureWriter(Bag& bag, const InitOptions& options, ImportPlan* plan) : bag_(bag), options_(options), plan_(*plan) {
+    for (const PlannedPicture& picture : plan_.pictures) targets_[picture.place].push_back(&picture);
+  }
+
+  void write_all() {
+    std::vector<BagPlace> places;
+    for (const auto& [place, targets] : targets_) places.push_back(place);
+    bag_.read_at(places, [this](const BagMessage& message) { write(message); });
+    sync_files(written_);
+    drop_unreadable();
+  }
+
+ private:
+  void write(const BagMessage& message) {
+    for (const PlannedPicture* picture : targets_.at(message.place)) {
+      try {
+        write_picture(*picture, message);
+      } catch (const Error& error) {
+        if (error.exit_code() == ExitCode::kTryAgain) throw;
+        note_unreadable(*picture, error.what());
+      }
+      step(options_, "write", ++done_, plan_.pictures.size());
+    }
+  }
+
+  void write_picture(const PlannedPicture& picture, const BagMessage& message) {
+    const RigCamera& camera = plan_.recording.rig.cameras[picture.camera];
+    CameraFrame& frame = plan_.recording.frames[picture.camera][picture.frame];
+    const ImageTopic& topic = picture.is_depth ? *plan_.depth[picture.camera] : *plan_.images[picture.camera];
+    const PictureFile file = picture.is_depth ? maker_.depth(topic.type, message.data, camera.depth->unit_m)
+                                              : maker_.color(topic.type, message.data);
+    const Camera& optics =
+        picture.is_depth && camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
+    if (file.width != optics.width_px || file.height != optics.height_px)
+      throw Error("an image of " + std::to_string(file.width) + "x" + std::to_string(file.height) +
+                  ", the intrinsics are of " + std::to_string(optics.width_px) + "x" +
+                  std::to_string(optics.height_px));
+    std::string& name = picture.is_depth ? frame.depth_file : frame.color_file;
+    name += file.extension;
+    written_.push_back(plan_.recording.folder / name);
+    write_file_atomically_unsynced(written_.back(), file.bytes);
+    InitCamera& report = plan_.report.cameras[picture.camera];
+    ++(picture.is_depth ? report.depth_kept : report.images_kept);
+  }
+
+  void note_unreadable(const PlannedPicture& picture, const std::string& reason) {
+    const ImageTopic& topic = picture.is_depth ? *plan_.depth[picture.camera] : *plan_.images[picture.camera];
+    auto& [count, first] = unreadable_[topic.name];
+    if (count++ == 0) first = reason;
+    CameraFrame& frame = plan_.recording.frames[picture.camera][picture.frame];
+    (picture.is_depth ? frame.depth_file : frame.color_file).clear();
+  }
+
+  void drop_unreadable() {
+    for (const auto& [topic, why] : unreadable_)
+      plan_.report.notes.push_back(topic + ": " + std::to_string(why.first) +
+                                   " images cannot be used, the first: " + why.second);
+    Problems problems;
+    for (std::size_t i = 0; i < plan_.recording.frames.size(); ++i) {
+      std::vector<CameraFrame>& frames = plan_.recording.frames[i];
+      const bool any = !frames.empty();
+      frames.erase(std::remove_if(frames.begin(), frames.end(),
+                                  [](const CameraFrame& frame) { return frame.color_file.empty(); }),
+                   frames.end());
+      if (any && frames.empty())
+        problems.add({"", 0, "topic " + plan_.images[i]->name, "",
+                      "no image can be used: " + unreadable_[plan_.images[i]->name].second});
+    }
+    problems.throw_if_any();
+  }
+
+  Bag& bag_;
+  const InitOptions& options_;
+  ImportPlan& plan_;
+  std::map<BagPlace, std::vector<const PlannedPicture*>> targets_;
+  std::map<std::string, std::pair<std::size_t, std::string>> unreadable_;  // by topic: how many, and why the first
+  std::vector<fs::path> written_;
+  PictureMaker maker_;
+  std::size_t done_ = 0;
+};
+
+void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
+  const bool known = options.board.has_value() && options.board->type == "checkerboard";
+  const CoverageProgress progress = [&options](std::uint64_t done, std::uint64_t total) {
+    return !options.progress || options.progress("board", done, total);
+  };
+  InitReport& report = *to;
+  const BoardCoverage coverage = known ? find_board(recording, options.threads, progress) : BoardCoverage();
+  const BoardCoverage guess = options.board.has_value() ? coverage : guess_board(recording, progress);
+  if (known)
+    for (std::size_t i = 0; i < report.cameras.size(); ++i) report.cameras[i].board_stops = coverage.stops[i];
+  if (known && guess.seen)
+    report.notes.push_back("the board is in no image; a checkerboard with squares " + *guess.seen +
+                           " seems to be there");
+  if (options.board) return;
+  const std::string squares = guess.seen.value_or("[6, 5]");
+  report.missing.push_back(
+      (guess.seen
+           ? "the board, which seems to have these squares; measure a row of them: `board: {type: checkerboard, "
+             "squares: "
+           : "the board, of which no checkerboard was found in the images: `board: {type: checkerboard, squares: ") +
+      squares + ", square_mm: 100}` in rig.yaml");
+}
+
+std::vector<std::string> comments_of(const InitOptions& options, const InitReport& report) {
+  std::vector<std::string> comments = {"Made by `rigproof init` of " + for_message(options.source.filename().string()) +
+                                       "."};
+  for (const std::string& missing : report.missing) comments.push_back("Missing: " + for_message(missing, 300));
+  return comments;
+}
+
+// What is imported the same way from every source.
+struct Imported {
+  Recording recording;
+  InitReport report;
+  std::vector<std::string> optical_frames;  // [camera]
+};
+
+void write_descriptions(const InitOptions& options, const Imported& imported) {
+  const RigText text{imported.recording.rig, options.board.has_value(), comments_of(options, imported.report),
+                     imported.optical_frames};
+  write_file_atomically(imported.recording.folder / "rig.yaml", rig_yaml_text(text));
+}
+
+Imported import_bag(const InitOptions& options, const fs::path& making, const fs::path& scratch) {
+  if (!options.odometry.empty())
+    throw Error("--odometry: is for folders of images; of a bag name the topic: --topic odometry=/odom");
+  Bag bag(options.source, scratch);
+  bag.progress = [&options](std::uint64_t done, std::uint64_t total) {
+    return !options.progress || options.progress("read", done, total);
+  };
+  const BagSurvey survey = survey_bag(bag, options.log_stamps);
+  ImportPlan plan = plan_import(survey, options, scratch);
+  plan.recording.folder = making;
+  plan.report.notes.insert(plan.report.notes.begin(), bag.notes().begin(), bag.notes().end());
+  PictureWriter(bag, options, &plan).write_all();
+  if (const std::string tf = tf_static_text(survey.tf_static); !tf.empty())
+    write_file_atomically(making / "tf_static.json", tf);
+  plan.report.bytes = bag.size_bytes();
+  plan.report.unpacked_bytes = bag.unpacked_bytes();
+  return {std::move(plan.recording), std::move(plan.report), std::move(plan.optical_frames)};
+}
+
+Imported import_folder(const InitOptions& options, const fs::path& making, const fs::path& scratch) {
+  if (!options.topics.empty()) throw Error("--topic: is for bags; cameras of a folder are called as its folders");
+  FolderPlan plan = plan_folder_import(options, scratch);
+  plan.recording.folder = making;
+  std::size_t done = 0;
+  for (const auto& [from, to] : plan.copies) {
+    copy_file_into(from, making / to);
+    std::error_code ignored;
+    plan.report.bytes += fs::file_size(from, ignored);
+    step(options, "write", ++done, plan.copies.size());
+  }
+  plan.report.unpacked_bytes = plan.report.bytes;
+  std::vector<std::string> frames(plan.recording.rig.cameras.size());
+  return {std::move(plan.recording), std::move(plan.report), std::move(frames)};
+}
+
+}  // namespace
+
+InitReport init_recording(const InitOptions& options) {
+  std::error_code ignored;
+  const bool bag = is_bag(options.source);
+  if (!fs::exists(options.source, ignored)) throw Error(options.source.string() + ": no such file or folder");
+  if (!bag && !fs::is_directory(options.source, ignored))
+    throw Error(options.source.string() +
+                ": no bag of ROS 2 (.mcap, .db3, or the folder of one), and no folder of images");
+  FolderInMaking making(options.output);
+  const fs::path scratch = making.path() / ".scratch";
+  Imported imported =
+      bag ? import_bag(options, making.path(), scratch) : import_folder(options, making.path(), scratch);
+  save_recording(imported.recording);
+  look_for_board(options, imported.recording, &imported.report);
+  write_descriptions(options, imported);
+  fs::remove_all(scratch);
+  making.finish();
+  imported.report.folder = options.output;
+  return imported.report;
+}
+
+}  // namespace rigproof

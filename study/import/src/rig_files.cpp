@@ -1,0 +1,88 @@
+#include "rig_files.h"
+
+#include <algorithm>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
+#include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/yaml.h"
+#include "rigproof/formats/format.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+YamlTree& entry(YamlTree& map, const std::string& key) {
+  return std::find_if(map.entries.begin(), map.entries.end(), [&key](const auto& some) { return some.first == key; })
+      ->second;
+}
+
+void remove_entry(YamlTree& map, const std::string& key) {
+  map.entries.erase(
+      std::remove_if(map.entries.begin(), map.entries.end(), [&key](const auto& some) { return some.first == key; }),
+      map.entries.end());
+}
+
+// What a sensor preset would say is left to it.
+void shorten_depth(const RigCamera& camera, YamlTree& tree) {
+  if (!camera.depth || !camera.sensor.empty()) return;
+  YamlTree& depth = entry(tree, "depth");
+  for (const char* key : {"min_m", "max_m", "noise"}) remove_entry(depth, key);
+}
+
+}  // namespace
+
+std::string rig_yaml_text(const RigText& text) {
+  Rig rig = text.rig;
+  YamlTree tree = tree_of_fields([&rig](FieldVisitor& visitor) { visit_rig(visitor, {}, rig); });
+  if (!text.has_board) remove_entry(tree, "board");
+  YamlTree& cameras = entry(tree, "cameras");
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    YamlTree& camera = entry(cameras, rig.cameras[i].name);
+    shorten_depth(rig.cameras[i], camera);
+    if (!text.optical_frames[i].empty()) camera.set("x-optical_frame", YamlTree::text(text.optical_frames[i]));
+  }
+  std::string comments;
+  for (const std::string& comment : text.comments) comments += "# " + comment + "\n";
+  return comments + emit_yaml(tree);
+}
+
+std::string tf_static_text(const FrameTree& tree) {
+  if (tree.empty()) return "";
+  YamlTree root = YamlTree::map();
+  YamlTree& transforms = root.set("transforms", YamlTree::sequence());
+  for (const auto& [child, edge] : tree.edges()) {
+    YamlTree one = YamlTree::inline_map();
+    one.set("parent", YamlTree::text(edge.parent));
+    one.set("child", YamlTree::text(child));
+    Rigid3 T = edge.T_parent_child;
+    const YamlTree pose = tree_of_fields([&T](FieldVisitor& visitor) { visit_pose(visitor, T); });
+    for (const auto& [key, value] : pose.entries) one.set(key, value);
+    transforms.add(one);
+  }
+  return emit_json(root, 1) + "\n";
+}
+
+Camera camera_of_file(const fs::path& file, const fs::path& scratch) {
+  // Read as a recording's: the same words for the same mistakes.
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) throw Error(file.string() + ": no such file");
+  copy_file_into(file, scratch / "camera" / "camera_info.yaml");
+  std::vector<RigCamera> cameras;
+  RigReadOptions options;
+  options.folder = scratch;
+  try {
+    read_fields_of_tree(parse_yaml("cameras: {camera: {}}", file),
+                        [&](FieldVisitor& visitor) { visit_rig_cameras(visitor, options, cameras); });
+  } catch (const Error& error) {
+    std::string text = error.what();
+    const std::string copied = (scratch / "camera" / "camera_info.yaml").string();
+    for (std::size_t at = text.find(copied); at != std::string::npos; at = text.find(copied))
+      text.replace(at, copied.size(), file.string());
+    throw Error(text);
+  }
+  return cameras.front().camera;
+}
+
+}  // namespace rigproof

@@ -1,0 +1,31 @@
+// The files of a recording that describe it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frame_tree.h"
+#include "rigproof/core/recording.h"
+
+namespace rigproof {
+
+struct RigText {
+  const Rig& rig;
+  bool has_board = false;
+  std::vector<std::string> comments;        ///< lines before it
+  std::vector<std::string> optical_frames;  ///< [camera] in the robot's TF; empty: unknown
+};
+
+/// rig.yaml as a person would write it: the depth block of a camera without a sensor holds only what is known.
+std::string rig_yaml_text(const RigText& text);
+
+/// tf_static.json: the transforms as results have them. Empty without any.
+std::string tf_static_text(const FrameTree& tree);
+
+/// Intrinsics of a ROS camera_info file. Throws Error.
+/// @param scratch an empty folder
+Camera camera_of_file(const std::filesystem::path& file, const std::filesystem::path& scratch);
+
+}  // namespace rigproof

@@ -1,0 +1,48 @@
+// Pictures of ROS messages as files of a recording.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "rigproof/png/png_encoder.h"
+
+namespace rigproof {
+
+struct PictureKind {
+  std::string encoding;  ///< as the message names it; "png", "jpeg", "compressedDepth" of compressed ones
+  bool is_depth = false;
+  int width = 0, height = 0;
+};
+/// Of an Image or CompressedImage message, without unpacking it. Throws Error without the topic's name.
+PictureKind kind_of_picture(const std::string& type, const std::string& topic, std::string_view message);
+
+/// A file to write.
+struct PictureFile {
+  std::string extension;  ///< ".png" or ".jpg"
+  std::string_view bytes;
+  int width = 0, height = 0;
+};
+
+/// Makes the files. Colour becomes PNG without loss (16 bits stay 16 bits, raw Bayer patterns are interpolated, alpha
+/// is dropped); JPEG and PNG stay as they are. Depth becomes PNG of 16 bits. Throws Error without the topic's name.
+class PictureMaker {
+ public:
+  /// What a message holds; the bytes stay valid until the next call or the end of the message.
+  PictureFile color(const std::string& type, std::string_view message);
+  /// @param unit_m metres of one count of the file; 16-bit depth of ROS (millimetres, REP 118) is left as it is
+  PictureFile depth(const std::string& type, std::string_view message, double unit_m);
+
+ private:
+  PictureFile encoded(const Image8& image);
+  PictureFile encoded(const Image16& image);
+
+  PngEncoder encoder_;
+  std::string kept_;
+};
+
+/// Metres of one count in which depth of an encoding is written: floating-point metres reach 6.5 m, at a tenth of a
+/// millimetre; everything else has millimetres.
+double depth_unit_m(const std::string& encoding);
+
+}  // namespace rigproof

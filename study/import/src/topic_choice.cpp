@@ -1,0 +1,296 @@
+#include "topic_choice.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "rigproof/core/error.h"
+#include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/text.h"
+#include "topic_names.h"
+
+namespace rigproof {
+namespace {
+
+bool contains(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
+
+std::string listed(const std::vector<std::string>& names) {
+  return names.empty() ? "none" : for_message(joined(names), 400);
+}
+
+template <typename Topic>
+std::vector<std::string> names_of(const std::vector<Topic>& topics) {
+  std::vector<std::string> names;
+  for (const Topic& topic : topics) names.push_back(topic.name);
+  return names;
+}
+
+// ------------------------------------------------------------------------------------------------------- odometry
+
+int odometry_rank(const std::string& name) {
+  static const char* const kFromSenses[] = {"visual", "vio",  "icp",     "gps",   "truth",
+                                            "amcl",   "t265", "rtabmap", "lidar", "rgbd"};
+  int rank = 0;
+  if (parts_of(name).back() == "odom") rank += 3;
+  if (contains(name, "wheel") || contains(name, "diff") || contains(name, "base_controller")) rank += 2;
+  if (contains(name, "filtered")) rank += 1;
+  for (const char* word : kFromSenses) rank -= contains(name, word) ? 5 : 0;
+  return rank;
+}
+
+const PoseTopic* find_pose(const BagSurvey& survey, const std::string& name) {
+  for (const std::vector<PoseTopic>* topics : {&survey.odometry, &survey.tf})
+    for (const PoseTopic& topic : *topics)
+      if (topic.name == name || topic.name.rfind(name + " ", 0) == 0) return &topic;
+  return nullptr;
+}
+
+const PoseTopic* best_odometry(const std::vector<PoseTopic>& topics, Problems* problems) {
+  std::vector<const PoseTopic*> best;
+  for (const PoseTopic& topic : topics) {
+    if (!best.empty() && odometry_rank(topic.name) < odometry_rank(best.front()->name)) continue;
+    if (!best.empty() && odometry_rank(topic.name) > odometry_rank(best.front()->name)) best.clear();
+    best.push_back(&topic);
+  }
+  if (best.size() == 1) return best.front();
+  if (best.size() > 1)
+    problems->add({"", 0, "odometry", listed(names_of(topics)),
+                   "several could be it; say which: --topic odometry=" + best.front()->name});
+  return nullptr;
+}
+
+const PoseTopic* choose_odometry(const BagSurvey& survey, const std::vector<TopicRule>& rules, Problems* problems) {
+  for (const TopicRule& rule : rules) {
+    if (rule.name != "odometry") continue;
+    const PoseTopic* topic = find_pose(survey, rule.topic);
+    std::vector<std::string> known = names_of(survey.odometry), others = names_of(survey.tf);
+    known.insert(known.end(), others.begin(), others.end());
+    if (topic == nullptr)
+      problems->add({"", 0, "--topic odometry", for_message(rule.topic),
+                     "the bag has no odometry (nav_msgs/Odometry, /tf) there; " + suggestion(rule.topic, known)});
+    return topic;
+  }
+  if (!survey.odometry.empty()) return best_odometry(survey.odometry, problems);
+  if (!survey.tf.empty()) return best_odometry(survey.tf, problems);
+  problems->add(
+      {"", 0, "odometry", "",
+       "the bag has neither nav_msgs/Odometry nor a transform odom -> base_link in /tf; record the topic of the "
+       "wheels' odometry, too"});
+  return nullptr;
+}
+
+// -------------------------------------------------------------------------------------------------------- cameras
+
+// Of the images in one namespace: what is complete and unchanged first.
+int image_rank(const ImageTopic& topic) {
+  int rank = 0;
+  if (!topic.is_compressed()) rank += 4;
+  if (topic.encoding == "png") rank += 2;
+  if (!is_rectified(topic.name)) rank += 1;
+  if (contains(topic.name, "mono")) rank -= 1;
+  return rank;
+}
+
+std::vector<const ImageTopic*> guessed_images(const BagSurvey& survey, bool side_products) {
+  std::map<std::string, const ImageTopic*> best;
+  for (const ImageTopic& topic : survey.images) {
+    if (topic.is_depth || is_side_product(topic.name) != side_products) continue;
+    const ImageTopic*& there = best[namespace_of(topic.name)];
+    if (there == nullptr || image_rank(topic) > image_rank(*there)) there = &topic;
+  }
+  std::vector<const ImageTopic*> images;
+  for (const ImageTopic& topic : survey.images)
+    if (best.count(namespace_of(topic.name)) > 0 && best[namespace_of(topic.name)] == &topic) images.push_back(&topic);
+  return images;
+}
+
+std::vector<CameraTopics> guessed_cameras(const BagSurvey& survey) {
+  std::vector<const ImageTopic*> images = guessed_images(survey, false);
+  if (images.empty()) images = guessed_images(survey, true);
+  std::vector<std::string> topics;
+  for (const ImageTopic* image : images) topics.push_back(image->name);
+  const std::vector<std::string> names = camera_names(topics);
+  std::vector<CameraTopics> cameras;
+  for (std::size_t i = 0; i < topics.size(); ++i) cameras.push_back({names[i], topics[i], "", "", false});
+  return cameras;
+}
+
+const ImageTopic* require_image(const BagSurvey& survey, const TopicRule& rule, bool depth, Problems* problems) {
+  const ImageTopic* topic = survey.find_image(rule.topic);
+  if (topic == nullptr || topic->is_depth != depth) {
+    std::vector<std::string> known;
+    for (const ImageTopic& image : survey.images)
+      if (image.is_depth == depth) known.push_back(image.name);
+    problems->add(
+        {"", 0, "--topic " + rule.name + (depth ? ".depth" : ""), for_message(rule.topic),
+         std::string("the bag has no ") + (depth ? "depth" : "") + " images there; " + suggestion(rule.topic, known)});
+    return nullptr;
+  }
+  return topic;
+}
+
+void apply_image_rule(const BagSurvey& survey, const TopicRule& rule, std::vector<CameraTopics>* cameras,
+                      Problems* problems) {
+  const auto named = std::find_if(cameras->begin(), cameras->end(),
+                                  [&](const CameraTopics& camera) { return camera.name == rule.name; });
+  if (rule.topic == "none") {
+    if (named != cameras->end()) cameras->erase(named);
+    return;
+  }
+  if (require_image(survey, rule, false, problems) == nullptr) return;
+  // The topic, or another one of its namespace, may have been guessed under another name.
+  const auto guessed = std::find_if(cameras->begin(), cameras->end(), [&](const CameraTopics& camera) {
+    return camera.images == rule.topic || namespace_of(camera.images) == namespace_of(rule.topic);
+  });
+  if (named != cameras->end()) {
+    named->images = rule.topic;
+    if (guessed != cameras->end() && guessed != named && guessed->images == rule.topic) cameras->erase(guessed);
+  } else if (guessed != cameras->end()) {
+    guessed->name = rule.name;
+    guessed->images = rule.topic;
+  } else {
+    cameras->push_back({rule.name, rule.topic, "", "", false});
+  }
+}
+
+void check_doubles(const std::vector<TopicRule>& rules, Problems* problems) {
+  std::map<std::string, std::string> first;
+  for (const TopicRule& rule : rules) {
+    if (rule.topic == "none" || rule.part == "camera_info") continue;
+    const std::string key = "--topic " + rule.name + (rule.part.empty() ? "" : "." + rule.part);
+    const auto [place, is_new] = first.emplace(rule.topic, key);
+    if (!is_new)
+      problems->add({"", 0, key, for_message(rule.topic),
+                     "is given to " + place->second + " already; every camera needs a topic of its own"});
+  }
+}
+
+// ---------------------------------------------------------------------------------------------------------- depth
+
+// How well a depth topic goes with a camera; 0: not at all.
+int depth_rank(const ImageTopic& depth, const ImageTopic& image) {
+  const bool same_frame = depth.frame_id() == image.frame_id();
+  const std::size_t shared = shared_parts(depth.name, image.name);
+  if (!same_frame && shared == 0) return 0;
+  int rank = same_frame ? 100 : 1;
+  if (depth.width == image.width && depth.height == image.height) rank += 20;
+  if (contains(depth.name, "aligned") || contains(depth.name, "registered") || contains(depth.name, "to_rgb") ||
+      contains(depth.name, "to_color"))
+    rank += 10;
+  if (!depth.is_compressed()) rank += 1;
+  return rank + static_cast<int>(2 * shared);
+}
+
+void guess_depth(const BagSurvey& survey, std::vector<CameraTopics>* cameras) {
+  std::set<std::string> taken;
+  for (const CameraTopics& camera : *cameras) taken.insert(camera.depth);
+  // The best pair first, so that a camera does not take what is another's.
+  for (;;) {
+    int best_rank = 0;
+    CameraTopics* best = nullptr;
+    const ImageTopic* best_depth = nullptr;
+    for (CameraTopics& camera : *cameras) {
+      if (camera.depth_is_given || !camera.depth.empty()) continue;
+      for (const ImageTopic& depth : survey.images) {
+        if (!depth.is_depth || taken.count(depth.name) > 0) continue;
+        const int rank = depth_rank(depth, *survey.find_image(camera.images));
+        if (rank > best_rank) {
+          best_rank = rank;
+          best = &camera;
+          best_depth = &depth;
+        }
+      }
+    }
+    if (best == nullptr) return;
+    best->depth = best_depth->name;
+    // Other transports of the same depth are nobody's.
+    for (const ImageTopic& depth : survey.images)
+      if (without_transport(depth.name) == without_transport(best_depth->name)) taken.insert(depth.name);
+  }
+}
+
+// ---------------------------------------------------------------------------------------------------- camera info
+
+std::string info_topic_of(const BagSurvey& survey, const std::string& images) {
+  const std::string name = namespace_of(images) + "/camera_info";
+  return survey.find_info(name) != nullptr ? name : "";
+}
+
+void apply_part_rule(const BagSurvey& survey, const TopicRule& rule, std::vector<CameraTopics>* cameras,
+                     Problems* problems) {
+  const auto named = std::find_if(cameras->begin(), cameras->end(),
+                                  [&](const CameraTopics& camera) { return camera.name == rule.name; });
+  if (named == cameras->end()) {
+    problems->add({"", 0, "--topic " + rule.name + "." + rule.part, for_message(rule.topic),
+                   "there is no camera of this name; " + suggestion(rule.name, names_of(*cameras))});
+    return;
+  }
+  if (rule.part == "depth") {
+    named->depth_is_given = true;
+    if (rule.topic != "none" && require_image(survey, rule, true, problems) != nullptr) named->depth = rule.topic;
+    return;
+  }
+  if (survey.find_info(rule.topic) == nullptr)
+    problems->add({"", 0, "--topic " + rule.name + ".camera_info", for_message(rule.topic),
+                   "the bag has no CameraInfo there; " + suggestion(rule.topic, names_of(survey.infos))});
+  named->camera_info = rule.topic;
+}
+
+std::string what_is_there(const BagSurvey& survey) {
+  if (survey.topics.empty()) return "it has no messages at all";
+  std::vector<std::string> topics;
+  for (const BagTopic& topic : survey.topics)
+    topics.push_back(topic.name + " (" + (topic.type.empty() ? "unknown type" : topic.type) +
+                     (topic.encoding == "cdr" ? "" : ", encoding " + topic.encoding) + ")");
+  return "it has " + for_message(joined(topics), 600);
+}
+
+}  // namespace
+
+std::vector<TopicRule> topic_rules(const std::vector<std::string>& texts) {
+  std::vector<TopicRule> rules;
+  Problems problems;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    TopicRule rule;
+    rule.name = text.substr(0, equals);
+    for (const char* part : {"depth", "camera_info"}) {
+      const std::string end = std::string(".") + part;
+      if (rule.name.size() <= end.size() || rule.name.compare(rule.name.size() - end.size(), end.size(), end) != 0)
+        continue;
+      rule.part = part;
+      rule.name.erase(rule.name.size() - end.size());
+    }
+    rule.topic = equals == std::string::npos ? "" : text.substr(equals + 1);
+    if (!is_frame_name(rule.name) || rule.topic.empty())
+      problems.add(
+          {"", 0, "--topic", for_message(text),
+           "must be NAME=TOPIC, NAME.depth=TOPIC, NAME.camera_info=TOPIC or odometry=TOPIC, with none for no topic"});
+    if (rule.topic != "none" && rule.topic.rfind('/', 0) != 0) rule.topic = "/" + rule.topic;
+    rules.push_back(std::move(rule));
+  }
+  problems.throw_if_any();
+  return rules;
+}
+
+TopicChoice choose_topics(const BagSurvey& survey, const std::vector<TopicRule>& rules) {
+  TopicChoice choice;
+  Problems problems;
+  choice.odometry = choose_odometry(survey, rules, &problems);
+  choice.cameras = guessed_cameras(survey);
+  check_doubles(rules, &problems);
+  for (const TopicRule& rule : rules)
+    if (rule.name != "odometry" && rule.part.empty()) apply_image_rule(survey, rule, &choice.cameras, &problems);
+  for (const TopicRule& rule : rules)
+    if (rule.name != "odometry" && !rule.part.empty()) apply_part_rule(survey, rule, &choice.cameras, &problems);
+  if (choice.cameras.empty() && problems.all().size() < 2)
+    problems.add(
+        {"", 0, "cameras", "", "the bag has no images (sensor_msgs/Image, CompressedImage); " + what_is_there(survey)});
+  problems.throw_if_any();
+  guess_depth(survey, &choice.cameras);
+  for (CameraTopics& camera : choice.cameras)
+    if (camera.camera_info.empty()) camera.camera_info = info_topic_of(survey, camera.images);
+  return choice;
+}
+
+}  // namespace rigproof

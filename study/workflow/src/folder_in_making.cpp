@@ -1,0 +1,35 @@
+#include "rigproof/study/workflow/folder_in_making.h"
+
+#include <system_error>
+
+#include "rigproof/core/error.h"
+
+namespace rigproof {
+
+namespace fs = std::filesystem;
+
+FolderInMaking::FolderInMaking(const fs::path& folder)
+    : folder_(folder.has_filename() ? folder : folder.parent_path()), making_(folder_.string() + ".partial") {
+  std::error_code error;
+  const fs::file_status there = fs::symlink_status(folder_, error);  // a link would be replaced by the folder
+  if (fs::exists(there) && !(fs::is_directory(there) && fs::is_empty(folder_, error)))
+    throw Error(folder_.string() + ": there is something already; name a new folder");
+  fs::remove_all(making_, error);
+  fs::create_directories(making_, error);
+  if (error) throw Error(making_.string() + ": " + error.message());
+}
+
+FolderInMaking::~FolderInMaking() {
+  std::error_code ignored;
+  if (!done_) fs::remove_all(making_, ignored);
+}
+
+void FolderInMaking::finish() {
+  std::error_code error;
+  fs::remove(folder_, error);
+  fs::rename(making_, folder_, error);
+  if (error) throw Error(folder_.string() + ": " + error.message());
+  done_ = true;
+}
+
+}  // namespace rigproof

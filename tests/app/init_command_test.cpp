@@ -1,0 +1,109 @@
+// From the bag that a robot would have recorded of a run to the same poses as from the run itself.
+#include <nlohmann/json.hpp>
+
+#include "bag_bytes.h"
+#include "cli_fixture.h"
+#include "rigproof/core/recording.h"
+#include "rigproof/core/result.h"
+#include "schema_check.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using json = nlohmann::json;
+
+InfoFields info_of(const RigCamera& camera) {
+  InfoFields info;
+  info.frame_id = camera.name + "_optical";
+  info.width = static_cast<std::uint32_t>(camera.camera.width_px);
+  info.height = static_cast<std::uint32_t>(camera.camera.height_px);
+  info.k = {camera.camera.fx_px, 0, camera.camera.cx_px, 0, camera.camera.fy_px, camera.camera.cy_px, 0, 0, 1};
+  return info;
+}
+
+// Stamps of the small run count from 0; a robot's clock does not.
+constexpr double kEpoch_s = 1700000000.0;
+
+std::string bag_of(const Recording& recording) {
+  std::vector<Recorded> messages;
+  for (const OdometrySample& row : recording.odometry) {
+    const double t = kEpoch_s + row.stamp_s;
+    const PoseFields pose{row.x_m, row.y_m, 0, 0, 0, std::sin(0.5 * row.yaw_rad), std::cos(0.5 * row.yaw_rad)};
+    messages.push_back({"/odom", "nav_msgs/msg/Odometry", t, odometry_message(t, pose, "base_footprint")});
+  }
+  for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+    const RigCamera& camera = recording.rig.cameras[i];
+    const std::string name = "/" + camera.name, frame = camera.name + "_optical";
+    for (const CameraFrame& image : recording.frames[i]) {
+      const double t = kEpoch_s + image.stamp_s;
+      const std::string color = read_whole_file(recording.folder / image.color_file);
+      const std::string depth = std::string(12, '\0') + read_whole_file(recording.folder / image.depth_file);
+      messages.push_back({name + "/camera_info", "sensor_msgs/msg/CameraInfo", t, info_message(info_of(camera), t)});
+      messages.push_back({name + "/image_raw/compressed", "sensor_msgs/msg/CompressedImage", t,
+                          compressed_message(t, frame, "rgb8; png compressed bgr8", color)});
+      messages.push_back({name + "/depth/image_raw/compressedDepth", "sensor_msgs/msg/CompressedImage", t,
+                          compressed_message(t, frame, "16UC1; compressedDepth png", depth)});
+    }
+  }
+  McapLayout layout;
+  layout.compression = "zstd";
+  layout.chunk_bytes = 1U << 20U;
+  return mcap_bytes(messages, layout);
+}
+
+TEST(InitCommand, ABagCalibratesToTheSamePosesAsItsRecording) {
+  const TempFolder scratch;
+  const Recording recording = load_recording(small_run() / "recording");
+  const fs::path bag = scratch.write("run.mcap", bag_of(recording)), made = scratch / "monday";
+  const ProcessOutput output =
+      rigproof_command({"init", bag.string(), "--board", "checkerboard_5x4_100mm", "-o", made.string(), "--json"});
+  ASSERT_EQ(output.exit_code, 0) << output.out << output.err;
+  const json report = json::parse(output.out);
+  EXPECT_EQ(schema_violations(report, json::parse(rigproof_command({"schema", "init_output"}).out)), "");
+  EXPECT_EQ(report["stops"], 10);
+  for (const json& camera : report["cameras"]) EXPECT_GE(camera["board_stops"], 8) << camera["name"];
+
+  // With the same facts of the rig the same numbers: all that differs are stamps, which have 2e-7 s since 1970.
+  Recording imported = load_recording(made);
+  fs::copy_file(small_run() / "recording/rig.yaml", made / "rig.yaml", fs::copy_options::overwrite_existing);
+  const fs::path ours = scratch / "ours", theirs = scratch / "theirs";
+  ASSERT_EQ(rigproof_command({"calibrate", (small_run() / "recording").string(), "-o", ours.string()}).exit_code, 0);
+  ASSERT_EQ(rigproof_command({"calibrate", made.string(), "-o", theirs.string()}).exit_code, 0);
+  const Result expected = load_result(ours / "ml.yaml"), result = load_result(theirs / "ml.yaml");
+  ASSERT_EQ(result.camera_to_robot.size(), expected.camera_to_robot.size());
+  for (std::size_t i = 0; i < expected.camera_to_robot.size(); ++i) {
+    const Vector6d error =
+        transform_error(result.camera_to_robot[i].T_parent_child, expected.camera_to_robot[i].T_parent_child);
+    EXPECT_LT(error.norm(), 1e-6) << i;
+  }
+  EXPECT_EQ(imported.odometry.size(), recording.odometry.size());
+}
+
+TEST(InitCommand, SaysWhatItFoundAndWhatIsMissing) {
+  const TempFolder scratch;
+  const fs::path bag = scratch.write("run.mcap", bag_of(load_recording(small_run() / "recording")));
+  const ProcessOutput output = rigproof_command({"init", bag.string(), "-o", (scratch / "monday").string()});
+  EXPECT_EQ(output.exit_code, 0);
+  EXPECT_THAT(output.out, AllOf(HasSubstr("/left/image_raw/compressed"), HasSubstr("10 of 10 images"),
+                                HasSubstr("MISSING"), HasSubstr("squares: [5, 4]"), HasSubstr("rigproof calibrate")));
+  const ProcessOutput calibration = rigproof_command({"calibrate", (scratch / "monday").string()});
+  EXPECT_EQ(calibration.exit_code, 2);
+  EXPECT_THAT(calibration.err, HasSubstr("board"));
+}
+
+TEST(InitCommand, BadInputExitsWithTwo) {
+  const TempFolder scratch;
+  const fs::path ros1 = scratch.write("old.bag", "#ROSBAG V2.0\n");
+  const ProcessOutput output = rigproof_command({"init", ros1.string(), "-o", (scratch / "monday").string()});
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_THAT(output.err, HasSubstr("rosbags-convert"));
+  const ProcessOutput squares = rigproof_command({"init", ros1.string(), "--squares", "6x5", "-o", "x"});
+  EXPECT_EQ(squares.exit_code, 2);
+  EXPECT_THAT(squares.err, HasSubstr("--square-mm"));
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,329 @@
+// The parts of an import: names, frames, lenses, pictures, and which images are kept.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/calib3d.hpp>
+
+#include "bag_bytes.h"
+#include "camera_of_info.h"
+#include "error_text.h"
+#include "frame_choice.h"
+#include "frame_tree.h"
+#include "ground_track.h"
+#include "rigproof/calib/vision/image_io.h"
+#include "rigproof/core/conventions.h"
+#include "ros_pictures.h"
+#include "topic_names.h"
+
+namespace rigproof {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(TopicNames, CamerasAreCalledByWhatTellsThemApart) {
+  EXPECT_THAT(camera_names({"/left/image_raw/compressed", "/right/image_raw/compressed"}),
+              ElementsAre("left", "right"));
+  EXPECT_THAT(camera_names({"/robot/front/color/image_raw", "/robot/rear/color/image_raw"}),
+              ElementsAre("front", "rear"));
+  EXPECT_THAT(camera_names({"/camera/camera/color/image_raw"}), ElementsAre("camera"));
+  EXPECT_THAT(camera_names({"/camera_front/color/image_raw", "/a b/image"}), ElementsAre("camera_front", "a_b"));
+  EXPECT_THAT(camera_names({"/image", "/camera/image"}), ElementsAre("camera", "camera_image"));
+  EXPECT_EQ(namespace_of("/left/image_raw/compressed"), "/left");
+  EXPECT_EQ(namespace_of("/image_raw"), "");
+  EXPECT_TRUE(is_rectified("/left/image_rect_color/compressed"));
+  EXPECT_FALSE(is_rectified("/rect/image_raw"));
+  EXPECT_TRUE(is_side_product("/camera/infra1/image_rect_raw"));
+  EXPECT_FALSE(is_side_product("/camera/color/image_raw"));
+}
+
+FrameTree tree_of(const std::vector<TransformFields>& transforms) {
+  FrameTree tree;
+  for (const RosTransform& transform : read_tf_message(tf_message(0.0, transforms))) tree.add(transform);
+  return tree;
+}
+
+TEST(FrameTree, ComposesAndFindsTheMountLink) {
+  const FrameTree tree = tree_of({{"base_footprint", "base_link", {0, 0, 0.1, 0, 0, 0, 1}},
+                                  {"base_link", "left_link", {0.3, 0.2, 0.5, 0, 0, 0, 1}},
+                                  {"left_link", "left_color_frame", {0, 0.015, 0, 0, 0, 0, 1}},
+                                  {"left_color_frame", "left_optical", {0, 0, 0, -0.5, 0.5, -0.5, 0.5}},
+                                  {"base_link", "mast", {}},
+                                  {"mast", "eye_optical", {}}});
+  const auto T = tree.between("base_footprint", "left_optical");
+  ASSERT_TRUE(T);
+  EXPECT_NEAR((T->translation - Eigen::Vector3d(0.3, 0.215, 0.6)).norm(), 0.0, 1e-12);
+  EXPECT_FALSE(tree.between("base_link", "nowhere"));
+  EXPECT_EQ(tree.mount_link("left_optical", {"base_link"}), "left_link");
+  EXPECT_EQ(tree.mount_link("eye_optical", {"base_link"}), "mast");
+}
+
+TEST(FrameTree, LoopsAndSecondParentsAreNamed) {
+  const FrameTree loop = tree_of({{"a", "b", {}}, {"b", "c", {}}, {"c", "a", {}}});
+  EXPECT_THAT(error_text([&] { loop.between("a", "c"); }), HasSubstr("circle"));
+  const FrameTree two = tree_of({{"a", "c", {}}, {"b", "c", {}}});
+  EXPECT_THAT(error_text([&] { two.way_up("c"); }), HasSubstr("two parents, a and b"));
+}
+
+// ---------------------------------------------------------------------------------------------------------- lenses
+
+InfoFields some_info() {
+  InfoFields info;
+  info.width = 1280;
+  info.height = 720;
+  info.k = {640, 0, 641, 0, 642, 359, 0, 0, 1};
+  info.p = {600, 0, 630, 0, 0, 601, 350, 0, 0, 0, 1, 0};
+  return info;
+}
+
+InfoReading read_info(const InfoFields& info, bool rectified = false) {
+  return camera_of_info(read_camera_info_message(info_message(info)), rectified);
+}
+
+TEST(CameraOfInfo, PlainLensesAndRectifiedOnes) {
+  InfoFields info = some_info();
+  EXPECT_EQ(read_info(info).camera.lens, Lens::kPinhole);
+  info.d = {0.1, -0.2, 0.001, 0.002};  // four of plumb_bob, as some drivers have it
+  const Camera brown = read_info(info).camera;
+  EXPECT_EQ(brown.lens, Lens::kBrownConrady);
+  EXPECT_THAT(brown.distortion, ElementsAre(0.1, -0.2, 0.001, 0.002, 0.0));
+  const InfoReading rectified = read_info(info, true);
+  EXPECT_EQ(rectified.camera.lens, Lens::kPinhole);
+  EXPECT_EQ(rectified.camera.fx_px, 600.0);
+  EXPECT_EQ(rectified.camera.cy_px, 350.0);
+  EXPECT_THAT(rectified.notes, ElementsAre(HasSubstr("matrix P")));
+  info.model = "equidistant";
+  EXPECT_EQ(read_info(info).camera.lens, Lens::kKannalaBrandt);
+  info.model = "rational_polynomial";
+  info.d = {0.1, -0.2, 0.001, 0.002, 0.3, 0, 0, 0};
+  EXPECT_EQ(read_info(info).camera.lens, Lens::kBrownConrady);
+}
+
+// The definition of the message: super-pixels of binning_x by binning_y pixels, inside of a region of the full sensor.
+TEST(CameraOfInfo, BinningAndRegion) {
+  InfoFields info = some_info();
+  info.x_offset = 100;
+  info.y_offset = 60;
+  info.roi_width = 800;
+  info.roi_height = 600;
+  info.binning_x = info.binning_y = 2;
+  const Camera camera = read_info(info).camera;
+  EXPECT_EQ(camera.width_px, 400);
+  EXPECT_EQ(camera.height_px, 300);
+  EXPECT_EQ(camera.fx_px, 320.0);
+  // Full pixel 541 lies at (541 - 100 - 0.5) / 2 among super-pixels, of which number 0 has its centre at 0.5.
+  EXPECT_EQ(camera.cx_px, (641.0 - 100.0 - 0.5) / 2.0);
+  EXPECT_EQ(camera.cy_px, (359.0 - 60.0 - 0.5) / 2.0);
+}
+
+// Coefficients as an Azure Kinect's colour camera has them; what we write must meet OpenCV's own projection. Over all of
+// its wide view no lens of ours does, and that is said.
+TEST(CameraOfInfo, RationalLensIsMetByOneOfOurs) {
+  InfoFields info = some_info();
+  info.model = "rational_polynomial";
+  info.d = {0.5167, -2.6213, 0.00050, -0.00022, 1.5046, 0.3942, -2.4370, 1.4315};
+  EXPECT_THAT(error_text([&] { read_info(info); }), HasSubstr("image_rect"));
+  info.k[0] = info.k[4] = 970;
+  const InfoReading reading = read_info(info);
+  EXPECT_THAT(reading.notes, ElementsAre(HasSubstr("rational_polynomial is written as")));
+  std::vector<cv::Point3d> rays;
+  for (double y = -0.34; y <= 0.34; y += 0.04)
+    for (double x = -0.6; x <= 0.6; x += 0.04) rays.emplace_back(x, y, 1.0);
+  std::vector<cv::Point2d> pixels;
+  const cv::Matx33d K(970, 0, 641, 0, 970, 359, 0, 0, 1);
+  cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), K, info.d, pixels);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Eigen::Vector2d pixel;
+    ASSERT_TRUE(reading.camera.project({rays[i].x, rays[i].y, 1.0}, &pixel));
+    worst = std::max(worst, (pixel - Eigen::Vector2d(pixels[i].x, pixels[i].y)).norm());
+  }
+  EXPECT_LT(worst, 0.25);  // what the import promises
+}
+
+TEST(CameraOfInfo, WhatIsNoCalibrationIsRefused) {
+  InfoFields zero = some_info();
+  zero.k = std::vector<double>(9, 0.0);
+  EXPECT_THAT(error_text([&] { read_info(zero); }), HasSubstr("not calibrated"));
+  InfoFields unknown = some_info();
+  unknown.model = "thin_prism_fisheye";
+  unknown.d = {0.1, 0, 0, 0};
+  EXPECT_THAT(error_text([&] { read_info(unknown); }), HasSubstr("not supported"));
+  InfoFields prism = some_info();
+  prism.model = "rational_polynomial";
+  prism.d = std::vector<double>(12, 0.01);
+  EXPECT_THAT(error_text([&] { read_info(prism); }), HasSubstr("coefficients"));
+  InfoFields bent = some_info();
+  bent.model = "rational_polynomial";
+  bent.d = {8.0, -20.0, 0, 0, 60.0, 9.0, -30.0, 100.0};
+  EXPECT_THAT(error_text([&] { read_info(bent); }), HasSubstr("image_rect"));
+}
+
+// -------------------------------------------------------------------------------------------------------- pictures
+
+// An image whose pixels all have the same bytes, with padded rows.
+std::string plain_image(const std::string& encoding, const std::string& pixel, int width, int height,
+                        bool big_endian_pixels = false) {
+  ImageFields image;
+  image.encoding = encoding;
+  image.width = static_cast<std::uint32_t>(width);
+  image.height = static_cast<std::uint32_t>(height);
+  image.big_endian_pixels = big_endian_pixels;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) image.data += pixel;
+    image.data += "pad";
+  }
+  image.step = static_cast<std::uint32_t>(image.data.size() / static_cast<std::size_t>(height));
+  return image_message(image);
+}
+
+std::uint8_t grey_of(const std::string& message) {
+  PictureMaker maker;
+  const PictureFile file = maker.color(kImageType, message);
+  const auto grey = decode_grey_image({file.bytes.begin(), file.bytes.end()});
+  return std::get<Image8>(grey).at(3, 2);
+}
+
+TEST(RosPictures, EveryEncodingHasItsColours) {
+  const int red = 76;  // of (255, 0, 0), by 0.299 R + 0.587 G + 0.114 B
+  EXPECT_NEAR(grey_of(plain_image("rgb8", std::string("\xff\0\0", 3), 7, 5)), red, 1);
+  EXPECT_NEAR(grey_of(plain_image("bgr8", std::string("\0\0\xff", 3), 7, 5)), red, 1);
+  EXPECT_NEAR(grey_of(plain_image("rgba8", std::string("\xff\0\0\x07", 4), 7, 5)), red, 1);
+  EXPECT_NEAR(grey_of(plain_image("bgra8", std::string("\0\0\xff\x07", 4), 7, 5)), red, 1);
+  EXPECT_EQ(grey_of(plain_image("mono8", "\x42", 7, 5)), 0x42);
+  // Twelve bits in sixteen: 0x0800 of 0x0FFF is the middle.
+  EXPECT_EQ(grey_of(plain_image("mono16", std::string("\x00\x08", 2), 7, 5)), 0x80);
+  EXPECT_EQ(grey_of(plain_image("mono16", std::string("\x08\x00", 2), 7, 5, true)), 0x80);
+  // UYVY and YUYV of the luma 150 without colour: (150 - 16) * 1.164.
+  EXPECT_NEAR(grey_of(plain_image("yuv422", "\x80\x96", 8, 6)), 156, 1);
+  EXPECT_NEAR(grey_of(plain_image("yuyv", "\x96\x80", 8, 6)), 156, 1);
+}
+
+// A mosaic of a red scene: only the red places are bright.
+TEST(RosPictures, BayerPatternsHaveTheirRedWhereTheNameSays) {
+  const std::map<std::string, std::pair<int, int>> red_at = {
+      {"bayer_rggb8", {0, 0}}, {"bayer_grbg8", {1, 0}}, {"bayer_gbrg8", {0, 1}}, {"bayer_bggr8", {1, 1}}};
+  for (const auto& [encoding, place] : red_at) {
+    ImageFields image;
+    image.encoding = encoding;
+    image.width = image.step = 12;
+    image.height = 10;
+    for (int y = 0; y < 10; ++y)
+      for (int x = 0; x < 12; ++x) image.data += x % 2 == place.first && y % 2 == place.second ? '\xff' : '\0';
+    EXPECT_NEAR(grey_of(image_message(image)), 76, 1) << encoding;
+  }
+}
+
+std::uint16_t depth_of(const std::string& type, const std::string& message, double unit_m) {
+  PictureMaker maker;
+  const PictureFile file = maker.depth(type, message, unit_m);
+  const auto depth = decode_depth_image({file.bytes.begin(), file.bytes.end()});
+  return std::get<Image16>(depth).at(1, 1);
+}
+
+std::string float_bytes(float value) { return {reinterpret_cast<const char*>(&value), sizeof value}; }
+
+TEST(RosPictures, DepthInCountsAndMetres) {
+  EXPECT_EQ(depth_of(kImageType, plain_image("16UC1", std::string("\xd0\x07", 2), 4, 3), 1e-3), 2000);
+  const double unit_m = depth_unit_m("32FC1");
+  EXPECT_EQ(depth_of(kImageType, plain_image("32FC1", float_bytes(2.5F), 4, 3), unit_m), 25000);
+  EXPECT_EQ(depth_of(kImageType, plain_image("32FC1", float_bytes(NAN), 4, 3), unit_m), 0);
+  EXPECT_EQ(depth_of(kImageType, plain_image("32FC1", float_bytes(70.0F), 4, 3), unit_m), 0);  // beyond what fits
+  PngEncoder encoder;
+  const std::string png(encoder.encode(Image16(4, 3, 1, 1234)));
+  const std::string head(12, '\0');
+  EXPECT_EQ(depth_of(kCompressedImageType, compressed_message(0, "f", "16UC1; compressedDepth png", head + png), 1e-3),
+            1234);
+  // 32FC1: z = a / (value - b) with a = 1000, b = 234.
+  const std::string quantised = std::string(4, '\0') + float_bytes(1000.0F) + float_bytes(234.0F);
+  EXPECT_EQ(
+      depth_of(kCompressedImageType, compressed_message(0, "f", "32FC1; compressedDepth png", quantised + png), unit_m),
+      10000);
+}
+
+TEST(RosPictures, WhatIsNoPictureIsRefused) {
+  PictureMaker maker;
+  const auto failure = [&maker](const std::string& message) {
+    return error_text([&] { maker.color(kImageType, message); });
+  };
+  EXPECT_THAT(failure(plain_image("rgb9", "abc", 4, 3)), HasSubstr("did you mean \"rgb8\""));
+  ImageFields image;
+  image.encoding = "mono8";
+  image.width = image.height = image.step = 100;
+  image.data = std::string(9999, 'x');
+  EXPECT_THAT(failure(image_message(image)), HasSubstr("9999 bytes"));
+  image.width = image.height = 0x7fffffff;
+  EXPECT_THAT(failure(image_message(image)), HasSubstr("are allowed"));
+  const std::string jpeg = "\xFF\xD8\xFF\xE0 and then nothing";
+  EXPECT_THAT(error_text([&] { maker.color(kCompressedImageType, compressed_message(0, "f", "jpeg", jpeg)); }),
+              HasSubstr("JPEG"));
+  EXPECT_THAT(error_text([&] {
+                maker.depth(kCompressedImageType, compressed_message(0, "f", "16UC1; compressedDepth", "x"), 1e-3);
+              }),
+              HasSubstr("ends early"));
+}
+
+// -------------------------------------------------------------------------------------------------- frames, ground
+
+// Stands for two seconds, drives 40 cm in two, and so on; 50 Hz.
+std::vector<OdometrySample> stop_and_go(int stops) {
+  std::vector<OdometrySample> odometry;
+  for (int i = 0; i <= 50 * 4 * stops; ++i) {
+    const double t = 0.02 * i, cycle = std::floor(t / 4.0), within = t - 4.0 * cycle;
+    odometry.push_back({1e9 + t, 0.4 * cycle + 0.2 * std::max(0.0, within - 2.0), 0.0, 0.1 * cycle});
+  }
+  return odometry;
+}
+
+std::vector<double> stream(double hertz, double seconds) {
+  std::vector<double> stamps;
+  for (int i = 0; i < static_cast<int>(hertz * seconds); ++i) stamps.push_back(1e9 + i / hertz);
+  return stamps;
+}
+
+TEST(FrameChoice, AStreamBecomesAFewImagesOfEachStop) {
+  const auto odometry = stop_and_go(6);
+  const auto stamps = stream(30.0, 24.0);
+  const FrameChoice choice = choose_frames({stamps, stream(15.0, 24.0)}, odometry, {});
+  EXPECT_EQ(choice.stops, 6U);
+  EXPECT_THAT(choice.stops_of_camera, ElementsAre(6U, 6U));
+  ASSERT_EQ(choice.kept[0].size(), 18U);
+  EXPECT_EQ(choice.kept[1].size(), 18U);
+  for (const std::size_t index : choice.kept[0]) EXPECT_LT(std::fmod(stamps[index] - 1e9, 4.0), 2.0 + 1e-6);
+  EXPECT_NEAR(static_cast<double>(choice.moving), 24.0 * 45.0 / 2.0, 80.0);
+  const FrameChoice all = choose_frames({stamps}, odometry, {true, 3});
+  EXPECT_EQ(all.kept[0].size(), stamps.size());
+}
+
+TEST(FrameChoice, OneRowOfOdometryForEachImageKeepsAll) {
+  std::vector<OdometrySample> odometry;
+  std::vector<double> stamps;
+  for (int i = 0; i < 12; ++i) {
+    odometry.push_back({100.0 + i, 0.3 * i, 0.0, 0.1 * i});
+    stamps.push_back(100.0 + i);
+  }
+  EXPECT_EQ(choose_frames({stamps}, odometry, {}).kept[0].size(), 12U);
+}
+
+TEST(FrameChoice, WithoutStopsTheWayIsThinned) {
+  std::vector<OdometrySample> odometry;
+  for (int i = 0; i <= 500; ++i) odometry.push_back({1e9 + 0.02 * i, 0.004 * i, 0.0, 0.0});  // 20 cm/s for 10 s
+  const FrameChoice choice = choose_frames({stream(30.0, 10.0)}, odometry, {});
+  EXPECT_TRUE(choice.on_the_move);
+  EXPECT_NEAR(static_cast<double>(choice.kept[0].size()), 2.0 / 0.053, 6.0);  // every 5 cm, at the next image
+}
+
+TEST(GroundTrack, TiltAndRiseAreMeasured) {
+  std::vector<TimedPose> poses(3);
+  poses[1] = {1.0, {rotation_z(0.5) * so3_exp({0.0, 0.1, 0.0}), {1.0, 2.0, 0.3}}};
+  poses[2] = {2.0, {rotation_z(-0.5), {2.0, 2.0, -0.1}}};
+  const GroundTrack track = ground_track(poses);
+  ASSERT_EQ(track.odometry.size(), 3U);
+  EXPECT_NEAR(track.odometry[1].yaw_rad, 0.5, 1e-12);
+  EXPECT_EQ(track.odometry[1].y_m, 2.0);
+  EXPECT_NEAR(track.tilt_deg, 0.1 * 180.0 / kPi, 1e-9);
+  EXPECT_NEAR(track.rise_m, 0.4, 1e-12);
+}
+
+}  // namespace
+}  // namespace rigproof

@@ -1,0 +1,296 @@
+// Bags of a small robot, from the first byte to a recording, and what goes wrong on the way.
+#include "rigproof/study/import/init.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bag_bytes.h"
+#include "error_text.h"
+#include "rigproof/bags/messages.h"
+#include "rigproof/core/recording.h"
+#include "rigproof/png/png_encoder.h"
+#include "temp_folder.h"
+
+namespace rigproof {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+// What a bag is made of; tests change it before it is written.
+struct Robot {
+  std::vector<std::string> cameras = {"left", "right"};
+  bool info = true, odometry = true, tf = true, depth = true;
+  double depth_delay_s = 0.0;
+  double camera_clock_s = 0.0;  // added to the headers of images
+  std::string depth_frame;      // empty: the camera's own
+  std::uint32_t depth_width = 64;
+  std::uint32_t info_width = 64;
+  PoseFields odometry_pose;  // added to its height and attitude
+  int stops = 5;
+};
+
+std::string color_message(const std::string& camera, double stamp_s, int shade) {
+  ImageFields image;
+  image.stamp_s = stamp_s;
+  image.frame_id = camera + "_optical";
+  image.width = image.step = 64;
+  image.height = 48;
+  image.encoding = "mono8";
+  image.data = std::string(64 * 48, static_cast<char>(shade));
+  return image_message(image);
+}
+
+std::string depth_message(const Robot& robot, const std::string& camera, double stamp_s) {
+  ImageFields image;
+  image.stamp_s = stamp_s;
+  image.frame_id = robot.depth_frame.empty() ? camera + "_optical" : robot.depth_frame;
+  image.width = robot.depth_width;
+  image.step = 2 * robot.depth_width;
+  image.height = robot.depth_width * 3 / 4;
+  image.encoding = "16UC1";
+  for (std::uint32_t i = 0; i < image.width * image.height; ++i) image.data += std::string("\xd0\x07", 2);
+  return image_message(image);
+}
+
+std::vector<Recorded> messages_of(const Robot& robot) {
+  std::vector<Recorded> messages;
+  const double start_s = 1700000000.0;
+  if (robot.tf) {
+    std::vector<TransformFields> transforms = {{"base_footprint", "base_link", {0, 0, 0.1, 0, 0, 0, 1}}};
+    for (const std::string& camera : robot.cameras) {
+      transforms.push_back({"base_link", camera + "_link", {0.2, 0, 0.5, 0, 0, 0, 1}});
+      transforms.push_back({camera + "_link", camera + "_optical", {0, 0.015, 0, -0.5, 0.5, -0.5, 0.5}});
+    }
+    messages.push_back({"/tf_static", kTfType, start_s, tf_message(start_s, transforms)});
+  }
+  // Stands for a second at each stop and moves for a second to the next; images at 10 Hz.
+  for (int i = 0; i < 200 * robot.stops; ++i) {
+    const double t = start_s + 0.01 * i;
+    const double cycle = std::floor(0.005 * i), within = 0.01 * i - 2.0 * cycle;
+    PoseFields pose = robot.odometry_pose;
+    pose.x = 0.3 * (cycle + std::max(0.0, within - 1.0));
+    if (robot.odometry) messages.push_back({"/odom", kOdometryType, t, odometry_message(t, pose)});
+    if (i % 10 != 5) continue;
+    for (const std::string& camera : robot.cameras) {
+      InfoFields info;
+      info.frame_id = camera + "_optical";
+      info.width = robot.info_width;
+      info.height = robot.info_width * 3 / 4;
+      info.k = {60, 0, 31.5, 0, 60, 23.5, 0, 0, 1};
+      const double stamp = t + robot.camera_clock_s, later = stamp + robot.depth_delay_s;
+      if (robot.info)
+        messages.push_back({"/" + camera + "/camera_info", kCameraInfoType, t, info_message(info, stamp)});
+      messages.push_back({"/" + camera + "/image_raw", kImageType, t, color_message(camera, stamp, i % 200)});
+      if (robot.depth)
+        messages.push_back({"/" + camera + "/depth/image_raw", kImageType, t, depth_message(robot, camera, later)});
+    }
+  }
+  return messages;
+}
+
+class Init : public testing::Test {
+ protected:
+  InitOptions options_for(const Robot& robot) {
+    InitOptions options;
+    options.source = scratch_.write("bag.mcap", mcap_bytes(messages_of(robot)));
+    options.output = scratch_ / "monday";
+    options.board = Board();
+    options.board->type = "charuco";  // no search: the images show nothing
+    return options;
+  }
+  InitReport run(const Robot& robot) { return init_recording(options_for(robot)); }
+  /// Of a failure, which must leave nothing behind.
+  std::string failure(const InitOptions& options) {
+    const std::string text = error_text([&] { init_recording(options); });
+    EXPECT_FALSE(fs::exists(options.output)) << text;
+    EXPECT_FALSE(fs::exists(options.output.string() + ".partial")) << text;
+    return text;
+  }
+  std::string failure(const Robot& robot) { return failure(options_for(robot)); }
+
+  TempFolder scratch_;
+};
+
+TEST_F(Init, ABagBecomesARecording) {
+  const InitReport report = run(Robot());
+  EXPECT_EQ(report.stops, 5U);
+  ASSERT_EQ(report.cameras.size(), 2U);
+  EXPECT_EQ(report.cameras[0].images_in_source, 100U);
+  EXPECT_EQ(report.cameras[0].images_kept, 15U);  // three of each stop
+  EXPECT_EQ(report.cameras[0].depth_kept, 15U);
+  EXPECT_EQ(report.cameras[0].link, "left_link");
+  EXPECT_THAT(report.notes, Contains(HasSubstr("while the robot moved")));
+  const Recording recording = load_recording(scratch_ / "monday");
+  EXPECT_EQ(recording.rig.robot_frame, "base_footprint");
+  EXPECT_EQ(recording.rig.cameras[0].camera.fx_px, 60.0);
+  EXPECT_EQ(recording.odometry.size(), 1000U);
+  ASSERT_EQ(recording.frames[1].size(), 15U);
+  EXPECT_EQ(recording.frames[1][0].stamp_s, 1700000000.05);
+  EXPECT_TRUE(fs::exists(scratch_ / "monday/right/depth/000014.png"));
+  EXPECT_THAT(scratch_.read("monday/tf_static.json"), HasSubstr("left_optical"));
+  EXPECT_FALSE(fs::exists(scratch_ / "monday/.scratch"));
+}
+
+TEST_F(Init, NothingInThePlaceIsOverwritten) {
+  const InitOptions options = options_for(Robot());
+  scratch_.write("monday/mine.txt", "kept");
+  EXPECT_THAT(error_text([&] { init_recording(options); }), HasSubstr("there is something already"));
+  EXPECT_EQ(scratch_.read("monday/mine.txt"), "kept");
+}
+
+TEST_F(Init, InterruptedItLeavesNothingAndStartsAnew) {
+  for (const std::string at : {"read", "write"}) {
+    InitOptions options = options_for(Robot());
+    options.progress = [&at](const char* what, std::uint64_t, std::uint64_t) { return what != at; };
+    EXPECT_THAT(failure(options), HasSubstr("interrupted"));
+  }
+  scratch_.write("monday.partial/left/color/000000.png", "half a picture of a killed process");
+  EXPECT_EQ(run(Robot()).cameras[0].images_kept, 15U);
+}
+
+TEST_F(Init, WithoutABoardTheLineToWriteIsSaid) {
+  InitOptions options = options_for(Robot());
+  options.board.reset();
+  const InitReport report = init_recording(options);
+  EXPECT_THAT(report.missing, ElementsAre(HasSubstr("board: {type: checkerboard")));
+  EXPECT_THAT(error_text([&] { load_recording(scratch_ / "monday"); }), HasSubstr("board"));
+  const std::string rig = scratch_.read("monday/rig.yaml");
+  scratch_.write("monday/rig.yaml", "board: {type: checkerboard, squares: [6, 5], square_mm: 110}\n" + rig);
+  EXPECT_EQ(load_recording(scratch_ / "monday").rig.board.squares_x, 6);
+}
+
+TEST_F(Init, TopicsAreRenamedLeftOutAndRefusedTwice) {
+  InitOptions options = options_for(Robot());
+  options.topics = {"front=/left/image_raw", "right=none", "front.depth=none"};
+  const InitReport report = init_recording(options);
+  ASSERT_EQ(report.cameras.size(), 1U);
+  EXPECT_EQ(report.cameras[0].name, "front");
+  EXPECT_EQ(report.cameras[0].depth, "");
+  InitOptions wrong = options_for(Robot());
+  wrong.output = scratch_ / "tuesday";
+  wrong.topics = {"left=/left/image_raw", "front=/left/image_raw", "odometry=/odon",
+                  "rigt.depth=/left/depth/image_raw"};
+  EXPECT_THAT(failure(wrong), AllOf(HasSubstr("is given to --topic left already"), HasSubstr("did you mean \"/odom\""),
+                                    HasSubstr("did you mean \"right\"")));
+  wrong.topics = {"left"};
+  EXPECT_THAT(failure(wrong), HasSubstr("NAME=TOPIC"));
+}
+
+TEST_F(Init, MissingCalibrationIsSaidForEveryCameraAndGivenByAFile) {
+  Robot robot;
+  robot.info = false;
+  EXPECT_THAT(failure(robot), AllOf(HasSubstr("camera left: there is no CameraInfo"), HasSubstr("camera right"),
+                                    HasSubstr("--camera-info left=FILE")));
+  InitOptions options = options_for(robot);
+  const std::string file =
+      scratch_
+          .write("info.yaml",
+                 "image_width: 64\nimage_height: 48\ncamera_matrix: {rows: 3, cols: 3, data: [70, 0, 31, 0, 71, 23, 0, "
+                 "0, 1]}\n"
+                 "distortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n")
+          .string();
+  options.camera_infos = {"left=" + file, "right=" + file};
+  init_recording(options);
+  EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[0].camera.fy_px, 71.0);
+}
+
+TEST_F(Init, IntrinsicsOfAnotherSizeAreRefused) {
+  Robot robot;
+  robot.info_width = 128;
+  EXPECT_THAT(failure(robot), AllOf(HasSubstr("64x48"), HasSubstr("128x96")));
+}
+
+TEST_F(Init, ClocksOfDifferentEpochs) {
+  Robot robot;
+  robot.camera_clock_s = -1699999990.0;
+  EXPECT_THAT(failure(robot), AllOf(HasSubstr("different clocks"), HasSubstr("--stamps log")));
+  InitOptions options = options_for(robot);
+  options.log_stamps = true;
+  EXPECT_EQ(init_recording(options).stops, 5U);
+  EXPECT_EQ(load_recording(scratch_ / "monday").frames[0][0].stamp_s, 1700000000.05);
+}
+
+TEST_F(Init, DepthBesideItsImageIsPairedOrLeftOutWithWords) {
+  Robot robot;
+  robot.depth_delay_s = 0.007;
+  const InitReport beside = run(robot);
+  EXPECT_EQ(beside.cameras[0].depth_kept, 15U);
+  EXPECT_THAT(beside.notes, Contains(HasSubstr("up to 7.0 ms")));
+  fs::remove_all(scratch_ / "monday");
+  robot.depth_delay_s = 0.04;
+  const InitReport far = run(robot);
+  EXPECT_EQ(far.cameras[0].depth_kept, 0U);
+  EXPECT_THAT(far.notes, Contains(HasSubstr("40.0 ms")));
+}
+
+TEST_F(Init, DepthOfAnotherFrameNeedsItsPlace) {
+  Robot robot;
+  robot.cameras = {"left"};
+  robot.depth_frame = "left_depth_optical";
+  robot.depth_width = 32;
+  const InitReport report = run(robot);
+  EXPECT_EQ(report.cameras[0].depth, "");
+  EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("32x24"), HasSubstr("align_depth"))));
+  EXPECT_FALSE(load_recording(scratch_ / "monday").rig.cameras[0].depth);
+}
+
+TEST_F(Init, ATiltedOdometryIsSaid) {
+  Robot robot;
+  robot.odometry_pose = {0, 0, 0, 0, std::sin(0.05), 0, std::cos(0.05)};
+  const InitReport report = run(robot);
+  EXPECT_NEAR(report.tilt_deg, 5.73, 0.01);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("tilts by up to 5.7 deg")));
+}
+
+TEST_F(Init, WithoutOdometryOrImagesItSaysWhatIsThere) {
+  Robot robot;
+  robot.odometry = false;
+  EXPECT_THAT(failure(robot), HasSubstr("neither nav_msgs/Odometry nor"));
+  robot = Robot();
+  robot.cameras.clear();
+  EXPECT_THAT(failure(robot), AllOf(HasSubstr("has no images"), HasSubstr("/odom (nav_msgs/msg/Odometry)")));
+}
+
+TEST_F(Init, OdometryOfTfServesWhereThereIsNoOther) {
+  Robot robot;
+  robot.odometry = false;
+  std::vector<Recorded> messages = messages_of(robot);
+  for (int i = 0; i < 1000; ++i) {
+    const double t = 1700000000.0 + 0.01 * i;
+    const double x = 0.1 * std::floor(0.005 * i) + 0.1 * std::max(0.0, std::fmod(0.01 * i, 2.0) - 1.0);
+    messages.push_back(
+        {"/tf", kTfType, t, tf_message(t, {{"odom", "base_link", {x, 0, 0, 0, 0, 0, 1}}, {"base_link", "wheel", {}}})});
+  }
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  const InitReport report = init_recording(options);
+  EXPECT_EQ(report.odometry, "/tf odom -> base_link");
+  EXPECT_EQ(report.stops, 5U);
+}
+
+TEST_F(Init, TwoDriversOnOneTopicAreRefused) {
+  std::vector<Recorded> messages = messages_of(Robot());
+  messages.push_back({"/left/image_raw", kImageType, 1700000001.0, color_message("other", 1700000001.0, 1)});
+  InitOptions options = options_for(Robot());
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("left_optical"), HasSubstr("other_optical")));
+}
+
+TEST_F(Init, DamagedMessagesNameTheirTopic) {
+  std::vector<Recorded> messages = messages_of(Robot());
+  messages.push_back({"/odom", kOdometryType, 1700000001.0, "no CDR at all"});
+  InitOptions options = options_for(Robot());
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("topic /odom"), HasSubstr("no plain CDR")));
+  options.source = scratch_.write("text.txt", "hello");
+  EXPECT_THAT(failure(options), HasSubstr("no bag"));
+}
+
+}  // namespace
+}  // namespace rigproof
