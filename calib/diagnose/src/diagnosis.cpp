@@ -152,8 +152,8 @@ Explanations try_lens(const Run& run, const std::vector<int>& cameras, const Len
   return {{{FaultKind::kLens, wrong_lens(run.observations, cameras, final), true, {}}, *trial, {}}};
 }
 
-// Where depth and corners differ by a factor the focal length may be off by it: too far for Gauss and Newton. The centre
-// is where it is stated, or where another resolution puts it.
+// Where depth and corners differ by a factor the focal length may be off by it: too far for Gauss and Newton. The
+// centre is where it is stated, or where another resolution puts it.
 std::vector<Eigen::Vector3d> starts_of(const Camera& camera, double factor) {
   const auto of_resolution = [factor](double centre_px) { return (centre_px + 0.5) * factor - 0.5 - centre_px; };
   return {{factor - 1.0, 0.0, 0.0}, {factor - 1.0, of_resolution(camera.cx_px), of_resolution(camera.cy_px)}};

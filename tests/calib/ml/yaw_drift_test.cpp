@@ -1,4 +1,5 @@
-// A gyro whose bias turns the odometry while time passes: found, named with its rate, and healthy drives are not blamed.
+// A gyro whose bias turns the odometry while time passes: found, named with its rate, and healthy drives are not
+// blamed.
 #include "yaw_drift.h"
 
 #include <gtest/gtest.h>
