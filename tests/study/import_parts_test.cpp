@@ -116,8 +116,8 @@ TEST(CameraOfInfo, BinningAndRegion) {
   EXPECT_EQ(camera.cy_px, (359.0 - 60.0 - 0.5) / 2.0);
 }
 
-// Coefficients as an Azure Kinect's colour camera has them; what we write must meet OpenCV's own projection. Over all of
-// its wide view no lens of ours does, and that is said.
+// Coefficients as an Azure Kinect's colour camera has them; what we write must meet OpenCV's own projection. Over all
+// of its wide view no lens of ours does, and that is said.
 TEST(CameraOfInfo, RationalLensIsMetByOneOfOurs) {
   InfoFields info = some_info();
   info.model = "rational_polynomial";
