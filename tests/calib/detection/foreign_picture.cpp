@@ -88,8 +88,8 @@ ForeignView foreign_view(std::uint64_t seed) {
   for (;;) {
     ForeignView view;
     view.camera = seed % 3 == 2 ? Camera::symmetric(640, 480, 420.0) : Camera::symmetric(1280, 720, 640.0);
-    view.board =
-        random.below(2) == 0 ? Board{"checkerboard", 6, 5, 0.11, {}, {}} : Board{"checkerboard", 9, 6, 0.06, {}, {}};
+    view.board = random.below(2) == 0 ? Board{"checkerboard", 6, 5, 0.11, {}, {}, {}}
+                                      : Board{"checkerboard", 9, 6, 0.06, {}, {}, {}};
     const double distance = random.uniform(0.7, 3.5), obliquity = deg_to_rad(random.uniform(0.0, 55.0));
     const double axis = random.uniform(0.0, 2.0 * kPi), roll = random.uniform(0.0, 2.0 * kPi);
     const Eigen::Vector2d pixel(random.uniform(0.1, 0.9) * view.camera.width_px,

@@ -64,7 +64,7 @@ TEST(ForeignPictures, EdgesWithoutBlurAreMeasured) {
 
 TEST(ForeignPictures, APatternThatIsNoBoardIsNotCalledHidden) {
   const Camera camera = Camera::symmetric(1280, 720, 640.0);
-  const Board board{"checkerboard", 5, 4, 0.1, {}, {}}, strip{"checkerboard", 7, 2, 0.1, {}, {}};
+  const Board board{"checkerboard", 5, 4, 0.1, {}, {}, {}}, strip{"checkerboard", 7, 2, 0.1, {}, {}, {}};
   const Rigid3 T = board_in_view(camera, strip, 1.5, 0.2, 0.4, 0.3, {640.0, 360.0});
   const BoardDetection detection = detect_checkerboard(draw_board(camera, strip, T), board);
   ASSERT_TRUE(std::holds_alternative<BoardNotFound>(detection));
