@@ -263,22 +263,20 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   scenario->recording.odometry = std::move(driven.drive.odometry);
 }
 
-// What board and lenses show in every image alike: where it is simulated the recording says how large it may be.
-void tell_repeating_errors(const WorldDescription& description, const BoardDefectsDraw& drawn, Scenario* scenario) {
+// What board and lenses show in every image alike. A board that is not as told is not told to be exact.
+void label_repeating_errors(const WorldDescription& description, Scenario* scenario) {
   const BoardDefects& defects = description.board_defects;
   Board& told = scenario->recording.rig.board;
   if (defects.print_scale_x != 1.0 || defects.print_scale_y != 1.0) told.square_sigma_m.reset();
   if (defects.bow_m != 0.0) told.bow_sigma_m.reset();
-  if (!defects.corner_shifts_m.empty()) told.print_sigma_m = drawn.print_error_m;
   if (defects.moves_corners())
     scenario->truth.printed_corners = printed_corners(description.board, description.board_margin_m, defects);
   for (std::size_t i = 0; i < description.cameras.size(); ++i) {
     const std::optional<LensResidual>& residual = description.cameras[i].lens_residual;
     if (!residual) continue;
-    const double rms_px = lens_residual_rms_px(scenario->config, scenario->rig.rig.cameras[i]);
     scenario->truth.cameras[i].lens_residual = residual;
-    scenario->truth.cameras[i].sensing["lens_residual_px"] = rms_px;
-    scenario->recording.rig.cameras[i].intrinsics_sigma.residual_px = rms_px;
+    scenario->truth.cameras[i].sensing["lens_residual_px"] =
+        lens_residual_rms_px(scenario->config, scenario->rig.rig.cameras[i]);
   }
 }
 
@@ -337,7 +335,7 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   else
     teleport(description, subject, &scenario);
   scenario.truth.drawn.insert(defects.drawn.begin(), defects.drawn.end());
-  tell_repeating_errors(description, defects, &scenario);
+  label_repeating_errors(description, &scenario);
   const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;
   disturb_time(sensed_time(config), sensing_seed(config), &scenario.recording, &scenario.truth);
   scenario.frames = recorded_frames(scenario.stop_count(), taken, scenario.recording.frames);

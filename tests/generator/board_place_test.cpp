@@ -60,8 +60,8 @@ TEST(BoardPlace, InclinationAndMountingAreDrawnByTheSeed) {
   EXPECT_EQ(drawn_by(world, 3).centre_m, drawn_by(world, 3).centre_m);
 }
 
-// Errors that repeat in every image: the truth has them, the recording says how large they may be and nothing else.
-TEST(RepeatingErrors, AreInTheTruthAndTheirSizesInTheRecording) {
+// Errors that repeat in every image: the truth has them, the recording grants what a stranger would and tells no more.
+TEST(RepeatingErrors, AreInTheTruthAndGrantedByTheRecording) {
   const TinyWorld world;
   const auto resolved = [&world](const std::string& more) {
     return resolve_scenario(parse_generate_config(
@@ -75,8 +75,8 @@ TEST(RepeatingErrors, AreInTheTruthAndTheirSizesInTheRecording) {
   ASSERT_TRUE(with.truth.cameras[0].lens_residual);
   const double rms_px = with.truth.cameras[0].sensing.at("lens_residual_px");
   EXPECT_GT(rms_px, 0.0);
-  EXPECT_EQ(with.recording.rig.cameras[0].intrinsics_sigma.residual_px, rms_px);
-  EXPECT_EQ(with.recording.rig.board.print_sigma_m, 8e-5);
+  EXPECT_GT(with.recording.rig.cameras[0].intrinsics_sigma.residual_px, 0.0);
+  EXPECT_GT(with.recording.rig.board.print_sigma(), 0.0);
   const Board& board = with.truth.board;
   ASSERT_EQ(static_cast<int>(with.truth.printed_corners.size()), board.corner_count());
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
