@@ -322,8 +322,9 @@ TEST(RawDepth, ComesFromTheCacheWithTheSameBytes) {
 // The same floor and board, seen from two places: planes agree within what either states.
 TEST(RawDepth, AgreesWithRegisteredDepthInGroundAndBoardPlanes) {
   const TempFolder folder;
-  generate(raw_config(), into(folder.path() / "raw"));
-  generate(parse_generate_config("poses: 3\nimage_scale: 0.5\n", "raw.yaml"), into(folder.path() / "registered"));
+  generate(raw_config("sensing: {told: exact}\n"), into(folder.path() / "raw"));
+  generate(parse_generate_config("poses: 3\nimage_scale: 0.5\nsensing: {told: exact}\n", "raw.yaml"),
+           into(folder.path() / "registered"));
   const SeenRun raw(folder.path() / "raw"), registered(folder.path() / "registered");
   const auto compare = [](const std::vector<PlaneObservation>& a, const std::vector<PlaneObservation>& b) {
     double chi_square = 0.0;
@@ -346,7 +347,7 @@ TEST(RawDepth, AgreesWithRegisteredDepthInGroundAndBoardPlanes) {
 
 TEST(RawDepth, ProofNoticesAWrongTransform) {
   const TempFolder folder;
-  generate(raw_config(), into(folder.path() / "run"));
+  generate(raw_config("sensing: {told: exact}\n"), into(folder.path() / "run"));
   SeenRun run(folder.path() / "run");
   EXPECT_THAT(run.proof().problems, testing::IsEmpty());
   EXPECT_GT(run.proof().cameras[0].depth_pixels, 500U);

@@ -231,6 +231,7 @@ const std::vector<Row>& sense_rows() {
       {"sensor_noise", "none", {}},
       {"depth_scale_bias_percent", "1", {}},
       {"sensing.seed", "5", {}},
+      {"sensing.told", "exact", {}},
       {"sensing.image.noise", "false", {}},
       {"sensing.image.pixel_pattern", "true", {}},
       {"sensing.image.vignetting", "true", {}},

@@ -17,11 +17,12 @@ namespace rigproof {
 namespace {
 
 GenerateConfig uneven_config(const std::string& scene, int millimetres) {
-  return parse_generate_config("scene: " + scene +
-                                   "\nmotion: drive\nrig: husky_1x_d455\nimage_scale: 0.4\nposes: 3\nseed: 2\n"
-                                   "drive: {unevenness_mm: " +
-                                   std::to_string(millimetres) + "}\n",
-                               "uneven.yaml");
+  return parse_generate_config(
+      "scene: " + scene +
+          "\nmotion: drive\nrig: husky_1x_d455\nimage_scale: 0.4\nposes: 3\nseed: 2\nsensing: {told: exact}\n"
+          "drive: {unevenness_mm: " +
+          std::to_string(millimetres) + "}\n",
+      "uneven.yaml");
 }
 
 // Depth along the optical axis at which a ray (z = 1) of the camera meets the relief, or 0.

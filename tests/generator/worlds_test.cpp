@@ -100,7 +100,8 @@ TEST_P(Worlds, AreDrivenInWithoutATouchAndTheirGroundIsFoundInDepth) {
   options.jobs = 1;
   const GenerateConfig config = parse_generate_config("scene: " + GetParam() +
                                                           "\nmotion: drive\nrig: husky_3x_d455\nimage_scale: 0.4\n"
-                                                          "poses: 4\nseed: 5\nstraight_drive: {frames: 3}\n",
+                                                          "poses: 4\nseed: 5\nstraight_drive: {frames: 3}\n"
+                                                          "sensing: {told: exact}\n",
                                                       "world.yaml");
   const std::shared_ptr<const Scenario> scenario = prepare_generation(config, options);
   ASSERT_EQ(scenario->stop_count(), 7U);

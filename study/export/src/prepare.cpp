@@ -48,12 +48,20 @@ std::string unknown_axes(const EstimatedTransform& estimate) {
   return joined(axes);
 }
 
+std::string place_of(const ExportOptions& options) {
+  return options.result_file.empty() ? "result" : options.result_file;
+}
+
+void refuse_empty(const Result& result, const ExportOptions& options) {
+  if (!result.camera_to_robot.empty()) return;
+  throw Error(place_of(options) + ": is " + result_status_name(result.status) +
+                  " and holds no pose; there is nothing to export",
+              ExitCode::kRefused);
+}
+
 void refuse_partial(const Result& result, const ExportOptions& options) {
-  const std::string place = options.result_file.empty() ? "result" : options.result_file;
-  if (result.camera_to_robot.empty())
-    throw Error(place + ": is " + result_status_name(result.status) + " and holds no pose; there is nothing to export",
-                ExitCode::kRefused);
   if (options.partial) return;
+  const std::string place = place_of(options);
   std::string unknown;
   for (const EstimatedTransform& estimate : result.camera_to_robot)
     if (!estimate.fully_observable())
@@ -100,6 +108,7 @@ ExportCamera export_camera(const Result& result, const EstimatedTransform& estim
 }  // namespace
 
 ExportJob prepare_export(const Result& result, const RigFacts& rig, const ExportOptions& options) {
+  refuse_empty(result, options);
   check_cameras(options, names_of(result));
   refuse_partial(result, options);
   ExportJob job;

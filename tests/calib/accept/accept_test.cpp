@@ -137,12 +137,12 @@ TEST(Accept, HeldOutImagesArePredictedAsWellAsStatedOverTrials) {
   EXPECT_NEAR(mean, 1.0, 0.05 + runs.tolerance(0.03));
 }
 
-// One camera looks elsewhere, by a tenth of a degree, at four of 24 stops: a loose mount. So few do not raise the level
-// of all corners, which would explain them.
+// One camera looks elsewhere, by a tenth of a degree, at four of 24 stops amid the drive: a loose mount. So few do not
+// raise the level of all corners, which would explain them.
 TEST(Accept, HeldOutTellsStopsThatDoNotBelong) {
   Observations observations = observed(3);
   for (BoardView& view : observations.board_views)
-    if (view.stop % 6 == 1 && view.camera == 1)
+    if ((view.stop == 7 || view.stop == 10 || view.stop == 13 || view.stop == 16) && view.camera == 1)
       for (CornerObservation& corner : view.corners) corner.pixel.x() += 1.0;
   const AcceptReport report = report_of(observations, only_held_out());
   EXPECT_GT(report.checks.front().value, 1.5) << worded(report.checks.front().reason);
