@@ -45,7 +45,7 @@ bool operator<(const BagPlace& a, const BagPlace& b) {
   return std::tie(a.file, a.chunk, a.offset) < std::tie(b.file, b.chunk, b.offset);
 }
 
-Bag::Bag(const fs::path& path, fs::path scratch) {
+Bag::Bag(const fs::path& path, const fs::path& scratch) {
   BagFiles found = find_bag_files(path);
   notes_ = std::move(found.notes);
   for (const fs::path& file : found.files) files_.push_back(open_bag_file(file, scratch));

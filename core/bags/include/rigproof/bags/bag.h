@@ -46,7 +46,7 @@ class Bag {
   /// names, or all that it holds where there is none
   /// @param scratch folder for what has to be unpacked before it can be read (.zstd); made when it is needed
   /// Throws Error: no bag, a bag of ROS 1, files that are missing.
-  Bag(const std::filesystem::path& path, std::filesystem::path scratch);
+  Bag(const std::filesystem::path& path, const std::filesystem::path& scratch);
   ~Bag();
   Bag(const Bag&) = delete;
   Bag& operator=(const Bag&) = delete;
