@@ -89,6 +89,39 @@ function(rigproof_install_library name component)
   endif()
 endfunction()
 
+# rigproof_embed(out.cpp HEADER names.h NAMESPACE a::b TEXTS name file.. TEXTS other file..) makes out.cpp, which defines
+# each name that the header declares as the text of its files, one after the other.
+function(rigproof_embed output)
+  cmake_parse_arguments(ARG "" "HEADER;NAMESPACE" "" ${ARGN})
+  set(names "")
+  set(all_files "")
+  set(definitions "")
+  set(name "")
+  set(next_is_name FALSE)
+  foreach(item IN LISTS ARG_UNPARSED_ARGUMENTS)
+    if(item STREQUAL "TEXTS")
+      set(next_is_name TRUE)
+    elseif(next_is_name)
+      set(name ${item})
+      list(APPEND names ${name})
+      set(next_is_name FALSE)
+    else()
+      list(APPEND files_${name} ${item})
+      list(APPEND all_files ${item})
+    endif()
+  endforeach()
+  foreach(name IN LISTS names)
+    list(JOIN files_${name} "," files)
+    list(APPEND definitions "-DFILES_${name}=${files}")
+  endforeach()
+  list(JOIN names "," joined_names)
+  set(script ${PROJECT_SOURCE_DIR}/cmake/EmbedTexts.cmake)
+  add_custom_command(OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${output} -DHEADER=${ARG_HEADER} -DNAMESPACE=${ARG_NAMESPACE} -DNAMES=${joined_names}
+            ${definitions} -P ${script}
+    DEPENDS ${all_files} ${script} VERBATIM)
+endfunction()
+
 # GoogleTest's macros take a third less time to compile this way, and what is tested keeps its own flags.
 function(rigproof_apply_test_rules target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)

@@ -171,6 +171,15 @@ struct InspectArguments {
 };
 int inspect_command(const InspectArguments& arguments);
 
+struct ReportArguments {
+  CommonArguments common;
+  std::filesystem::path input;
+  std::filesystem::path output;  ///< empty = report.html beside the input
+  std::string method;            ///< shown first; empty = ml
+  std::filesystem::path budget;
+};
+int report_command(const ReportArguments& arguments);
+
 struct ConvertArguments {
   CommonArguments common;
   std::filesystem::path input;

@@ -141,7 +141,7 @@ void add_validate(CLI::App& app, Action& action) {
 
 void add_run(CLI::App& app, Action& action) {
   const auto [command, arguments] =
-      add_command(app, action, "run", "Generate, calibrate and validate, then draw the pictures",
+      add_command(app, action, "run", "Generate, calibrate and validate, then draw the pictures and the report",
                   "rigproof run demo.yaml", run_command);
   add_generate_options(command, arguments.generate);
   command->add_option("-m,--method", arguments.methods, kMethodHelp);
@@ -159,6 +159,19 @@ void add_inspect(CLI::App& app, Action& action) {
   command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(true))->required();
   command->add_option("RESULT", arguments.results, "Result files to draw; default every one in results/");
   command->add_option("-o,--output", arguments.output, "Folder; default pictures/ beside the input");
+  add_jobs(command, arguments.common);
+  add_common(command, arguments.common);
+}
+
+void add_report(CLI::App& app, Action& action) {
+  const auto [command, arguments] = add_command(
+      app, action, "report", "Write one HTML file to look at: verdict, poses, uncertainty, the rig in 3-D, images",
+      "rigproof report monday/ -o monday.html", report_command);
+  command->add_option("INPUT", arguments.input, "With results: " + inputs_in_words(true))->required();
+  command->add_option("-o,--output", arguments.output, "File; default report.html beside the input");
+  command->add_option("-m,--method", arguments.method, "Result to show first; default ml. All of results/ are in it");
+  command->add_option("--budget", arguments.budget,
+                      "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations");
   add_jobs(command, arguments.common);
   add_common(command, arguments.common);
 }
@@ -292,6 +305,7 @@ int run_main(int argc, char** argv) {
   add_uncertainty_commands(app, action);
   add_export_command(app, action);
   add_inspect(app, action);
+  add_report(app, action);
   add_convert(app, action);
   add_doctor(app, action);
   add_board(app, action);

@@ -289,6 +289,7 @@ std::vector<OutputSchema> output_schemas() {
             {"notes", "texts", "what could not be said in that layout"}}},
           {"export", "", export_keys()},
           {"inspect", "", {{"[]", "text", "a picture that was written"}}},
+          {"report", "", {{"report", "text", "the file that was written"}}},
           {"board", "", {{"file", "text", "the PDF"}}},
           {"methods",
            "; scenes, rigs, sensors and boards likewise, each with facts of its own",

@@ -8,40 +8,12 @@
 #include "json_text.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/exclusions.h"
-#include "rigproof/core/rigid3.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/body_angles.h"
 #include "rigproof/words/sentences.h"
 
 namespace rigproof {
 namespace {
-
-// Roll, pitch, yaw [rad] of a camera's body axes.
-Eigen::Vector3d body_roll_pitch_yaw(const Eigen::Quaterniond& rotation_robot_camera) {
-  return roll_pitch_yaw(rotation_robot_camera * optical_from_body());
-}
-
-// Six standard deviations: translation [m], then roll, pitch, yaw [rad], carried over from the rotation error along
-// the parent's axes by central differences; 0 = none stated.
-Vector6d stated_sigmas(const EstimatedTransform& transform) {
-  Vector6d sigmas = Vector6d::Zero();
-  if (!transform.covariance) return sigmas;
-  const Matrix6d& covariance = *transform.covariance;
-  Eigen::Matrix3d J;
-  constexpr double kStep = 1e-6;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(axis);
-    const Eigen::Vector3d up = body_roll_pitch_yaw(so3_exp(step) * transform.T_parent_child.rotation);
-    const Eigen::Vector3d down = body_roll_pitch_yaw(so3_exp(-step) * transform.T_parent_child.rotation);
-    for (int i = 0; i < 3; ++i) J(i, axis) = wrap_angle(up(i) - down(i)) / (2.0 * kStep);
-  }
-  const Eigen::Matrix3d angles = J * covariance.bottomRightCorner<3, 3>() * J.transpose();
-  for (int i = 0; i < 3; ++i) {
-    sigmas(i) = std::sqrt(std::max(0.0, covariance(i, i)));
-    sigmas(i + 3) = std::sqrt(std::max(0.0, angles(i, i)));
-  }
-  return sigmas;
-}
 
 // "30.12+-0.09": the sigma to two digits, the value to the same decimals; without sigma four decimals.
 std::string value_with_sigma(double value, double sigma) {
@@ -51,8 +23,8 @@ std::string value_with_sigma(double value, double sigma) {
 }
 
 std::vector<std::string> pose_cells(const EstimatedTransform& transform) {
-  const Eigen::Vector3d angles = body_roll_pitch_yaw(transform.T_parent_child.rotation);
-  const Vector6d sigmas = stated_sigmas(transform);
+  const Eigen::Vector3d angles = camera_roll_pitch_yaw(transform.T_parent_child.rotation);
+  const Vector6d sigmas = pose_sigmas(transform);
   std::vector<std::string> cells = {" " + transform.child};
   for (int i = 0; i < 6; ++i) {
     const auto axis = static_cast<std::size_t>(i);

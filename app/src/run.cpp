@@ -1,4 +1,4 @@
-// `rigproof run`: generate, calibrate, validate, and draw the pictures.
+// `rigproof run`: generate, calibrate, validate, and draw the pictures and the report.
 #include <cstdio>
 #include <thread>
 
@@ -8,6 +8,7 @@
 #include "judging.h"
 #include "observing.h"
 #include "print_result.h"
+#include "reporting.h"
 #include "rigproof/core/error.h"
 #include "rigproof/study/report/inspect.h"
 #include "rigproof/study/workflow/external.h"
@@ -92,8 +93,13 @@ int run_command(const RunArguments& arguments) {
   const std::vector<ValidationRecord> records =
       solve_and_judge(arguments, run, method_input(input, observations, vision, common.jobs), terminal, &all_solved);
   if (!arguments.junit.empty()) save_junit(records, arguments.junit, words::sentence_of);
-  write_pictures({input, observations, load_truth(run.truth_file()), load_results(run.results())}, run.pictures());
+  const InspectInput scene{input, observations, load_truth(run.truth_file()), load_results(run.results())};
+  write_pictures(scene, run.pictures());
   terminal.line("pictures   " + run.pictures().string());
+  write_report(
+      scene, run.root / kReportName,
+      {arguments.methods.empty() ? std::string() : records.front().subject, budget_of(arguments.budget), common.jobs},
+      terminal);
   if (common.json) std::puts(to_json(records, words::sentence_of).c_str());
   if (!all_solved) return static_cast<int>(ExitCode::kRefused);
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);

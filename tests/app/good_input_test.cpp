@@ -18,15 +18,15 @@ using testing::Not;
 TEST(Command, HelpNamesEveryCommandAndTheExitCodes) {
   const ProcessOutput output = rigproof_command({"--help"});
   EXPECT_EQ(output.exit_code, 0);
-  for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "doctor", "scenes",
-                              "sensors", "rigs", "boards", "methods", "schema"})
+  for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "report", "doctor",
+                              "scenes", "sensors", "rigs", "boards", "methods", "schema"})
     EXPECT_THAT(output.out, HasSubstr(command));
   EXPECT_THAT(output.out, HasSubstr("3 refused"));
 }
 
 TEST(Command, EveryCommandHasAnExample) {
-  for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "doctor", "methods",
-                              "sense", "scenes", "sensors", "board"}) {
+  for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "report", "doctor",
+                              "methods", "sense", "scenes", "sensors", "board"}) {
     const ProcessOutput output = rigproof_command({command, "--help"});
     EXPECT_EQ(output.exit_code, 0);
     EXPECT_THAT(output.out, HasSubstr(std::string("rigproof ") + command)) << command;
@@ -99,6 +99,8 @@ TEST(Command, RunGeneratesCalibratesAndValidates) {
                            "truth/config.yaml", "observations.json"})
     EXPECT_TRUE(fs::is_regular_file(run / file)) << file;
   EXPECT_FALSE(fs::is_empty(run / "pictures"));
+  EXPECT_THAT(read_whole_file(run / "report.html"), HasSubstr("</html>"));
+  EXPECT_THAT(output.out, testing::EndsWith("report     " + (run / "report.html").string() + "\n"));
   EXPECT_THAT(read_whole_file(scratch / "out.xml"), HasSubstr("<testsuite"));
   EXPECT_EQ(output.out.find('\033'), std::string::npos) << "colours in a pipe";
 }

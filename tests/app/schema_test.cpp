@@ -64,6 +64,7 @@ TEST(Schema, EveryFileHasOneWithTitleAndVersion) {
                            "export",
                            "export_output",
                            "inspect_output",
+                           "report_output",
                            "convert_output",
                            "scenes_scene_output",
                            "methods_output"})
@@ -122,6 +123,9 @@ TEST(Schema, WhatIsWrittenKeepsToTheirs) {
   expect_output({"calibrate", observations, "-m", "ml:focal_sigma_percent=1", "-o", out, "--accept", "default"},
                 "calibrate_output");
   expect_output({"validate", run, out + "/ml.yaml"}, "validate_output");
+  const fs::path recording = copy_of_recording(scratch);
+  ASSERT_EQ(rigproof_command({"calibrate", recording.string(), "-q"}).exit_code, 0);
+  expect_output({"report", recording.string()}, "report_output");
   expect_output({"moved", observations, out + "/ml.yaml"}, "moved_output");
   expect_output({"suggest", observations, "--stops", "1"}, "suggest_output");
   const auto expect_file = [](const fs::path& file, const std::string& name) {

@@ -113,6 +113,10 @@ TEST(PngReader, ReadsWhatTheEncoderWrites) {
       const std::string_view grey_png = encoder.encode(grey);
       const Bytes grey_file(grey_png.begin(), grey_png.end());
       EXPECT_EQ(std::get<Image8>(decode_png_grey(grey_file, read_png_header(grey_file).value())).pixels, grey.pixels);
+      const Image8 color = make_image<std::uint8_t>(width, height, 3, content);
+      const std::string_view color_png = encoder.encode(color);
+      const Bytes color_file(color_png.begin(), color_png.end());
+      EXPECT_EQ(std::get<Image8>(decode_png_rgb(color_file, read_png_header(color_file).value())).pixels, color.pixels);
     }
   }
 }

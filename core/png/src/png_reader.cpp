@@ -165,6 +165,14 @@ std::variant<Image8, Unreadable> decode_png_grey(const Bytes& bytes, const PngHe
   return image;
 }
 
+std::variant<Image8, Unreadable> decode_png_rgb(const Bytes& bytes, const PngHeader& header) {
+  Image8 image(static_cast<int>(header.width), static_cast<int>(header.height), 3);
+  const auto failure = for_each_row(
+      bytes, header, [&](int y, const std::uint8_t* row) { std::copy_n(row, image.row_length(), image.row(y)); });
+  if (failure) return *failure;
+  return image;
+}
+
 std::variant<Image16, Unreadable> decode_png_16(const Bytes& bytes, const PngHeader& header) {
   Image16 image(static_cast<int>(header.width), static_cast<int>(header.height));
   const auto failure = for_each_row(bytes, header, [&](int y, const std::uint8_t* row) {

@@ -3,8 +3,8 @@
 #include <limits>
 #include <set>
 
+#include "drive_poses.h"
 #include "inspect_pictures.h"
-#include "rigproof/calib/geometry/pnp.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof::inspect_detail {
@@ -58,54 +58,18 @@ struct Drive {
   bool has_truth() const { return input.truth.has_value(); }
 };
 
-std::vector<Rigid3> odometry_of(const InspectInput& input) {
-  std::vector<Rigid3> odometry;
-  for (const Stop& stop : input.observations.stops) odometry.push_back(planar_pose(stop.x_m, stop.y_m, stop.yaw_rad));
-  return odometry;
-}
-
-std::vector<Rigid3> driven_of(const InspectInput& input, const std::vector<Rigid3>& odometry) {
-  std::vector<Rigid3> driven = odometry;
-  for (std::size_t i = 0; input.truth && i < driven.size(); ++i)
-    driven[i] = robot_at(*input.truth, input.observations.stops[i].stamp_s).value_or(odometry[i]);
-  return driven;
-}
-
-// Odometry starts where it likes: its first pose is put on the driven one.
-std::vector<Rigid3> aligned(std::vector<Rigid3> odometry, const Rigid3& first) {
-  const Rigid3 T_world_odom =
-      planar_pose(first.translation.x(), first.translation.y(), yaw_of(first)) * odometry[0].inverse();
-  for (Rigid3& T : odometry) T = T_world_odom * T;
-  return odometry;
-}
-
-// Of the truth, or as the first view tells whose camera has a pose.
-std::optional<Rigid3> find_board(const InspectInput& input, const std::vector<Rigid3>& driven) {
-  if (input.truth) return input.truth->T_world_board;
-  for (const BoardView& view : input.observations.board_views) {
-    const RigCamera& camera = input.observations.cameras[static_cast<std::size_t>(view.camera)];
-    const auto T_robot_camera = camera_pose(input, camera.name);
-    if (!T_robot_camera) continue;
-    const auto board = estimate_board_pose(view.corners, input.observations.board, camera.camera);
-    if (board) return driven[static_cast<std::size_t>(view.stop)] * *T_robot_camera * board->T_camera_board;
-  }
-  return std::nullopt;
-}
-
 Drive drive_of(const InspectInput& input) {
-  std::vector<Rigid3> odometry = odometry_of(input), driven = driven_of(input, odometry);
-  if (input.truth) odometry = aligned(std::move(odometry), driven[0]);
-  const std::optional<Rigid3> T_world_board = find_board(input, driven);
+  DrivePoses poses = drive_poses(input);
   std::set<std::pair<int, std::size_t>> seen;
   for (const BoardView& view : input.observations.board_views)
     seen.insert({view.stop, static_cast<std::size_t>(view.camera)});
   std::vector<Point> points;
-  for (const auto* poses : {&driven, &odometry})
-    for (const Rigid3& T : *poses) points.emplace_back(T.translation.head<2>());
-  if (T_world_board)
+  for (const auto* track : {&poses.driven, &poses.odometry})
+    for (const Rigid3& T : *track) points.emplace_back(T.translation.head<2>());
+  if (poses.T_world_board)
     for (const Eigen::Vector3d& corner : input.observations.board.outline())
-      points.emplace_back((*T_world_board * corner).head<2>());
-  return {input, std::move(driven), std::move(odometry), T_world_board, std::move(seen), Map(points)};
+      points.emplace_back((*poses.T_world_board * corner).head<2>());
+  return {input, std::move(poses.driven), std::move(poses.odometry), poses.T_world_board, std::move(seen), Map(points)};
 }
 
 void draw_grid(const Drive& drive, Canvas* canvas) {

@@ -35,6 +35,8 @@ std::optional<Unreadable> find_png_damage(const std::vector<std::uint8_t>& bytes
 
 /// A plain 8-bit PNG as grey.
 std::variant<Image8, Unreadable> decode_png_grey(const std::vector<std::uint8_t>& bytes, const PngHeader& header);
+/// A plain 8-bit PNG of color_type 2, with three channels: red, green, blue.
+std::variant<Image8, Unreadable> decode_png_rgb(const std::vector<std::uint8_t>& bytes, const PngHeader& header);
 /// A plain 16-bit grey PNG.
 std::variant<Image16, Unreadable> decode_png_16(const std::vector<std::uint8_t>& bytes, const PngHeader& header);
 

@@ -1,0 +1,113 @@
+"use strict";
+// Elements, numbers and colours. All text goes through textContent: what is in the data cannot become markup.
+const SVG = "http://www.w3.org/2000/svg";
+
+function fill(node, properties, children) {
+  for (const [key, value] of Object.entries(properties || {})) {
+    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+    else if (key === "style") Object.assign(node.style, value);
+    else if (value !== null && value !== undefined && value !== false) node.setAttribute(key, value === true ? "" : value);
+  }
+  node.append(...children.flat(4).filter((child) => child !== null && child !== undefined && child !== false));
+  return node;
+}
+const replace = (node, ...children) => { node.replaceChildren(); return fill(node, {}, children); };
+const h = (tag, properties, ...children) => fill(document.createElement(tag), properties, children);
+const s = (tag, properties, ...children) => fill(document.createElementNS(SVG, tag), properties, children);
+
+const color = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+// Okabe and Ito's palette, told apart by the colour-blind: the same camera has the same colour everywhere.
+const CAMERA_COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a6a3f", "#7070d8"];
+const ON_DARK = ["#4da3e0", "#f58a3d", "#2fc295", "#e39cc4", "#7cc7f2", "#f0b429", "#b8976a", "#9a9af0"];
+const dark = matchMedia("(prefers-color-scheme: dark)");
+const isDark = () => dark.matches && !matchMedia("print").matches;
+const cameraColor = (index) => (isDark() ? ON_DARK : CAMERA_COLORS)[index % CAMERA_COLORS.length];
+
+const AXES = ["tx", "ty", "tz", "rx", "ry", "rz"];
+const ANGLES = ["roll", "pitch", "yaw"];
+const unitOf = (axis) => (axis < 3 ? "cm" : "deg");
+const inUnit = (value, axis) => (value === null || value === undefined ? null : axis < 3 ? 100 * value : (180 / Math.PI) * value);
+
+// Two digits of a sigma whose first is 1 or 2, else one.
+function decimalsFor(sigma) {
+  if (!(sigma > 0) || !isFinite(sigma)) return 3;
+  const power = Math.floor(Math.log10(sigma));
+  const first = Math.floor(sigma / 10 ** power);
+  return Math.min(6, Math.max(0, -power + (first <= 2 ? 1 : 0)));
+}
+const minus = (text) => text.replace("-", "\u2212");
+const fixed = (value, decimals) => (value === null || !isFinite(value) ? "\u2013" : minus(value.toFixed(decimals)));
+const signed = (value, decimals) => {
+  const text = fixed(value, decimals);
+  return Number(value.toFixed(decimals)) > 0 ? "+" + text : text;
+};
+const figure = (value, digits = 2) => {
+  if (value === null || value === undefined || !isFinite(value)) return "\u2013";
+  if (value === 0) return "0";
+  const decimals = Math.min(6, Math.max(0, digits - 1 - Math.floor(Math.log10(Math.abs(value)))));
+  return fixed(value, decimals);
+};
+const plural = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
+const rms = (values) => Math.sqrt(values.reduce((sum, v) => sum + v * v, 0) / Math.max(1, values.length));
+const quantile = (values, q) => {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))] : 0;
+};
+const roundStep = (value) => {
+  const power = 10 ** Math.floor(Math.log10(value));
+  const leading = value / power;
+  return power * (leading >= 5 ? 5 : leading >= 2 ? 2 : 1);
+};
+
+function section(id, title, lead, ...children) {
+  return h("section", { id, "aria-labelledby": id + "-title" }, h("h2", { id: id + "-title" }, title),
+    lead ? h("p", { class: "lead" }, lead) : null, ...children);
+}
+function choice(label, names, onchange, value = 0) {
+  const select = h("select", { onchange: () => onchange(Number(select.value)) },
+    names.map((name, i) => h("option", { value: i, selected: i === value }, name)));
+  return h("label", {}, label, select);
+}
+function checkbox(label, checked, onchange) {
+  const box = h("input", { type: "checkbox", checked, onchange: () => onchange(box.checked) });
+  return h("label", {}, box, label);
+}
+const swatch = (index) => h("span", { class: "dot", style: { background: cameraColor(index) }, "aria-hidden": "true" });
+
+// What depends on the theme or on the size of its place is drawn once it has one, and again when the theme changes.
+const redraws = [];
+let attached = false;
+function whenShown(draw) {
+  redraws.push(draw);
+  if (attached) draw();
+}
+function redrawAll() { for (const draw of redraws) draw(); }
+dark.addEventListener("change", redrawAll);
+matchMedia("print").addEventListener("change", redrawAll);
+
+function chart(node, optionOf, height) {
+  if (height) node.style.height = height + "px";
+  let instance = null;
+  const draw = () => {
+    if (!instance) {
+      instance = echarts.init(node, null, { renderer: "svg" });
+      new ResizeObserver(() => instance.resize()).observe(node);
+    }
+    instance.setOption({
+      animation: false,
+      textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: color("ink") },
+      aria: { enabled: true },
+      ...optionOf(),
+    }, true);
+  };
+  whenShown(draw);
+  return draw;
+}
+const axisStyle = () => ({
+  axisLine: { lineStyle: { color: color("line") } }, axisTick: { show: false },
+  axisLabel: { color: color("soft"), hideOverlap: true }, splitLine: { lineStyle: { color: color("faint") } },
+  nameTextStyle: { color: color("soft") },
+});
+const tooltipStyle = () => ({
+  backgroundColor: color("card"), borderColor: color("line"), textStyle: { color: color("ink"), fontSize: 13 }, renderMode: "richText",
+});

@@ -1,0 +1,64 @@
+// What the document of a report is gathered from, one function a part.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/study/report/page.h"
+#include "rigproof/validate/bound.h"
+#include "rigproof/validate/validate.h"
+
+namespace rigproof::page_detail {
+
+using Json = nlohmann::ordered_json;
+
+/// Rounded, so that the file stays small; null where it is not finite.
+Json rounded(double value, int decimals);
+/// With eight significant digits: of poses and sigmas.
+Json figure_of(double value);
+Json list_of(const Eigen::VectorXd& values);
+/// [x, y, z, qx, qy, qz, qw].
+Json pose_of(const Rigid3& T);
+
+/// An image that is shown: one with the board in it, or one that was left out.
+struct Frame {
+  int camera = 0;
+  int stop = -1;
+  std::string file;
+  const BoardView* view = nullptr;
+  std::optional<Finding> left_out;  ///< by observing
+};
+/// Those of the observations, by camera and stop.
+std::vector<Frame> frames_of(const Observations& observations);
+Json frames_json(const InspectInput& input, const std::vector<Frame>& frames);
+
+/// The pictures of the frames, as PageContent::images has them.
+std::string images_json(const InspectInput& input, const std::vector<Frame>& frames, const PageOptions& options);
+
+/// Detected corners minus those of the board that fits all views of a stop best, through the rig as the result has it.
+struct CornerFit {
+  /// Of each board view of the observations: [du, dv] of its corners [px]; empty where there is no fit.
+  std::vector<std::vector<Eigen::Vector2d>> differences;
+  std::size_t corners = 0;
+  std::size_t boards = 0;  ///< that were fitted, six unknowns each
+};
+CornerFit fit_corners(const Observations& observations, const Result& result);
+
+/// What is said first.
+struct PageVerdict {
+  std::string level;  ///< good, suspect, bad
+  std::string word;   ///< GOOD, SUSPECT, BAD, REFUSED, PARTIAL
+  std::string sentence;
+  std::vector<std::string> why;
+};
+/// @param comparison with the truth, if there is one
+PageVerdict verdict_of(const Result& result, const std::optional<Comparison>& comparison, const Budget& budget,
+                       const std::optional<AcceptLimits>& accept);
+
+/// A result with its verdict.
+Json result_json(const InspectInput& input, const Result& result, const std::vector<Frame>& frames,
+                 const std::vector<TransformBound>& bounds, const PageOptions& options);
+
+}  // namespace rigproof::page_detail

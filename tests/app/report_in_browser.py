@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""Opens the report of a small run in chromium: nothing on the console, nothing asked of a network, everything drawn (by
+its pixels), controls work, at desktop and phone size, light and dark.
+
+Usage: report_in_browser.py RIGPROOF SMALL_RUN [FOLDER]    FOLDER: keep screenshots there, to be looked at
+"""
+import base64
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import urllib.parse
+
+import chromium
+
+# A name that would run if it were taken as markup.
+HOSTILE = '<img src=x onerror="window.hacked=1"> "q" \' & 🤖 {{data}}'
+SECTIONS = ["rig", "poses", "budget", "methods", "images", "corners", "findings", "left-out", "origin"]
+# How many colours a canvas shows, and a number that changes with its picture.
+PIXELS = """((canvas) => {
+  const copy = document.createElement("canvas");
+  copy.width = canvas.width; copy.height = canvas.height;
+  const pen = copy.getContext("2d");
+  pen.drawImage(canvas, 0, 0);
+  const bytes = pen.getImageData(0, 0, copy.width, copy.height).data, colors = new Set();
+  let sum = 0;
+  for (let i = 0; i < bytes.length; i += 4) {
+    const value = (bytes[i] << 16) | (bytes[i + 1] << 8) | bytes[i + 2];
+    colors.add(value);
+    sum = (sum * 31 + value) % 1000000007;
+  }
+  return [colors.size, sum];
+})(document.querySelector("CANVAS"))"""
+
+# The longest stretch of a screenshot without anything in it, and its background's grey.
+EMPTY_ROWS = """(async () => {
+  const picture = new Image();
+  picture.src = "data:image/png;base64,PICTURE";
+  await picture.decode();
+  const canvas = document.createElement("canvas");
+  canvas.width = picture.width; canvas.height = picture.height;
+  const pen = canvas.getContext("2d");
+  pen.drawImage(picture, 0, 0);
+  const bytes = pen.getImageData(0, 0, canvas.width, canvas.height).data;
+  let longest = 0, run = 0;
+  for (let y = 0; y < canvas.height; ++y) {
+    const colors = new Set();
+    for (let i = 4 * y * canvas.width; i < 4 * (y + 1) * canvas.width; i += 4) colors.add((bytes[i] << 16) | (bytes[i + 1] << 8) | bytes[i + 2]);
+    run = colors.size < 4 ? run + 1 : 0;
+    longest = Math.max(longest, run);
+  }
+  return [longest, bytes[4 * (3 * canvas.width + 3)]];
+})()"""
+
+
+def expect(holds, what):
+    if not holds:
+        raise AssertionError(what)
+
+
+def make_report(program, small_run, scratch):
+    run = scratch / HOSTILE
+    shutil.copytree(small_run, run)
+    for command in (["calibrate", run, "-m", "ml", "-m", "joint_memroc"], ["report", run]):
+        subprocess.run([program, *command, "-q"], check=True)
+    return run / "report.html"
+
+
+def picture_of(browser, selector):
+    browser.settle()
+    return browser.js(PIXELS.replace("CANVAS", selector))
+
+
+def click(browser, selector):
+    browser.js(f"document.querySelector({selector!r}).click()")
+    browser.settle()
+
+
+def move(browser, selector, value):
+    browser.js(f"""(() => {{ const slider = document.querySelector({selector!r}); slider.value = {value};
+                   slider.dispatchEvent(new Event("input")); }})()""")
+
+
+def check_content(browser):
+    expect(browser.js("document.querySelector('h1').textContent") == HOSTILE, "the title is the run's name")
+    expect(browser.js("window.hacked") is None, "a name was run")
+    expect(browser.js("document.querySelector('.verdict .word').textContent") == "GOOD", "the verdict stands first")
+    sections = browser.js("[...document.querySelectorAll('main > section')].map((s) => s.id)")
+    expect(sections == SECTIONS, f"the sections are {sections}")
+    expect(browser.js("document.querySelectorAll('#poses table')[0].rows.length") == 4, "a row for each of three cameras")
+    expect(browser.js("document.querySelectorAll('.forest svg').length") == 6, "a picture of each degree of freedom")
+    expect(picture_of(browser, "#view3d canvas")[0] > 50, "the rig is drawn")
+    for chart in ("#budget .chart", "#corners .chart"):
+        expect(browser.js(f"document.querySelectorAll('{chart} svg path').length") > 10, chart + " is drawn")
+    words = browser.js("document.body.innerText").split()
+    expect(not {"null", "undefined", "NaN"} & set(words), "nothing that is missing is written as a word")
+    expect(browser.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), "nothing sticks out")
+
+
+def check_rig(browser):
+    canvas = "#view3d canvas"
+    seen = [picture_of(browser, canvas)]
+    expect(seen[0][0] > 50, f"the rig is drawn in {seen[0][0]} colours")
+
+    def changes(what):
+        seen.append(picture_of(browser, canvas))
+        expect(seen[-1][1] != seen[-2][1], what + " changes the picture")
+
+    for box in range(3):
+        browser.js(f"document.querySelectorAll('#rig input[type=checkbox]')[{box}].click()")
+        changes(f"checkbox {box}")
+        browser.js(f"document.querySelectorAll('#rig input[type=checkbox]')[{box}].click()")
+        changes(f"checkbox {box}")
+    move(browser, "#exaggeration", 2.9)
+    changes("the exaggeration")
+    move(browser, "#stop", 5)
+    changes("another stop")
+    browser.js("document.querySelectorAll('#rig button')[2].click()")
+    changes("the view from above")
+    browser.js(f"document.querySelector('{canvas}').focus()")
+    browser.press("ArrowLeft")
+    changes("an arrow key")
+
+
+def check_images(browser):
+    browser.js("document.getElementById('images').scrollIntoView({behavior: 'instant'})")
+    browser.settle()
+    browser.settle()
+    expect(browser.js("document.querySelector('.frame img').naturalWidth") > 100, "the first image is there")
+    click(browser, ".frame")
+    expect(browser.js("document.querySelector('dialog').open"), "an image opens")
+    expect(browser.js("document.querySelectorAll('dialog ellipse').length") > 5, "expected corners with their ellipses")
+    expect("null" not in browser.js("document.querySelector('dialog').innerText"), "nothing missing is written there")
+    before = browser.js("document.querySelector('dialog h3').textContent")
+    browser.press("ArrowRight")
+    expect(browser.js("document.querySelector('dialog h3').textContent") != before, "the next image")
+    browser.press("Escape")
+    expect(not browser.js("document.querySelector('dialog').open"), "escape closes it")
+    everything = browser.js("document.querySelectorAll('.frame').length")
+    browser.js("""(() => { const s = document.querySelectorAll('#images select')[0]; s.value = 1;
+                  s.dispatchEvent(new Event('change')); })()""")
+    expect(0 < browser.js("document.querySelectorAll('.frame').length") < everything, "the images of one camera")
+
+
+def check_corners(browser):
+    first = picture_of(browser, "#corners canvas")
+    expect(first[0] > 5, "coverage and arrows are drawn")
+    browser.js("""(() => { const s = document.querySelector('#corners select'); s.value = 1;
+                  s.dispatchEvent(new Event('change')); })()""")
+    expect(picture_of(browser, "#corners canvas")[1] != first[1], "differences from the truth are others")
+
+
+def check_methods(browser):
+    browser.js("document.querySelectorAll('#methods button')[4].click()")
+    browser.settle()
+    expect(browser.js("document.querySelector('.top select').selectedOptions[0].textContent") == "joint_memroc",
+           "another method is shown")
+    expect(picture_of(browser, "#view3d canvas")[0] > 50, "and its rig is drawn")
+
+
+def check_whole_page(browser, name, folder):
+    """By a screenshot: no empty stretch as high as a window; returns how light the background is."""
+    height = browser.js("document.documentElement.scrollHeight")
+    width = browser.js("document.documentElement.clientWidth")
+    png = browser.screenshot(x=0, y=0, width=width, height=height)
+    if folder:
+        (folder / (name + ".png")).write_bytes(png)
+    longest, background = browser.js(EMPTY_ROWS.replace("PICTURE", base64.b64encode(png).decode()))
+    expect(longest < 400, f"{name}: {longest} pixels of the page are empty")
+    return background
+
+
+def check(browser, page, folder):
+    url = "file://" + urllib.parse.quote(str(page))
+    for name, width, height, mobile, dark in (("desktop", 1280, 900, False, False), ("phone", 390, 844, True, True)):
+        browser.size(width, height, mobile)
+        browser.dark(dark)
+        browser.open(url)
+        check_content(browser)
+        background = check_whole_page(browser, name, folder)
+        expect((background < 60) == dark, f"{name}: background {background}")
+        check_images(browser)
+        if not mobile:
+            check_rig(browser)
+            check_corners(browser)
+            check_methods(browser)
+    expect(browser.pdf()[:5] == b"%PDF-", "it prints")
+    expect(not browser.said, "the console says: " + "\n".join(browser.said))
+    expect(not browser.asked_for, f"it asks a network for {browser.asked_for}")
+
+
+def main():
+    if not chromium.program():
+        print("there is no chromium")
+        return 77
+    program, small_run = sys.argv[1:3]
+    folder = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+    with tempfile.TemporaryDirectory() as scratch:
+        page = make_report(program, small_run, pathlib.Path(scratch))
+        browser = chromium.Chromium()
+        try:
+            check(browser, page, folder)
+        finally:
+            browser.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
