@@ -51,9 +51,8 @@ struct StatedSigma {
   double value = 0.0;
   double limit = 0.0;
 
-  std::string text() const {
-    return std::string(kDegreeOfFreedomNames[static_cast<std::size_t>(axis)]) + " of " + camera->child + ": " +
-           amount(value);
+  std::string name() const {
+    return std::string(kDegreeOfFreedomNames[static_cast<std::size_t>(axis)]) + " of " + camera->child;
   }
   std::string amount(double of) const { return short_text(in_unit(of, axis), 2) + (axis < 3 ? " cm" : " deg"); }
 };
@@ -73,14 +72,14 @@ std::vector<StatedSigma> stated_sigmas(const Result& result, const std::optional
   return sigmas;
 }
 
-// "uncertain to 0.5 cm (tx of left) and 0.02 deg (rz of right)": the worst.
+// "least certain are tx of left (0.5 cm) and rz of right (0.02 deg)".
 std::string how_sure(const std::vector<StatedSigma>& sigmas) {
   std::vector<std::string> worst;
   for (const bool angle : {false, true}) {
     const StatedSigma* most = nullptr;
     for (const StatedSigma& sigma : sigmas)
       if ((sigma.axis >= 3) == angle && (most == nullptr || sigma.value > most->value)) most = &sigma;
-    if (most != nullptr) worst.push_back(most->text());
+    if (most != nullptr) worst.push_back(most->name() + " (" + most->amount(most->value) + ")");
   }
   return worst.empty() ? "the method states no uncertainty" : "least certain are " + joined(worst, " and ");
 }
@@ -93,7 +92,7 @@ PageVerdict verdict_without_truth(const Result& result, const std::optional<Acce
   PageVerdict verdict{"good", "GOOD", answered + how_sure(sigmas) + " (one sigma).", {}};
   for (const StatedSigma& sigma : sigmas)
     if (sigma.limit > 0.0 && sigma.value > sigma.limit)
-      verdict.why.push_back(sigma.text() + ", accepted up to " + sigma.amount(sigma.limit));
+      verdict.why.push_back(sigma.name() + ": " + sigma.amount(sigma.value) + ", accepted up to " + sigma.amount(sigma.limit));
   if (!verdict.why.empty()) {
     verdict.level = "bad";
     verdict.word = "BAD";

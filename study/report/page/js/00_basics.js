@@ -47,6 +47,7 @@ const figure = (value, digits = 2) => {
   const decimals = Math.min(6, Math.max(0, digits - 1 - Math.floor(Math.log10(Math.abs(value)))));
   return fixed(value, decimals);
 };
+const sentence = (text) => text.replaceAll("+-", "\u00b1");
 const plural = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 const rms = (values) => Math.sqrt(values.reduce((sum, v) => sum + v * v, 0) / Math.max(1, values.length));
 const quantile = (values, q) => {

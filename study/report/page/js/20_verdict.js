@@ -29,15 +29,15 @@ function tiles(data, result) {
 }
 
 function drawHead(data, result, onmethod) {
-  const { level, word, sentence, why } = result.verdict;
+  const { level, word, why } = result.verdict;
   const scene = data.facts.filter(([name]) => name === "scene" || name === "seed").map(([name, value]) => (name === "seed" ? "seed " : "") + value);
   const methods = data.results.map((r) => r.method);
   replace(document.getElementById("head"), 
     h("div", { class: "top" }, h("h1", {}, data.title), h("span", { class: "brand" }, ["Rigproof report", ...scene].join(" \u00b7 ")),
       methods.length > 1 ? h("span", { class: "bar push" }, choice("method", methods, onmethod, data.results.indexOf(result)))
         : h("span", { class: "brand" }, "method " + result.method)),
-    h("div", { class: "verdict " + level, role: "status" }, h("div", { class: "word" }, word), h("p", { class: "sentence" }, sentence),
-      why.length ? h("ul", {}, why.map((line) => h("li", {}, line))) : null),
+    h("div", { class: "verdict " + level, role: "status" }, h("div", { class: "word" }, word), h("p", { class: "sentence" }, sentence(result.verdict.sentence)),
+      why.length ? h("ul", {}, why.map((line) => h("li", {}, sentence(line)))) : null),
     tiles(data, result));
 }
 

@@ -99,7 +99,7 @@ function ellipsoid(C, value, scale) {
 function robotModel(places, letters) {
   const group = new three.Group(), dull = color("robot");
   const xs = places.map((p) => p[0]), ys = places.map((p) => p[1]), zs = places.map((p) => p[2]);
-  const front = Math.max(0.3, ...xs), back = Math.min(-0.3, ...xs.map((x) => x - 0.1)), half = Math.max(0.2, ...ys.map((y) => 0.9 * Math.abs(y)));
+  const front = Math.max(0.3, ...xs), back = Math.min(-0.3, ...xs.map((x) => x - 0.1)), half = Math.max(0.25, ...ys.map((y) => 0.9 * Math.abs(y)));
   const top = Math.max(0.15, Math.min(0.38, 0.6 * Math.min(...zs, 1))), bottom = 0.3 * top, radius = 0.42 * top;
   const box = new three.BoxGeometry(front - back, 2 * half, top - bottom);
   const body = new three.Mesh(box, new three.MeshLambertMaterial({ color: dull, transparent: true, opacity: 0.82 }));
@@ -208,7 +208,7 @@ class RigView {
     }
     const robot = new three.Group();
     if (here) robot.applyMatrix4(poseMatrix(here));
-    if (this.places().length) robot.add(robotModel(this.places(), this.letters()));
+    robot.add(robotModel(this.places(), this.letters()));
     this.data.cameras.forEach((camera, i) => this.addCamera(robot, camera, i));
     this.scene.add(robot);
     this.draw();
@@ -315,11 +315,12 @@ function firstExaggeration(data, result) {
 }
 
 function rigSection(data, result) {
-  const holder = h("div", { id: "view3d" }), bars = [];
+  const holder = h("div", { id: "view3d" });
+  const unknown = data.cameras.filter(({ name }) => !result.poses.some((pose) => pose.child === name && (pose.T_estimate || pose.T))).map(({ name }) => name);
   const part = section("rig", "The rig", data.has_truth
     ? "Coloured: estimated; dashed: true. Errors and the 2-sigma ellipsoids of the camera centres are drawn larger than they are. The robot's body is schematic; the frusta tell which way is up."
     : "Cameras as estimated, with the 2-sigma ellipsoids of their centres drawn larger than they are. The robot's body is schematic; the frusta tell which way is up.",
-  h("div", { class: "card" }, bars, holder));
+  h("div", { class: "card" }, holder, unknown.length ? h("p", { class: "small soft", style: { marginTop: "10px" } }, `Not drawn, because their poses are not answered completely: ${unknown.join(", ")}.`) : null));
   let view;
   if (lastView) lastView.controls.dispose();
   try {

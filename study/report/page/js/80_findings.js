@@ -4,7 +4,7 @@ const SEVERITY = { cause: "bad", contradiction: "bad", refusal: "bad", suspect: 
 function findingsSection(result) {
   const all = [...result.reasons, ...result.notes];
   const list = all.map((finding) => h("li", {}, h("span", { class: "badge " + (SEVERITY[finding.severity] || "") }, finding.severity.replace("_", " ")),
-    h("div", {}, h("div", {}, finding.sentence), finding.remedy && finding.severity !== "note" ? h("div", { class: "soft small" }, finding.remedy) : null, h("code", { class: "soft" }, finding.code))));
+    h("div", {}, h("div", {}, sentence(finding.sentence)), finding.remedy && finding.severity !== "note" ? h("div", { class: "soft small" }, finding.remedy) : null, h("code", { class: "soft" }, finding.code))));
   return section("findings", "Findings", all.length ? "What speaks against the answer, and what is worth knowing; the codes are in docs/reference/findings.md." : null,
     h("div", { class: "card" }, all.length ? h("ul", { class: "findings" }, list) : "Nothing speaks against the answer."));
 }
