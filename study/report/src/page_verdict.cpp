@@ -92,7 +92,8 @@ PageVerdict verdict_without_truth(const Result& result, const std::optional<Acce
   PageVerdict verdict{"good", "GOOD", answered + how_sure(sigmas) + " (one sigma).", {}};
   for (const StatedSigma& sigma : sigmas)
     if (sigma.limit > 0.0 && sigma.value > sigma.limit)
-      verdict.why.push_back(sigma.name() + ": " + sigma.amount(sigma.value) + ", accepted up to " + sigma.amount(sigma.limit));
+      verdict.why.push_back(sigma.name() + ": " + sigma.amount(sigma.value) + ", accepted up to " +
+                            sigma.amount(sigma.limit));
   if (!verdict.why.empty()) {
     verdict.level = "bad";
     verdict.word = "BAD";
