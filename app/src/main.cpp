@@ -167,7 +167,8 @@ void add_report(CLI::App& app, Action& action) {
   const auto [command, arguments] = add_command(
       app, action, "report", "Write one HTML file to look at: verdict, poses, uncertainty, the rig in 3-D, images",
       "rigproof report monday/ -o monday.html", report_command);
-  command->add_option("INPUT", arguments.input, "With results: " + inputs_in_words(true))->required();
+  command->add_option("INPUT", arguments.input, "With results: " + inputs_in_words(true) + "; or the folder of a sweep")
+      ->required();
   command->add_option("-o,--output", arguments.output, "File; default report.html beside the input");
   command->add_option("-m,--method", arguments.method, "Result to show first; default ml. All of results/ are in it");
   command->add_option("--budget", arguments.budget,

@@ -151,9 +151,10 @@ std::string title_of(const InspectInput& input) {
                                      : name.string();
 }
 
+}  // namespace
+
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-}  // namespace
 }  // namespace page_detail
 
 PageContent page_content(const InspectInput& input, const PageOptions& options) {
@@ -162,7 +163,10 @@ PageContent page_content(const InspectInput& input, const PageOptions& options) 
   const std::vector<Frame> frames = frames_of(input.observations);
   const std::vector<TransformBound> bounds =
       input.truth ? transform_bounds(input.observations, *input.truth) : std::vector<TransformBound>();
-  Json data = {{"version", version()}, {"title", title_of(input)}, {"robot_frame", input.observations.robot_frame}};
+  Json data = {{"kind", "calibration"},
+               {"version", version()},
+               {"title", title_of(input)},
+               {"robot_frame", input.observations.robot_frame}};
   data["has_truth"] = input.truth.has_value();
   data["has_images"] = input.input.recording.has_value();
   data["judged_by"] = input.truth ? describe(options.budget) : "";

@@ -22,6 +22,9 @@ Json list_of(const Eigen::VectorXd& values);
 /// [x, y, z, qx, qy, qz, qw].
 Json pose_of(const Rigid3& T);
 
+/// Text that is no UTF-8 is replaced.
+std::string text_of(const Json& json);
+
 /// An image that is shown: one with the board in it, or one that was left out.
 struct Frame {
   int camera = 0;

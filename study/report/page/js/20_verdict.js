@@ -18,12 +18,13 @@ function tiles(data, result) {
   const out = data.frames.length - used;
   const list = [tile(`${data.cameras.length} \u00d7 ${data.drive.driven.length}`, "cameras \u00d7 stops")];
   if (result.use.length) list.push(tile(`${used}`, "images used" + (out > 0 ? `, ${out} left out` : "")));
+  const answered = result.status === "solved" ? "" : ", of what is answered";
   const [sigmaPlace, sigmaAngle] = worstOf(result.poses, "sigma");
-  if (sigmaPlace !== null) list.push(tile(`${figure(sigmaPlace)} cm`, "largest sigma of a position"));
-  if (sigmaAngle !== null) list.push(tile(`${figure(sigmaAngle)}\u00b0`, "largest sigma of an angle"));
+  if (sigmaPlace !== null) list.push(tile(`${figure(sigmaPlace)} cm`, "largest sigma of a position" + answered));
+  if (sigmaAngle !== null) list.push(tile(`${figure(sigmaAngle)}\u00b0`, "largest sigma of an angle" + answered));
   const [errorPlace, errorAngle] = worstOf(result.poses, "error");
-  if (errorPlace !== null) list.push(tile(`${figure(errorPlace)} cm`, "largest error of a position"));
-  if (errorAngle !== null) list.push(tile(`${figure(errorAngle)}\u00b0`, "largest error of an angle"));
+  if (errorPlace !== null) list.push(tile(`${figure(errorPlace)} cm`, "largest error of a position" + answered));
+  if (errorAngle !== null) list.push(tile(`${figure(errorAngle)}\u00b0`, "largest error of an angle" + answered));
   if (result.nees) list.push(tile(figure(result.nees.value, 3), `NEES; 95 % lie in ${figure(result.nees.low)}\u2013${figure(result.nees.high)}`));
   return h("div", { class: "tiles" }, list);
 }

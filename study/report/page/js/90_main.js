@@ -15,4 +15,5 @@ function show(index) {
   attached = true;
   redrawAll();
 }
-show(0);
+if (data.kind === "sweep") showSweep(data);
+else show(0);

@@ -1,5 +1,5 @@
-// The report: a run or a recording and what calibration made of it, as one HTML file that a browser opens without a
-// network.
+// The report: a run, a recording and what calibration made of it, or a sweep, as one HTML file that a browser opens
+// without a network.
 #pragma once
 
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "rigproof/study/report/inspect.h"
+#include "rigproof/study/sweep/rows.h"
 #include "rigproof/validate/budget.h"
 
 namespace rigproof {
@@ -32,10 +33,14 @@ struct PageContent {
 /// poses that were refused) are null or empty. Throws Error if there is no result, or none of the method.
 PageContent page_content(const InspectInput& input, const PageOptions& options = {});
 
+/// The same of a sweep, finished or not: a row for each answer about a camera or a pair, errors to four significant
+/// digits, and why answers failed. Throws Error if nothing has been answered.
+PageContent sweep_page_content(const SweepRows& rows);
+
 /// The page. Nothing in `content` can end the elements that it is placed in, or be run.
 std::string page_html(const PageContent& content);
 
-/// Both, into a file that appears whole or not at all. Throws Error.
+/// Gathered and placed into a file that appears whole or not at all. Throws Error.
 void write_page(const InspectInput& input, const std::filesystem::path& file, const PageOptions& options = {});
 
 }  // namespace rigproof
