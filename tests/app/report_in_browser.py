@@ -17,6 +17,16 @@ import chromium
 # A name that would run if it were taken as markup.
 HOSTILE = '<img src=x onerror="window.hacked=1"> "q" \' & 🤖 {{data}}'
 SECTIONS = ["rig", "poses", "budget", "methods", "images", "corners", "findings", "left-out", "origin"]
+SWEEP = """
+name: small
+mode: geometric
+run: {poses: 12}
+axes:
+  lambda: {field: odometry.lambda, values: [0.5, 8]}
+  model: {field: odometry.model, values: [per_increment, per_pose]}
+seeds: 3
+methods: [ml, joint_memroc]
+"""
 # How many colours a canvas shows, and a number that changes with its picture.
 PIXELS = """((canvas) => {
   const copy = document.createElement("canvas");
@@ -65,6 +75,15 @@ def make_report(program, small_run, scratch):
     for command in (["calibrate", run, "-m", "ml", "-m", "joint_memroc"], ["report", run]):
         subprocess.run([program, *command, "-q"], check=True)
     return run / "report.html"
+
+
+def make_sweep_report(program, scratch):
+    config = scratch / "sweep.yaml"
+    config.write_text(SWEEP)
+    folder = scratch / "sweep"
+    subprocess.run([program, "sweep", "start", config, "-o", folder, "-q"], check=True)
+    subprocess.run([program, "report", folder, "-q"], check=True)
+    return folder / "report.html"
 
 
 def picture_of(browser, selector):
@@ -171,8 +190,31 @@ def check_whole_page(browser, name, folder):
     return background
 
 
-def check(browser, page, folder):
-    url = "file://" + urllib.parse.quote(str(page))
+def choose(browser, select, number):
+    browser.js(f"""(() => {{ const select = document.querySelectorAll("select")[{select}]; select.value = {number};
+                   select.dispatchEvent(new Event("change")); }})()""")
+    browser.settle()
+
+
+def check_sweep(browser, page, folder):
+    browser.open(url_of(page))
+    expect("12 tasks, 2 methods" in browser.js("document.querySelector('.verdict').innerText"), "what was done comes first")
+    for chart in ("success", "errors", "boxes", "map"):
+        expect(browser.js(f"document.querySelectorAll('#{chart} .chart svg path').length") > 5, chart + " is drawn")
+    expect(browser.js("document.querySelectorAll('#figures tbody tr').length") == 4, "two levels of two methods")
+    before = browser.js("document.querySelector('#figures table').innerText")
+    choose(browser, 1, 7)
+    expect(browser.js("document.querySelector('#figures table').innerText") != before, "rotations differ from translations")
+    expect("deg" in browser.js("document.querySelector('#figures h3').innerText"), "the unit follows")
+    check_whole_page(browser, "sweep", folder)
+
+
+def url_of(page):
+    return "file://" + urllib.parse.quote(str(page))
+
+
+def check(browser, page, sweep, folder):
+    url = url_of(page)
     for name, width, height, mobile, dark in (("desktop", 1280, 900, False, False), ("phone", 390, 844, True, True)):
         browser.size(width, height, mobile)
         browser.dark(dark)
@@ -185,6 +227,7 @@ def check(browser, page, folder):
             check_rig(browser)
             check_corners(browser)
             check_methods(browser)
+    check_sweep(browser, sweep, folder)
     expect(browser.pdf()[:5] == b"%PDF-", "it prints")
     expect(not browser.said, "the console says: " + "\n".join(browser.said))
     expect(not browser.asked_for, f"it asks a network for {browser.asked_for}")
@@ -198,9 +241,10 @@ def main():
     folder = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
     with tempfile.TemporaryDirectory() as scratch:
         page = make_report(program, small_run, pathlib.Path(scratch))
+        sweep = make_sweep_report(program, pathlib.Path(scratch))
         browser = chromium.Chromium()
         try:
-            check(browser, page, folder)
+            check(browser, page, sweep, folder)
         finally:
             browser.close()
     return 0

@@ -238,6 +238,54 @@ TEST_F(Page, ImagesAreSmallAndTheBoardIsCutOut) {
   EXPECT_THROW(page_content(input_, options), Error);
 }
 
+SweepRows two_answers() {
+  SweepRows rows;
+  rows.name = "two";
+  rows.axes = {"lambda"};
+  rows.axis_titles = {"odometry noise lambda"};
+  rows.pooled = {false};
+  rows.levels = {{"1", "5"}};
+  rows.level_values = {{1.0, 5.0}};
+  rows.methods = {"ml", "memroc"};
+  rows.reference = "ml";
+  rows.tasks = {{"a", {0}, 7}, {"b", {1}, 8}};
+  SweepRow row;
+  row.task = "b";
+  row.levels = {"5"};
+  row.method = "memroc";
+  row.subject = SweepSubject::kCamera;
+  row.camera = "left";
+  row.status = SweepStatus::kPartial;
+  row.error = {-0.123456, 0.2, std::nullopt, 0.01, 0.02, 0.03};
+  rows.rows = {row};
+  row.subject = SweepSubject::kRig;
+  row.camera = "all";
+  row.error = {};
+  row.code = "motion.straight";
+  rows.rows.push_back(row);
+  return rows;
+}
+
+TEST(SweepPage, HoldsEveryAnswerInColumns) {
+  const json page = json::parse(sweep_page_content(two_answers()).data);
+  EXPECT_EQ(page["kind"], "sweep");
+  EXPECT_EQ(page["axes"][0]["levels"], json({"1", "5"}));
+  EXPECT_EQ(page["tasks"], json({{0, 7}, {1, 8}}));
+  EXPECT_EQ(page["rows"]["task"], json({1, 1}));
+  EXPECT_EQ(page["rows"]["method"], json({1, 1}));
+  EXPECT_EQ(page["subjects"], json({"camera:left", "rig:all"}));
+  EXPECT_EQ(page["statuses"], json({"partial"}));
+  EXPECT_EQ(page["rows"]["error"][0], json({-0.123, 0.2, nullptr, 0.01, 0.02, 0.03}));
+  EXPECT_EQ(page["rows"]["error"][1], nullptr);
+  EXPECT_EQ(page["failures"][0]["code"], "motion.straight");
+}
+
+TEST(SweepPage, NothingDoneIsAnError) {
+  SweepRows rows = two_answers();
+  rows.rows.clear();
+  EXPECT_THROW(sweep_page_content(rows), Error);
+}
+
 TEST_F(Page, IsWrittenWholeOrNotAtAll) {
   const TempFolder folder;
   write_page(input_, folder / "report.html");

@@ -26,7 +26,7 @@ class Names {
 
 Json short_number(const std::optional<double>& value) {
   if (!value || !std::isfinite(*value)) return nullptr;
-  return parse_number(short_text(*value, 4)).value_or(*value);
+  return parse_number(short_text(*value, 3)).value_or(*value);
 }
 
 Json axes_json(const SweepRows& rows) {

@@ -80,8 +80,12 @@ function successOption(view, cells) {
 // A logarithmic axis that begins and ends near the data.
 const logRange = (values) => {
   const known = values.filter((v) => v > 1e-12);
-  return known.length ? { min: roundStep(Math.min(...known)), max: 1.1 * Math.max(...known) } : {};
+  if (!known.length) return {};
+  const largest = Math.max(...known), power = 10 ** Math.floor(Math.log10(largest));
+  return { min: roundStep(Math.min(...known)), max: [1, 2, 5, 10].map((step) => step * power).find((end) => end >= 0.999 * largest) };
 };
+
+const valueStyle = () => ({ ...axisStyle(), axisLabel: { color: color("soft"), formatter: (v) => String(+v.toPrecision(2)) } });
 
 // The band is a transparent line with the difference stacked on it.
 function errorOption(view, cells) {
@@ -98,7 +102,7 @@ function errorOption(view, cells) {
   return {
     grid: { left: 8, right: 16, top: 34, bottom: 28, containLabel: true }, legend: { ...sweepLegend(), data: view.data.methods },
     tooltip: { trigger: "axis", ...tooltipStyle(), confine: true, valueFormatter: (v) => `${figure(Array.isArray(v) ? v[1] : v)} ${view.unit()}` },
-    xAxis: levelAxis(view), yAxis: { type: view.log ? "log" : "value", ...(view.log ? logRange(cells.flatMap((row) => row.flatMap((cell) => [low, 0.5, high].map((q) => sortedQuantile(cell.values, q))))) : {}), name: view.title(), nameLocation: "end", ...axisStyle(), nameTextStyle: { color: color("soft"), align: "left" } }, series,
+    xAxis: levelAxis(view), yAxis: { type: view.log ? "log" : "value", ...(view.log ? logRange(cells.flatMap((row) => row.flatMap((cell) => [low, 0.5, high].map((q) => sortedQuantile(cell.values, q))))) : {}), ...valueStyle() }, series,
   };
 }
 
@@ -106,9 +110,9 @@ function boxOption(view) {
   const cells = view.gather(() => 0, 1)[0], known = view.data.methods.map((_, m) => m).filter((m) => cells[m].values.length);
   const five = (m) => [0.05, 0.25, 0.5, 0.75, 0.95].map((q) => Math.max(view.log ? 1e-12 : 0, sortedQuantile(cells[m].values, q)));
   return {
-    grid: { left: 8, right: 16, top: 30, bottom: 8, containLabel: true }, tooltip: { trigger: "item", ...tooltipStyle(), confine: true },
+    grid: { left: 8, right: 16, top: 14, bottom: 8, containLabel: true }, tooltip: { trigger: "item", ...tooltipStyle(), confine: true },
     xAxis: { type: "category", data: known.map((m) => view.data.methods[m]), ...axisStyle(), axisLabel: { color: color("ink"), interval: 0, rotate: known.length > 5 ? 25 : 0 } },
-    yAxis: { type: view.log ? "log" : "value", ...(view.log ? logRange(known.flatMap(five)) : {}), name: view.title(), ...axisStyle(), nameTextStyle: { color: color("soft"), align: "left" } },
+    yAxis: { type: view.log ? "log" : "value", ...(view.log ? logRange(known.flatMap(five)) : {}), ...valueStyle() },
     series: [{ type: "boxplot", boxWidth: [12, 46], data: known.map((m) => ({ value: five(m), itemStyle: { color: color("card"), borderColor: methodColor(m), borderWidth: 2 } })) }],
   };
 }
@@ -126,9 +130,9 @@ function heatOption(view, method, other) {
     tooltip: { ...tooltipStyle(), confine: true, formatter: ({ value }) => `${axes[view.x].levels[value[0]]}, ${axes[other].levels[value[1]]}: ${figure(value[3])} ${view.unit()}` },
     xAxis: { type: "category", data: view.levels(), name: axes[view.x].title, nameLocation: "middle", nameGap: 30, ...axisStyle() },
     yAxis: { type: "category", data: axes[other].levels, name: axes[other].title, ...axisStyle() },
-    visualMap: { min: Math.min(...shown), max: Math.max(...shown), calculable: true, orient: "vertical", right: 0, top: "middle", textStyle: { color: color("soft") },
+    visualMap: { dimension: 2, min: Math.min(...shown), max: Math.max(...shown), calculable: true, orient: "vertical", right: 0, top: "middle", textStyle: { color: color("soft") },
       formatter: (v) => figure(view.log ? 10 ** v : v), inRange: { color: ["#0d3b66", "#2a7fb8", "#8fd0c4", "#f7e08a", "#ee964b", "#c1272d"] } },
-    series: [{ type: "heatmap", data: list, label: { show: rows * columns <= 80, formatter: ({ value }) => figure(value[3]), color: "#111" }, itemStyle: { borderColor: color("card"), borderWidth: 1 } }],
+    series: [{ type: "heatmap", data: list, label: { show: rows * columns <= 80, formatter: ({ value }) => figure(value[3]), color: "#111", textBorderColor: "#fff", textBorderWidth: 2 }, itemStyle: { borderColor: color("card"), borderWidth: 1 } }],
   };
 }
 
@@ -180,7 +184,9 @@ function failuresSection(data) {
 function showSweep(data) {
   const view = new SweepView(data), draws = [], success = h("div", { class: "chart" }), error = h("div", { class: "chart", style: { height: "400px" } }), boxes = h("div", { class: "chart", style: { height: "340px" } }), tableCard = h("div", { class: "card" });
   let cells = view.gather();
+  const titles = [h("h3", {}), h("h3", {})];
   const drawTable = () => {
+    for (const title of titles) title.textContent = view.title();
     const [head, rows] = sweepTable(view, cells);
     replace(tableCard, h("div", { class: "bar" }, h("h3", {}, view.title()), copyButtons(() => [head, rows])), table(head, rows, { text: [0, 1], caption: "Figures" }));
   };
@@ -190,8 +196,8 @@ function showSweep(data) {
   sweepHead(data, view);
   const parts = [
     section("success", "Answered", "Share of the tasks in which a method gives the quantity for every camera (or pair).", sweepControls(view, draw), h("div", { class: "card" }, success)),
-    section("errors", "Errors", "Median, and a band of quantiles, over tasks and cameras.", h("div", { class: "card" }, error)),
-    section("boxes", "Methods side by side", "Quantiles 5, 25, 50, 75 and 95 % over everything that is chosen.", h("div", { class: "card" }, boxes)),
+    section("errors", "Errors", "Median, and a band of quantiles, over tasks and cameras.", h("div", { class: "card" }, titles[0], error)),
+    section("boxes", "Methods side by side", "Quantiles 5, 25, 50, 75 and 95 % over everything that is chosen.", h("div", { class: "card" }, titles[1], boxes)),
     sweepMap(view, draws), section("figures", "Figures", null, tableCard), failuresSection(data),
   ].filter(Boolean);
   document.getElementById("head").append(drawNavigation(parts));

@@ -33,7 +33,7 @@ struct PageContent {
 /// poses that were refused) are null or empty. Throws Error if there is no result, or none of the method.
 PageContent page_content(const InspectInput& input, const PageOptions& options = {});
 
-/// The same of a sweep, finished or not: a row for each answer about a camera or a pair, errors to four significant
+/// The same of a sweep, finished or not: a row for each answer about a camera or a pair, errors to three significant
 /// digits, and why answers failed. Throws Error if nothing has been answered.
 PageContent sweep_page_content(const SweepRows& rows);
 
