@@ -234,6 +234,9 @@ TEST_F(Page, ImagesAreSmallAndTheBoardIsCutOut) {
   EXPECT_EQ(images[0].size(), 2U);
   EXPECT_EQ(images[0][0].get<std::string>().rfind("/9j/", 0), 0U) << "a JPEG in base 64";
   EXPECT_LT(images[0][0].get<std::string>().size(), 20000U);
+  options.max_frames = 3;
+  EXPECT_EQ(json::parse(page_content(input_, options).images).size(), 3U);
+  EXPECT_EQ(data(options)["frames"].size(), 3U);
   options.progress = [](std::size_t done, std::size_t) { return done < 2; };
   EXPECT_THROW(page_content(input_, options), Error);
 }

@@ -160,7 +160,7 @@ std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::e
 PageContent page_content(const InspectInput& input, const PageOptions& options) {
   using namespace page_detail;
   const std::vector<Result> results = with_first(input.results, options.method);
-  const std::vector<Frame> frames = frames_of(input.observations);
+  const std::vector<Frame> frames = frames_of(input.observations, options.max_frames);
   const std::vector<TransformBound> bounds =
       input.truth ? transform_bounds(input.observations, *input.truth) : std::vector<TransformBound>();
   Json data = {{"kind", "calibration"},

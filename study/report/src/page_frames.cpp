@@ -19,6 +19,14 @@ using inspect_detail::index_in_truth;
 constexpr int kThumbWidth_px = 360, kCropSide_px = 320;
 constexpr int kThumbQuality = 68, kCropQuality = 80;
 
+// `most` of `count` indices, or all of them.
+std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
+  std::vector<std::size_t> indices;
+  const std::size_t chosen = std::min(count, most);
+  for (std::size_t i = 0; i < chosen; ++i) indices.push_back(i * count / chosen);
+  return indices;
+}
+
 // The board with some room around it.
 std::optional<cv::Rect> board_area(const BoardView& view, const Camera& camera) {
   if (view.corners.empty()) return std::nullopt;
@@ -97,7 +105,7 @@ std::string pictures_of(const InspectInput& input, const Frame& frame) {
 
 }  // namespace
 
-std::vector<Frame> frames_of(const Observations& observations) {
+std::vector<Frame> frames_of(const Observations& observations, std::size_t most) {
   std::vector<Frame> frames;
   for (const BoardView& view : observations.board_views)
     frames.push_back({view.camera, view.stop, view.file, &view, std::nullopt});
@@ -106,7 +114,10 @@ std::vector<Frame> frames_of(const Observations& observations) {
   std::stable_sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) {
     return std::tie(a.camera, a.stop) < std::tie(b.camera, b.stop);
   });
-  return frames;
+  if (frames.size() <= most) return frames;
+  std::vector<Frame> chosen;
+  for (const std::size_t i : spread(frames.size(), most)) chosen.push_back(frames[i]);
+  return chosen;
 }
 
 Json frames_json(const InspectInput& input, const std::vector<Frame>& frames) {
@@ -131,9 +142,7 @@ Json frames_json(const InspectInput& input, const std::vector<Frame>& frames) {
 
 std::string images_json(const InspectInput& input, const std::vector<Frame>& frames, const PageOptions& options) {
   const bool readable = input.input.recording && !input.input.recording->folder.empty();
-  std::vector<std::size_t> chosen;
-  const std::size_t count = readable ? std::min(frames.size(), options.max_images) : 0;
-  for (std::size_t i = 0; i < count; ++i) chosen.push_back(i * frames.size() / count);
+  const std::vector<std::size_t> chosen = spread(frames.size(), readable ? options.max_images : 0);
   std::vector<std::string> pictures(frames.size(), "null");
   std::mutex counting;
   std::size_t done = 0;

@@ -33,8 +33,8 @@ struct Frame {
   const BoardView* view = nullptr;
   std::optional<Finding> left_out;  ///< by observing
 };
-/// Those of the observations, by camera and stop.
-std::vector<Frame> frames_of(const Observations& observations);
+/// Those of the observations, by camera and stop; of more than `most` so many, spread evenly.
+std::vector<Frame> frames_of(const Observations& observations, std::size_t most);
 Json frames_json(const InspectInput& input, const std::vector<Frame>& frames);
 
 /// The pictures of the frames, as PageContent::images has them.

@@ -20,7 +20,8 @@ const color = (name) => getComputedStyle(document.documentElement).getPropertyVa
 const CAMERA_COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a6a3f", "#7070d8"];
 const ON_DARK = ["#4da3e0", "#f58a3d", "#2fc295", "#e39cc4", "#7cc7f2", "#f0b429", "#b8976a", "#9a9af0"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
-const isDark = () => dark.matches && !matchMedia("print").matches;
+const isPrinted = () => matchMedia("print").matches;
+const isDark = () => dark.matches && !isPrinted();
 const cameraColor = (index) => (isDark() ? ON_DARK : CAMERA_COLORS)[index % CAMERA_COLORS.length];
 
 const AXES = ["tx", "ty", "tz", "rx", "ry", "rz"];
@@ -94,6 +95,7 @@ function chart(node, optionOf, height) {
       instance = echarts.init(node, null, { renderer: "svg" });
       new ResizeObserver(() => instance.resize()).observe(node);
     }
+    if (isPrinted()) instance.resize();
     instance.setOption({
       animation: false,
       textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: color("ink") },

@@ -15,7 +15,7 @@ function worstOf(poses, key) {
 function tiles(data, result) {
   const tile = (value, what) => h("div", { class: "tile" }, h("b", {}, value), h("span", {}, what));
   const used = result.use.reduce((sum, use) => sum + use.used, 0);
-  const out = data.frames.length - used;
+  const out = result.use.reduce((sum, use) => sum + use.left_out.reduce((n, group) => n + (group.depth ? 0 : group.stops.length), 0), 0);
   const list = [tile(`${data.cameras.length} \u00d7 ${data.drive.driven.length}`, "cameras \u00d7 stops")];
   if (result.use.length) list.push(tile(`${used}`, "images used" + (out > 0 ? `, ${out} left out` : "")));
   const answered = result.status === "solved" ? "" : ", of what is answered";

@@ -299,6 +299,7 @@ class RigView {
     this.build();
   }
   draw() {
+    if (isPrinted()) return this.renderer.render(this.scene, this.camera);  // no frame comes before the paper
     if (this.waiting) return;
     this.waiting = requestAnimationFrame(() => { this.waiting = 0; this.renderer.render(this.scene, this.camera); });
   }

@@ -16,7 +16,8 @@ struct PageOptions {
   std::string method;                ///< shown first; empty = `ml`, or else the first result
   Budget budget = default_budget();  ///< that the errors are judged by, where there is truth
   int threads = 0;                   ///< that read images; 0 = one a core
-  std::size_t max_images = 400;      ///< of more, so many spread over the drive are shown
+  std::size_t max_frames = 3000;     ///< of more, so many spread over the drive are listed
+  std::size_t max_images = 400;      ///< of these, so many are shown
   /// (images done, all); returns false to interrupt, which throws Error with ExitCode::kTryAgain.
   std::function<bool(std::size_t, std::size_t)> progress = {};
 };
