@@ -298,8 +298,17 @@ class RigView {
     if (first) this.look(this.where || "rig");
     this.build();
   }
+  // No frame comes before the paper, and browsers print the last one: a copy is printed instead.
+  drawOnPaper() {
+    const { domElement } = this.renderer;
+    this.renderer.render(this.scene, this.camera);
+    if (!this.paper) this.holder.append((this.paper = h("canvas", { class: "paper", "aria-hidden": "true" })));
+    this.paper.width = domElement.width;
+    this.paper.height = domElement.height;
+    this.paper.getContext("2d").drawImage(domElement, 0, 0);
+  }
   draw() {
-    if (isPrinted()) return this.renderer.render(this.scene, this.camera);  // no frame comes before the paper
+    if (isPrinted()) return this.drawOnPaper();
     if (this.waiting) return;
     this.waiting = requestAnimationFrame(() => { this.waiting = 0; this.renderer.render(this.scene, this.camera); });
   }
