@@ -146,6 +146,22 @@ TEST_F(Page, WithoutTruthTheStatedUncertaintyIsJudged) {
               HasSubstr("tx of left: 0.1 cm, accepted up to 0.05 cm"));
 }
 
+TEST_F(Page, WithoutTruthWhatIsMissingOrContradictsIsNotGood) {
+  input_.truth.reset();
+  const Result good = input_.results[0];
+  const auto verdict = [this] { return data()["results"][0]["verdict"]; };
+  input_.results[0].camera_to_robot.pop_back();
+  EXPECT_EQ(verdict()["word"], "PARTIAL");
+  EXPECT_THAT(verdict()["sentence"].get<std::string>(), HasSubstr("Without a pose: right"));
+  input_.results[0] = good;
+  for (EstimatedTransform& camera : input_.results[0].camera_to_robot) camera.covariance.reset();
+  EXPECT_EQ(verdict()["word"], "NOT JUDGED");
+  input_.results[0] = good;
+  std::swap(input_.results[0].camera_to_robot[0].child, input_.results[0].camera_to_robot[2].child);
+  EXPECT_EQ(verdict()["word"], "SUSPECT");
+  EXPECT_THAT(verdict()["why"][0].get<std::string>(), HasSubstr("contradict each other"));
+}
+
 TEST_F(Page, MissingPiecesAreLeftOut) {
   input_.observations.board_views.clear();
   input_.observations.ground_planes.clear();

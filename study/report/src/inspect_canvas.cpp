@@ -191,15 +191,16 @@ std::string number(double value) {
 
 namespace {
 
-// What recorders and the generator write, several times faster than OpenCV; empty for any other file.
-cv::Mat read_rgb_png(const std::vector<std::uint8_t>& bytes) {
+// What recorders and the generator write, several times faster than OpenCV, which would also print what is wrong with a
+// broken one: empty then. Absent for any other file.
+std::optional<cv::Mat> read_rgb_png(const std::vector<std::uint8_t>& bytes) {
   const std::optional<PngHeader> header = is_png(bytes) ? read_png_header(bytes) : std::nullopt;
   constexpr std::uint32_t kLargestSide = 16384;
-  if (!header || !header->is_plain() || header->bit_depth != 8 || header->color_type != 2) return {};
-  if (std::max(header->width, header->height) > kLargestSide) return {};
+  if (!header || !header->is_plain() || header->bit_depth != 8 || header->color_type != 2) return std::nullopt;
+  if (std::max(header->width, header->height) > kLargestSide) return cv::Mat();
   auto decoded = decode_png_rgb(bytes, *header);
   Image8* image = std::get_if<Image8>(&decoded);
-  if (image == nullptr) return {};
+  if (image == nullptr) return cv::Mat();
   cv::Mat bgr;
   cv::cvtColor(cv::Mat(image->height, image->width, CV_8UC3, image->pixels.data()), bgr, cv::COLOR_RGB2BGR);
   return bgr;
@@ -210,7 +211,7 @@ cv::Mat read_rgb_png(const std::vector<std::uint8_t>& bytes) {
 cv::Mat read_color(const std::filesystem::path& folder, const std::string& file) {
   try {
     const std::vector<std::uint8_t> bytes = read_binary_file(path_inside(folder, file));
-    if (cv::Mat picture = read_rgb_png(bytes); !picture.empty()) return picture;
+    if (const std::optional<cv::Mat> picture = read_rgb_png(bytes)) return *picture;
     return bytes.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_COLOR);
   } catch (const Error&) {
     return {};

@@ -46,6 +46,8 @@ struct CornerFit {
   std::vector<std::vector<Eigen::Vector2d>> differences;
   std::size_t corners = 0;
   std::size_t boards = 0;  ///< that were fitted, six unknowns each
+  double rms_px = 0.0;     ///< of du and dv
+  double stated_px = 0.0;  ///< what the corners' covariances and the stated residual of the lenses let expect
 };
 CornerFit fit_corners(const Observations& observations, const Result& result);
 
@@ -58,7 +60,7 @@ struct PageVerdict {
 };
 /// @param comparison with the truth, if there is one
 PageVerdict verdict_of(const Result& result, const std::optional<Comparison>& comparison, const Budget& budget,
-                       const std::optional<AcceptLimits>& accept);
+                       const Observations& observations, const CornerFit& fit);
 
 /// A result with its verdict.
 Json result_json(const InspectInput& input, const Result& result, const std::vector<Frame>& frames,

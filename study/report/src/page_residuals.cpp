@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "page_parts.h"
@@ -14,6 +15,7 @@ struct PlacedView {
   std::size_t index = 0;
   Rigid3 T_robot_camera;
   Camera camera;
+  double lens_residual_px = 0.0;
 };
 
 Camera lens_of(const Result& result, const RigCamera& camera) {
@@ -81,7 +83,10 @@ void add_differences(const std::vector<PlacedView>& views, const Board& board, C
       Eigen::Vector2d pixel;
       const bool visible = project(placed, *T_robot_board * board.corner(corner.id), &pixel);
       differences.push_back(visible ? Eigen::Vector2d(corner.pixel - pixel) : Eigen::Vector2d::Constant(std::nan("")));
-      fit->corners += visible ? 1 : 0;
+      if (!visible) continue;
+      ++fit->corners;
+      fit->rms_px += differences.back().squaredNorm();
+      fit->stated_px += corner.covariance_px2.trace() + 2.0 * placed.lens_residual_px * placed.lens_residual_px;
     }
   }
 }
@@ -107,9 +112,12 @@ CornerFit fit_corners(const Observations& observations, const Result& result) {
     if (view.corners.size() < 4 || is_left_out(result, camera.name, view)) continue;
     const EstimatedTransform* pose = pose_of_camera(result, camera.name);
     groups[{view.stop, pose == nullptr ? view.camera : -1}].push_back(
-        {&view, i, pose == nullptr ? Rigid3() : pose->T_parent_child, lens_of(result, camera)});
+        {&view, i, pose == nullptr ? Rigid3() : pose->T_parent_child, lens_of(result, camera),
+         camera.intrinsics_sigma.residual_px});
   }
   for (const auto& [key, views] : groups) add_differences(views, observations.board, &fit);
+  for (double* sum : {&fit.rms_px, &fit.stated_px})
+    *sum = std::sqrt(*sum / static_cast<double>(std::max<std::size_t>(1, 2 * fit.corners)));
   return fit;
 }
 

@@ -144,8 +144,7 @@ Json left_out_frames(const Observations& observations, const Result& result, con
   return json;
 }
 
-Json corners_json(const Observations& observations, const Result& result, const std::vector<Frame>& frames) {
-  const CornerFit fit = fit_corners(observations, result);
+Json corners_json(const Observations& observations, const CornerFit& fit, const std::vector<Frame>& frames) {
   Json differences = Json::array();
   for (const Frame& frame : frames) {
     const auto index = static_cast<std::size_t>(frame.view - observations.board_views.data());
@@ -171,8 +170,9 @@ Json result_json(const InspectInput& input, const Result& result, const std::vec
                  const std::vector<TransformBound>& bounds, const PageOptions& options) {
   const std::optional<Comparison> comparison =
       input.truth ? std::optional<Comparison>(compare(result, *input.truth)) : std::nullopt;
+  const CornerFit fit = fit_corners(input.observations, result);
   Json json = {{"method", result.method}, {"status", result_status_name(result.status)}};
-  json["verdict"] = verdict_json(verdict_of(result, comparison, options.budget, input.observations.accept));
+  json["verdict"] = verdict_json(verdict_of(result, comparison, options.budget, input.observations, fit));
   json["poses"] = Json::array();
   for (const EstimatedTransform& transform : result.camera_to_robot) {
     Json pose = pose_json(transform);
@@ -199,7 +199,7 @@ Json result_json(const InspectInput& input, const Result& result, const std::vec
         {{"name", group.name}, {"unit", group.unit}, {"count", group.count}, {"rms", figure_of(group.rms)}});
   json["also_estimated"] = also_json(result);
   json["left_out_frames"] = left_out_frames(input.observations, result, frames);
-  json["corner_fit"] = corners_json(input.observations, result, frames);
+  json["corner_fit"] = corners_json(input.observations, fit, frames);
   return json;
 }
 

@@ -84,22 +84,51 @@ std::string how_sure(const std::vector<StatedSigma>& sigmas) {
   return worst.empty() ? "the method states no uncertainty" : "least certain are " + joined(worst, " and ");
 }
 
-PageVerdict verdict_without_truth(const Result& result, const std::optional<AcceptLimits>& accept) {
-  const std::vector<StatedSigma> sigmas = stated_sigmas(result, accept);
-  const std::string answered =
-      "The poses of " + all_of_them(result.camera_to_robot.size()) +
-      (result.camera_to_robot.size() == 1 ? " camera are answered; " : " cameras are answered; ");
-  PageVerdict verdict{"good", "GOOD", answered + how_sure(sigmas) + " (one sigma).", {}};
+std::vector<std::string> without_pose(const Result& result, const Observations& observations) {
+  std::vector<std::string> names;
+  for (const RigCamera& camera : observations.cameras) {
+    const auto is_it = [&camera](const EstimatedTransform& t) {
+      return t.child == camera.name && t.fully_observable();
+    };
+    if (std::none_of(result.camera_to_robot.begin(), result.camera_to_robot.end(), is_it)) names.push_back(camera.name);
+  }
+  return names;
+}
+
+// Corners that lie far from where the other cameras of the stop put the board: a wrong rig, or wrong lenses. What
+// detectors and lens models leave unsaid is a fraction of a pixel.
+std::optional<std::string> contradiction(const CornerFit& fit) {
+  constexpr double kTimes = 5.0, kLeast_px = 0.5;
+  if (fit.rms_px <= std::max(kLeast_px, kTimes * fit.stated_px)) return std::nullopt;
+  return "through this rig the images of a stop contradict each other: corners are " + short_text(fit.rms_px, 2) +
+         " px (rms) from where the board fits best, " + short_text(fit.stated_px, 2) + " px are stated";
+}
+
+std::vector<std::string> beyond_limits(const std::vector<StatedSigma>& sigmas) {
+  std::vector<std::string> lines;
   for (const StatedSigma& sigma : sigmas)
     if (sigma.limit > 0.0 && sigma.value > sigma.limit)
-      verdict.why.push_back(sigma.name() + ": " + sigma.amount(sigma.value) + ", accepted up to " +
-                            sigma.amount(sigma.limit));
-  if (!verdict.why.empty()) {
-    verdict.level = "bad";
-    verdict.word = "BAD";
-    verdict.sentence = "The result is less certain than the rig's accept limits ask for.";
-  }
-  return verdict;
+      lines.push_back(sigma.name() + ": " + sigma.amount(sigma.value) + ", accepted up to " +
+                      sigma.amount(sigma.limit));
+  return lines;
+}
+
+PageVerdict verdict_without_truth(const Result& result, const Observations& observations, const CornerFit& fit) {
+  const std::vector<StatedSigma> sigmas = stated_sigmas(result, observations.accept);
+  const std::vector<std::string> missing = without_pose(result, observations);
+  if (std::vector<std::string> beyond = beyond_limits(sigmas); !beyond.empty())
+    return {"bad", "BAD", "The result is less certain than the rig's accept limits ask for.", std::move(beyond)};
+  if (const auto found = contradiction(fit))
+    return {"suspect", "SUSPECT", "The result does not fit the images.", {*found}};
+  if (!missing.empty())
+    return {
+        "suspect", "PARTIAL", "Without a pose: " + joined(missing) + "; of the others, " + how_sure(sigmas) + ".", {}};
+  if (sigmas.empty()) return {"suspect", "NOT JUDGED", "There is no truth, and the method states no uncertainty.", {}};
+  return {"good",
+          "GOOD",
+          "All " + std::to_string(result.camera_to_robot.size()) + " poses are answered; " + how_sure(sigmas) +
+              ", one sigma.",
+          {}};
 }
 
 PageVerdict verdict_with_truth(const Comparison& comparison, const Budget& budget) {
@@ -125,12 +154,13 @@ PageVerdict verdict_with_truth(const Comparison& comparison, const Budget& budge
 }  // namespace
 
 PageVerdict verdict_of(const Result& result, const std::optional<Comparison>& comparison, const Budget& budget,
-                       const std::optional<AcceptLimits>& accept) {
+                       const Observations& observations, const CornerFit& fit) {
   const std::vector<std::string> cameras = names_of(result);
   std::vector<std::string> reasons = words::sentences_of(result.reasons, cameras);
   if (result.status == ResultStatus::kRefused)
     return {"bad", "REFUSED", "The data cannot answer what was asked, and nothing is guessed.", std::move(reasons)};
-  PageVerdict verdict = comparison ? verdict_with_truth(*comparison, budget) : verdict_without_truth(result, accept);
+  PageVerdict verdict =
+      comparison ? verdict_with_truth(*comparison, budget) : verdict_without_truth(result, observations, fit);
   const std::vector<Finding> suspicions = suspicions_of(result);
   if (result.status == ResultStatus::kPartial) {
     const bool holds = verdict.level != "bad";
