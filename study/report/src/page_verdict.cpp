@@ -124,11 +124,10 @@ PageVerdict verdict_without_truth(const Result& result, const Observations& obse
     return {
         "suspect", "PARTIAL", "Without a pose: " + joined(missing) + "; of the others, " + how_sure(sigmas) + ".", {}};
   if (sigmas.empty()) return {"suspect", "NOT JUDGED", "There is no truth, and the method states no uncertainty.", {}};
-  return {"good",
-          "GOOD",
-          "All " + std::to_string(result.camera_to_robot.size()) + " poses are answered; " + how_sure(sigmas) +
-              ", one sigma.",
-          {}};
+  const std::size_t count = result.camera_to_robot.size();
+  const std::string answered =
+      count == 1 ? "The pose is answered" : "All " + std::to_string(count) + " poses are answered";
+  return {"good", "GOOD", answered + "; " + how_sure(sigmas) + ", one sigma.", {}};
 }
 
 PageVerdict verdict_with_truth(const Comparison& comparison, const Budget& budget) {
