@@ -226,9 +226,12 @@ TEST_F(RenderedSweep, ImagesAreMatchedOnceForAllMethodsAndLevels) {
   EXPECT_GE(count(report, "matches from cache"), 3U + 5U) << "those of fewer stops, at least";
   EXPECT_EQ(count(report, "clouds searched"), kImages - 1) << "the first one's is never read";
   EXPECT_EQ(count(report, "clouds from cache"), 2U * (3 + 5 + 7) - (kImages - 1));
+  EXPECT_EQ(count(report, "chessboards searched"), kImages);
+  EXPECT_EQ(count(report, "chessboards from cache"), 2U * (4 + 6 + 8) - kImages);
   const SweepReport again =
       sweep("b", "axes: {count: {field: images, values: [5, 7]}}\n" + text.substr(text.find('\n') + 1));
-  EXPECT_EQ(count(again, "images matched") + count(again, "motions found") + count(again, "clouds searched"), 0U);
+  for (const char* work : {"images matched", "motions found", "clouds searched", "chessboards searched"})
+    EXPECT_EQ(count(again, work), 0U) << work;
 }
 
 TEST_F(RenderedSweep, AMethodMayTakeItsGroundFromImages) {

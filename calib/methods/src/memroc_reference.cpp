@@ -2,9 +2,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <map>
-#include <opencv2/calib3d.hpp>
 
 #include "memroc_reference_cost.h"
+#include "reference_boards.h"
 #include "rigproof/calib/diagnose/method.h"
 #include "rigproof/calib/vision/ground_plane.h"
 #include "rigproof/calib/vision/image_files.h"
@@ -19,47 +19,15 @@
 namespace rigproof {
 namespace {
 
+using rivals::BoardPoses;
 using rivals::CloudPlane;
 using rivals::ReferenceMotion;
 using rivals::ReferencePair;
 using rivals::ReferenceProblem;
 
-constexpr double kRansacPixels = 15.0;
 constexpr double kLevelNormal = 0.995;
-// As many points as a thinned cloud of the program's own data has.
+// Of a depth image: as `convert` gives it to the program.
 constexpr int kCloudPoints = 12000;
-
-// By stop; a frame whose board was not wholly an inlier is absent.
-using BoardPoses = std::map<int, Rigid3>;
-
-std::optional<Rigid3> ransac_pose(const BoardView& view, const Board& board, const Camera& camera) {
-  if (static_cast<int>(view.corners.size()) != board.corner_count()) return std::nullopt;
-  std::vector<cv::Point3d> points;
-  std::vector<cv::Point2d> pixels;
-  for (const CornerObservation& corner : view.corners) {
-    Eigen::Vector3d ray;
-    if (!camera.unproject(corner.pixel, &ray)) return std::nullopt;
-    const Eigen::Vector3d p = board.corner(corner.id);
-    points.emplace_back(p.x(), p.y(), p.z());
-    pixels.emplace_back(camera.fx_px * ray.x(), camera.fx_px * ray.y());
-  }
-  cv::Mat K = cv::Mat::eye(3, 3, CV_64F), rotation, translation, inliers;
-  K.at<double>(0, 0) = K.at<double>(1, 1) = camera.fx_px;
-  try {
-    if (!cv::solvePnPRansac(points, pixels, K, cv::noArray(), rotation, translation, false, 100,
-                            static_cast<float>(kRansacPixels), 0.99, inliers))
-      return std::nullopt;
-  } catch (const cv::Exception&) {
-    return std::nullopt;
-  }
-  if (inliers.total() != points.size()) return std::nullopt;
-  const auto vector = [](const cv::Mat& m) {
-    return Eigen::Vector3d(m.at<double>(0), m.at<double>(1), m.at<double>(2));
-  };
-  const Eigen::Vector3d phi = vector(rotation), t = vector(translation);
-  if (!phi.allFinite() || !t.allFinite()) return std::nullopt;
-  return Rigid3(so3_exp(phi), t);
-}
 
 Rigid3 odometry_at(const Observations& observations, int stop) {
   const Stop& at = observations.stops[static_cast<std::size_t>(stop)];
@@ -97,25 +65,6 @@ bool has_clouds(const Observations& observations, const Recording& recording) {
   return false;
 }
 
-/// By camera.
-struct Boards {
-  std::vector<BoardPoses> poses;
-  rivals::UsedViews used;
-};
-
-Boards find_boards(const Observations& observations) {
-  Boards boards;
-  boards.poses.resize(observations.cameras.size());
-  for (const BoardView& view : observations.board_views) {
-    const auto camera = static_cast<std::size_t>(view.camera);
-    const auto pose = ransac_pose(view, observations.board, observations.cameras[camera].camera);
-    if (!pose) continue;
-    boards.poses[camera][view.stop] = *pose;
-    boards.used.insert({view.stop, view.camera});
-  }
-  return boards;
-}
-
 std::vector<Eigen::Vector3f> read_cloud(const Recording& recording, const CameraFrame& frame, const RigCamera& camera) {
   if (!frame.cloud_file.empty()) {
     auto cloud = read_point_cloud(path_inside(recording.folder, frame.cloud_file));
@@ -131,9 +80,7 @@ std::vector<Eigen::Vector3f> read_cloud(const Recording& recording, const Camera
 /// The planes of the clouds, or of what was observed where there is no recording.
 class PlaneSource {
  public:
-  explicit PlaneSource(const MethodInput& input) : input_(input) {
-    if (input.recording != nullptr) frames_ = rivals::frames_by_stop(input.observations, *input.recording);
-  }
+  PlaneSource(const MethodInput& input, const rivals::FramesByStop& frames) : input_(input), frames_(frames) {}
 
   // Without a recording the observed plane is what the cloud would have shown.
   std::optional<CloudPlane> at(int stop, int k) const {
@@ -163,18 +110,18 @@ class PlaneSource {
     const RigCamera& camera = input_.observations.cameras[static_cast<std::size_t>(k)];
     const std::string content =
         detection::content_of(input_.memory, frame->cloud_file.empty() ? frame->depth_file : frame->cloud_file);
-    const std::string key = content.empty() ? content : rivals::cloud_key(content, camera, kCloudPoints, stop, k);
+    const std::string key = content.empty() ? content : rivals::cloud_key(content, camera, kCloudPoints);
     std::optional<CloudPlane> plane;
     detection::recall_or(input_.memory, PictureMemory::Finding::kClouds, key, &plane, [&] {
       const std::vector<Eigen::Vector3f> cloud = cloud_of(*frame, camera);
-      plane = rivals::largest_plane(cloud, RandomStream(0, "memroc_reference plane", stop, k));
+      plane = rivals::largest_plane(cloud);
       return !cloud.empty();
     });
     return plane;
   }
 
   const MethodInput& input_;
-  rivals::FramesByStop frames_;
+  const rivals::FramesByStop& frames_;
 };
 
 // |d| of a plane whose normal is up; a ceiling's may be, too.
@@ -219,11 +166,14 @@ std::vector<ReferencePair> pairs_of(const std::vector<BoardPoses>& boards, const
 
 Result solve_reference(const MethodInput& input, bool joint) {
   const Observations& observations = input.observations;
-  const Boards boards = find_boards(observations);
-  const PlaneSource planes(input);
+  rivals::FramesByStop frames;
+  if (input.recording != nullptr) frames = rivals::frames_by_stop(observations, *input.recording);
+  const rivals::ReferenceBoards boards = rivals::reference_boards(input, frames);
+  const PlaneSource planes(input, frames);
   ReferenceProblem problem;
   std::vector<int> solved;  // cameras, in the order of problem.X
   Result result;
+  result.use = boards.use;
   for (int k = 0; k < static_cast<int>(observations.cameras.size()); ++k) {
     const BoardPoses& seen = boards.poses[static_cast<std::size_t>(k)];
     const std::string& name = observations.cameras[static_cast<std::size_t>(k)].name;
@@ -246,16 +196,14 @@ Result solve_reference(const MethodInput& input, bool joint) {
   for (std::size_t i = 0; i < solved.size(); ++i)
     result.camera_to_robot.push_back(rivals::camera_in_robot(observations, solved[i], problem.X[i]));
   rivals::add_pairs_from_robot(observations, &result);
-  rivals::report_use(observations, estimate_view_poses(observations).poses, boards.used,
-                     Finding("view.corner_outliers"), &result);
   rivals::conclude_by_cameras(observations, &result);
   return result;
 }
 
-// MEMROC as the authors' program computes it, with its known failures: a start that takes the board's axes for the
-// robot's, rotations compared as rotation vectors, consecutive stops only, heights of the first stop never read, and
-// any level plane taken for the ground, a ceiling too. Reads clouds or depth images where the recording has them, else
-// the observed planes.
+// MEMROC as the authors' program computes it, from the images and clouds on, with its known failures: corners of
+// OpenCV's search, a start that takes the board's axes for the robot's, rotations compared as rotation vectors,
+// consecutive stops only, heights of the first stop never read, and any level plane taken for the ground, a ceiling
+// too. Where there is no recording the observed corners and planes are taken.
 class MemrocReference : public Method {
  public:
   explicit MemrocReference(bool joint) : joint_(joint) {}

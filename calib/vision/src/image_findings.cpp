@@ -11,7 +11,7 @@ using detection::read_parts;
 using detection::Writer;
 
 // Raised whenever what is found, or these bytes, change.
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kFormat = 2;
 
 Writer key_of(const char* kind) {
   Writer key(kFormat);
@@ -42,11 +42,22 @@ constexpr auto kPlaneParts = [](auto& archive, auto& plane) {
   archive.number(plane->d);
 };
 
+constexpr auto kChessboardParts = [](auto& archive, auto& corners) {
+  archive.kind("chessboard");
+  if (!archive.present(corners)) return;
+  archive.size(corners->pixels, sizeof(Eigen::Vector2f));
+  for (auto& corner : corners->pixels) archive.matrix(corner);
+};
+
 }  // namespace
 
 std::string bytes_of(const std::vector<PixelMatch>& matches) { return bytes_of_parts(kFormat, matches, kMatchesParts); }
 std::string bytes_of(const FoundMotion& motion) { return bytes_of_parts(kFormat, motion, kMotionParts); }
 std::string bytes_of(const std::optional<CloudPlane>& plane) { return bytes_of_parts(kFormat, plane, kPlaneParts); }
+
+std::string bytes_of(const std::optional<ChessboardCorners>& corners) {
+  return bytes_of_parts(kFormat, corners, kChessboardParts);
+}
 
 bool read_bytes(const std::string& bytes, std::vector<PixelMatch>* matches) {
   return read_parts(kFormat, bytes, matches, kMatchesParts);
@@ -56,6 +67,9 @@ bool read_bytes(const std::string& bytes, FoundMotion* motion) {
 }
 bool read_bytes(const std::string& bytes, std::optional<CloudPlane>* plane) {
   return read_parts(kFormat, bytes, plane, kPlaneParts);
+}
+bool read_bytes(const std::string& bytes, std::optional<ChessboardCorners>* corners) {
+  return read_parts(kFormat, bytes, corners, kChessboardParts);
 }
 
 std::string matches_key(const std::string& source, const std::string& content_a, const std::string& content_b,
@@ -75,12 +89,20 @@ std::string motion_key(const std::string& matches, const Camera& camera, double 
   return sha256_hex(key.bytes());
 }
 
-std::string cloud_key(const std::string& content, const RigCamera& camera, int points, int stop, int index) {
+std::string cloud_key(const std::string& content, const RigCamera& camera, int points) {
   Writer key = key_of("plane of a cloud");
   key.text(content);
   write(camera.camera, &key);
   if (camera.depth) write(*camera.depth, &key);
-  for (const int number : {points, stop, index}) key.number(number);
+  key.number(points);
+  return sha256_hex(key.bytes());
+}
+
+std::string chessboard_key(const std::string& content, const Camera& camera, const Board& board) {
+  Writer key = key_of("chessboard");
+  key.text(content);
+  for (const int number : {camera.width_px, camera.height_px, board.inner_corners_x(), board.inner_corners_y()})
+    key.number(number);
   return sha256_hex(key.bytes());
 }
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <opencv2/calib3d.hpp>
+
+#include "chessboard.h"
 
 namespace rigproof::detection {
 namespace {
@@ -34,15 +35,9 @@ bool even_squares_are_dark(const Image8& grey, const CornerGrid& grid) {
 
 std::optional<CornerGrid> opencv_corner_grid(const Image8& grey, const Board& board) {
   const int columns = board.inner_corners_x(), rows = board.inner_corners_y();
-  std::vector<cv::Point2f> found;
-  try {
-    const cv::Mat view(grey.height, grey.width, CV_8UC1, const_cast<std::uint8_t*>(grey.pixels.data()));
-    const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
-    if (!cv::findChessboardCorners(view, {columns, rows}, found, flags)) return std::nullopt;
-  } catch (const cv::Exception&) {
-    return std::nullopt;  // it asserts on some images
-  }
-  if (found.size() != static_cast<std::size_t>(board.corner_count())) return std::nullopt;
+  const auto chessboard = find_chessboard(grey, board);
+  if (!chessboard) return std::nullopt;
+  const std::vector<cv::Point2f>& found = *chessboard;
   const cv::Point2f along = found[1] - found[0], down = found[static_cast<std::size_t>(columns)] - found[0];
   const bool clockwise = along.x * down.y - along.y * down.x > 0.0F;
   CornerGrid grid;

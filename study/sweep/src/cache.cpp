@@ -187,11 +187,13 @@ void CachedFindings::keep(Finding finding, const std::string& key, const std::st
 
 void CachedFindings::tell(const std::function<void(const std::string& name, std::uint64_t more)>& count) {
   // In the order of Finding.
-  static const std::array<std::array<const char*, 2>, kFindings> kNames = {{{"corners detected", "corners from cache"},
-                                                                            {"planes fitted", "planes from cache"},
-                                                                            {"clouds searched", "clouds from cache"},
-                                                                            {"images matched", "matches from cache"},
-                                                                            {"motions found", "motions from cache"}}};
+  static const std::array<std::array<const char*, 2>, kFindings> kNames = {
+      {{"corners detected", "corners from cache"},
+       {"planes fitted", "planes from cache"},
+       {"clouds searched", "clouds from cache"},
+       {"chessboards searched", "chessboards from cache"},
+       {"images matched", "matches from cache"},
+       {"motions found", "motions from cache"}}};
   for (std::size_t i = 0; i < kFindings; ++i) {
     count(kNames[i][0], kept_[i].exchange(0));
     count(kNames[i][1], recalled_[i].exchange(0));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rigproof/calib/vision/reference_cloud_plane.h"
+#include "rigproof/calib/vision/reference_corners.h"
 #include "rigproof/calib/vision/relative_pose.h"
 #include "rigproof/core/rig.h"
 
@@ -28,10 +29,12 @@ struct FoundMotion {
 std::string bytes_of(const std::vector<PixelMatch>& matches);
 std::string bytes_of(const FoundMotion& motion);
 std::string bytes_of(const std::optional<CloudPlane>& plane);
+std::string bytes_of(const std::optional<ChessboardCorners>& corners);
 /// False if the bytes are no such finding.
 bool read_bytes(const std::string& bytes, std::vector<PixelMatch>* matches);
 bool read_bytes(const std::string& bytes, FoundMotion* motion);
 bool read_bytes(const std::string& bytes, std::optional<CloudPlane>* plane);
+bool read_bytes(const std::string& bytes, std::optional<ChessboardCorners>* corners);
 
 /// Hashes of all that a finding depends on.
 /// @param source FeatureSource::identity()
@@ -39,6 +42,7 @@ bool read_bytes(const std::string& bytes, std::optional<CloudPlane>* plane);
 std::string matches_key(const std::string& source, const std::string& content_a, const std::string& content_b,
                         const Camera& camera);
 std::string motion_key(const std::string& matches, const Camera& camera, double sigma);
-std::string cloud_key(const std::string& content, const RigCamera& camera, int points, int stop, int index);
+std::string cloud_key(const std::string& content, const RigCamera& camera, int points);
+std::string chessboard_key(const std::string& content, const Camera& camera, const Board& board);
 
 }  // namespace rigproof::rivals

@@ -14,14 +14,15 @@ namespace rigproof {
 class PictureMemory {
  public:
   enum class Finding {
-    kCorners,  ///< in an image
-    kPlanes,   ///< in a depth image or a cloud: ground and board
-    kClouds,   ///< in a depth image or a cloud: the plane that memroc_reference takes
-    kMatches,  ///< features that two images share
-    kMotions   ///< of the camera between two images, from their matches
+    kCorners,      ///< in an image
+    kPlanes,       ///< in a depth image or a cloud: ground and board
+    kClouds,       ///< in a depth image or a cloud: the plane that memroc_reference takes
+    kChessboards,  ///< in an image: the corners that memroc_reference takes
+    kMatches,      ///< features that two images share
+    kMotions       ///< of the camera between two images, from their matches
   };
 
-  static constexpr std::size_t kFindings = 5;
+  static constexpr std::size_t kFindings = 6;
 
   virtual ~PictureMemory() = default;
   /// A hash of what a file of the recording holds; empty if nobody knows: then nothing is recalled or kept of it.
