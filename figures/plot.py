@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws figures from the CSV files that Rigproof writes. Copy it and edit it: the files hold all that is shown.
 
-  plot.py paper CSV         the MEMROC paper's experiments (rigproof paper): dots or curves, whatever the file is about
+  plot.py paper CSV         the MEMROC paper's experiments (rigproof paper): dots, curves or steps, whatever the file is about
   plot.py noise CSV         the noise of a depth sensor over distance (rigproof sensors --plot)
   plot.py estimation CSV    error over bound, and NEES (bench_estimation)
 
@@ -203,6 +203,40 @@ def draw_repeatability(rows, camera, methods, writer):
     writer.save(figure, "repeatability_" + camera)
 
 
+def draw_waterfall(rows, panels, title, name, writer):
+    """From the first step down: a bar from each mean to the next one, with the interval of what the step changed."""
+    steps = {panel: unique((r["x"], r["method"], r["x_title"]) for r in rows if r["panel"] == panel) for panel in panels}
+    heights = [0.9 + 0.24 * len(steps[panel]) for panel in panels]
+    figure = plt.figure(figsize=(13, sum(heights)), layout="constrained")
+    for panel, part in zip(panels, figure.subfigures(len(panels), 1, height_ratios=heights, squeeze=False)[:, 0]):
+        part.suptitle(panel, x=0.005, ha="left", weight="bold", size=9)
+        names = ["%s: %s" % (method, what) for _, method, what in steps[panel]]
+        for axes, quantity in zip(part.subplots(1, len(AXES), sharey=True), AXES):
+            own = [r for r in rows if r["panel"] == panel and r["quantity"] == quantity]
+            values = {(r["x"], r["source"]): float(r["error"]) for r in own}
+            axes.set_title(quantity + (" [%s]" % own[0]["unit"] if own else ""))
+            axes.set_yticks(range(len(names)), names)
+            axes.set_ylim(len(names) - 0.4, -0.6)
+            before = None
+            for y, (x, _, _) in enumerate(steps[panel]):
+                mean = values.get((x, "mean"))
+                if mean is None:
+                    continue
+                if before is None or y == len(names) - 1:
+                    axes.barh(y, mean, color=GREY, height=0.6)
+                if before is not None:
+                    axes.barh(y, mean - before, left=before, color=COLORS[2] if mean < before else COLORS[1], height=0.6)
+                    if (x, "low") in values:
+                        axes.plot([before + values[x, "low"], before + values[x, "high"]], [y, y], color=INK,
+                                  linewidth=1)
+                axes.plot([mean, mean], [y - 0.3, y + 0.3], color=INK, linewidth=1.2)
+                before = mean
+            axes.set_xlim(left=0)
+            axes.xaxis.set_major_locator(ticker.MaxNLocator(3))
+    head(figure, title, "mean of |error| after each step; green: smaller, orange: larger; line: 95 % of the change", {})
+    writer.save(figure, name)
+
+
 def draw_paper(path, options, writer):
     rows = read(path)
     name = os.path.splitext(os.path.basename(path))[0]
@@ -212,6 +246,9 @@ def draw_paper(path, options, writer):
         own = [r for r in rows if r["figure"] == kind]
         if own:
             draw(own, unique(r["panel"] for r in own), methods, title, name, writer)
+    steps = [r for r in rows if r["figure"] == "waterfall"]
+    if steps:
+        draw_waterfall(steps, unique(r["panel"] for r in steps), title, name, writer)
     repeated = [r for r in rows if r["figure"] == "repeatability"]
     for camera in unique(r["camera"] for r in repeated):
         draw_repeatability(repeated, camera, methods, writer)

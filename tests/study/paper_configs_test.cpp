@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "paths.h"
 #include "rigproof/core/error.h"
@@ -20,7 +21,7 @@ SweepPlan plan_of(const fs::path& file) { return plan_sweep(load_sweep_config(fi
 
 TEST(PaperConfigs, MakeTheTasksOfTheirExperiments) {
   const std::vector<std::pair<std::string, std::size_t>> tasks = {
-      {"table1", 2 * 10}, {"quantity", 10 * 10}, {"odometry", 2 * 11 * 20}, {"table3", 10}};
+      {"table1", 2 * 10}, {"quantity", 10 * 10}, {"odometry", 2 * 11 * 20}, {"table3", 10}, {"why", 10 * 20}};
   ASSERT_EQ(tasks.size(), paper_experiments().size());
   for (const auto& [name, count] : tasks) {
     const SweepPlan plan = plan_of(kConfig / (find_paper_experiment(name).config + ".yaml"));
@@ -32,6 +33,12 @@ TEST(PaperConfigs, MakeTheTasksOfTheirExperiments) {
 TEST(PaperConfigs, RenderOnceWhatCanBeShared) {
   EXPECT_EQ(plan_of(kConfig / "paper/odometry.yaml").pictures.size(), 1U);
   EXPECT_EQ(plan_of(kConfig / "paper/quantity.yaml").pictures.size(), 10U);
+  const auto keys = [](const char* name) {
+    std::set<std::string> all;
+    for (const PictureSet& set : plan_of(kConfig / "paper" / name).pictures) all.insert(set.key);
+    return all;
+  };
+  EXPECT_EQ(keys("why.yaml"), keys("quantity.yaml"));
 }
 
 TEST(StressConfigs, VaryOneThing) {

@@ -232,6 +232,52 @@ TEST(Paper, CurvesHaveLengthsOverTheLevel) {
             "curves,camera to robot,translation,cm,ml,measured,b,left,100,images," + number_text(std::sqrt(12.0)));
 }
 
+// Steps of known size, the same in every task but for the drawing.
+SweepRows why_rows() {
+  SweepRows rows = frame_of({"world"}, {{"lab", "yard"}}, {"joint_memroc_reference", "chain_corners", "ml"});
+  int drawing = 0;
+  for (const char* world : {"lab", "yard"}) {
+    for (const char* task : {"1", "2", "3", "4"}) {
+      const std::string name = std::string(world) + task;
+      const double noise = 0.01 * ++drawing;
+      add_answers(name, {world}, "joint_memroc_reference", -0.8 - noise, 0.1, &rows);
+      add_answers(name, {world}, "chain_corners", 0.3 + noise, 0.04, &rows);
+      add_answers(name, {world}, "ml", 0.1, -0.05, &rows);
+    }
+  }
+  return rows;
+}
+
+TEST(Paper, WhyTellsWhatEachStepChanges) {
+  const std::vector<PaperTable> tables = paper_tables(find_paper_experiment("why"), why_rows());
+  ASSERT_EQ(tables.size(), 2U);
+  const auto& rows = tables[0].rows;
+  ASSERT_EQ(rows.size(), 5U) << "three means, two changes";
+  EXPECT_THAT(rows[0][0], HasSubstr("the authors' chain"));
+  EXPECT_EQ(rows[0][1], ".84");
+  EXPECT_THAT(rows[1][0], HasSubstr("corners of ours"));
+  // The same in every task: the interval is a point.
+  EXPECT_THAT(rows[2][1], HasSubstr("-.50 (-.50 to -.50)"));
+  EXPECT_EQ(rows[3][1], ".10");
+  EXPECT_THAT(rows[4][1], HasSubstr("-.24 (-.2"));
+  EXPECT_THAT(rows[4][4], HasSubstr("+.010 (+.010 to +.010)"));
+
+  // The changes add up to the whole way.
+  const TempFolder folder;
+  EXPECT_THAT(names_of(write_paper(find_paper_experiment("why"), why_rows(), folder.path())),
+              ElementsAre("why.png", "why.pdf", "why.svg", "why.csv", "why.md"));
+  double sum = 0.0, first = 0.0, last = 0.0;
+  const std::string csv = read_text_file(folder / "why.csv");
+  const auto number_at_end = [](const std::string& line) { return std::stod(line.substr(line.rfind(',') + 1)); };
+  for (const std::string& line : lines_with(csv, "camera to robot,tx,cm,")) {
+    if (line.find(",change,") != std::string::npos) sum += number_at_end(line);
+    if (line.find("joint_memroc_reference,mean,") != std::string::npos) first = number_at_end(line);
+    if (line.find(",ml,mean,") != std::string::npos) last = number_at_end(line);
+  }
+  EXPECT_GT(first, 0.8);
+  EXPECT_NEAR(sum, last - first, 1e-12);
+}
+
 TEST(Paper, WithoutMatplotlibSaysWhatToInstallAndKeepsTheNumbers) {
   const TempFolder folder;
   write_file_atomically(folder / "hidden" / "matplotlib.py", "raise ImportError('hidden')\n");
@@ -255,7 +301,8 @@ TEST(Paper, EveryExperimentDrawsFromUnfinishedRows) {
   const std::vector<std::pair<std::string, SweepRows>> cases = {
       {"quantity", frame_of({"stops", "world"}, {{"5", "100"}, {"lab"}}, {"ml", "li"})},
       {"odometry", frame_of({"model", "lambda"}, {{"per_pose"}, {"0", "10"}}, {"ml", "joint_memroc"})},
-      {"table3", frame_of({"world"}, {{"lab"}}, {"ml", "li"})}};
+      {"table3", frame_of({"world"}, {{"lab"}}, {"ml", "li"})},
+      {"why", frame_of({"world"}, {{"lab"}}, {"joint_memroc_reference", "ml"})}};
   for (const auto& [name, rows] : cases)
     EXPECT_NO_THROW(write_paper(find_paper_experiment(name), rows, folder / name)) << name;
   EXPECT_THAT(error_text([] { find_paper_experiment("table4"); }), HasSubstr("table3"));

@@ -40,7 +40,8 @@ Eigen::Matrix<T, 3, 1> rotation_vector(const Eigen::Quaternion<T>& rotation) {
 
 // The difference of rotation vectors jumps where one of them passes pi: that is how the program compares rotations.
 template <typename T>
-void reference_residual(const RigidOf<T>& A, const RigidOf<T>& X, const RigidOf<T>& B, T* residual) {
+void reference_residual(const RigidOf<T>& A, const RigidOf<T>& X, const RigidOf<T>& B, bool geodesic, T* residual) {
+  if (geodesic) return hand_eye_residual(A, X, B, residual);
   const RigidOf<T> left = A * X, right = X * B;
   Eigen::Map<Eigen::Matrix<T, 3, 1>> translation(residual), rotation(residual + 3);
   translation = left.translation - right.translation;
@@ -49,30 +50,45 @@ void reference_residual(const RigidOf<T>& A, const RigidOf<T>& X, const RigidOf<
 
 struct MotionCost {
   ReferenceMotion motion;
+  bool geodesic;
 
   template <typename T>
   bool operator()(const T* x, T* residual) const {
     const RigidOf<T> X = pose_from(x);
-    reference_residual(RigidOf<T>::from(motion.A), X, RigidOf<T>::from(motion.B), residual);
+    reference_residual(RigidOf<T>::from(motion.A), X, RigidOf<T>::from(motion.B), geodesic, residual);
     residual[6] = motion.height_m ? X.translation.z() - *motion.height_m : T(0.0);
     return true;
   }
-  static ceres::CostFunction* Create(const ReferenceMotion& motion) {
-    return new ceres::AutoDiffCostFunction<MotionCost, 7, 6>(new MotionCost{motion});
+  static ceres::CostFunction* Create(const ReferenceMotion& motion, bool geodesic) {
+    return new ceres::AutoDiffCostFunction<MotionCost, 7, 6>(new MotionCost{motion, geodesic});
   }
 };
 
 struct PairCost {
   ReferencePair pair;
+  bool geodesic;
 
   template <typename T>
   bool operator()(const T* x_j, const T* x_k, T* residual) const {
     const RigidOf<T> X_jk = pose_from(x_j).inverse() * pose_from(x_k);
-    reference_residual(RigidOf<T>::from(pair.B_j), X_jk, RigidOf<T>::from(pair.B_k), residual);
+    reference_residual(RigidOf<T>::from(pair.B_j), X_jk, RigidOf<T>::from(pair.B_k), geodesic, residual);
     return true;
   }
-  static ceres::CostFunction* Create(const ReferencePair& pair) {
-    return new ceres::AutoDiffCostFunction<PairCost, 6, 6, 6>(new PairCost{pair});
+  static ceres::CostFunction* Create(const ReferencePair& pair, bool geodesic) {
+    return new ceres::AutoDiffCostFunction<PairCost, 6, 6, 6>(new PairCost{pair, geodesic});
+  }
+};
+
+struct HeightCost {
+  double height_m;
+
+  template <typename T>
+  bool operator()(const T* x, T* residual) const {
+    residual[0] = x[5] - height_m;
+    return true;
+  }
+  static ceres::CostFunction* Create(double height_m) {
+    return new ceres::AutoDiffCostFunction<HeightCost, 1, 6>(new HeightCost{height_m});
   }
 };
 
@@ -84,11 +100,14 @@ void minimise_reference(ReferenceProblem* problem) {
   for (const Rigid3& X : problem->X) parameters.push_back(parameters_of(X));
   ceres::Problem ceres_problem;
   for (const ReferenceMotion& motion : problem->motions)
-    ceres_problem.AddResidualBlock(MotionCost::Create(motion), new ceres::CauchyLoss(1.0),
+    ceres_problem.AddResidualBlock(MotionCost::Create(motion, problem->geodesic), new ceres::CauchyLoss(1.0),
                                    parameters[motion.camera].data());
   for (const ReferencePair& pair : problem->pairs)
-    ceres_problem.AddResidualBlock(PairCost::Create(pair), new ceres::CauchyLoss(1.0), parameters[pair.camera_j].data(),
-                                   parameters[pair.camera_k].data());
+    ceres_problem.AddResidualBlock(PairCost::Create(pair, problem->geodesic), new ceres::CauchyLoss(1.0),
+                                   parameters[pair.camera_j].data(), parameters[pair.camera_k].data());
+  for (const ReferenceHeight& height : problem->heights)
+    ceres_problem.AddResidualBlock(HeightCost::Create(height.height_m), new ceres::CauchyLoss(1.0),
+                                   parameters[height.camera].data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.num_threads = 1;

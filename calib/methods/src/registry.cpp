@@ -39,6 +39,8 @@ const Method& find_method(const std::string& name) {
     known.push_back(method->traits().name);
     if (known.back() == name) return *method;
   }
+  for (const Method* method : memroc_chain_methods())
+    if (method->traits().name == name) return *method;
   throw Error("method: \"" + for_message(name) + "\": there is no such method; " + suggestion(name, known));
 }
 

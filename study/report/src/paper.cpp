@@ -6,6 +6,7 @@
 
 #include "paper_csv.h"
 #include "paper_samples.h"
+#include "paper_why.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
@@ -232,7 +233,9 @@ const std::vector<PaperExperiment>& paper_experiments() {
        "paper/table1"},
       {"quantity", "Error over the number of images, 5 to 100", "paper/quantity"},
       {"odometry", "Error over the odometry's noise, lambda 0 to 10, in both readings", "paper/odometry"},
-      {"table3", "Table 3: the real robot's twin, driven in six worlds indoors and four outdoors", "paper/table3"}};
+      {"table3", "Table 3: the real robot's twin, driven in six worlds indoors and four outdoors", "paper/table3"},
+      {"why", "Where MEMROC's error comes from: the authors' chain, then one link after the other replaced",
+       "paper/why"}};
   return experiments;
 }
 
@@ -264,6 +267,7 @@ std::vector<PaperTable> paper_tables(const PaperExperiment& experiment, const Sw
   if (experiment.name == "table1") return tables_of_table1(rows);
   if (experiment.name == "quantity") return tables_of_curve(rows, "stops", "");
   if (experiment.name == "table3") return tables_of_table3(rows);
+  if (experiment.name == "why") return tables_of_why(rows);
   std::vector<PaperTable> tables = tables_of_curve(rows, "lambda", "model");
   tables.front().notes.push_back(goal_note(rows, "joint_memroc", 2.0, 1.0));
   tables.front().notes.push_back(goal_note(rows, "ml", 1.0, 0.5));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "paper_samples.h"
+#include "paper_why.h"
 #include "rigproof/study/sweep/table_text.h"
 
 namespace rigproof::paper {
@@ -10,28 +11,12 @@ namespace {
 
 constexpr const char* kHeader = "figure,panel,quantity,unit,method,source,task,camera,x,x_title,error\n";
 
-struct Line {
-  std::string figure, panel, quantity, unit, method, source = "measured", task, camera;
-  std::optional<double> x;
-  std::string x_title;
-  double error = 0.0;
-};
-
-std::string text_of(const Line& line) {
-  std::string text;
-  for (const std::string* cell :
-       {&line.figure, &line.panel, &line.quantity, &line.unit, &line.method, &line.source, &line.task, &line.camera})
-    text += csv_cell(*cell) + ",";
-  return text + csv_cell(line.x) + "," + csv_cell(line.x_title) + "," + csv_cell(std::optional<double>(line.error)) +
-         "\n";
-}
-
 std::string panel_name(SweepSubject subject, const std::string& condition) {
   return subject_title(subject) + (condition.empty() ? "" : ", " + condition);
 }
 
-Line line_of(const std::string& figure, const std::string& panel, const SweepRow& row) {
-  Line line;
+CsvLine line_of(const std::string& figure, const std::string& panel, const SweepRow& row) {
+  CsvLine line;
   line.figure = figure;
   line.panel = panel;
   line.method = row.method;
@@ -41,7 +26,7 @@ Line line_of(const std::string& figure, const std::string& panel, const SweepRow
 }
 
 // The six errors of a row that it gives.
-std::string axis_lines(Line line, const AxisFigures& errors) {
+std::string axis_lines(CsvLine line, const AxisFigures& errors) {
   std::string text;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (!errors[i]) continue;
@@ -69,7 +54,7 @@ std::string dots(const SweepRows& rows, const Condition& condition, SweepSubject
   for (const std::string& method : rows.methods) {
     const PublishedRow* theirs = published_row(published_table(subject, synthetic), method);
     if (theirs == nullptr) continue;
-    Line line;
+    CsvLine line;
     line.figure = "dots";
     line.panel = panel;
     line.method = method;
@@ -85,7 +70,7 @@ std::string curves(const SweepRows& rows, const std::string& along, const std::s
   for (const auto& [label, condition] : conditions_along(rows, across))
     for (const SweepSubject subject : {SweepSubject::kCamera, SweepSubject::kPair})
       for_each_row(rows, condition, subject, [&, name = panel_name(subject, label)](const SweepRow& row) {
-        Line line = line_of("curves", name, row);
+        CsvLine line = line_of("curves", name, row);
         const auto level = std::find(rows.levels[axis].begin(), rows.levels[axis].end(), row.levels[axis]);
         line.x = rows.level_values[axis].at(static_cast<std::size_t>(level - rows.levels[axis].begin()));
         line.x_title = rows.axis_titles[axis];
@@ -105,7 +90,7 @@ std::string repeatability(const SweepRows& rows) {
   const std::size_t world = axis_of(rows, "world").value();
   std::string text;
   for_each_row(rows, {}, SweepSubject::kCamera, [&](const SweepRow& row) {
-    Line line = line_of("repeatability", panel_name(SweepSubject::kCamera, ""), row);
+    CsvLine line = line_of("repeatability", panel_name(SweepSubject::kCamera, ""), row);
     const auto level = std::find(rows.levels[world].begin(), rows.levels[world].end(), row.levels[world]);
     line.x = static_cast<double>(level - rows.levels[world].begin() + 1);
     line.x_title = "run";
@@ -116,10 +101,20 @@ std::string repeatability(const SweepRows& rows) {
 
 }  // namespace
 
+std::string text_of(const CsvLine& line) {
+  std::string text;
+  for (const std::string* cell :
+       {&line.figure, &line.panel, &line.quantity, &line.unit, &line.method, &line.source, &line.task, &line.camera})
+    text += csv_cell(*cell) + ",";
+  return text + csv_cell(line.x) + "," + csv_cell(line.x_title) + "," + csv_cell(std::optional<double>(line.error)) +
+         "\n";
+}
+
 std::string paper_csv(const std::string& experiment, const SweepRows& rows) {
   std::string text = kHeader;
   if (experiment == "quantity") return text + curves(rows, "stops", "");
   if (experiment == "odometry") return text + curves(rows, "lambda", "model");
+  if (experiment == "why") return text + why_csv(rows);
   if (experiment == "table3")
     return text +
            dots(against_method(rows, "li"), {}, SweepSubject::kPair, false,

@@ -17,6 +17,7 @@ constexpr double kOutside_s = 1.0;                           // nobody knows wha
 constexpr double kProcess_s = 0.005, kObserve_s = 8e-5;      // a task, a view
 constexpr double kSearchStart_s = 0.012, kSearch_s = 0.045;  // an image, a megapixel: to find board and planes
 constexpr double kMatching_s = 0.35;                         // a megapixel: to match an image with the next one
+constexpr double kChessboard_s = 0.05;                       // a megapixel: to search it with OpenCV
 
 // Images of stops (stops times cameras) that a task's methods are given. `rigs` keeps the cameras of rigs whose file
 // was read.
@@ -81,9 +82,11 @@ void add_pictures(const SweepStart& start, const std::vector<const PictureSet*>&
   forecast->megabytes = sets * plan.expected_mb;
   const double cores = std::max(1U, std::thread::hardware_concurrency());
   const double megapixels = megapixels_of(to_make.front()->config);
-  const bool matches = std::any_of(start.methods.begin(), start.methods.end(),
-                                   [](const SweepMethod& method) { return method.matches_features; });
-  const double look_s = kSearchStart_s + kSearch_s * megapixels + (matches ? kMatching_s * megapixels : 0.0);
+  const auto any = [&start](const auto& is) { return std::any_of(start.methods.begin(), start.methods.end(), is); };
+  const bool matches = any([](const SweepMethod& method) { return method.matches_features; });
+  const bool searches = any([](const SweepMethod& method) { return method.reads_images && !method.matches_features; });
+  const double megapixel_s = kSearch_s + (matches ? kMatching_s : 0.0) + (searches ? kChessboard_s : 0.0);
+  const double look_s = kSearchStart_s + megapixel_s * megapixels;
   forecast->minutes += sets * plan.expected_minutes * cores + images * look_s / 60.0;
 }
 

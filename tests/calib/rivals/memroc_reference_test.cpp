@@ -208,5 +208,61 @@ TEST(MemrocReference, FindsTheHeightInACloudOfTheFloor) {
   EXPECT_LT(worst_error(result, drive).height_m, 1e-3);
 }
 
+// The same with links replaced ---------------------------------------------------------------------------------------
+
+TEST(MemrocChain, IsKnownByNameButNotListed) {
+  for (const Method* link : memroc_chain_methods()) {
+    EXPECT_EQ(&find_method(link->traits().name), link);
+    EXPECT_THAT(all_methods(), testing::Not(testing::Contains(link)));
+  }
+}
+
+TEST(MemrocChain, EveryLinkSolvesAnUprightBoard) {
+  for (const std::uint64_t seed : {1u, 2u, 3u})
+    for (const Method* link : memroc_chain_methods()) expect_good(*link, fine_drive(seed));
+}
+
+// A failure ends with the link that is its cause: those before have it, that one and those after it do not.
+void expect_cured_by(const std::string& cure, const SyntheticDrive& drive, double (*error)(const WorstError&),
+                     double good) {
+  bool cured = false;
+  for (const Method* link : memroc_chain_methods()) {
+    const std::string name = link->traits().name;
+    cured = cured || name == cure;
+    const double size = error(worst_error(link->solve(drive.observations), drive));
+    if (cured)
+      EXPECT_LT(size, good) << name;
+    else
+      EXPECT_GT(size, 5.0 * good) << name;
+  }
+  EXPECT_TRUE(cured);
+}
+
+TEST(MemrocChain, TheClosedFormStartCuresTheTurnedBoard) {
+  // The one of the two directions that leads the program astray.
+  SyntheticDrive worst;
+  double largest = 0.0;
+  for (const double angle_deg : {90.0, -90.0}) {
+    SyntheticDrive drive = fine_drive(1);
+    turn_board(deg_to_rad(angle_deg), &drive);
+    const double angle = worst_error(references()[1]->solve(drive.observations), drive).angle_rad;
+    if (angle > largest) worst = drive;
+    largest = std::max(largest, angle);
+  }
+  expect_cured_by(
+      "chain_start", worst, [](const WorstError& error) { return error.angle_rad; }, kGood_rad);
+}
+
+// The start has its height from any frame's plane, and nothing else pulls at it.
+TEST(MemrocChain, TheClosedFormStartCuresTheHeightOfTheFirstFrame) {
+  SyntheticDrive drive = fine_drive(2);
+  std::vector<PlaneObservation>& planes = drive.observations.ground_planes;
+  planes.erase(
+      std::remove_if(planes.begin(), planes.end(), [](const PlaneObservation& plane) { return plane.stop > 0; }),
+      planes.end());
+  expect_cured_by(
+      "chain_start", drive, [](const WorstError& error) { return error.height_m; }, kGood_m);
+}
+
 }  // namespace
 }  // namespace rigproof

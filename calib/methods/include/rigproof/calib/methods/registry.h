@@ -10,7 +10,10 @@ namespace rigproof {
 
 /// All methods, in the order in which they are listed to users.
 const std::vector<const Method*>& all_methods();
-/// Throws Error that names the known methods (and the nearest one) if there is none of that name.
+/// The steps from the MEMROC authors' chain to ours, cumulative, in their order; `joint_memroc_reference` is before the
+/// first one, `joint_memroc` between the last two, `ml` after them. Known by name, but not listed.
+const std::vector<const Method*>& memroc_chain_methods();
+/// One of these or those. Throws Error that names the listed ones (and the nearest) if there is none of that name.
 const Method& find_method(const std::string& name);
 /// The method that is used where the user names none.
 const Method& default_method();

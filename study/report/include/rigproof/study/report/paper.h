@@ -15,7 +15,7 @@ struct PaperExperiment {
   std::string title;   ///< one sentence
   std::string config;  ///< of its sweep, a preset of config/
 };
-/// In the order of the paper: table1 (tables 1 and 2, which are one sweep), quantity, odometry, table3.
+/// In the order of the paper: table1 (tables 1 and 2, which are one sweep), quantity, odometry, table3; then why.
 const std::vector<PaperExperiment>& paper_experiments();
 /// Throws Error that names the nearest.
 const PaperExperiment& find_paper_experiment(const std::string& name);
@@ -37,6 +37,7 @@ struct PaperTable {
 ///   quantity: error over the number of images
 ///   odometry: error over lambda, for both readings of the noise
 ///   table3: camera to camera against `li` as in the paper, and against the truth; the spread of each parameter
+///   why: error of the authors' chain, and after each link that is replaced
 std::vector<PaperTable> paper_tables(const PaperExperiment& experiment, const SweepRows& rows);
 
 /// As people read them on a terminal, and in Markdown. Both end with a newline.

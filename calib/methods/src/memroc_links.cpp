@@ -1,0 +1,94 @@
+// The steps from the authors' chain of MEMROC to ours, each a method: where the error of the published one comes from.
+#include <array>
+#include <cmath>
+
+#include "memroc_chain.h"
+#include "rigproof/calib/diagnose/method.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/methods/memroc.h"
+#include "rigproof/calib/methods/registry.h"
+#include "rigproof/core/conventions.h"
+
+namespace rigproof {
+namespace {
+
+MethodTraits traits_of_link(const char* name, const char* summary, MethodReads reads, double seconds_a_view) {
+  return {name,  summary,       "board, odometry, ground plane", "camera to robot (6), camera to camera",
+          reads, seconds_a_view};
+}
+
+// The authors' chain of Joint-MEMROC with the first links replaced by ours.
+class ChainMethod : public Method {
+ public:
+  ChainMethod(const char* name, const char* summary, rivals::ChainLink replaced)
+      : name_(name), summary_(summary), replaced_(replaced) {}
+
+  MethodTraits traits() const override {
+    const bool clouds = replaced_ < rivals::ChainLink::kPlanes;
+    return traits_of_link(name_, summary_, clouds ? MethodReads::kFiles : MethodReads::kObservations, 6e-4);
+  }
+  Result solve(const Observations& observations) const override { return solve_recording({observations}); }
+  Result solve_recording(const MethodInput& input) const override {
+    Result result = rivals::solve_chain(input, true, replaced_);
+    result.method = name_;
+    return result;
+  }
+
+ private:
+  const char* name_;
+  const char* summary_;
+  rivals::ChainLink replaced_;
+};
+
+// One standard deviation for metres and radians alike, as their equal weights mean: what MEMROC's own motions leave,
+// in x, y and yaw.
+double equal_sigma(const Result& memroc) {
+  double squared = 0.0;
+  for (const ResidualSummary& residual : memroc.residuals) {
+    if (residual.name == "motions, translation") squared += std::pow(residual.rms, 2);
+    if (residual.name == "motions, rotation") squared += std::pow(deg_to_rad(residual.rms), 2);
+  }
+  constexpr double kLeast = 1e-6;
+  return std::max(kLeast, std::sqrt(squared / 3.0));
+}
+
+// Every corner by itself, as `ml` has it, but odometry as MEMROC has it.
+class ReprojectionMethod : public Method {
+ public:
+  MethodTraits traits() const override {
+    return traits_of_link("chain_reprojection", "residuals of corners, instead of poses; odometry still 1 m = 1 rad",
+                          MethodReads::kObservations, 1e-3);
+  }
+  Result solve(const Observations& observations) const override {
+    const double sigma = equal_sigma(solve_memroc(observations, estimate_view_poses(observations), {true}));
+    Observations equal = observations;
+    equal.odometry_noise = {OdometryModel::kPerIncrement, sigma, sigma};
+    Result result = estimate_maximum_likelihood(equal).result;
+    result.method = traits().name;
+    return result;
+  }
+};
+
+}  // namespace
+
+const std::vector<const Method*>& memroc_chain_methods() {
+  using rivals::ChainLink;
+  static const std::array<ChainMethod, 6> links = {
+      ChainMethod("chain_corners", "corners of ours, instead of OpenCV's", ChainLink::kCorners),
+      ChainMethod("chain_pnp", "PnP of every view by its corners' covariances, instead of RANSAC", ChainLink::kPnp),
+      ChainMethod("chain_planes", "planes fitted with the sensor's noise, instead of 0.1 mm", ChainLink::kPlanes),
+      ChainMethod("chain_vertical", "ground told by the drive with its lever arm, instead of aligned paths",
+                  ChainLink::kVertical),
+      ChainMethod("chain_start", "closed-form start, instead of the board's axes", ChainLink::kStart),
+      ChainMethod("chain_residual", "angles between rotations, heights by themselves", ChainLink::kResidual)};
+  static const ReprojectionMethod reprojection;
+  static const std::vector<const Method*> methods = [] {
+    std::vector<const Method*> all;
+    for (const ChainMethod& link : links) all.push_back(&link);
+    all.push_back(&reprojection);
+    return all;
+  }();
+  return methods;
+}
+
+}  // namespace rigproof
