@@ -231,7 +231,7 @@ def draw_waterfall(rows, panels, title, name, writer):
                                   linewidth=1)
                 axes.plot([mean, mean], [y - 0.3, y + 0.3], color=INK, linewidth=1.2)
                 before = mean
-            axes.set_xlim(left=0)
+            axes.set_xlim(0, 1.05 * max([v for (_, source), v in values.items() if source == "mean"] or [1]))
             axes.xaxis.set_major_locator(ticker.MaxNLocator(3))
     head(figure, title, "mean of |error| after each step; green: smaller, orange: larger; line: 95 % of the change", {})
     writer.save(figure, name)

@@ -179,12 +179,12 @@ void add_report(CLI::App& app, Action& action) {
 
 void add_convert(CLI::App& app, Action& action) {
   const auto [command, arguments] =
-      add_command(app, action, "convert", "Turn a recording into the layout of the MEMROC authors' program, or back",
+      add_command(app, action, "convert", "Turn a recording into the layout of another program, or back",
                   "rigproof convert runs/demo for_memroc/", convert_command);
   command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(true))->required();
   command->add_option("OUTPUT", arguments.output, "A new folder")->required();
   command
-      ->add_option("--to", arguments.to, joined(writable_formats(), " or ") + "; default the one that the input is not")
+      ->add_option("--to", arguments.to, joined(writable_formats(), " or ") + "; default memroc, of other layouts recording")
       ->check(CLI::IsMember(writable_formats()));
   command
       ->add_option("--cloud-points", arguments.cloud_points,

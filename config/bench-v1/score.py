@@ -675,7 +675,7 @@ def main():
     parser.add_argument("results", nargs="*", help="default: all of RUN/results")
     parser.add_argument("--budget", help="a file of limits; default: 4 of the stated standard deviations")
     parser.add_argument("--json", action="store_true", help="with the keys of rigproof validate --json")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     try:
         is_run = os.path.isdir(options.run)
         truth = read_truth(os.path.join(options.run, "truth", "truth.yaml") if is_run else options.run)

@@ -3,11 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/core/persistence.hpp>
+
 #include "error_text.h"
 #include "rigproof/calib/vision/ground_plane.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/yaml.h"
 #include "rigproof/formats/format.h"
+#include "rigproof/formats/trajectory.h"
 #include "small_recording.h"
 #include "temp_folder.h"
 
@@ -129,9 +133,64 @@ TEST(Convert, RefusesWhatIsInTheWayOrCannotBeSaid) {
   EXPECT_FALSE(fs::exists(scratch / "new"));
 }
 
+TEST(Convert, ToEurocTellsImagesLensesAndOdometryByTheirStamps) {
+  const TempFolder scratch;
+  Recording recording = small_recording(scratch / "original");
+  EXPECT_THAT(error_text([&] { convert(recording, "euroc", scratch / "refused"); }), HasSubstr("k3 must be 0"));
+  recording.rig.cameras[1].camera.distortion[4] = 0.0;
+  const ConvertReport report = convert(recording, "euroc", scratch / "there");
+  EXPECT_EQ(report.images, 6U);
+  const fs::path mav = scratch / "there/mav0";
+  const std::vector<TrajectoryPose> poses = read_trajectory(mav / "odom0/data.csv");
+  ASSERT_EQ(poses.size(), recording.odometry.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const OdometrySample& sample = recording.odometry[i];
+    EXPECT_DOUBLE_EQ(poses[i].stamp_s, sample.stamp_s);
+    const Rigid3 pose = planar_pose(sample.x_m, sample.y_m, sample.yaw_rad);
+    EXPECT_LT(transform_error(poses[i].T_world_body, pose).norm(), 1e-12);
+  }
+  EXPECT_EQ(read_text_file(mav / "cam1/data/0000000102000000000.png"), bytes(recording, 1, 1));
+  EXPECT_THAT(read_text_file(mav / "cam1/data.csv"), HasSubstr("\n0000000102000000000,0000000102000000000.png\n"));
+  const YamlTree sensor = read_yaml_file(mav / "cam1/sensor.yaml");
+  EXPECT_EQ(sensor.find("distortion_model")->scalar, "radial-tangential");
+  EXPECT_EQ(sensor.find("distortion_coefficients")->items.size(), 4U);
+  EXPECT_EQ(sensor.find("intrinsics")->items[0].scalar, "41.5");
+  EXPECT_EQ(read_yaml_file(scratch / "there/target.yaml").find("targetCols")->scalar, "4");
+  for (const auto& entry : fs::recursive_directory_iterator(scratch / "there"))
+    EXPECT_NE(entry.path().filename(), "truth") << "nor anything else that a robot does not record";
+}
+
+TEST(Convert, ToOpenCvIsWhatItsFileStorageReads) {
+  const TempFolder scratch;
+  Recording recording = small_recording(scratch / "original");
+  recording.frames[1].erase(recording.frames[1].begin() + 1);
+  EXPECT_EQ(convert(recording, "opencv", scratch / "there").images, 5U);
+  const cv::FileStorage file((scratch / "there/recording.yml").string(), cv::FileStorage::READ);
+  ASSERT_TRUE(file.isOpened());
+  cv::Mat poses, K, D;
+  file["T_world_robot"] >> poses;
+  file["camera1_K"] >> K;
+  file["camera1_D"] >> D;
+  ASSERT_EQ(poses.rows, 3);
+  const OdometrySample& last = recording.odometry.back();
+  const Eigen::Matrix4d T = planar_pose(last.x_m, last.y_m, last.yaw_rad).matrix();
+  for (int i = 0; i < 16; ++i) EXPECT_NEAR(poses.at<double>(2, i), T(i / 4, i % 4), 1e-12);
+  EXPECT_EQ(K.at<double>(0, 0), 41.5);
+  EXPECT_EQ(D.at<double>(4), recording.rig.cameras[1].camera.distortion[4]);
+  std::vector<std::string> images;
+  file["camera1_images"] >> images;
+  ASSERT_EQ(images.size(), 3U);
+  EXPECT_EQ(images[1], "") << "no image at that stop";
+  EXPECT_EQ(read_text_file(scratch / "there" / images[2]), bytes(recording, 1, 1));
+  int cameras = 0;
+  file["cameras"] >> cameras;
+  EXPECT_EQ(cameras, 2);
+}
+
 TEST(Convert, AnInterruptedOneLeavesNothing) {
   const TempFolder scratch;
-  const Recording recording = small_recording(scratch / "original");
+  Recording recording = small_recording(scratch / "original");
+  recording.rig.cameras[1].camera.distortion[4] = 0.0;
   ConvertOptions options;
   options.progress = [](std::size_t done, std::size_t) { return done < 2; };
   for (const std::string& format : writable_formats()) {

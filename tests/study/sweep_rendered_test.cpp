@@ -224,8 +224,10 @@ TEST_F(RenderedSweep, ImagesAreMatchedOnceForAllMethodsAndLevels) {
   EXPECT_EQ(count(report, "images matched"), kImages - 1);
   EXPECT_EQ(count(report, "motions found"), kImages - 1);
   EXPECT_GE(count(report, "matches from cache"), 3U + 5U) << "those of fewer stops, at least";
-  EXPECT_EQ(count(report, "clouds searched"), kImages - 1) << "the first one's is never read";
-  EXPECT_EQ(count(report, "clouds from cache"), 2U * (3 + 5 + 7) - (kImages - 1));
+  // Only those after a stop at which OpenCV saw the whole board, too.
+  EXPECT_GE(count(report, "clouds searched"), 1U);
+  EXPECT_LT(count(report, "clouds searched"), kImages);
+  EXPECT_GE(count(report, "clouds from cache"), count(report, "clouds searched")) << "for the other method";
   EXPECT_EQ(count(report, "chessboards searched"), kImages);
   EXPECT_EQ(count(report, "chessboards from cache"), 2U * (4 + 6 + 8) - kImages);
   const SweepReport again =

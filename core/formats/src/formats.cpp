@@ -12,6 +12,8 @@ Format run_format();
 Format recording_format();
 Format memroc_format();
 Format observations_format();
+Format euroc_format();
+Format opencv_format();
 
 // A format is a line here. The order decides where a folder could be of several.
 const std::vector<Format>& formats() {
@@ -20,11 +22,21 @@ const std::vector<Format>& formats() {
       recording_format(),
       memroc_format(),
       observations_format(),
+      euroc_format(),
+      opencv_format(),
   };
   return all;
 }
 
 namespace {
+
+// The others are only written.
+std::vector<Format> formats_that_are_read() {
+  std::vector<Format> read;
+  for (const Format& format : formats())
+    if (format.read != nullptr) read.push_back(format);
+  return read;
+}
 
 // What a folder holds, for a message.
 std::string contents_of(const fs::path& folder) {
@@ -50,7 +62,7 @@ std::string enumerated(const std::vector<std::string>& words, const std::string&
 // The name of observations.json says what it is.
 std::string looked_for() {
   std::vector<std::string> words;
-  for (const Format& format : formats())
+  for (const Format& format : formats_that_are_read())
     words.push_back(format.marker + (format.suffix.empty() ? " (" + format.what + ")" : ""));
   return enumerated(words, " and ");
 }
@@ -61,7 +73,7 @@ const Format& format_of_file(const fs::path& file) {
     if (!format.suffix.empty() && file.extension() == format.suffix) return format;
     if (!format.suffix.empty()) known.push_back(format.what + " (" + format.suffix + ")");
   }
-  for (const Format& format : formats())
+  for (const Format& format : formats_that_are_read())
     if (file.filename() == format.marker) throw Error(file.string() + ": give the folder that holds this file");
   throw Error(file.string() + ": a file is expected to be " + enumerated(known, " or ") +
               "; everything else is a folder");
@@ -74,7 +86,7 @@ const Format& detect_format(const fs::path& path) {
   if (fs::is_regular_file(path, ignored)) return format_of_file(path);
   if (!fs::is_directory(path, ignored)) throw Error(path.string() + ": no such file or folder");
   for (const Format& format : formats())
-    if (format.detect(path)) return format;
+    if (format.read != nullptr && format.detect(path)) return format;
   throw Error(path.string() + ": not an input: " + looked_for() + " were looked for; the folder " + contents_of(path));
 }
 
@@ -101,7 +113,7 @@ const Format& writable_format(const std::string& name) {
 
 std::string inputs_in_words(bool with_images_only) {
   std::vector<std::string> words;
-  for (const Format& format : formats())
+  for (const Format& format : formats_that_are_read())
     if (format.has_images || !with_images_only) words.push_back(format.given_as);
   return enumerated(words, ", or ");
 }

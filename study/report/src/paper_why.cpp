@@ -66,30 +66,30 @@ std::string mean_cell(const std::optional<double>& mean) {
   return mean ? figure(*mean, std::max(2, decimals_for(*mean, 2))) : "-";
 }
 
-// "-.41 (-.45 to -.37)".
+// "-.41+-.12", half of the interval.
 std::string change_cell(const PairedTest& change) {
   if (!change.difference) return "-";
   const int decimals = std::max(2, decimals_for(*change.difference, 2));
   std::string text = signed_figure(*change.difference, decimals);
-  if (change.interval_low)
-    text += " (" + signed_figure(*change.interval_low, decimals) + " to " +
-            signed_figure(*change.interval_high, decimals) + ")";
+  if (change.interval_low && *change.interval_high > *change.interval_low)
+    text += "+-" + figure(0.5 * (*change.interval_high - *change.interval_low), decimals);
   return text;
 }
 
 PaperTable table_of(const SweepRows& rows, SweepSubject subject) {
   PaperTable table;
   table.title = std::string("Where the error comes from, ") + subject_title(subject);
-  table.head = {"mean |error|, and what the step changed (95 %)", "tx", "ty", "tz [cm]", "roll", "pitch", "yaw [deg]"};
+  table.head = {"mean |error|", "tx", "ty", "tz [cm]", "roll", "pitch", "yaw [deg]"};
   const std::vector<Step> steps = steps_of(rows, subject);
   for (const Step& step : steps) {
-    std::vector<std::string> means = {step.method + ": " + step.what}, changes = {"  change"};
+    std::vector<std::string> means = {step.method}, changes = {"  change"};
     for (std::size_t i = 0; i < 6; ++i) {
       means.push_back(mean_cell(step.mean[i]));
       changes.push_back(change_cell(step.change[i]));
     }
     table.rows.push_back(means);
     if (&step != &steps.front()) table.rows.push_back(changes);
+    if (subject == SweepSubject::kPair) table.notes.push_back(step.method + ": " + step.what);
   }
   return table;
 }
@@ -128,7 +128,7 @@ std::string lines_of(const SweepRows& rows, SweepSubject subject) {
 std::vector<PaperTable> tables_of_why(const SweepRows& rows) {
   std::vector<PaperTable> tables = {table_of(rows, SweepSubject::kCamera), table_of(rows, SweepSubject::kPair)};
   tables.back().notes.push_back(
-      "Intervals are of the odometry's drawings on these pictures: drawings of one world share its corners.");
+      "changes with half their 95 % interval over the odometry's drawings; those of one world share its pictures");
   return tables;
 }
 

@@ -58,9 +58,9 @@ struct Format {
   std::string marker;      ///< the file that tells a folder of this format
   std::string suffix;      ///< ".json" where a single file is an input, too
   bool has_images = true;  ///< false: its Input never has a recording
-  /// True if a folder is of this format. What else than the marker tells it stands here.
+  /// True if a folder is of this format. What else than the marker tells it stands here. Null as `read` is.
   bool (*detect)(const std::filesystem::path& folder) = nullptr;
-  /// Throws Error with every problem found.
+  /// Throws Error with every problem found. Null: it is only written, and has no marker.
   Input (*read)(const std::filesystem::path& path) = nullptr;
   /// Null: it is only read. Throws Error with every problem for what the format cannot say.
   ConvertReport (*write)(const WriteJob& job) = nullptr;
