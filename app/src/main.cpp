@@ -184,7 +184,8 @@ void add_convert(CLI::App& app, Action& action) {
   command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(true))->required();
   command->add_option("OUTPUT", arguments.output, "A new folder")->required();
   command
-      ->add_option("--to", arguments.to, joined(writable_formats(), " or ") + "; default memroc, of other layouts recording")
+      ->add_option("--to", arguments.to,
+                   joined(writable_formats(), " or ") + "; default memroc, of other layouts recording")
       ->check(CLI::IsMember(writable_formats()));
   command
       ->add_option("--cloud-points", arguments.cloud_points,

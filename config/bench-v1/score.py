@@ -605,9 +605,10 @@ class Comparison:
             error[3:] = rotated(rotation_z(-angles_true[2]), error[3:])
         sigma = statement.covariance and [math.sqrt(max(0.0, statement.covariance[i][i])) for i in range(6)]
         z = [error[i] / sigma[i] if sigma and seen[i] and sigma[i] > 0.0 else None for i in range(6)]
+        shown = sigma and [x if math.isfinite(x) else None for x in sigma]
         front = transposed(body) if between else identity(3)
         read = [roll_pitch_yaw(times(times(front, M), body)) for M in (R, T_true.R)]
-        return {"parent": parent, "child": child, "error_m_rad": error, "sigma_m_rad": sigma, "z": z,
+        return {"parent": parent, "child": child, "error_m_rad": error, "sigma_m_rad": shown, "z": z,
                 "observable": list(seen), "roll_pitch_yaw_error_rad": [wrapped(a - b) for a, b in zip(*read)]}
 
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -99,7 +99,10 @@ class RandomResult {
 std::string foreign_text(const Result& result, RandomStream random) {
   std::ostringstream text;
   text.precision(17);
-  const bool as_map = random.uniform() < 0.3;
+  // By the names of the children, which are those of cameras unless a pose is told the other way round.
+  const bool as_map =
+      random.uniform() < 0.5 && std::all_of(result.camera_to_robot.begin(), result.camera_to_robot.end(),
+                                            [](const auto& pose) { return pose.parent == "base"; });
   text << "# poses  # of mine\nmethod: 'it''s mine'\ntransforms:" << (as_map ? "\n" : "   # a list\n");
   for (const EstimatedTransform& estimate : result.camera_to_robot) {
     const Eigen::Vector3d& t = estimate.T_parent_child.translation;

@@ -1,4 +1,5 @@
 // The steps from the authors' chain of MEMROC to ours, each a method: where the error of the published one comes from.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -40,16 +41,15 @@ class ChainMethod : public Method {
   rivals::ChainLink replaced_;
 };
 
-// One standard deviation for metres and radians alike, as their equal weights mean: what MEMROC's own motions leave,
-// in x, y and yaw.
+// One standard deviation for metres and radians alike, as their equal weights mean: of what MEMROC's own motions leave
+// in x and y, and in yaw, the larger, so that neither contradicts it.
 double equal_sigma(const Result& memroc) {
-  double squared = 0.0;
+  double sigma = 1e-6;
   for (const ResidualSummary& residual : memroc.residuals) {
-    if (residual.name == "motions, translation") squared += std::pow(residual.rms, 2);
-    if (residual.name == "motions, rotation") squared += std::pow(deg_to_rad(residual.rms), 2);
+    if (residual.name == "motions, translation") sigma = std::max(sigma, M_SQRT1_2 * residual.rms);
+    if (residual.name == "motions, rotation") sigma = std::max(sigma, deg_to_rad(residual.rms));
   }
-  constexpr double kLeast = 1e-6;
-  return std::max(kLeast, std::sqrt(squared / 3.0));
+  return sigma;
 }
 
 // Every corner by itself, as `ml` has it, but odometry as MEMROC has it.

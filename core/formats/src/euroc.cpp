@@ -59,8 +59,7 @@ YamlTree target_of(const Board& board) {
 }
 
 std::string odometry_text(const std::vector<OdometrySample>& odometry) {
-  std::string text =
-      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n";
+  std::string text = "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n";
   for (const OdometrySample& sample : odometry)
     text += stamp_text(sample.stamp_s) + "," + number_text(sample.x_m) + "," + number_text(sample.y_m) + ",0," +
             number_text(std::cos(0.5 * sample.yaw_rad)) + ",0,0," + number_text(std::sin(0.5 * sample.yaw_rad)) + "\n";

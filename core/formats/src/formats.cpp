@@ -18,12 +18,7 @@ Format opencv_format();
 // A format is a line here. The order decides where a folder could be of several.
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
-      run_format(),
-      recording_format(),
-      memroc_format(),
-      observations_format(),
-      euroc_format(),
-      opencv_format(),
+      run_format(), recording_format(), memroc_format(), observations_format(), euroc_format(), opencv_format(),
   };
   return all;
 }

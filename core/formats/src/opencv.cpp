@@ -37,8 +37,8 @@ std::string poses_text(const std::vector<StopFrames>& stops) {
 std::string camera_text(const RigCamera& camera, const std::string& key, const std::vector<std::string>& images) {
   const Camera& lens = camera.camera;
   const bool fisheye = lens.lens == Lens::kKannalaBrandt;
-  std::string text = key + "_name: \"" + camera.name + "\"\n" + key + "_lens: \"" + lens_name(lens.lens) + "\"\n" + key +
-                     "_size: [" + std::to_string(lens.width_px) + ", " + std::to_string(lens.height_px) + "]\n";
+  std::string text = key + "_name: \"" + camera.name + "\"\n" + key + "_lens: \"" + lens_name(lens.lens) + "\"\n" +
+                     key + "_size: [" + std::to_string(lens.width_px) + ", " + std::to_string(lens.height_px) + "]\n";
   text += matrix_text(key + "_K", 3, 3, {lens.fx_px, 0.0, lens.cx_px, 0.0, lens.fy_px, lens.cy_px, 0.0, 0.0, 1.0});
   const std::size_t count = fisheye ? 4 : 5;
   text += matrix_text(key + "_D", 1, count, {lens.distortion.begin(), lens.distortion.begin() + count});
@@ -55,8 +55,8 @@ std::vector<std::string> copy_images(const WriteJob& job, std::size_t k, const s
     names.emplace_back();
     const int frame = job.stops[i].frames[k];
     if (frame < 0) continue;
-    const fs::path image = path_inside(
-        job.recording.folder, job.recording.frames[k][static_cast<std::size_t>(frame)].color_file);
+    const fs::path image =
+        path_inside(job.recording.folder, job.recording.frames[k][static_cast<std::size_t>(frame)].color_file);
     names.back() = folder + "/" + fmt::format("{:04}", i) + image.extension().string();
     copy_file_into(image, job.folder / names.back());
     job.step(++*done, total);
