@@ -8,6 +8,7 @@
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/calib/methods/memroc.h"
 #include "rigproof/calib/methods/registry.h"
+#include "rigproof/calib/vision/reference_corners.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof {
@@ -69,6 +70,48 @@ class ReprojectionMethod : public Method {
   }
 };
 
+constexpr double kSameCorner_px = 3.0, kTheirSigma_px = 0.05;
+
+// The view with OpenCV's corners under the board's ids; a corner of ours without one of theirs nearby is left out.
+BoardView with_corners_of(const rivals::ChessboardCorners& theirs, BoardView view) {
+  std::vector<CornerObservation> corners;
+  for (const CornerObservation& ours : view.corners) {
+    const auto off = [&ours](const Eigen::Vector2f& p) { return (p.cast<double>() - ours.pixel).norm(); };
+    const auto nearest = std::min_element(theirs.pixels.begin(), theirs.pixels.end(),
+                                          [&off](const auto& a, const auto& b) { return off(a) < off(b); });
+    if (nearest == theirs.pixels.end() || off(*nearest) > kSameCorner_px) continue;
+    corners.push_back({ours.id, nearest->cast<double>(), std::pow(kTheirSigma_px, 2) * Eigen::Matrix2d::Identity()});
+  }
+  view.corners = corners;
+  return view;
+}
+
+// The other way round: our estimate from the authors' corners.
+class OpenCvCornersMethod : public Method {
+ public:
+  MethodTraits traits() const override {
+    return traits_of_link("ml_opencv_corners", "ml with OpenCV's corners again", MethodReads::kFiles, 1e-3);
+  }
+  std::optional<Finding> why_not(const MethodInput& input) const override {
+    if (input.recording != nullptr) return {};
+    return Finding("method.needs_images");
+  }
+  Result solve(const Observations& observations) const override { return run_method(*this, {observations}); }
+  Result solve_recording(const MethodInput& input) const override {
+    const rivals::FramesByStop frames = rivals::frames_by_stop(input.observations, *input.recording);
+    const rivals::ChessboardViews boards = rivals::reference_chessboards(input, frames);
+    Observations theirs = input.observations;
+    theirs.board_views.clear();
+    for (const BoardView& view : input.observations.board_views) {
+      const auto found = boards.find({view.stop, view.camera});
+      if (found != boards.end() && found->second) theirs.board_views.push_back(with_corners_of(*found->second, view));
+    }
+    Result result = estimate_maximum_likelihood(theirs).result;
+    result.method = traits().name;
+    return result;
+  }
+};
+
 }  // namespace
 
 const std::vector<const Method*>& memroc_chain_methods() {
@@ -82,10 +125,12 @@ const std::vector<const Method*>& memroc_chain_methods() {
       ChainMethod("chain_start", "closed-form start, instead of the board's axes", ChainLink::kStart),
       ChainMethod("chain_residual", "angles between rotations, heights by themselves", ChainLink::kResidual)};
   static const ReprojectionMethod reprojection;
+  static const OpenCvCornersMethod opencv_corners;
   static const std::vector<const Method*> methods = [] {
     std::vector<const Method*> all;
     for (const ChainMethod& link : links) all.push_back(&link);
     all.push_back(&reprojection);
+    all.push_back(&opencv_corners);
     return all;
   }();
   return methods;
