@@ -97,7 +97,8 @@ ConvertReport write_euroc(const WriteJob& job) {
     write_file_atomically_unsynced(job.folder / "target.yaml", emit_yaml(target_of(recording.rig.board)));
   else
     report.notes.push_back("The board (" + recording.rig.board.type + ") is not told.");
-  report.notes.emplace_back("Depth has no place in that layout. T_BS of the cameras is not told: it is what is to be found.");
+  report.notes.emplace_back(
+      "Depth has no place in that layout. T_BS of the cameras is not told: it is what is to be found.");
   return report;
 }
 
