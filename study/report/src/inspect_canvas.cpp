@@ -67,14 +67,6 @@ void Canvas::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const 
   cv::line(pixels_, fixed(from), fixed(to), bgr(color), thick(thickness), cv::LINE_AA, kShift);
 }
 
-void Canvas::dashed(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Color& color, double thickness,
-                    double dash) {
-  const double length = (to - from).norm();
-  const Eigen::Vector2d direction = length > 0.0 ? Eigen::Vector2d((to - from) / length) : Eigen::Vector2d(0.0, 0.0);
-  for (double s = 0.0; s < length; s += 2.0 * dash)
-    line(from + s * direction, from + std::min(s + dash, length) * direction, color, thickness);
-}
-
 void Canvas::polyline(const std::vector<Eigen::Vector2d>& points, const Color& color, double thickness, bool closed) {
   cv::polylines(pixels_, fixed(points), closed, bgr(color), thick(thickness), cv::LINE_AA, kShift);
 }

@@ -36,8 +36,6 @@ class Canvas {
   int height() const { return height_; }
 
   void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Color& color, double thickness = 1.0);
-  void dashed(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Color& color, double thickness = 1.0,
-              double dash = 6.0);
   void polyline(const std::vector<Eigen::Vector2d>& points, const Color& color, double thickness, bool closed);
   /// `opacity` below 1 lets what is underneath shine through.
   void polygon(const std::vector<Eigen::Vector2d>& points, const Color& fill, double opacity = 1.0);

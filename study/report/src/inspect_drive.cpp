@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kMapWidth = 1120.0, kMapHeight = 820.0, kLegendWidth = 250.0;
 constexpr double kFrustumLength = 0.45;  // metres on the ground
+constexpr std::size_t kStopsWithFrusta = 6;
 constexpr Color kOdometry{170, 60, 140};
 constexpr Color kBoard{60, 60, 60};
 
@@ -112,16 +113,16 @@ void draw_frusta(const Drive& drive, std::size_t stop, double opacity, Canvas* c
   }
 }
 
+// The way that was driven; with truth, from each stop to where odometry has it.
 void draw_tracks(const Drive& drive, Canvas* canvas) {
-  for (std::size_t i = 1; i < drive.driven.size(); ++i) {
-    canvas->line(drive.map(drive.driven[i - 1].translation), drive.map(drive.driven[i].translation), kGrey.pale(0.6),
-                 1.0);
-    if (drive.has_truth())
-      canvas->dashed(drive.map(drive.odometry[i - 1].translation), drive.map(drive.odometry[i].translation), kOdometry,
-                     1.0, 5.0);
+  const double strength = drive.driven.size() > 40 ? 0.3 : 0.6;
+  for (std::size_t i = 1; i < drive.driven.size(); ++i)
+    canvas->line(drive.map(drive.driven[i - 1].translation), drive.map(drive.driven[i].translation),
+                 kGrey.pale(strength), 1.0);
+  for (std::size_t i = 0; drive.has_truth() && i < drive.odometry.size(); ++i) {
+    canvas->line(drive.map(drive.driven[i].translation), drive.map(drive.odometry[i].translation), kOdometry, 1.2);
+    canvas->disc(drive.map(drive.odometry[i].translation), 2.2, kOdometry);
   }
-  if (!drive.has_truth()) return;
-  for (const Rigid3& T : drive.odometry) canvas->disc(drive.map(T.translation), 2.2, kOdometry);
 }
 
 void draw_board(const Drive& drive, Canvas* canvas) {
@@ -198,9 +199,9 @@ void draw_legend(const Drive& drive, Canvas* canvas) {
     entry(drive.has_truth() ? "board" : "board, from one view");
   }
   if (!drive.has_truth()) return;
-  canvas->dashed({x, y - 4.0}, {x + 24.0, y - 4.0}, kOdometry, 1.2, 4.0);
-  canvas->disc({x + 12.0, y - 4.0}, 2.6, kOdometry);
-  entry("odometry");
+  canvas->line({x, y - 4.0}, {x + 22.0, y - 4.0}, kOdometry, 1.2);
+  canvas->disc({x + 22.0, y - 4.0}, 2.6, kOdometry);
+  entry("stop by odometry");
   y += 8.0;
   canvas->text({x, y}, "end of odometry off by", 8.5, kGrey);
   const Rigid3 error = drive.driven.back().inverse() * drive.odometry.back();
@@ -219,7 +220,9 @@ Written draw_drive(const InspectInput& input, const std::filesystem::path& folde
   Canvas canvas(static_cast<int>(2.0 * kMargin + kMapWidth + kLegendWidth), static_cast<int>(height));
   draw_grid(drive, &canvas);
   const std::size_t stops = drive.driven.size();
-  for (std::size_t i = 0; i < stops; ++i) draw_frusta(drive, i, stops > 40 ? 0.08 : 0.14, &canvas);
+  // A few stops' frusta can be told apart, those of all cannot.
+  const std::size_t shown = std::min(stops, kStopsWithFrusta);
+  for (std::size_t k = 0; k < shown; ++k) draw_frusta(drive, k * stops / shown, 0.16, &canvas);
   draw_tracks(drive, &canvas);
   draw_board(drive, &canvas);
   for (std::size_t i = 0; i < stops; ++i) draw_stop(drive, i, &canvas);
