@@ -32,7 +32,7 @@ void add_frames(CLI::App* command, ExportArguments& arguments) {
       ->add_option(
           "--optical", arguments.opticals,
           "The optical frame of a camera: its name in the URDF of --into; or its pose in the link, as `tf2_echo "
-          "LINK FRAME` prints it: X,Y,Z,QX,QY,QZ,QW")
+          "LINK FRAME` prints it: X,Y,Z,QX,QY,QZ,QW; default `optical_frame` and `T_link_camera` of the rig")
       ->type_name("[CAMERA=]FRAME");
   command
       ->add_option("--joint", arguments.joints,

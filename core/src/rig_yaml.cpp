@@ -328,10 +328,22 @@ void visit_fields(FieldVisitor& visitor, DepthStream::OwnCamera& camera) {
   visitor.nested("T_color_depth", camera.T_color_depth, "pose of the depth camera in the colour camera");
 }
 
+// Where the camera is in the user's tree of frames.
+static void visit_frames(FieldVisitor& visitor, RigCamera& camera) {
+  visitor.field("link", camera.link, TextChoices{}, "TF link that results are exported for; default the camera's name");
+  visitor.optional("optical_frame", camera.optical_frame, "name of the optical frame in the same tree");
+  visitor.nested("T_link_camera", camera.T_link_camera,
+                 "pose of the optical frame in link, as the driver publishes it");
+  if (!camera.T_link_camera) return;
+  visitor.check(visitor.given("link") != nullptr, "T_link_camera", "is a pose in `link`, which is not given");
+  visitor.check(camera.link != camera.optical_frame, "T_link_camera",
+                "link and optical_frame are one frame; leave T_link_camera out, or name the frame above as link");
+}
+
 static void visit_rig_camera(FieldVisitor& visitor, const RigReadOptions& options, RigCamera& camera) {
   visitor.optional("sensor", camera.sensor, "preset in models/sensors: d455, d435, l515, ..");
   visitor.field("folder", camera.folder, TextChoices{}, "folder inside of the recording; default the camera's name");
-  visitor.field("link", camera.link, TextChoices{}, "TF link that results are exported for; default the camera's name");
+  visit_frames(visitor, camera);
   std::optional<SensorPreset> sensor;
   if (visitor.is_reading()) sensor = read_sensor(visitor, camera.sensor, options);
   visit_intrinsics(visitor, options, sensor, camera);

@@ -8,7 +8,6 @@
 #include "camera_of_info.h"
 #include "error_text.h"
 #include "frame_choice.h"
-#include "frame_tree.h"
 #include "ground_track.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/conventions.h"
@@ -39,7 +38,8 @@ TEST(TopicNames, CamerasAreCalledByWhatTellsThemApart) {
 
 FrameTree tree_of(const std::vector<TransformFields>& transforms) {
   FrameTree tree;
-  for (const RosTransform& transform : read_tf_message(tf_message(0.0, transforms))) tree.add(transform);
+  for (const RosTransform& transform : read_tf_message(tf_message(0.0, transforms)))
+    tree.add(transform.header.frame_id, transform.child_frame_id, transform.T_parent_child);
   return tree;
 }
 

@@ -66,7 +66,24 @@ std::optional<std::string> optical_below(const UrdfTree& tree, const std::string
   throw Error("below " + for_message(link) + " are several optical frames; --optical names one of " + joined(shown));
 }
 
+// The file's own chain counts, as robot_state_publisher has nothing else.
+std::string chain_note(const UrdfTree& tree, const ExportCamera& camera, const Place& place) {
+  const UrdfChain chain = tree.chain(place.mount, place.link);
+  const Vector6d off = transform_error(tree.T_of(chain), *camera.T_link_camera);
+  const double off_m = off.head<3>().norm(), off_rad = off.tail<3>().norm();
+  if (off_m < 1e-3 && off_rad < deg_to_rad(0.1)) return "";
+  return for_message(place.link) + " is " + short_text(100.0 * off_m, 3) + " cm and " +
+         short_text(rad_to_deg(off_rad), 3) + " deg elsewhere in " + for_message(place.mount) +
+         " than the rig says; the file's place counts, --optical gives another";
+}
+
 void locate_link(const UrdfTree& tree, const ExportCamera& camera, Place* place) {
+  if (camera.rig_says_frames && tree.find_link(camera.optical_frame)) {
+    place->mount = tree.link(camera.link);
+    place->link = tree.link(camera.optical_frame);
+    place->note = chain_note(tree, camera, *place);
+    return;
+  }
   if (camera.T_link_camera) {
     place->link = place->mount = tree.link(camera.link);
     place->T_link_camera = *camera.T_link_camera;

@@ -81,14 +81,47 @@ const Value* find(const std::map<std::string, Value>& values, const std::string&
 
 void take_rig(const RigCamera& from, ExportCamera* camera) {
   if (!from.link.empty()) camera->link = from.link;
+  camera->optical_frame = from.optical_frame;
+  camera->T_link_camera = from.T_link_camera;
+  camera->rig_says_frames = from.T_link_camera.has_value();
   if (from.camera.width_px > 0) camera->told = from.camera;
 }
 
+// Another link, or another frame below it: what the rig says of those that it names no longer holds.
+void forget_rig_frames(ExportCamera* camera) {
+  if (camera->rig_says_frames) camera->T_link_camera.reset();
+  camera->rig_says_frames = false;
+}
+
 void take_options(const ExportOptions& options, ExportCamera* camera) {
-  if (const auto* link = find(options.links, camera->name)) camera->link = *link;
-  if (const auto* T = find(options.T_link_camera, camera->name)) camera->T_link_camera = *T;
+  const auto* link = find(options.links, camera->name);
+  if (link != nullptr && *link != camera->link) {
+    forget_rig_frames(camera);
+    camera->link = *link;
+  }
+  const auto* frame = find(options.optical_frames, camera->name);
+  if (frame != nullptr && *frame != camera->optical_frame) {
+    forget_rig_frames(camera);
+    camera->optical_frame = *frame;
+  }
+  if (const auto* T = find(options.T_link_camera, camera->name)) {
+    camera->T_link_camera = *T;
+    camera->rig_says_frames = false;
+  }
   if (const auto* joint = find(options.joints, camera->name)) camera->joint = *joint;
-  if (const auto* frame = find(options.optical_frames, camera->name)) camera->optical_frame = *frame;
+}
+
+// A frame keeps its parent where that is fixed to the robot frame.
+void take_parent(const FrameTree& tree, ExportCamera* camera) {
+  const auto edge = tree.edges().find(camera->link);
+  const std::string& robot = camera->estimate.parent;
+  if (edge == tree.edges().end() || edge->second.parent == robot) return;
+  const std::optional<Rigid3> T_robot_parent = tree.between(robot, edge->second.parent);
+  const std::vector<std::string> above = tree.way_up(robot);
+  // Not where the robot frame hangs below the camera.
+  if (!T_robot_parent || std::find(above.begin(), above.end(), camera->link) != above.end()) return;
+  camera->parent = edge->second.parent;
+  camera->T_robot_parent = *T_robot_parent;
 }
 
 ExportCamera export_camera(const Result& result, const EstimatedTransform& estimate, const RigFacts& rig,
@@ -100,6 +133,7 @@ ExportCamera export_camera(const Result& result, const EstimatedTransform& estim
   for (const RigCamera& from : rig.cameras)
     if (from.name == camera.name) take_rig(from, &camera);
   take_options(options, &camera);
+  if (options.parent.empty()) take_parent(rig.tf_static, &camera);
   for (const EstimatedLens& lens : result.lenses)
     if (lens.camera == camera.name) camera.estimated = lens.intrinsics;
   return camera;

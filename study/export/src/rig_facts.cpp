@@ -27,13 +27,21 @@ std::vector<fs::path> results_in(const fs::path& folder) {
   return files;
 }
 
+FrameTree frames_in(const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path file = folder / kFrameTreeFile;
+  return fs::is_regular_file(file, ignored) ? load_frame_tree(file) : FrameTree();
+}
+
 }  // namespace
 
 RigFacts read_rig_facts(const fs::path& path) {
   std::error_code ignored;
-  if (path.extension() == ".yaml" && fs::is_regular_file(path, ignored)) return {path.string(), load_rig(path).cameras};
+  if (path.extension() == ".yaml" && fs::is_regular_file(path, ignored))
+    return {path.string(), load_rig(path).cameras, frames_in(folder_of(path))};
   const Input input = open_input(path);
-  return {path.string(), input.recording ? input.recording->rig.cameras : input.observations.value().cameras};
+  if (!input.recording) return {path.string(), input.observations.value().cameras, {}};
+  return {path.string(), input.recording->rig.cameras, frames_in(input.recording->folder)};
 }
 
 RigFacts find_rig_facts(const fs::path& result_file) {

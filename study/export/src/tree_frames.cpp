@@ -59,6 +59,25 @@ std::string lens_remark(const ExportCamera& camera, const std::string& told_by) 
   return text + "; to project with intrinsics that are told, calibrate with -m ml:told=exact";
 }
 
+std::string place_text(const Rigid3& T) {
+  const Eigen::Vector3d& t = T.translation;
+  return short_text(100.0 * t.x(), 3) + ", " + short_text(100.0 * t.y(), 3) + ", " + short_text(100.0 * t.z(), 3) +
+         " cm";
+}
+
+// What the rig says of the tree of frames, so that nobody has to ask which numbers were composed.
+std::string rig_frames_remark(const ExportCamera& camera) {
+  std::vector<std::string> parts;
+  if (camera.rig_says_frames)
+    parts.push_back(camera.link + " is placed so that " +
+                    (camera.optical_frame.empty() ? "the optical frame" : camera.optical_frame) + ", at " +
+                    place_text(*camera.T_link_camera) + " in it, is right");
+  if (!camera.parent.empty())
+    parts.push_back("it hangs on " + camera.parent + " as in the robot's tree, at " + place_text(camera.T_robot_parent) +
+                    " in " + camera.estimate.parent + " (--parent " + camera.estimate.parent + " hangs it there)");
+  return parts.empty() ? "" : camera.name + ": " + joined(parts, "; ");
+}
+
 // How the axes of a camera's link were read, where nobody says.
 std::string axes_remark(const ExportCamera& camera) {
   if (camera.T_link_camera || camera.link == camera.optical_frame) return "";
@@ -99,8 +118,8 @@ std::vector<std::string> remarks_of(const ExportJob& job) {
 std::vector<std::string> tree_notes(const ExportJob& job) {
   std::vector<std::string> notes;
   for (const ExportCamera& camera : job.cameras)
-    if (camera.is_known())
-      if (std::string note = axes_remark(camera); !note.empty()) notes.push_back(std::move(note));
+    for (const std::string& note : {axes_remark(camera), rig_frames_remark(camera)})
+      if (camera.is_known() && !note.empty()) notes.push_back(note);
   return notes;
 }
 
@@ -108,14 +127,14 @@ std::vector<TreeTransform> tree_transforms(const ExportJob& job) {
   std::vector<TreeTransform> transforms;
   for (const ExportCamera& camera : job.cameras) {
     if (!camera.is_known()) continue;
-    const Rigid3& T_robot_camera = camera.estimate.T_parent_child;
-    const std::string& robot = camera.estimate.parent;
+    const std::string& parent = camera.parent.empty() ? camera.estimate.parent : camera.parent;
+    const Rigid3 T_parent_camera = camera.T_robot_parent.inverse() * camera.estimate.T_parent_child;
     if (camera.T_link_camera) {
-      transforms.push_back({camera.name, robot, camera.link, T_robot_camera * camera.T_link_camera->inverse(), true});
+      transforms.push_back({camera.name, parent, camera.link, T_parent_camera * camera.T_link_camera->inverse(), true});
     } else if (exporting::is_optical_link(camera)) {
-      transforms.push_back({camera.name, robot, camera.link, T_robot_camera, true});
+      transforms.push_back({camera.name, parent, camera.link, T_parent_camera, true});
     } else {
-      transforms.push_back({camera.name, robot, camera.link, T_robot_camera * body_from_optical().inverse(), true});
+      transforms.push_back({camera.name, parent, camera.link, T_parent_camera * body_from_optical().inverse(), true});
       transforms.push_back({camera.name, camera.link, exporting::optical_frame_of(camera), body_from_optical(), false});
     }
   }

@@ -87,12 +87,12 @@ class Planner {
         info == infos.end() ? camera_of_bag(topics, images) : camera_of_file(info->second, scratch_ / topics.name);
     report.camera_info = info == infos.end() ? topics.camera_info : info->second;
     check_image_size(images, camera.camera);
-    camera.link = report.link = link_of(images);
+    take_frames(images, &camera);
+    report.link = camera.link;
     take_depth(topics, images, sensors, &camera, &report);
     report.width_px = camera.camera.width_px;
     report.height_px = camera.camera.height_px;
     plan_.images.push_back(&images);
-    plan_.optical_frames.push_back(survey_.tf_static.has(images.frame_id()) ? images.frame_id() : "");
     plan_.recording.rig.cameras.push_back(camera);
     plan_.report.cameras.push_back(report);
   }
@@ -132,13 +132,22 @@ class Planner {
     return frames;
   }
 
-  std::string link_of(const ImageTopic& images) {
-    if (survey_.tf_static.has(images.frame_id()))
-      return survey_.tf_static.mount_link(images.frame_id(), robot_frames());
-    notes().push_back(images.name + ": its frame " + for_message(images.frame_id()) +
-                      " is not in /tf_static, so that the link by which the camera is mounted is unknown; `link` in "
-                      "rig.yaml is the frame itself");
-    return images.frame_id();
+  // The images' frame, and the link above it by which the camera is mounted.
+  void take_frames(const ImageTopic& images, RigCamera* camera) {
+    const FrameTree& tree = survey_.tf_static;
+    camera->link = camera->optical_frame = tree.way_up(images.frame_id()).front();
+    if (images.frame_id().empty()) {
+      camera->link = camera->name;
+      notes().push_back(images.name + ": its headers name no frame; say `link` and `optical_frame` in rig.yaml");
+    } else if (!tree.has(images.frame_id())) {
+      notes().push_back(images.name + ": its frame " + for_message(images.frame_id()) +
+                        " is not in /tf_static, so that the link by which the camera is mounted is unknown; `link` in "
+                        "rig.yaml is the frame itself");
+    } else {
+      camera->link = tree.mount_link(images.frame_id(), robot_frames());
+      if (camera->link != camera->optical_frame)
+        camera->T_link_camera = tree.between(camera->link, camera->optical_frame);
+    }
   }
 
   // -------------------------------------------------------------------------------------------------------- depth

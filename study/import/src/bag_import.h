@@ -25,7 +25,6 @@ struct ImportPlan {
   Recording recording;  ///< its files have names without an extension until they are written
   std::vector<PlannedPicture> pictures;
   std::vector<const ImageTopic*> images, depth;  ///< [camera]; depth null where there is none
-  std::vector<std::string> optical_frames;       ///< [camera]
   InitReport report;
 };
 

@@ -132,7 +132,7 @@ class Surveyor {
   void take_transforms(const BagTopic& from, const BagMessage& message) {
     for (const RosTransform& transform : read_tf_message(message.data)) {
       if (is_static(from)) {
-        survey_.tf_static.add(transform);
+        survey_.tf_static.add(transform.header.frame_id, transform.child_frame_id, transform.T_parent_child);
         continue;
       }
       if (!may_be_odometry(transform)) continue;

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "frame_tree.h"
 #include "rigproof/bags/bag.h"
 #include "rigproof/bags/messages.h"
 #include "rigproof/core/rigid3.h"
+#include "rigproof/formats/frame_tree.h"
 
 namespace rigproof {
 

@@ -142,12 +142,10 @@ std::vector<std::string> comments_of(const InitOptions& options, const InitRepor
 struct Imported {
   Recording recording;
   InitReport report;
-  std::vector<std::string> optical_frames;  // [camera]
 };
 
 void write_descriptions(const InitOptions& options, const Imported& imported) {
-  const RigText text{imported.recording.rig, options.board.has_value(), comments_of(options, imported.report),
-                     imported.optical_frames};
+  const RigText text{imported.recording.rig, options.board.has_value(), comments_of(options, imported.report)};
   write_file_atomically(imported.recording.folder / "rig.yaml", rig_yaml_text(text));
 }
 
@@ -163,11 +161,10 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   plan.recording.folder = making;
   plan.report.notes.insert(plan.report.notes.begin(), bag.notes().begin(), bag.notes().end());
   PictureWriter(bag, options, &plan).write_all();
-  if (const std::string tf = tf_static_text(survey.tf_static); !tf.empty())
-    write_file_atomically(making / "tf_static.json", tf);
+  if (!survey.tf_static.empty()) write_file_atomically(making / kFrameTreeFile, frame_tree_text(survey.tf_static));
   plan.report.bytes = bag.size_bytes();
   plan.report.unpacked_bytes = bag.unpacked_bytes();
-  return {std::move(plan.recording), std::move(plan.report), std::move(plan.optical_frames)};
+  return {std::move(plan.recording), std::move(plan.report)};
 }
 
 Imported import_folder(const InitOptions& options, const fs::path& making, const fs::path& scratch) {
@@ -182,8 +179,7 @@ Imported import_folder(const InitOptions& options, const fs::path& making, const
     step(options, "write", ++done, plan.copies.size());
   }
   plan.report.unpacked_bytes = plan.report.bytes;
-  std::vector<std::string> frames(plan.recording.rig.cameras.size());
-  return {std::move(plan.recording), std::move(plan.report), std::move(frames)};
+  return {std::move(plan.recording), std::move(plan.report)};
 }
 
 }  // namespace

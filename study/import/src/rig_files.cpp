@@ -38,30 +38,10 @@ std::string rig_yaml_text(const RigText& text) {
   YamlTree tree = tree_of_fields([&rig](FieldVisitor& visitor) { visit_rig(visitor, {}, rig); });
   if (!text.has_board) remove_entry(tree, "board");
   YamlTree& cameras = entry(tree, "cameras");
-  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-    YamlTree& camera = entry(cameras, rig.cameras[i].name);
-    shorten_depth(rig.cameras[i], camera);
-    if (!text.optical_frames[i].empty()) camera.set("x-optical_frame", YamlTree::text(text.optical_frames[i]));
-  }
+  for (const RigCamera& camera : rig.cameras) shorten_depth(camera, entry(cameras, camera.name));
   std::string comments;
   for (const std::string& comment : text.comments) comments += "# " + comment + "\n";
   return comments + emit_yaml(tree);
-}
-
-std::string tf_static_text(const FrameTree& tree) {
-  if (tree.empty()) return "";
-  YamlTree root = YamlTree::map();
-  YamlTree& transforms = root.set("transforms", YamlTree::sequence());
-  for (const auto& [child, edge] : tree.edges()) {
-    YamlTree one = YamlTree::inline_map();
-    one.set("parent", YamlTree::text(edge.parent));
-    one.set("child", YamlTree::text(child));
-    Rigid3 T = edge.T_parent_child;
-    const YamlTree pose = tree_of_fields([&T](FieldVisitor& visitor) { visit_pose(visitor, T); });
-    for (const auto& [key, value] : pose.entries) one.set(key, value);
-    transforms.add(one);
-  }
-  return emit_json(root, 1) + "\n";
 }
 
 Camera camera_of_file(const fs::path& file, const fs::path& scratch) {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "frame_tree.h"
 #include "rigproof/core/recording.h"
 
 namespace rigproof {
@@ -14,15 +13,11 @@ namespace rigproof {
 struct RigText {
   const Rig& rig;
   bool has_board = false;
-  std::vector<std::string> comments;        ///< lines before it
-  std::vector<std::string> optical_frames;  ///< [camera] in the robot's TF; empty: unknown
+  std::vector<std::string> comments;  ///< lines before it
 };
 
 /// rig.yaml as a person would write it: the depth block of a camera without a sensor holds only what is known.
 std::string rig_yaml_text(const RigText& text);
-
-/// tf_static.json: the transforms as results have them. Empty without any.
-std::string tf_static_text(const FrameTree& tree);
 
 /// Intrinsics of a ROS camera_info file. Throws Error.
 /// @param scratch an empty folder

@@ -11,6 +11,7 @@
 #include "rigproof/core/fields.h"
 #include "rigproof/core/result.h"
 #include "rigproof/core/rig.h"
+#include "rigproof/formats/frame_tree.h"
 
 namespace rigproof {
 
@@ -18,6 +19,7 @@ namespace rigproof {
 struct RigFacts {
   std::string source;  ///< the file or folder that says it; empty: there is none
   std::vector<RigCamera> cameras;
+  FrameTree tf_static;  ///< of the robot, from tf_static.json beside a rig.yaml
 };
 
 /// From a run, a recording, any other input, a rig.yaml or observations.json. Throws Error with every problem found.
@@ -50,7 +52,10 @@ struct ExportCamera {
   std::string link;
   std::string optical_frame;            ///< empty where nobody says
   std::optional<Rigid3> T_link_camera;  ///< where somebody says
-  std::string joint;                    ///< the same
+  bool rig_says_frames = false;         ///< T_link_camera is the rig's, not what the user says of this export
+  std::string joint;                    ///< where somebody says
+  std::string parent;                   ///< what `link` hangs on in the robot's tree; empty: nobody says
+  Rigid3 T_robot_parent;
   std::optional<Camera> told;           ///< intrinsics of the rig
   std::optional<Camera> estimated;      ///< those that the pose goes with, where they were estimated
 

@@ -1,12 +1,12 @@
-// The static part of a robot's TF.
+// The static part of a robot's TF. On disk: tf_static.json beside rig.yaml.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "rigproof/bags/messages.h"
 #include "rigproof/core/rigid3.h"
 
 namespace rigproof {
@@ -19,7 +19,8 @@ class FrameTree {
     std::string other_parent;  ///< of a frame that was given two; empty: as it should be
   };
 
-  void add(const RosTransform& transform);
+  /// A name may begin with a slash, which tf2 does without. The latest word of a parent counts.
+  void add(const std::string& parent, const std::string& child, const Rigid3& T_parent_child);
   bool has(const std::string& frame) const;
   bool empty() const { return edges_.empty(); }
   const std::map<std::string, Edge>& edges() const { return edges_; }  ///< by child
@@ -37,5 +38,11 @@ class FrameTree {
 
   std::map<std::string, Edge> edges_;
 };
+
+/// tf_static.json: the transforms as results have them.
+std::string frame_tree_text(const FrameTree& tree);
+/// Throws Error with every problem.
+FrameTree load_frame_tree(const std::filesystem::path& file);
+inline constexpr const char* kFrameTreeFile = "tf_static.json";
 
 }  // namespace rigproof

@@ -1,8 +1,10 @@
-#include "frame_tree.h"
+#include "rigproof/formats/frame_tree.h"
 
 #include <algorithm>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/fields.h"
+#include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -15,16 +17,33 @@ bool ends_with(const std::string& text, const std::string& end) {
 // tf2 takes "/base_link" for "base_link".
 std::string bare(const std::string& frame) { return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame; }
 
+struct Transform {
+  std::string parent, child;
+  Rigid3 T_parent_child;
+
+  void visit(FieldVisitor& visitor) {
+    visitor.on_one_line();
+    visitor.require("parent", "a frame");
+    visitor.field("parent", parent, TextChoices{}, "frame");
+    visitor.require("child", "a frame");
+    visitor.field("child", child, TextChoices{}, "frame that has no other parent");
+    visit_pose(visitor, T_parent_child);
+  }
+};
+
+void visit_transforms(FieldVisitor& visitor, std::vector<Transform>& transforms) {
+  visitor.nested_list("transforms", transforms, "poses of frames in their parents");
+}
+
 }  // namespace
 
-void FrameTree::add(const RosTransform& transform) {
-  const std::string parent = bare(transform.header.frame_id), child = bare(transform.child_frame_id);
-  const auto [place, is_new] = edges_.emplace(child, Edge{parent, transform.T_parent_child, ""});
+void FrameTree::add(const std::string& parent, const std::string& child, const Rigid3& T_parent_child) {
+  const auto [place, is_new] = edges_.emplace(bare(child), Edge{bare(parent), T_parent_child, ""});
   if (is_new) return;
-  if (place->second.parent == parent)
-    place->second.T_parent_child = transform.T_parent_child;  // the latest word counts, as in tf2
+  if (place->second.parent == bare(parent))
+    place->second.T_parent_child = T_parent_child;
   else
-    place->second.other_parent = parent;
+    place->second.other_parent = bare(parent);
 }
 
 bool FrameTree::has(const std::string& frame) const {
@@ -70,6 +89,20 @@ std::string FrameTree::mount_link(const std::string& optical, const std::vector<
     last = way[i];
   }
   return way.size() > 1 && robot_frames.empty() ? last : way.front();
+}
+
+std::string frame_tree_text(const FrameTree& tree) {
+  std::vector<Transform> transforms;
+  for (const auto& [child, edge] : tree.edges()) transforms.push_back({edge.parent, child, edge.T_parent_child});
+  return emit_json(tree_of_fields([&](FieldVisitor& visitor) { visit_transforms(visitor, transforms); }), 1) + "\n";
+}
+
+FrameTree load_frame_tree(const std::filesystem::path& file) {
+  std::vector<Transform> transforms;
+  read_fields_of_tree(read_yaml_file(file), [&](FieldVisitor& visitor) { visit_transforms(visitor, transforms); });
+  FrameTree tree;
+  for (const Transform& transform : transforms) tree.add(transform.parent, transform.child, transform.T_parent_child);
+  return tree;
 }
 
 }  // namespace rigproof
