@@ -146,15 +146,34 @@ void print(const Terminal& terminal, const ExportJob& job, const Done& done) {
                   (written.changed ? "" : "  (as it was)"));
 }
 
+// What the command line alone gets wrong, all of it at once.
+ExportOptions checked_options(const ExportArguments& arguments, const Result& result) {
+  Problems problems;
+  ExportOptions options;
+  options.cameras = arguments.cameras;
+  const auto attempt = [&problems](const auto& call) {
+    try {
+      call();
+    } catch (const Error& error) {
+      problems.add({"", 0, "", "", error.what()});
+    }
+  };
+  attempt([&] { format_name(arguments); });
+  attempt([&] { options = export_options(arguments, result); });
+  attempt([&] { check_export_names(result, options); });
+  problems.throw_if_any();
+  return options;
+}
+
 }  // namespace
 
 int export_command(const ExportArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
-  const std::string to = format_name(arguments);
   const fs::path result_file = find_result_file(arguments.result);
   const Result result = load_result(result_file);
   refuse_inputs(arguments, result_file);
-  ExportOptions options = export_options(arguments, result);
+  ExportOptions options = checked_options(arguments, result);
+  const std::string to = format_name(arguments);
   options.result_file = result_file.string();
   options.date = today();
   options.warnings = doubts_of(result);

@@ -48,8 +48,8 @@ void add_export_command(CLI::App& app, Action& action) {
       app, action, "export", "Write a result for TF, URDF, Kalibr, OpenCV and others, or into a robot's URDF",
       "rigproof export monday/results/ml.yaml --into robot.urdf", export_command, formats_in_words());
   command->add_option("RESULT", arguments.result, "A result, or a folder that holds only one")->required();
-  command->add_option("--to", arguments.to, joined(export_format_names(), ", ") + "; default urdf, with --into")
-      ->type_name("FORMAT");
+  command->add_option("--to", arguments.to, "What to write; default urdf, with --into")
+      ->type_name("FORMAT:{" + joined(export_format_names(), ",") + "}");
   command->add_option(
       "--into", arguments.into,
       "Change the origin of each camera's joint in this URDF or xacro file, and not another byte of it");

@@ -116,6 +116,7 @@ TEST(Export, MistakesAreNamedBeforeAnythingIsWritten) {
       {{}, "--to: is missing"},
       {{"--to", "kalibr", "--into", urdf}, "leave out --to kalibr"},
       {{"--to", "urdf", "--camera", "rihgt"}, "did you mean \"right\"?"},
+      {{"--camera", "rihgt"}, "did you mean \"right\"?"},  // beside the format that is missing
       {{"--into", urdf}, "right: " + urdf + ": has no link right_link"},
       {{"--into", urdf, "--camera", "left", "--joint", "left_jiont"}, "did you mean \"left_joint\"?"},
       {{"--to", "urdf", "--camera", "left", "--optical", "1,2,3"}, "seven numbers"},

@@ -360,6 +360,29 @@ TEST(Rig, TheShortestUsefulFileTakesSensorAndCameraInfo) {
   EXPECT_DOUBLE_EQ(rig.board.square_m, 0.11);
 }
 
+TEST(Rig, FramesOfTheTreeAreReadAndWritten) {
+  const TempFolder folder;
+  const auto text = [](const std::string& frames) {
+    return rig_text("  left: {" + frames + ", intrinsics: " + kIntrinsics + "}\n");
+  };
+  folder.write("rig.yaml", text("link: left_link, optical_frame: left_optical, T_link_camera: {translation_m: [0, "
+                                "0.015, 0], quaternion_xyzw: [-0.5, 0.5, -0.5, 0.5]}"));
+  const Rig rig = load_rig(folder / "rig.yaml");
+  save_rig(rig, folder / "again.yaml");
+  const RigCamera left = load_rig(folder / "again.yaml").cameras.at(0);
+  EXPECT_EQ(left.link, "left_link");
+  EXPECT_EQ(left.optical_frame, "left_optical");
+  ASSERT_TRUE(left.T_link_camera);
+  EXPECT_EQ(left.T_link_camera->translation.y(), 0.015);
+  EXPECT_EQ(left.T_link_camera->rotation.x(), -0.5);
+  const std::string pose = "T_link_camera: {translation_m: [0, 0, 0], quaternion_xyzw: [0, 0, 0, 1]}";
+  EXPECT_THAT(rig_problems(text("link: eye, optical_frame: eye, " + pose)),
+              HasSubstr("cameras.left.T_link_camera: a block: link and optical_frame are one frame"));
+  EXPECT_THAT(rig_problems(text(pose)), HasSubstr("is a pose in `link`, which is not given"));
+  EXPECT_THAT(rig_problems(text("link: l, T_link_camera: {translation_m: [0, 0], quaternion_xyzw: [0, 0, 0, 2]}")),
+              testing::AllOf(HasSubstr("T_link_camera.translation_m"), HasSubstr("has the norm 2")));
+}
+
 TEST(Rig, CameraInfoOfRosMessagesIsRead) {
   const TempFolder folder;
   folder.write("rig.yaml", rig_text("  left: {camera_info: info.yaml}\n"));

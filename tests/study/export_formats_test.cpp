@@ -387,6 +387,50 @@ TEST(ExportJobs, OptionsPrevailOverTheRig) {
   EXPECT_TRUE(IsPoseNear(sample.T_robot(2), told[0].T_parent_child * options.T_link_camera.at("rear"), 1e-12, 1e-12));
 }
 
+// Of a bag's tree nothing is asked again: the joint is the one of the robot's own tree, into the mount link.
+TEST(ExportJobs, TheRigKnowsTheRobotsFrames) {
+  ExportSample sample;
+  const Rigid3 T_robot_base(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.13});
+  RigCamera& left = sample.rig.cameras[0];
+  left.optical_frame = "left_eye";
+  left.T_link_camera = sample.T_link_rear;
+  sample.rig.tf_static.add("base_footprint", "base_link", T_robot_base);
+  sample.rig.tf_static.add("base_link", "left_link", Rigid3());
+  ExportOptions options;
+  options.cameras = {"left"};
+  const std::vector<TreeTransform> tree = tree_transforms(sample.job(options));
+  ASSERT_EQ(tree.size(), 1U);
+  EXPECT_EQ(tree[0].parent, "base_link");
+  EXPECT_EQ(tree[0].child, "left_link");
+  EXPECT_TRUE(IsPoseNear(sample.T_robot(0), T_robot_base * tree[0].T_parent_child * sample.T_link_rear, 1e-12, 1e-12));
+  EXPECT_THAT(exported(sample.job(options), "static-tf"),
+              AllOf(HasSubstr("left_link is placed so that left_eye, at "), HasSubstr("it hangs on base_link")));
+
+  options.parent = "footprint";
+  const std::vector<TreeTransform> below = tree_transforms(sample.job(options));
+  EXPECT_EQ(below[0].parent, "footprint");
+  EXPECT_TRUE(IsPoseNear(sample.T_robot(0), below[0].T_parent_child * sample.T_link_rear, 1e-12, 1e-12));
+}
+
+// What the rig says of its own link is not taken for that of another.
+TEST(ExportJobs, AnotherLinkForgetsWhatTheRigSaysOfItsOwn) {
+  ExportSample sample;
+  sample.rig.cameras[0].optical_frame = "left_eye";
+  sample.rig.cameras[0].T_link_camera = sample.T_link_rear;
+  ExportOptions options;
+  options.cameras = {"left"};
+  options.links = {{"left", "mast"}};
+  const std::vector<TreeTransform> tree = tree_transforms(sample.job(options));
+  ASSERT_EQ(tree.size(), 2U);
+  EXPECT_EQ(tree[0].child, "mast");
+  EXPECT_EQ(tree[1].child, "left_eye");
+  EXPECT_TRUE(IsPoseNear(sample.T_robot(0), tree[0].T_parent_child * tree[1].T_parent_child, 1e-12, 1e-12));
+  options.links = {{"left", "left_eye"}};
+  const std::vector<TreeTransform> optical = tree_transforms(sample.job(options));
+  ASSERT_EQ(optical.size(), 1U);
+  EXPECT_TRUE(IsPoseNear(sample.T_robot(0), optical[0].T_parent_child, 1e-12, 1e-12));
+}
+
 // ------------------------------------------------------------------------------------------------- files
 
 TEST(ExportFiles, WhatWasThereIsKeptWithItsPermissions) {

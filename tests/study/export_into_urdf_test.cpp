@@ -175,6 +175,25 @@ TEST(IntoUrdf, CamerasThatLookDownStayPrecise) {
   }
 }
 
+// The file's chain counts where it has one; where not, what the bag's tree said.
+TEST(IntoUrdf, FramesOfTheRigAreTaken) {
+  OneCamera cam("camera_link", "camera_color_optical_frame");
+  cam.camera().T_link_camera = Rigid3(Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {0.0, 0.5, 0.0});
+  cam.camera().rig_says_frames = true;
+  const IntoUrdf into = cam.into(kRobot);
+  EXPECT_EQ(into.joints.at(0).joint, "camera_joint");
+  expect_camera_at(into.text, "camera_color_optical_frame", cam.camera().estimate.T_parent_child);
+  EXPECT_THAT(into.notes, testing::Contains(HasSubstr("elsewhere in camera_link than the rig says")));
+  cam.camera().T_link_camera = T_from_to(kRobot, "camera_link", "camera_color_optical_frame");
+  EXPECT_THAT(cam.into(kRobot).notes, testing::Not(testing::Contains(HasSubstr("elsewhere"))));
+
+  cam.camera().optical_frame = "published_by_the_driver";
+  const std::string driven = cam.into(kRobot).text;
+  EXPECT_TRUE(IsPoseNear(cam.camera().estimate.T_parent_child,
+                         T_from_to(driven, "base_footprint", "camera_link") * *cam.camera().T_link_camera, kNear,
+                         kNear));
+}
+
 // ------------------------------------------------------------------------------------------------ which joint it is
 
 TEST(IntoUrdf, AnOpticalFrameFindsTheJointOfItsDevice) {

@@ -17,6 +17,8 @@ bool ends_with(const std::string& text, const std::string& end) {
 // tf2 takes "/base_link" for "base_link".
 std::string bare(const std::string& frame) { return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame; }
 
+const std::string kWithout = "`init --topic tf_static=none`";
+
 struct Transform {
   std::string parent, child;
   Rigid3 T_parent_child;
@@ -56,28 +58,35 @@ std::vector<std::string> FrameTree::way_up(const std::string& frame) const {
   std::vector<std::string> way = {bare(frame)};
   for (auto edge = edges_.find(way.back()); edge != edges_.end(); edge = edges_.find(way.back())) {
     if (!edge->second.other_parent.empty())
-      throw Error("/tf_static: " + for_message(edge->first) + " has two parents, " + for_message(edge->second.parent) +
-                  " and " + for_message(edge->second.other_parent) +
-                  "; two nodes publish it, of which one must stop: record again, or leave the frames out with "
-                  "`--robot-frame` of a frame that is not in the tree");
+      throw Error(
+          "/tf_static: " + for_message(edge->first) + " has two parents, " + for_message(edge->second.parent) +
+          " and " + for_message(edge->second.other_parent) +
+          "; two nodes publish it, of which one must stop. Record again, or do without the frames: " + kWithout);
     const bool loops = std::find(way.begin(), way.end(), edge->second.parent) != way.end();
     way.push_back(edge->second.parent);
-    if (loops) throw Error("/tf_static: frames go in a circle: " + for_message(joined(way, " -> "), 200));
+    if (loops)
+      throw Error("/tf_static: frames go in a circle: " + for_message(joined(way, " -> "), 200) +
+                  ". Record again without the node that closes it, or do without the frames: " + kWithout);
   }
   return way;
 }
 
-Rigid3 FrameTree::T_root(const std::string& frame) const {
+Rigid3 FrameTree::T_above(const std::string& above, const std::string& frame) const {
   Rigid3 T;
-  for (const std::string& step : way_up(frame))
-    if (const auto edge = edges_.find(step); edge != edges_.end()) T = edge->second.T_parent_child * T;
+  for (std::string step = frame; step != above;) {
+    const Edge& edge = edges_.at(step);
+    T = edge.T_parent_child * T;
+    step = edge.parent;
+  }
   return T;
 }
 
 std::optional<Rigid3> FrameTree::between(const std::string& target, const std::string& source) const {
-  if (bare(target) == bare(source)) return Rigid3();
-  if (way_up(target).back() != way_up(source).back()) return std::nullopt;
-  return T_root(target).inverse() * T_root(source);
+  const std::vector<std::string> way_target = way_up(target), way_source = way_up(source);
+  // By way of the first frame above both, so that what is above that adds no rounding.
+  const auto common = std::find_first_of(way_target.begin(), way_target.end(), way_source.begin(), way_source.end());
+  if (common == way_target.end()) return std::nullopt;
+  return T_above(*common, way_target.front()).inverse() * T_above(*common, way_source.front());
 }
 
 std::string FrameTree::mount_link(const std::string& optical, const std::vector<std::string>& robot_frames) const {
@@ -89,6 +98,17 @@ std::string FrameTree::mount_link(const std::string& optical, const std::vector<
     last = way[i];
   }
   return way.size() > 1 && robot_frames.empty() ? last : way.front();
+}
+
+bool is_optical_name(const std::string& frame) { return frame.find("optical") != std::string::npos; }
+
+std::string optical_frame_name(const std::string& camera, const std::string& link, const std::string& optical_frame) {
+  if (!optical_frame.empty()) return optical_frame;
+  if (link.empty() || link == camera || is_optical_name(link)) return link.empty() ? camera : link;
+  std::string stem = link;
+  for (const std::string end : {"_link", "_frame"})
+    if (stem.size() > end.size() && ends_with(stem, end)) stem.resize(stem.size() - end.size());
+  return stem + "_optical_frame";
 }
 
 std::string frame_tree_text(const FrameTree& tree) {

@@ -51,11 +51,11 @@ bool holds_any(const std::string& name, const std::vector<std::string>& words) {
 
 // The optical frame of the colour camera at or below a link.
 std::optional<std::string> optical_below(const UrdfTree& tree, const std::string& link) {
-  if (exporting::is_optical_name(link)) return link;
+  if (is_optical_name(link)) return link;
   bool all_fixed = true;
   std::vector<std::string> optical, colour;
   for (const std::string& below : tree.subtree(link, &all_fixed))
-    if (exporting::is_optical_name(below)) optical.push_back(below);
+    if (is_optical_name(below)) optical.push_back(below);
   for (const std::string& name : optical)
     if (holds_any(name, {"rgb", "color", "colour"})) colour.push_back(name);
   const std::vector<std::string>& found = colour.empty() ? optical : colour;

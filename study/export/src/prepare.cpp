@@ -28,19 +28,6 @@ void check_names(const std::map<std::string, Value>& values, const char* option,
                      "the result has no such camera; " + suggestion(entry.first, known)});
 }
 
-// The cameras are named by hand.
-void check_cameras(const ExportOptions& options, const std::vector<std::string>& known) {
-  Problems problems;
-  for (const std::string& name : options.cameras)
-    if (!holds(known, name))
-      problems.add({"", 0, "--camera", for_message(name), "the result has no such camera; " + suggestion(name, known)});
-  check_names(options.links, "--link", known, &problems);
-  check_names(options.optical_frames, "--optical", known, &problems);
-  check_names(options.T_link_camera, "--optical", known, &problems);
-  check_names(options.joints, "--joint", known, &problems);
-  problems.throw_if_any();
-}
-
 std::string unknown_axes(const EstimatedTransform& estimate) {
   std::vector<std::string> axes;
   for (std::size_t i = 0; i < 6; ++i)
@@ -141,9 +128,23 @@ ExportCamera export_camera(const Result& result, const EstimatedTransform& estim
 
 }  // namespace
 
+void check_export_names(const Result& result, const ExportOptions& options) {
+  if (result.camera_to_robot.empty()) return;  // it is refused for that
+  const std::vector<std::string> known = names_of(result);
+  Problems problems;
+  for (const std::string& name : options.cameras)
+    if (!holds(known, name))
+      problems.add({"", 0, "--camera", for_message(name), "the result has no such camera; " + suggestion(name, known)});
+  check_names(options.links, "--link", known, &problems);
+  check_names(options.optical_frames, "--optical", known, &problems);
+  check_names(options.T_link_camera, "--optical", known, &problems);
+  check_names(options.joints, "--joint", known, &problems);
+  problems.throw_if_any();
+}
+
 ExportJob prepare_export(const Result& result, const RigFacts& rig, const ExportOptions& options) {
   refuse_empty(result, options);
-  check_cameras(options, names_of(result));
+  check_export_names(result, options);
   refuse_partial(result, options);
   ExportJob job;
   job.method = result.method;

@@ -12,20 +12,12 @@
 namespace rigproof {
 namespace exporting {
 
-bool is_optical_name(const std::string& name) { return name.find("optical") != std::string::npos; }
-
 bool is_optical_link(const ExportCamera& camera) {
   return camera.link == camera.name || camera.link == camera.optical_frame || is_optical_name(camera.link);
 }
 
 std::string optical_frame_of(const ExportCamera& camera) {
-  if (!camera.optical_frame.empty()) return camera.optical_frame;
-  if (is_optical_link(camera)) return camera.link;
-  std::string stem = camera.link;
-  for (const std::string end : {"_link", "_frame"})
-    if (stem.size() > end.size() && stem.compare(stem.size() - end.size(), end.size(), end) == 0)
-      stem.resize(stem.size() - end.size());
-  return stem + "_optical_frame";
+  return optical_frame_name(camera.name, camera.link, camera.optical_frame);
 }
 
 }  // namespace exporting
@@ -60,9 +52,9 @@ std::string lens_remark(const ExportCamera& camera, const std::string& told_by) 
 }
 
 std::string place_text(const Rigid3& T) {
-  const Eigen::Vector3d& t = T.translation;
-  return short_text(100.0 * t.x(), 3) + ", " + short_text(100.0 * t.y(), 3) + ", " + short_text(100.0 * t.z(), 3) +
-         " cm";
+  std::vector<std::string> words;
+  for (Eigen::Index i = 0; i < 3; ++i) words.push_back(number_text(std::round(1e4 * T.translation[i]) / 100.0 + 0.0));
+  return joined(words) + " cm";
 }
 
 // What the rig says of the tree of frames, so that nobody has to ask which numbers were composed.
@@ -73,8 +65,9 @@ std::string rig_frames_remark(const ExportCamera& camera) {
                     (camera.optical_frame.empty() ? "the optical frame" : camera.optical_frame) + ", at " +
                     place_text(*camera.T_link_camera) + " in it, is right");
   if (!camera.parent.empty())
-    parts.push_back("it hangs on " + camera.parent + " as in the robot's tree, at " + place_text(camera.T_robot_parent) +
-                    " in " + camera.estimate.parent + " (--parent " + camera.estimate.parent + " hangs it there)");
+    parts.push_back("it hangs on " + camera.parent + " as in the robot's tree, at " +
+                    place_text(camera.T_robot_parent) + " in " + camera.estimate.parent + " (--parent " +
+                    camera.estimate.parent + " hangs it there)");
   return parts.empty() ? "" : camera.name + ": " + joined(parts, "; ");
 }
 
@@ -85,7 +78,7 @@ std::string axes_remark(const ExportCamera& camera) {
     return camera.name +
            ": is exported as an optical frame (z forward); `link` of the rig, or --link, names the one of " +
            "your tree";
-  if (exporting::is_optical_name(camera.link)) return "";
+  if (is_optical_name(camera.link)) return "";
   return camera.name + ": " + camera.link +
          " is taken as the camera's body (x forward) in the optical centre; where a " +
          "driver or URDF fixes the optical frame below it, --optical says where";

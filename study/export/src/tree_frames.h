@@ -9,8 +9,6 @@
 namespace rigproof {
 namespace exporting {
 
-/// As ROS names them (REP 103): "camera_color_optical_frame".
-bool is_optical_name(const std::string& name);
 /// Whether `link` is the optical frame itself: by its name, or because nobody named another one than the camera's own.
 bool is_optical_link(const ExportCamera& camera);
 /// As the user calls it, or made of the link's name.

@@ -75,7 +75,7 @@ std::string link_suggestion(const std::string& name, const std::vector<std::stri
   const std::size_t more = of_cameras.size() > kMost ? of_cameras.size() - kMost : 0;
   of_cameras.resize(of_cameras.size() - more);
   if (of_cameras.empty()) return text;
-  return text + (text.empty() ? "; " : " ") + "Links of cameras there: " + joined(of_cameras) +
+  return text + (text.empty() ? "; l" : " L") + "inks of cameras there: " + joined(of_cameras) +
          (more > 0 ? " and " + std::to_string(more) + " more" : "");
 }
 

@@ -34,10 +34,16 @@ class FrameTree {
   std::string mount_link(const std::string& optical, const std::vector<std::string>& robot_frames) const;
 
  private:
-  Rigid3 T_root(const std::string& frame) const;
+  Rigid3 T_above(const std::string& above, const std::string& frame) const;
 
   std::map<std::string, Edge> edges_;
 };
+
+/// As ROS names optical frames (REP 103): "camera_color_optical_frame".
+bool is_optical_name(const std::string& frame);
+/// As the user calls it, or made of the link's name; the link itself where that is the optical frame, by its name or
+/// because nobody named another one than the camera's own.
+std::string optical_frame_name(const std::string& camera, const std::string& link, const std::string& optical_frame);
 
 /// tf_static.json: the transforms as results have them.
 std::string frame_tree_text(const FrameTree& tree);

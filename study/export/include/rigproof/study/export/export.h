@@ -56,8 +56,8 @@ struct ExportCamera {
   std::string joint;                    ///< where somebody says
   std::string parent;                   ///< what `link` hangs on in the robot's tree; empty: nobody says
   Rigid3 T_robot_parent;
-  std::optional<Camera> told;           ///< intrinsics of the rig
-  std::optional<Camera> estimated;      ///< those that the pose goes with, where they were estimated
+  std::optional<Camera> told;       ///< intrinsics of the rig
+  std::optional<Camera> estimated;  ///< those that the pose goes with, where they were estimated
 
   bool is_known() const { return estimate.fully_observable(); }
   /// Those that the pose goes with; null where nobody says.
@@ -76,6 +76,8 @@ struct ExportJob {
   std::vector<std::string> warnings;
 };
 
+/// Throws Error with every camera that options name and the result does not have.
+void check_export_names(const Result& result, const ExportOptions& options);
 /// Takes what is to be exported from a result. Throws Error with every unknown camera; with ExitCode::kRefused for a
 /// result that is not solved without `partial`, and for one that knows no pose at all.
 ExportJob prepare_export(const Result& result, const RigFacts& rig, const ExportOptions& options);
