@@ -184,8 +184,10 @@ struct ConvertArguments {
   CommonArguments common;
   std::filesystem::path input;
   std::filesystem::path output;
-  std::string to;  ///< a writable format; empty = the one that the input is not
+  std::string to;  ///< a writable format, or mcap; empty = by the output's name, else the one that the input is not
   int cloud_points = 12000;
+  bool compressed = false;       ///< pictures in a bag stay PNG or JPEG
+  std::string packing = "zstd";  ///< of a bag's chunks
 };
 int convert_command(const ConvertArguments& arguments);
 

@@ -27,8 +27,19 @@ InfoFields info_of(const RigCamera& camera) {
 // Stamps of the small run count from 0; a robot's clock does not.
 constexpr double kEpoch_s = 1700000000.0;
 
-std::string bag_of(const Recording& recording) {
+// As a robot's description has them: the mounts are a guess.
+Recorded frames_of(const Recording& recording) {
+  std::vector<TransformFields> transforms = {{"base_footprint", "base_link", {0, 0, 0.13, 0, 0, 0, 1}}};
+  for (const RigCamera& camera : recording.rig.cameras) {
+    transforms.push_back({"base_link", camera.name + "_link", {0.2, 0, 0.5, 0, 0, 0, 1}});
+    transforms.push_back({camera.name + "_link", camera.name + "_optical", {0, 0.015, 0, -0.5, 0.5, -0.5, 0.5}});
+  }
+  return {"/tf_static", "tf2_msgs/msg/TFMessage", kEpoch_s, tf_message(kEpoch_s, transforms)};
+}
+
+std::string bag_of(const Recording& recording, bool with_frames = false) {
   std::vector<Recorded> messages;
+  if (with_frames) messages.push_back(frames_of(recording));
   for (const OdometrySample& row : recording.odometry) {
     const double t = kEpoch_s + row.stamp_s;
     const PoseFields pose{row.x_m, row.y_m, 0, 0, 0, std::sin(0.5 * row.yaw_rad), std::cos(0.5 * row.yaw_rad)};
@@ -80,6 +91,66 @@ TEST(InitCommand, ABagCalibratesToTheSamePosesAsItsRecording) {
     EXPECT_LT(error.norm(), 1e-6) << i;
   }
   EXPECT_EQ(imported.odometry.size(), recording.odometry.size());
+}
+
+double largest_difference(const Result& a, const Result& b) {
+  EXPECT_EQ(a.camera_to_robot.size(), b.camera_to_robot.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.camera_to_robot.size(); ++i)
+    largest = std::max(
+        largest, transform_error(a.camera_to_robot[i].T_parent_child, b.camera_to_robot[i].T_parent_child).norm());
+  return largest;
+}
+
+// A run as a bag and back: with the same facts of the rig the numbers are the same, to nanoseconds of the stamps.
+TEST(ConvertCommand, ABagOfARunCalibratesToTheSameNumbers) {
+  const TempFolder scratch;
+  const std::string run = small_run().string(), ours = (scratch / "ours").string();
+  ASSERT_EQ(rigproof_command({"calibrate", run + "/recording", "-o", ours}).exit_code, 0);
+  const Result expected = load_result(fs::path(ours) / "ml.yaml");
+  for (const std::vector<std::string>& how : {std::vector<std::string>{"--packing", "lz4"}, {"--compressed"}}) {
+    const TempFolder folder;
+    const std::string bag = (folder / "run.mcap").string(), made = (folder / "monday").string();
+    std::vector<std::string> convert = {"convert", run, bag};
+    convert.insert(convert.end(), how.begin(), how.end());
+    const ProcessOutput output = rigproof_command(convert);
+    ASSERT_EQ(output.exit_code, 0) << output.err;
+    EXPECT_THAT(output.out, AllOf(HasSubstr("mcap  "), HasSubstr("depth images"), HasSubstr("that is sought")));
+    EXPECT_EQ(read_whole_file(bag).find("square_mm"), std::string::npos) << "no rig.yaml is in it";
+    ASSERT_EQ(rigproof_command({"init", bag, "-o", made, "--every-image"}).exit_code, 0);
+    fs::copy_file(small_run() / "recording/rig.yaml", fs::path(made) / "rig.yaml",
+                  fs::copy_options::overwrite_existing);
+    ASSERT_EQ(rigproof_command({"calibrate", made}).exit_code, 0);
+    EXPECT_LT(largest_difference(load_result(fs::path(made) / "results/ml.yaml"), expected), 1e-9) << how[0];
+    EXPECT_EQ(rigproof_command({"convert", run, bag}).exit_code, 2) << "nothing is overwritten";
+  }
+}
+
+// What a bag says of the robot's frames is enough for its tree: three commands and no question.
+TEST(InitCommand, FromTheBagToTheTreeNothingIsAsked) {
+  const TempFolder scratch;
+  const Recording recording = load_recording(small_run() / "recording");
+  const fs::path bag = scratch.write("run.mcap", bag_of(recording, true)), made = scratch / "monday";
+  ASSERT_EQ(
+      rigproof_command({"init", bag.string(), "--board", "checkerboard_5x4_100mm", "-o", made.string()}).exit_code, 0);
+  ASSERT_EQ(rigproof_command({"calibrate", made.string()}).exit_code, 0);
+  const ProcessOutput output = rigproof_command({"export", made.string(), "--to", "json"});
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const json exported = json::parse(output.out);
+  const Result result = load_result(made / "results/ml.yaml");
+  ASSERT_EQ(exported["tree"].size(), recording.rig.cameras.size());
+  for (std::size_t i = 0; i < recording.rig.cameras.size(); ++i) {
+    const json& edge = exported["tree"][i];
+    EXPECT_EQ(edge["parent"], "base_link");
+    EXPECT_EQ(edge["child"], recording.rig.cameras[i].name + "_link");
+    const std::vector<double> t = edge["translation_m"], q = edge["quaternion_xyzw"];
+    const Rigid3 T_base_link({q[3], q[0], q[1], q[2]}, {t[0], t[1], t[2]});
+    const Rigid3 T_robot_base(Eigen::Quaterniond::Identity(), {0, 0, 0.13});
+    const Rigid3 T_link_optical({0.5, -0.5, 0.5, -0.5}, {0, 0.015, 0});
+    const Vector6d error =
+        transform_error(T_robot_base * T_base_link * T_link_optical, result.camera_to_robot[i].T_parent_child);
+    EXPECT_LT(error.norm(), 1e-9);
+  }
 }
 
 TEST(InitCommand, SaysWhatItFoundAndWhatIsMissing) {

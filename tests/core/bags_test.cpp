@@ -8,6 +8,7 @@
 #include "bag_bytes.h"
 #include "error_text.h"
 #include "rigproof/bags/bag.h"
+#include "rigproof/bags/bag_writer.h"
 #include "rigproof/bags/messages.h"
 #include "temp_folder.h"
 
@@ -239,6 +240,92 @@ TEST(Bags, ReadingIsInterruptedWhereTheCallerSays) {
   } catch (const Error& error) {
     EXPECT_EQ(error.exit_code(), ExitCode::kTryAgain);
   }
+}
+
+// ------------------------------------------------------------------------------------------------------- written bags
+
+void write_poses(const std::filesystem::path& file, BagPacking packing, int count) {
+  BagWriter bag(file, packing);
+  for (int i = 0; i < count; ++i) {
+    RosOdometry odometry;
+    odometry.header = {1000 + i, "odom"};
+    odometry.T_odom_child.translation.x() = 0.1 * i;
+    bag.write("/odom", kOdometryType, odometry.header.stamp_ns, message_bytes(odometry));
+    const std::string pixels(200000, 'x');  // so that there are several chunks
+    RosCompressedImage image{{1000 + i, "eye"}, "png", pixels};
+    bag.write("/eye", kCompressedImageType, image.header.stamp_ns, message_bytes(image));
+  }
+  bag.finish();
+}
+
+TEST(BagWriter, WhatItWritesIsReadWhateverThePacking) {
+  const TempFolder scratch;
+  for (const BagPacking packing : {BagPacking::kNone, BagPacking::kLz4, BagPacking::kZstd}) {
+    const std::filesystem::path file = scratch / ("bag" + std::to_string(static_cast<int>(packing)) + ".mcap");
+    write_poses(file, packing, 40);
+    const ReadBag bag = read_all(file, scratch / "scratch");
+    expect_whole(bag);
+    EXPECT_THAT(bag.notes, IsEmpty());
+    EXPECT_NE(bag.places.front().chunk, bag.places.back().chunk);
+  }
+}
+
+TEST(BagWriter, AFileAppearsWholeOrNotAtAll) {
+  const TempFolder scratch;
+  const std::filesystem::path file = scratch / "bag.mcap";
+  { const BagWriter interrupted(file, BagPacking::kZstd); }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+  write_poses(file, BagPacking::kZstd, 1);
+  EXPECT_THAT(error_text([&] { BagWriter(file, BagPacking::kZstd); }), HasSubstr("there is something already"));
+  EXPECT_THAT(error_text([&] { BagWriter(scratch / "bag.mcap/a.mcap", BagPacking::kZstd); }), HasSubstr("a.mcap"));
+}
+
+// Written by one and read by the other half, and the bytes are those of the tests' own writer.
+TEST(BagMessages, AreWrittenAsOthersWriteThem) {
+  RosCameraInfo info;
+  info.header = {1700000000250000000, "eye"};
+  info.width = 640;
+  info.height = 360;
+  info.distortion_model = "plumb_bob";
+  info.d = {0.1, -0.2, 0.001, 0.002, 0};
+  info.k = {320, 0, 319.5, 0, 321, 179.5, 0, 0, 1};
+  info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.roi.x_offset = 3;
+  InfoFields fields;
+  fields.frame_id = "eye";
+  fields.width = 640;
+  fields.height = 360;
+  fields.d = info.d;
+  fields.k = {info.k.begin(), info.k.end()};
+  fields.x_offset = 3;
+  EXPECT_EQ(message_bytes(info), info_message(fields, 1700000000.25));
+  EXPECT_EQ(message_bytes(RosCompressedImage{info.header, "png", "abcde"}),
+            compressed_message(1700000000.25, "eye", "png", "abcde"));
+  RosImage image;
+  image.header = info.header;
+  image.height = 1;
+  image.width = image.step = 3;
+  image.encoding = "mono8";
+  image.data = "abc";
+  ImageFields pixels{1700000000.25, "eye", 3, 1, 3, "mono8", false, "abc"};
+  EXPECT_EQ(message_bytes(image), image_message(pixels));
+  RosOdometry odometry{{0, "odom"}, "base_link", Rigid3({0.5, 0.5, 0.5, 0.5}, {1, 2, 3})};
+  EXPECT_EQ(message_bytes(odometry), odometry_message(0.0, {1, 2, 3, 0.5, 0.5, 0.5, 0.5}));
+  odometry.velocity.x() = 0.3;
+  odometry.angular_velocity.z() = -0.2;
+  const RosOdometry again = read_odometry_message(message_bytes(odometry));
+  EXPECT_EQ(again.velocity.x(), 0.3);
+  EXPECT_EQ(again.angular_velocity.z(), -0.2);
+  const std::vector<RosTransform> transforms = {{{0, "a"}, "b", odometry.T_odom_child}};
+  EXPECT_EQ(message_bytes(transforms), tf_message(0.0, {{"a", "b", {1, 2, 3, 0.5, 0.5, 0.5, 0.5}}}));
+}
+
+TEST(BagMessages, DefinitionsBringThoseOfAllTheirParts) {
+  const std::string text = message_definition(kOdometryType);
+  for (const char* part :
+       {"std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Quaternion", "geometry_msgs/Vector3"})
+    EXPECT_THAT(text, HasSubstr(std::string("MSG: ") + part + "\n"));
+  EXPECT_THAT(error_text([] { message_definition("std_msgs/msg/String"); }), HasSubstr("std_msgs/msg/String"));
 }
 
 TEST(BagMessages, AreReadInBothByteOrders) {

@@ -98,12 +98,12 @@ class McapFile : public BagFile {
     const std::uint64_t left = window_.size() - at;
     const Record record = left >= kRecordHead ? head_at(at) : Record();
     if (left >= kRecordHead && record.opcode != 0 && record.length <= left - kRecordHead) return record;
-    if (finished_)
-      throw damaged(at, left < kRecordHead ? "the data ends without its end mark"
-                                           : "a record of " + std::to_string(record.length) + " bytes, of which " +
-                                                 std::to_string(left) + " are there");
-    sink.note(file_.filename().string() + " was never finished (no footer); read as far as it goes, " +
-              std::to_string(at) + " of " + std::to_string(window_.size()) + " bytes");
+    const std::string missing =
+        "a record of " + std::to_string(record.length) + " bytes, of which " + std::to_string(left) + " are there";
+    if (finished_) throw damaged(at, left < kRecordHead ? "the data ends without its end mark" : missing);
+    sink.note(file_.filename().string() + " was never finished (no footer), or is damaged; read as far as it goes, " +
+              std::to_string(at) + " of " + std::to_string(window_.size()) + " bytes" +
+              (left >= kRecordHead && record.opcode != 0 ? ", where " + missing : ""));
     return std::nullopt;
   }
 

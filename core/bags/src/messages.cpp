@@ -99,6 +99,10 @@ RosOdometry read_odometry_message(std::string_view message) {
     odometry.header = header_of(cdr);
     odometry.child_frame_id = cdr.text();
     odometry.T_odom_child = pose_of(cdr);
+    cdr.array<36>();  // covariance
+    const std::array<double, 3> linear = cdr.array<3>(), angular = cdr.array<3>();
+    odometry.velocity = {linear[0], linear[1], linear[2]};
+    odometry.angular_velocity = {angular[0], angular[1], angular[2]};
     return odometry;
   });
 }
@@ -113,6 +117,28 @@ std::vector<RosTransform> read_tf_message(std::string_view message) {
       transform.T_parent_child = pose_of(cdr);
     }
     return transforms;
+  });
+}
+
+RosPointCloud read_point_cloud_message(std::string_view message) {
+  return reading(message, [](CdrReader& cdr) {
+    RosPointCloud cloud;
+    cloud.header = header_of(cdr);
+    cloud.height = cdr.number<std::uint32_t>();
+    cloud.width = cdr.number<std::uint32_t>();
+    constexpr std::size_t kLeast = 14;  // length of a name, and three numbers
+    cloud.fields.resize(cdr.length(kLeast));
+    for (RosPointCloud::Field& field : cloud.fields) {
+      field.name = cdr.text();
+      field.offset = cdr.number<std::uint32_t>();
+      field.datatype = cdr.number<std::uint8_t>();
+      field.count = cdr.number<std::uint32_t>();
+    }
+    cloud.is_bigendian = cdr.number<std::uint8_t>() != 0;
+    cloud.point_step = cdr.number<std::uint32_t>();
+    cloud.row_step = cdr.number<std::uint32_t>();
+    cloud.data = cdr.bytes();
+    return cloud;
   });
 }
 

@@ -1,6 +1,6 @@
 // The messages of ROS 2 that a calibration needs, as their definitions have them. Each read_ function takes the bytes
 // of one message (plain CDR, in either byte order) and throws Error, without a topic's name, for what is no such
-// message.
+// message. message_bytes() is the way back, little-endian.
 #pragma once
 
 #include <array>
@@ -19,6 +19,7 @@ inline constexpr const char* kCompressedImageType = "sensor_msgs/msg/CompressedI
 inline constexpr const char* kCameraInfoType = "sensor_msgs/msg/CameraInfo";
 inline constexpr const char* kOdometryType = "nav_msgs/msg/Odometry";
 inline constexpr const char* kTfType = "tf2_msgs/msg/TFMessage";
+inline constexpr const char* kPointCloudType = "sensor_msgs/msg/PointCloud2";
 
 /// std_msgs/Header.
 struct RosHeader {
@@ -38,6 +39,7 @@ struct RosImage {
   std::string_view data;   ///< into the message
 };
 RosImage read_image(std::string_view message);
+std::string message_bytes(const RosImage& image);
 
 /// sensor_msgs/CompressedImage.
 struct RosCompressedImage {
@@ -46,6 +48,7 @@ struct RosCompressedImage {
   std::string_view data;  ///< into the message
 };
 RosCompressedImage read_compressed_image(std::string_view message);
+std::string message_bytes(const RosCompressedImage& image);
 
 /// sensor_msgs/CameraInfo.
 struct RosCameraInfo {
@@ -62,15 +65,20 @@ struct RosCameraInfo {
   } roi;
 };
 RosCameraInfo read_camera_info_message(std::string_view message);
+std::string message_bytes(const RosCameraInfo& info);
 
-/// What nav_msgs/Odometry says of the pose.
+/// What nav_msgs/Odometry says of a robot on the ground.
 struct RosOdometry {
   RosHeader header;  ///< frame_id: the odometry frame
   std::string child_frame_id;
   Rigid3 T_odom_child;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< along the child's axes [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< the same [rad/s]
 };
 /// Throws Error for a quaternion whose norm is not 1 within 1 %.
 RosOdometry read_odometry_message(std::string_view message);
+/// With covariances of zero: not stated.
+std::string message_bytes(const RosOdometry& odometry);
 
 /// geometry_msgs/TransformStamped.
 struct RosTransform {
@@ -80,5 +88,28 @@ struct RosTransform {
 };
 /// tf2_msgs/TFMessage.
 std::vector<RosTransform> read_tf_message(std::string_view message);
+std::string message_bytes(const std::vector<RosTransform>& transforms);
+
+/// sensor_msgs/PointCloud2.
+struct RosPointCloud {
+  struct Field {
+    std::string name;
+    std::uint32_t offset = 0;   ///< in a point
+    std::uint8_t datatype = 0;  ///< 7: float32, 8: float64
+    std::uint32_t count = 0;
+  };
+  RosHeader header;
+  std::uint32_t height = 0, width = 0;
+  std::vector<Field> fields;
+  bool is_bigendian = false;
+  std::uint32_t point_step = 0, row_step = 0;  ///< bytes
+  std::string_view data;                       ///< into the message
+};
+RosPointCloud read_point_cloud_message(std::string_view message);
+std::string message_bytes(const RosPointCloud& cloud);
+
+/// What recorders keep beside a topic: its type's definition (ros2msg) with those of all types in it. Throws Error for
+/// a type that is not among those above.
+std::string message_definition(const std::string& type);
 
 }  // namespace rigproof
