@@ -22,7 +22,7 @@ void add_init_command(CLI::App& app, Action& action) {
   command
       ->add_option("--topic", arguments.topics,
                    "Where a guess is wrong: CAMERA=/images, CAMERA.depth=/depth, CAMERA.camera_info=/info, "
-                   "odometry=/odom; none leaves it out; may be repeated")
+                   "odometry=/odom; none leaves it out (tf_static=none: the robot's frames); may be repeated")
       ->type_name("NAME=TOPIC");
   command
       ->add_option("--camera-info", arguments.camera_infos,

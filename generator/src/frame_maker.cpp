@@ -3,6 +3,7 @@
 #include "exposures.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/pcd.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/generator_version.h"
 #include "sensing/resolve.h"

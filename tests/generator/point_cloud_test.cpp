@@ -5,6 +5,8 @@
 
 #include <cstring>
 
+#include "rigproof/core/pcd.h"
+
 namespace rigproof {
 namespace {
 

@@ -11,6 +11,7 @@
 #include "ground_track.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/formats/frame_tree.h"
 #include "ros_pictures.h"
 #include "topic_names.h"
 
@@ -239,6 +240,67 @@ TEST(RosPictures, DepthInCountsAndMetres) {
   EXPECT_EQ(
       depth_of(kCompressedImageType, compressed_message(0, "f", "32FC1; compressedDepth png", quantised + png), unit_m),
       10000);
+}
+
+// The coder of the paper: runs of zeros and of others, differences in zigzag, three bits a nibble.
+class RvlCoder {
+ public:
+  std::string code(const Image16& image) {
+    auto pixel = image.pixels.begin();
+    int previous = 0;
+    while (pixel != image.pixels.end()) {
+      const auto shown = std::find_if(pixel, image.pixels.end(), [](std::uint16_t value) { return value != 0; });
+      const auto end = std::find(shown, image.pixels.end(), std::uint16_t{0});
+      number(static_cast<std::uint32_t>(shown - pixel));
+      number(static_cast<std::uint32_t>(end - shown));
+      for (pixel = shown; pixel != end; ++pixel) {
+        const int delta = *pixel - previous;
+        previous = *pixel;
+        number(static_cast<std::uint32_t>(delta < 0 ? -2 * delta - 1 : 2 * delta));
+      }
+    }
+    while (nibbles_ % 8 != 0) nibble(0);
+    std::string bytes(reinterpret_cast<const char*>(&image.width), 4);
+    bytes.append(reinterpret_cast<const char*>(&image.height), 4);
+    return bytes.append(reinterpret_cast<const char*>(words_.data()), 4 * words_.size());
+  }
+
+ private:
+  void number(std::uint32_t value) {
+    for (; value > 7; value >>= 3U) nibble((value & 7U) | 8U);
+    nibble(value);
+  }
+  void nibble(std::uint32_t value) {
+    if (nibbles_++ % 8 == 0) words_.push_back(0);
+    words_.back() = (words_.back() << 4U) | value;
+  }
+  std::vector<std::uint32_t> words_;
+  std::size_t nibbles_ = 0;
+};
+
+TEST(RosPictures, DepthInRvl) {
+  Image16 image(64, 48);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = static_cast<std::uint16_t>(i % 7 < 2 ? 0 : (i * 37) % 65536);
+  const std::string coded = RvlCoder().code(image), head(12, '\0');
+  PictureMaker maker;
+  const auto message = [&](const std::string& data) {
+    return compressed_message(0, "f", "16UC1; compressedDepth rvl", head + data);
+  };
+  const PictureFile file = maker.depth(kCompressedImageType, message(coded), 1e-3);
+  const auto decoded = decode_depth_image({file.bytes.begin(), file.bytes.end()});
+  ASSERT_TRUE(std::holds_alternative<Image16>(decoded));
+  EXPECT_EQ(std::get<Image16>(decoded).pixels, image.pixels);
+  const PictureKind kind = kind_of_picture(kCompressedImageType, "/d/compressedDepth", message(coded));
+  EXPECT_TRUE(kind.is_depth);
+  EXPECT_EQ(kind.width, 64);
+  const auto failure = [&](const std::string& data) {
+    return error_text([&] { maker.depth(kCompressedImageType, message(data), 1e-3); });
+  };
+  EXPECT_THAT(failure(coded.substr(0, coded.size() / 2)), HasSubstr("ends early"));
+  EXPECT_THAT(failure(coded.substr(0, 3)), HasSubstr("ends early"));
+  EXPECT_THAT(failure(std::string(8, '\xff')), HasSubstr("are allowed"));
+  EXPECT_THAT(failure(coded.substr(0, 8) + std::string(400, '\xff')), HasSubstr("30 bits"));
 }
 
 TEST(RosPictures, WhatIsNoPictureIsRefused) {

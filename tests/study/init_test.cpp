@@ -7,7 +7,9 @@
 #include "bag_bytes.h"
 #include "error_text.h"
 #include "rigproof/bags/messages.h"
+#include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/recording.h"
+#include "rigproof/formats/frame_tree.h"
 #include "rigproof/png/png_encoder.h"
 #include "temp_folder.h"
 
@@ -133,7 +135,12 @@ TEST_F(Init, ABagBecomesARecording) {
   ASSERT_EQ(recording.frames[1].size(), 15U);
   EXPECT_EQ(recording.frames[1][0].stamp_s, 1700000000.05);
   EXPECT_TRUE(fs::exists(scratch_ / "monday/right/depth/000014.png"));
-  EXPECT_THAT(scratch_.read("monday/tf_static.json"), HasSubstr("left_optical"));
+  EXPECT_EQ(recording.rig.cameras[0].optical_frame, "left_optical");
+  ASSERT_TRUE(recording.rig.cameras[0].T_link_camera);
+  EXPECT_EQ(recording.rig.cameras[0].T_link_camera->translation.y(), 0.015);
+  const FrameTree tree = load_frame_tree(scratch_ / "monday/tf_static.json");
+  EXPECT_EQ(tree.edges().at("left_optical").parent, "left_link");
+  EXPECT_EQ(tree.between("base_footprint", "left_link")->translation.z(), 0.6);
   EXPECT_FALSE(fs::exists(scratch_ / "monday/.scratch"));
 }
 
@@ -280,6 +287,107 @@ TEST_F(Init, TwoDriversOnOneTopicAreRefused) {
   InitOptions options = options_for(Robot());
   scratch_.write("bag.mcap", mcap_bytes(messages));
   EXPECT_THAT(failure(options), AllOf(HasSubstr("left_optical"), HasSubstr("other_optical")));
+}
+
+// ------------------------------------------------------------------------------------------------- frames of the robot
+
+struct WithFrames {
+  std::vector<TransformFields> transforms;
+  std::string bytes() const {
+    Robot robot;
+    robot.tf = false;
+    std::vector<Recorded> messages = messages_of(robot);
+    messages.insert(messages.begin(), {"/tf_static", kTfType, 1700000000.0, tf_message(1700000000.0, transforms)});
+    return mcap_bytes(messages);
+  }
+};
+
+TEST_F(Init, FramesInACircleOrOfTwoParentsAreRefusedOrLeftOut) {
+  InitOptions options = options_for(Robot());
+  for (const auto& [transforms, words] :
+       {std::pair{std::vector<TransformFields>{{"mast", "left_optical", {}}, {"left_optical", "mast", {}}},
+                  "in a circle"},
+        std::pair{std::vector<TransformFields>{{"mast", "left_optical", {}}, {"base_link", "left_optical", {}}},
+                  "two parents, mast and base_link"}}) {
+    scratch_.write("bag.mcap", WithFrames{transforms}.bytes());
+    options.topics.clear();
+    EXPECT_THAT(failure(options),
+                AllOf(HasSubstr("camera left: /tf_static"), HasSubstr(words), HasSubstr("--topic tf_static=none")));
+    options.topics = {"tf_static=none"};
+    EXPECT_THAT(init_recording(options).notes, Contains(HasSubstr("is not in /tf_static")));
+    EXPECT_FALSE(fs::exists(scratch_ / "monday/tf_static.json"));
+    fs::remove_all(scratch_ / "monday");
+  }
+}
+
+TEST_F(Init, FramesWithoutAPathToTheRobotAreSaid) {
+  InitOptions options = options_for(Robot());
+  scratch_.write("bag.mcap", WithFrames{{{"left_link", "left_optical", {}}}}.bytes());
+  const InitReport report = init_recording(options);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("does not join left_optical with base_link")));
+  EXPECT_THAT(report.notes, Contains(HasSubstr("right_optical is not in /tf_static")));
+  EXPECT_EQ(report.cameras[0].link, "left_link");
+  options.output = scratch_ / "tuesday";
+  options.robot_frame = "left_link";
+  EXPECT_THAT(failure(options), HasSubstr("/tf_static does not join it with base_link"));
+}
+
+// ------------------------------------------------------------------------------------------------------------- clouds
+
+std::string cloud_message(double stamp_s, const std::string& frame, float z_m) {
+  const float values[] = {0.5F, 0.0F, z_m, NAN, 0.0F, 0.0F};
+  RosPointCloud cloud;
+  cloud.header = {static_cast<std::int64_t>(std::llround((stamp_s - 1700000000.0) * 1e9)) + 1700000000000000000, frame};
+  cloud.height = 1;
+  cloud.width = 2;
+  cloud.fields = {{"x", 0, 7, 1}, {"y", 4, 7, 1}, {"z", 8, 7, 1}};
+  cloud.point_step = 12;
+  cloud.row_step = 24;
+  cloud.data = {reinterpret_cast<const char*>(values), sizeof values};
+  return message_bytes(cloud);
+}
+
+TEST_F(Init, PointsServeWhereThereAreNoDepthImages) {
+  Robot robot;
+  robot.cameras = {"left"};
+  robot.depth = false;
+  std::vector<Recorded> messages = messages_of(robot);
+  for (int i = 0; i < 100; ++i) {
+    const double t = 1700000000.05 + 0.1 * i;
+    messages.push_back({"/left/points", kPointCloudType, t, cloud_message(t, "left_link", 3.0F)});
+  }
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  const InitReport report = init_recording(options);
+  EXPECT_EQ(report.cameras[0].depth, "/left/points");
+  EXPECT_EQ(report.cameras[0].depth_kept, 15U);
+  const Recording recording = load_recording(scratch_ / "monday");
+  ASSERT_TRUE(recording.rig.cameras[0].depth);
+  const auto points = read_point_cloud(scratch_ / "monday" / recording.frames[0][0].cloud_file);
+  ASSERT_TRUE(std::holds_alternative<std::vector<Eigen::Vector3f>>(points));
+  // From the link's axes (x forward) and 15 mm beside it into optical ones; the point that is none is left out.
+  const auto& seen = std::get<std::vector<Eigen::Vector3f>>(points);
+  ASSERT_EQ(seen.size(), 1U);
+  EXPECT_LT((seen[0] - Eigen::Vector3f(0.015F, -3.0F, 0.5F)).norm(), 1e-6F);
+}
+
+TEST_F(Init, TypesThatNobodyKnowsAreNamed) {
+  Robot robot;
+  robot.cameras.clear();
+  std::vector<Recorded> messages = messages_of(robot);
+  messages.push_back({"/left/image", "my_msgs/msg/Picture", 1700000000.0, CdrBytes().text("?").str()});
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("has no images"), HasSubstr("/left/image (my_msgs/msg/Picture)")));
+}
+
+// What a damaged beginning leaves of a bag is nothing; why is said.
+TEST_F(Init, AnEmptyBagSaysHowItWasRead) {
+  InitOptions options = options_for(Robot());
+  const std::string magic("\x89MCAP0\r\n", 8);
+  scratch_.write("bag.mcap", magic + std::string("\x01\xff\xff\xff\x7f\0\0\0\0", 9) + "rest");
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("no messages at all"), HasSubstr("or is damaged"),
+                                      HasSubstr("a record of 2147483647 bytes, of which 13 are there")));
 }
 
 TEST_F(Init, DamagedMessagesNameTheirTopic) {

@@ -147,6 +147,11 @@ class Planner {
       camera->link = tree.mount_link(images.frame_id(), robot_frames());
       if (camera->link != camera->optical_frame)
         camera->T_link_camera = tree.between(camera->link, camera->optical_frame);
+      const std::string& moved = choice_.odometry->child_frame_id;
+      if (!tree.between(moved, camera->optical_frame))
+        notes().push_back("/tf_static does not join " + camera->optical_frame + " with " + for_message(moved) +
+                          ", which " + choice_.odometry->name + " moves: `export` hangs " + camera->link +
+                          " on the robot frame itself");
     }
   }
 
@@ -299,7 +304,8 @@ class Planner {
       frame.color_file = report.name + "/color/" + number;
       plan_.pictures.push_back({camera, frames.size(), false, images.images[index].place});
       if (depth != nullptr && pairs.nearest[index]) {
-        frame.depth_file = report.name + "/depth/" + number;
+        (depth->is_cloud() ? frame.cloud_file : frame.depth_file) =
+            report.name + (depth->is_cloud() ? "/cloud/" : "/depth/") + number;
         plan_.pictures.push_back({camera, frames.size(), true, depth->images[*pairs.nearest[index]].place});
       }
       frames.push_back(frame);

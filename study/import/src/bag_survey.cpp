@@ -51,11 +51,12 @@ class Surveyor {
   BagSurvey run() {
     const auto wants = [](const BagTopic& topic) {
       static const std::set<std::string> kWanted = {kImageType, kCompressedImageType, kCameraInfoType, kOdometryType,
-                                                    kTfType};
+                                                    kTfType,    kPointCloudType};
       return topic.encoding == "cdr" && kWanted.count(full_type(topic.type)) > 0;
     };
     bag_.read(wants, [this](const BagMessage& message) { take(message); });
     survey_.topics = bag_.topics();
+    survey_.notes = bag_.notes();
     for (ImageTopic& topic : survey_.images) sort_images(topic);
     for (std::vector<PoseTopic>* topics : {&survey_.odometry, &survey_.tf})
       for (PoseTopic& topic : *topics) sort_poses(topic);
@@ -78,7 +79,8 @@ class Surveyor {
     if (is_tf(topic)) return take_transforms(topic, message);
     const RosHeader header = read_header(message.data);
     note_clock(topic.name, header.stamp_ns, message.log_time_ns);
-    if (type == kImageType || type == kCompressedImageType) take_image(topic.name, type, header, message);
+    if (type == kImageType || type == kCompressedImageType || type == kPointCloudType)
+      take_image(topic.name, type, header, message);
     if (type == kCameraInfoType) take_info(topic.name, message);
     if (type == kOdometryType) take_odometry(topic.name, message);
   }

@@ -22,12 +22,13 @@ struct ImageTopic {
   std::string name;
   std::string type;
   std::set<std::string> frame_ids;
-  std::string encoding;  ///< of the first picture; "png", "jpeg" or "compressedDepth" for compressed ones
-  bool is_depth = false;
+  std::string encoding;              ///< of the first picture; "png", "jpeg" or "compressedDepth" for compressed ones
+  bool is_depth = false;             ///< clouds are, too
   int width = 0, height = 0;         ///< of the first picture
   std::vector<StampedPlace> images;  ///< by stamp
 
   bool is_compressed() const { return type == kCompressedImageType; }
+  bool is_cloud() const { return type == kPointCloudType; }
   const std::string& frame_id() const { return *frame_ids.begin(); }
 };
 
@@ -55,6 +56,7 @@ struct Clocks {
 
 struct BagSurvey {
   std::vector<BagTopic> topics;
+  std::vector<std::string> notes;  ///< of the bag: how it was read
   std::vector<ImageTopic> images;
   std::vector<InfoTopic> infos;
   std::vector<PoseTopic> odometry;  ///< of nav_msgs/Odometry

@@ -28,11 +28,23 @@ std::optional<Camera> camera_of_depth(const BagSurvey& survey, const ImageTopic&
   }
 }
 
+std::optional<DepthStream> stream_of_cloud(const BagSurvey& survey, const ImageTopic& cloud, const ImageTopic& images,
+                                           std::vector<std::string>* notes) {
+  if (survey.tf_static.between(images.frame_id(), cloud.frame_id())) {
+    notes->push_back("the points of " + cloud.name + " are taken in place of depth images");
+    return DepthStream();
+  }
+  notes->push_back(cloud.name + " is left out: /tf_static does not join its frame " + cloud.frame_id() + " with " +
+                   images.frame_id() + " of the images");
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<DepthStream> depth_of_topic(const BagSurvey& survey, const ImageTopic& depth, const ImageTopic& images,
                                           const Camera& camera, std::vector<std::string>* notes) {
   DepthStream stream;
+  if (depth.is_cloud()) return stream_of_cloud(survey, depth, images, notes);
   stream.unit_m = depth_unit_m(depth.encoding);
   const bool same_frame = depth.frame_id() == images.frame_id();
   const bool same_size = depth.width == camera.width_px && depth.height == camera.height_px;

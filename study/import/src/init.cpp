@@ -9,10 +9,12 @@
 #include "rig_files.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/pcd.h"
 #include "rigproof/core/recording.h"
 #include "rigproof/core/text.h"
 #include "rigproof/formats/format.h"
 #include "rigproof/study/workflow/folder_in_making.h"
+#include "ros_cloud.h"
 #include "ros_pictures.h"
 
 namespace rigproof {
@@ -27,7 +29,8 @@ void step(const InitOptions& options, const char* what, std::uint64_t done, std:
 // Reads the pictures where they lie in the bag and writes them.
 class PictureWriter {
  public:
-  PictureWriter(Bag& bag, const InitOptions& options, ImportPlan* plan) : bag_(bag), options_(options), plan_(*plan) {
+  PictureWriter(Bag& bag, const BagSurvey& survey, const InitOptions& options, ImportPlan* plan)
+      : bag_(bag), survey_(survey), options_(options), plan_(*plan) {
     for (const PlannedPicture& picture : plan_.pictures) targets_[picture.place].push_back(&picture);
   }
 
@@ -56,6 +59,7 @@ class PictureWriter {
     const RigCamera& camera = plan_.recording.rig.cameras[picture.camera];
     CameraFrame& frame = plan_.recording.frames[picture.camera][picture.frame];
     const ImageTopic& topic = picture.is_depth ? *plan_.depth[picture.camera] : *plan_.images[picture.camera];
+    if (topic.is_cloud()) return write_cloud(picture, message, &frame);
     const PictureFile file = picture.is_depth ? maker_.depth(topic.type, message.data, camera.depth->unit_m)
                                               : maker_.color(topic.type, message.data);
     const Camera& optics =
@@ -64,10 +68,19 @@ class PictureWriter {
       throw Error("an image of " + std::to_string(file.width) + "x" + std::to_string(file.height) +
                   ", the intrinsics are of " + std::to_string(optics.width_px) + "x" +
                   std::to_string(optics.height_px));
-    std::string& name = picture.is_depth ? frame.depth_file : frame.color_file;
-    name += file.extension;
-    written_.push_back(plan_.recording.folder / name);
-    write_file_atomically_unsynced(written_.back(), file.bytes);
+    put(picture, picture.is_depth ? &frame.depth_file : &frame.color_file, file.extension, file.bytes);
+  }
+
+  void write_cloud(const PlannedPicture& picture, const BagMessage& message, CameraFrame* frame) {
+    const std::optional<Rigid3> T_camera_cloud =
+        survey_.tf_static.between(plan_.images[picture.camera]->frame_id(), plan_.depth[picture.camera]->frame_id());
+    put(picture, &frame->cloud_file, ".pcd", encode_pcd(points_of_message(message.data, T_camera_cloud.value())));
+  }
+
+  void put(const PlannedPicture& picture, std::string* name, const std::string& extension, std::string_view bytes) {
+    *name += extension;
+    written_.push_back(plan_.recording.folder / *name);
+    write_file_atomically_unsynced(written_.back(), bytes);
     InitCamera& report = plan_.report.cameras[picture.camera];
     ++(picture.is_depth ? report.depth_kept : report.images_kept);
   }
@@ -77,7 +90,7 @@ class PictureWriter {
     auto& [count, first] = unreadable_[topic.name];
     if (count++ == 0) first = reason;
     CameraFrame& frame = plan_.recording.frames[picture.camera][picture.frame];
-    (picture.is_depth ? frame.depth_file : frame.color_file).clear();
+    (topic.is_cloud() ? frame.cloud_file : picture.is_depth ? frame.depth_file : frame.color_file).clear();
   }
 
   void drop_unreadable() {
@@ -99,6 +112,7 @@ class PictureWriter {
   }
 
   Bag& bag_;
+  const BagSurvey& survey_;
   const InitOptions& options_;
   ImportPlan& plan_;
   std::map<BagPlace, std::vector<const PlannedPicture*>> targets_;
@@ -156,11 +170,13 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   bag.progress = [&options](std::uint64_t done, std::uint64_t total) {
     return !options.progress || options.progress("read", done, total);
   };
-  const BagSurvey survey = survey_bag(bag, options.log_stamps);
+  BagSurvey survey = survey_bag(bag, options.log_stamps);
+  if (std::find(options.topics.begin(), options.topics.end(), "tf_static=none") != options.topics.end())
+    survey.tf_static = {};
   ImportPlan plan = plan_import(survey, options, scratch);
   plan.recording.folder = making;
-  plan.report.notes.insert(plan.report.notes.begin(), bag.notes().begin(), bag.notes().end());
-  PictureWriter(bag, options, &plan).write_all();
+  plan.report.notes.insert(plan.report.notes.begin(), survey.notes.begin(), survey.notes.end());
+  PictureWriter(bag, survey, options, &plan).write_all();
   if (!survey.tf_static.empty()) write_file_atomically(making / kFrameTreeFile, frame_tree_text(survey.tf_static));
   plan.report.bytes = bag.size_bytes();
   plan.report.unpacked_bytes = bag.unpacked_bytes();

@@ -15,6 +15,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
 #include "rigproof/png/png_reader.h"
+#include "rvl.h"
 #include "topic_names.h"
 
 namespace rigproof {
@@ -124,6 +125,8 @@ Bytes bytes_of(std::string_view view) { return {view.begin(), view.end()}; }
 // compressedDepth: a header of 12 bytes before the picture (compressed_depth_image_transport).
 constexpr std::size_t kDepthHead = 12;
 
+bool is_rvl(const std::string& format) { return format.find("rvl") != std::string::npos; }
+
 bool is_compressed_depth(const std::string& topic, const std::string& format) {
   return format.find("compressedDepth") != std::string::npos || parts_of(topic).back() == "compressedDepth";
 }
@@ -171,6 +174,11 @@ PictureKind kind_of_compressed(const std::string& topic, std::string_view messag
   const bool depth = is_compressed_depth(topic, image.format);
   const std::string_view picture = depth ? image.data.substr(std::min(kDepthHead, image.data.size())) : image.data;
   const std::optional<PngHeader> png = read_png_header(bytes_of(picture.substr(0, 64)));
+  if (depth && is_rvl(image.format)) {
+    const RvlSize size = read_rvl_size(picture);
+    const bool floats = image.format.rfind("32FC1", 0) == 0;
+    return {floats ? "compressedDepth 32FC1" : "compressedDepth", true, size.width, size.height};
+  }
   if (png) {
     kind.encoding = depth ? (image.format.rfind("32FC1", 0) == 0 ? "compressedDepth 32FC1" : "compressedDepth") : "png";
     kind.width = static_cast<int>(png->width);
@@ -197,6 +205,7 @@ double depth_unit_m(const std::string& encoding) { return encoding.find("32FC1")
 
 PictureKind kind_of_picture(const std::string& type, const std::string& topic, std::string_view message) {
   if (type == kCompressedImageType) return kind_of_compressed(topic, message);
+  if (type == kPointCloudType) return {"points", true, 0, 0};
   const RosImage image = read_image(message);
   const bool counts16 = image.encoding == "16UC1" || image.encoding == "mono16";
   return {image.encoding,
@@ -228,9 +237,11 @@ PictureFile PictureMaker::depth(const std::string& type, std::string_view messag
     const RosCompressedImage compressed = read_compressed_image(message);
     const bool plain_png = compressed.data.substr(0, 4) == "\x89PNG";
     if (!plain_png && compressed.data.size() < kDepthHead) throw Error("depth that ends early");
-    const std::string_view png = plain_png ? compressed.data : compressed.data.substr(kDepthHead);
-    Image16 image = decoded_depth(png);
-    if (compressed.format.rfind("32FC1", 0) != 0 || plain_png) return {".png", png, image.width, image.height};
+    const std::string_view coded = plain_png ? compressed.data : compressed.data.substr(kDepthHead);
+    const bool rvl = !plain_png && is_rvl(compressed.format);
+    Image16 image = rvl ? decode_rvl(coded) : decoded_depth(coded);
+    if (compressed.format.rfind("32FC1", 0) != 0 || plain_png)
+      return rvl ? encoded(image) : PictureFile{".png", coded, image.width, image.height};
     const DepthQuantisation q = quantisation_of(compressed.data);
     for (std::uint16_t& pixel : image.pixels)
       pixel = pixel == 0

@@ -10,11 +10,11 @@
 namespace rigproof {
 
 struct PictureKind {
-  std::string encoding;  ///< as the message names it; "png", "jpeg", "compressedDepth" of compressed ones
+  std::string encoding;  ///< as the message names it; "png", "jpeg", "compressedDepth" of compressed ones, "points"
   bool is_depth = false;
   int width = 0, height = 0;
 };
-/// Of an Image or CompressedImage message, without unpacking it. Throws Error without the topic's name.
+/// Of an Image, CompressedImage or PointCloud2 message, without unpacking it. Throws Error without the topic's name.
 PictureKind kind_of_picture(const std::string& type, const std::string& topic, std::string_view message);
 
 /// A file to write.

@@ -123,7 +123,7 @@ const ImageTopic* require_image(const BagSurvey& survey, const TopicRule& rule, 
       if (image.is_depth == depth) known.push_back(image.name);
     problems->add(
         {"", 0, "--topic " + rule.name + (depth ? ".depth" : ""), for_message(rule.topic),
-         std::string("the bag has no ") + (depth ? "depth" : "") + " images there; " + suggestion(rule.topic, known)});
+         std::string("the bag has no ") + (depth ? "depth " : "") + "images there; " + suggestion(rule.topic, known)});
     return nullptr;
   }
   return topic;
@@ -178,7 +178,9 @@ int depth_rank(const ImageTopic& depth, const ImageTopic& image) {
       contains(depth.name, "to_color"))
     rank += 10;
   if (!depth.is_compressed()) rank += 1;
-  return rank + static_cast<int>(2 * shared);
+  rank += static_cast<int>(2 * shared);
+  constexpr int kAnyImage = 1000;  // images before clouds
+  return depth.is_cloud() ? rank : rank + kAnyImage;
 }
 
 void guess_depth(const BagSurvey& survey, std::vector<CameraTopics>* cameras) {
@@ -237,12 +239,14 @@ void apply_part_rule(const BagSurvey& survey, const TopicRule& rule, std::vector
 }
 
 std::string what_is_there(const BagSurvey& survey) {
-  if (survey.topics.empty()) return "it has no messages at all";
+  std::string notes;
+  for (const std::string& note : survey.notes) notes += "; " + note;
+  if (survey.topics.empty()) return "it has no messages at all" + notes;
   std::vector<std::string> topics;
   for (const BagTopic& topic : survey.topics)
     topics.push_back(topic.name + " (" + (topic.type.empty() ? "unknown type" : topic.type) +
                      (topic.encoding == "cdr" ? "" : ", encoding " + topic.encoding) + ")");
-  return "it has " + for_message(joined(topics), 600);
+  return "it has " + for_message(joined(topics), 600) + notes;
 }
 
 }  // namespace

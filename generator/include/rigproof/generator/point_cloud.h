@@ -1,11 +1,9 @@
-// Point clouds as a depth camera's driver would publish them, and their PCD files.
+// Point clouds as a depth camera's driver would publish them.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "rigproof/core/camera.h"
@@ -35,9 +33,5 @@ class CloudMaker {
   std::vector<Ray> rays_;
   std::vector<std::array<float, 3>> points_;
 };
-
-/// A PCD file, version 0.7: x y z as 32-bit floats, binary, unorganised. All machines that this builds for are
-/// little-endian, as the format expects.
-std::string encode_pcd(const std::vector<std::array<float, 3>>& points);
 
 }  // namespace rigproof

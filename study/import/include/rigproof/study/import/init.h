@@ -16,7 +16,8 @@ struct InitOptions {
   std::filesystem::path source;
   std::filesystem::path output;  ///< a new folder
   std::optional<Board> board;    ///< absent: rig.yaml has no line for it yet
-  /// odometry=TOPIC, NAME=TOPIC (images), NAME.depth=TOPIC, NAME.camera_info=TOPIC; `none` for a topic leaves it out.
+  /// odometry=TOPIC, NAME=TOPIC (images), NAME.depth=TOPIC, NAME.camera_info=TOPIC; `none` for a topic leaves it out,
+  /// tf_static=none the robot's static frames.
   std::vector<std::string> topics;
   std::filesystem::path odometry;         ///< trajectory of a folder of images; empty: the only one in it
   std::vector<std::string> camera_infos;  ///< NAME=FILE in place of the bag's CameraInfo
