@@ -1,4 +1,4 @@
-// `rigproof methods`, `scenes`, `rigs`, `sensors`, `boards`: what there is.
+// `rigproof methods`, `scenes`, `rigs`, `robots`, `sensors`, `boards`: what there is.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -57,6 +57,20 @@ std::vector<Entry> list_rigs() {
   return entries;
 }
 
+std::vector<Entry> list_robots() {
+  std::vector<Entry> entries;
+  for (const std::string& name : list_presets("robots")) {
+    const RobotModel robot = load_robot_model(name);
+    entries.push_back({name,
+                       {{"summary", robot.description},
+                        {"size", number_text(robot.footprint_length_m) + " x " + number_text(robot.footprint_width_m) +
+                                     " m, " + number_text(robot.mass_kg) + " kg"},
+                        {"wheels", "radius " + number_text(robot.wheel_radius_m) + " m, track " +
+                                       number_text(robot.track_m) + " m"}}});
+  }
+  return entries;
+}
+
 std::string field_of_view(const Camera& camera) {
   Eigen::Vector3d left, right;
   if (!camera.unproject({-0.5, camera.cy_px}, &left) ||
@@ -104,11 +118,9 @@ std::vector<Entry> list_boards() {
 }  // namespace
 
 int list_command(const CommonArguments& common, const std::string& kind) {
-  const std::map<std::string, std::function<std::vector<Entry>()>> lists = {{"methods", list_methods},
-                                                                            {"scenes", list_scenes},
-                                                                            {"rigs", list_rigs},
-                                                                            {"sensors", list_sensors},
-                                                                            {"boards", list_boards}};
+  const std::map<std::string, std::function<std::vector<Entry>()>> lists = {
+      {"methods", list_methods}, {"scenes", list_scenes},   {"rigs", list_rigs},
+      {"robots", list_robots},   {"sensors", list_sensors}, {"boards", list_boards}};
   const std::vector<Entry> entries = lists.at(kind)();
   if (common.json) {
     nlohmann::json json = nlohmann::json::array();

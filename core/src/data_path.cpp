@@ -38,12 +38,16 @@ std::vector<fs::path> candidates() {
   return folders;
 }
 
-fs::path folder_of_kind(const std::string& kind) {
+// Those of the user before the program's own.
+std::vector<fs::path> folders_of_kind(const std::string& kind) {
   static const std::vector<std::string> kKinds = {"rigs", "robots", "sensors", "boards", "scenes", "config"};
   if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
     throw Error("there is no kind of preset \"" + for_message(kind) + "\"; " + suggestion(kind, kKinds));
   const bool at_top = kind == "scenes" || kind == "config";
-  return at_top ? data_folder() / kind : data_folder() / "models" / kind;
+  std::vector<fs::path> folders = user_data_folders();
+  folders.push_back(data_folder());
+  for (fs::path& folder : folders) folder = at_top ? folder / kind : folder / "models" / kind;
+  return folders;
 }
 
 // A folder of its own may hold a preset together with its meshes: scenes/yard/scene.yaml is "yard".
@@ -60,12 +64,16 @@ struct Preset {
 };
 
 std::vector<Preset> presets_of(const std::string& kind) {
-  const fs::path folder = folder_of_kind(kind);
   std::vector<Preset> presets;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (it->path().extension() == ".yaml") presets.push_back({name_of(it->path(), folder, kind), it->path()});
-  std::sort(presets.begin(), presets.end(), [](const Preset& a, const Preset& b) { return a.name < b.name; });
+  for (const fs::path& folder : folders_of_kind(kind)) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+      if (it->path().extension() == ".yaml") presets.push_back({name_of(it->path(), folder, kind), it->path()});
+  }
+  // Of one name the first folder's.
+  std::stable_sort(presets.begin(), presets.end(), [](const Preset& a, const Preset& b) { return a.name < b.name; });
+  const auto same = [](const Preset& a, const Preset& b) { return a.name == b.name; };
+  presets.erase(std::unique(presets.begin(), presets.end(), same), presets.end());
   return presets;
 }
 
@@ -82,6 +90,22 @@ fs::path data_folder() {
     tried.push_back(folder.string());
   }
   throw Error("the program's data (models, scenes, config) were not found; set RIGPROOF_DATA. Tried: " + joined(tried));
+}
+
+std::vector<fs::path> user_data_folders() {
+  const char* const path = std::getenv("RIGPROOF_PATH");
+  const std::string all = path == nullptr ? "" : path;
+  std::vector<fs::path> folders;
+  for (std::size_t at = 0; at < all.size();) {
+    const std::size_t end = std::min(all.find(':', at), all.size());
+    std::error_code ignored;
+    const fs::path folder = all.substr(at, end - at);
+    if (!folder.empty() && !fs::is_directory(folder, ignored))
+      throw Error("RIGPROOF_PATH: " + folder.string() + ": no such folder");
+    if (!folder.empty()) folders.push_back(folder);
+    at = end + 1;
+  }
+  return folders;
 }
 
 fs::path find_preset(const std::string& kind, const std::string& name) {

@@ -109,8 +109,8 @@ std::optional<SensorPreset> read_sensor(FieldVisitor& visitor, const std::string
     if (!is_unknown && is_told(*visitor.problems(), reason)) return std::nullopt;
     visitor.check(false, "sensor",
                   reason +
-                      (is_unknown ? "; a preset of your own goes beside these, into models/sensors of the "
-                                    "data folder (RIGPROOF_DATA names another one)"
+                      (is_unknown ? "; a preset of your own goes into models/sensors of a folder that RIGPROOF_PATH "
+                                    "names"
                                   : "") +
                       (told ? ", or leave this key out: the file describes the camera itself" : ""));
     return std::nullopt;

@@ -44,6 +44,22 @@ TEST(DataPath, PresetsAreFoundByName) {
   EXPECT_THAT(list_presets("robots"), testing::IsEmpty());
 }
 
+// Folders of one's own beside the program's: what they have comes first.
+TEST(DataPath, FoldersOfTheUserComeFirst) {
+  const OwnData data;
+  const TempFolder mine, ours;
+  mine.write("models/rigs/cart_8x.yaml", "");
+  ours.write("models/rigs/cart_8x.yaml", "");
+  ours.write("models/rigs/mower.yaml", "");
+  setenv("RIGPROOF_PATH", (mine.path().string() + "::" + ours.path().string()).c_str(), 1);
+  EXPECT_THAT(list_presets("rigs"), testing::ElementsAre("cart_8x", "husky_3x_d455", "mower"));
+  EXPECT_EQ(find_preset("rigs", "cart_8x"), mine / "models/rigs/cart_8x.yaml");
+  EXPECT_EQ(find_data_file("rigs", "mower"), ours / "models/rigs/mower.yaml");
+  setenv("RIGPROOF_PATH", (mine / "nowhere").c_str(), 1);
+  EXPECT_THAT(error_text([] { list_presets("rigs"); }), HasSubstr("RIGPROOF_PATH: "));
+  unsetenv("RIGPROOF_PATH");
+}
+
 TEST(DataPath, AnExistingFileWinsOverAPreset) {
   const OwnData data;
   const fs::path file = data.write("mine/husky.yaml", "");

@@ -12,6 +12,10 @@ namespace rigproof {
 /// Throws Error that names every place that was tried.
 std::filesystem::path data_folder();
 
+/// Folders of the user's own, laid out as data_folder() is, whose presets come before those that ship: $RIGPROOF_PATH,
+/// separated by ":". Throws Error for one that is not there.
+std::vector<std::filesystem::path> user_data_folders();
+
 /// The YAML file of a preset by its name ("d455"), or a file that the user names by a path.
 /// @param kind "rigs", "robots", "sensors", "boards", "scenes" or "config".
 /// An existing file wins over a preset; in config/ a name may carry folders ("budgets/ci").
