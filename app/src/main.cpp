@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command_line.h"
+#include "command_texts.h"
 #include "export_command.h"
 #include "number_in.h"
 #include "rigproof/calib/vision/ground_source.h"
@@ -17,6 +18,7 @@
 #include "rigproof/formats/format.h"
 #include "rigproof/sim/board_pattern.h"
 #include "rigproof/sim/board_pdf.h"
+#include "rigproof/study/record/bag_of_recording.h"
 #include "rigproof/words/sentences.h"
 #include "terminal.h"
 
@@ -178,19 +180,26 @@ void add_report(CLI::App& app, Action& action) {
 }
 
 void add_convert(CLI::App& app, Action& action) {
-  const auto [command, arguments] =
-      add_command(app, action, "convert", "Turn a recording into the layout of another program, or back",
-                  "rigproof convert runs/demo for_memroc/", convert_command);
+  const auto [command, arguments] = add_command(
+      app, action, "convert", "Turn a recording into a ROS 2 bag or the layout of another program, or back",
+      "rigproof convert runs/demo demo.mcap", convert_command);
+  std::vector<std::string> layouts = writable_formats();
+  layouts.emplace_back(kBagLayout);
   command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(true))->required();
-  command->add_option("OUTPUT", arguments.output, "A new folder")->required();
+  command->add_option("OUTPUT", arguments.output, "A new folder, or a new file FILE.mcap")->required();
   command
       ->add_option("--to", arguments.to,
-                   joined(writable_formats(), " or ") + "; default memroc, of other layouts recording")
-      ->check(CLI::IsMember(writable_formats()));
+                   joined(layouts, ", ") + "; default mcap for FILE.mcap, else memroc, of other layouts recording")
+      ->check(CLI::IsMember(layouts));
   command
       ->add_option("--cloud-points", arguments.cloud_points,
                    "Limit on the points of a cloud that is made from a depth image")
       ->check(CLI::Range(100, 10000000))
+      ->capture_default_str();
+  command->add_flag("--compressed", arguments.compressed,
+                    "Pictures in a bag stay PNG or JPEG (CompressedImage); default: unpacked (Image)");
+  command->add_option("--packing", arguments.packing, "Of a bag's chunks: " + joined(bag_packings(), ", "))
+      ->check(CLI::IsMember(bag_packings()))
       ->capture_default_str();
   add_common(command, arguments.common);
 }
@@ -273,19 +282,70 @@ void add_schema(CLI::App& app, Action& action) {
   command->add_option("NAME", name, "Which file; without it the names are listed");
 }
 
-// CLI11 would only say that a command is missing.
-void check_command_name(const CLI::App& app, const std::string& name) {
-  if (name.empty() || name[0] == '-') return;
-  std::vector<std::string> known;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) known.push_back(command->get_name());
-  if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  throw Error("\"" + for_message(name) + "\": there is no such command; " + suggestion(name, known));
+int print_text(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
+void add_completion(CLI::App& app, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("completion", "Print a script that completes the command line in bash, zsh or fish");
+  command->footer("Example:\n  source <(rigproof completion bash)");
+  const auto shell = std::make_shared<std::string>();
+  command->add_option("SHELL", *shell, "For which shell")->required()->check(CLI::IsMember(completion_shells()));
+  command->callback([&app, &action, shell] {
+    action = [&app, shell] { return print_text(completion_script(facts_of(app), *shell)); };
+  });
+}
+
+void add_manual(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("manual", "Print the manual page, for man");
+  command->footer("Example:\n  rigproof manual > rigproof.1; man ./rigproof.1");
+  command->callback([&app, &action] { action = [&app] { return print_text(manual_page(facts_of(app))); }; });
 }
 
 // The command whose help answers the mistake: `rigproof calibrate` or `rigproof`.
 std::string help_command(const CLI::App& app) {
   const std::vector<CLI::App*> given = app.get_subcommands();
   return "rigproof " + (given.empty() ? "" : given.front()->get_name() + " ") + "--help";
+}
+
+// Help lists them so.
+void add_all_commands(CLI::App& app, Action& action) {
+  auto group = [&app, first = std::size_t{0}](const char* name) mutable {
+    const std::vector<CLI::App*> commands = app.get_subcommands(nullptr);
+    for (; first < commands.size(); ++first) commands[first]->group(name);
+  };
+  add_board(app, action);
+  add_init_command(app, action);
+  add_observe(app, action);
+  add_calibrate(app, action);
+  add_inspect(app, action);
+  add_report(app, action);
+  add_uncertainty_commands(app, action);
+  add_export_command(app, action);
+  group("From a robot to its frames");
+  add_run(app, action);
+  add_generate(app, action);
+  add_sense(app, action);
+  add_validate(app, action);
+  add_convert(app, action);
+  group("Data whose truth is known");
+  add_sweep_command(app, action);
+  add_paper_command(app, action);
+  group("Experiments");
+  add_list(app, "methods", "The calibration methods: what each needs and gives", action);
+  add_scenes(app, action);
+  add_list(app, "rigs", "The camera rigs", action);
+  add_list(app, "robots", "The robots that rigs are mounted on", action);
+  add_sensors(app, action);
+  add_list(app, "boards", "The board presets", action);
+  group("What there is to choose from");
+  add_doctor(app, action);
+  add_schema(app, action);
+  add_completion(app, action);
+  add_manual(app, action);
+  group("The tool itself");
 }
 
 int run_main(int argc, char** argv) {
@@ -295,33 +355,12 @@ int run_main(int argc, char** argv) {
   app.footer(kExitCodes);
   app.get_formatter()->column_width(34);
   Action action;
-  add_run(app, action);
-  add_generate(app, action);
-  add_sense(app, action);
-  add_init_command(app, action);
-  add_observe(app, action);
-  add_calibrate(app, action);
-  add_validate(app, action);
-  add_sweep_command(app, action);
-  add_paper_command(app, action);
-  add_uncertainty_commands(app, action);
-  add_export_command(app, action);
-  add_inspect(app, action);
-  add_report(app, action);
-  add_convert(app, action);
-  add_doctor(app, action);
-  add_board(app, action);
-  add_list(app, "methods", "The calibration methods: what each needs and gives", action);
-  add_scenes(app, action);
-  add_list(app, "rigs", "The camera rigs", action);
-  add_sensors(app, action);
-  add_list(app, "boards", "The board presets", action);
-  add_schema(app, action);
+  add_all_commands(app, action);
   if (argc < 2) {
     std::fputs(app.help().c_str(), stderr);
     return static_cast<int>(ExitCode::kBadInput);
   }
-  check_command_name(app, argv[1]);
+  check_names(app, {argv + 1, argv + argc});
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -14,6 +14,9 @@ namespace {
 
 std::atomic<int> interrupt_count{0};
 
+// The one line of progress that stands on the terminal; what is printed takes its place.
+ProgressLine* shown_line = nullptr;
+
 void on_interrupt(int signal_number) {
   if (++interrupt_count > 1) {
     std::signal(signal_number, SIG_DFL);
@@ -46,6 +49,7 @@ void Terminal::line(const std::string& text) const { this->text(text + "\n"); }
 
 void Terminal::text(const std::string& text) const {
   if (quiet_) return;
+  if (shown_line != nullptr) shown_line->erase();
   std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
 }
@@ -65,6 +69,7 @@ void ProgressLine::erase() {
   std::fputs("\r\033[K", stderr);
   std::fflush(stderr);
   visible_ = false;
+  shown_line = nullptr;
 }
 
 bool ProgressLine::update(std::size_t done, std::size_t total) {
@@ -81,6 +86,7 @@ bool ProgressLine::update(std::size_t done, std::size_t total) {
     std::fputs(("\r\033[K" + text).c_str(), stderr);
     std::fflush(stderr);
     visible_ = true;
+    shown_line = this;
     shown_ = now;
   }
   return !interrupted();

@@ -29,7 +29,7 @@ class Terminal {
 };
 
 /// One line that counts: "generate  120/300 images  21/s  14 s". Rewritten in place on a terminal (standard error),
-/// silent elsewhere. Hand it to a long task as its progress callback.
+/// where lines of Terminal take its place; silent elsewhere. Hand it to a long task as its progress callback.
 class ProgressLine {
  public:
   ProgressLine(const Terminal& terminal, std::string label, std::string noun);
@@ -41,10 +41,10 @@ class ProgressLine {
   bool update(std::size_t done, std::size_t total);
   std::function<bool(std::size_t, std::size_t)> callback();
   double seconds() const;
-
- private:
+  /// Off the terminal until it counts on.
   void erase();
 
+ private:
   const Terminal& terminal_;
   std::string label_;
   std::string noun_;

@@ -19,7 +19,7 @@ TEST(Command, HelpNamesEveryCommandAndTheExitCodes) {
   const ProcessOutput output = rigproof_command({"--help"});
   EXPECT_EQ(output.exit_code, 0);
   for (const char* command : {"generate", "observe", "calibrate", "validate", "run", "inspect", "report", "doctor",
-                              "scenes", "sensors", "rigs", "boards", "methods", "schema"})
+                              "scenes", "sensors", "rigs", "robots", "boards", "methods", "schema"})
     EXPECT_THAT(output.out, HasSubstr(command));
   EXPECT_THAT(output.out, HasSubstr("3 refused"));
 }

@@ -15,12 +15,17 @@ What `rigproof COMMAND --help` prints; this page is written from it. Defaults st
 |---|---|
 | `RIGPROOF_CACHE` | folder of clean renders, as `--cache` |
 | `RIGPROOF_DATA` | another folder with `models/`, `scenes/` and `config/` than the one beside the program |
+| `RIGPROOF_PATH` | folders of your own of the same layout, separated by `:`; what they have comes before what ships |
 | `RIGPROOF_LIBEGL` | another EGL library than `libEGL.so.1` |
 | `NO_COLOR` | set: no colours on a terminal |
 | `LP_NUM_THREADS` | threads of Mesa's software renderer in each process; 1 unless you set it |
 
 Files that are written appear whole, in place of a regular file of that name. A pipe or character device (`-o /dev/stdout`)
 is written to; a link is refused. In `--json` a byte of a name that is no UTF-8 is U+FFFD.
+
+Completion comes with an installation; from a checkout: `source <(rigproof completion bash)` in `~/.bashrc`,
+`rigproof completion zsh > _rigproof` in a folder of `$fpath`, `rigproof completion fish | source` in `config.fish`.
+`rigproof manual > rigproof.1; man ./rigproof.1` is this page for `man`.
 """
 
 
@@ -30,9 +35,12 @@ def help_of(program, command):
 
 
 def commands_in(text):
-    """Names below "Subcommands:", in their order."""
-    lines = text.partition("Subcommands:\n")[2].split("\n\n")[0].splitlines()
-    return [line.split()[0] for line in lines if line.startswith("  ") and line[2] != " "]
+    """Names below the headings of groups of commands, in their order."""
+    if "SUBCOMMAND" not in text:
+        return []
+    blocks = [block.splitlines() for block in text.split("\n\n")]
+    groups = [lines[1:] for lines in blocks if lines[0] not in ("Options:", "Positionals:", "Example:") and lines[0].endswith(":")]
+    return [line.split()[0] for lines in groups for line in lines if line.startswith("  ") and line[2] != " "]
 
 
 def section(program, command):

@@ -84,12 +84,12 @@ struct IntrinsicsSigma {
 
 /// One camera as the user describes it.
 struct RigCamera {
-  std::string name;    ///< frame name of the optical frame in results, unique
-  std::string sensor;  ///< preset in models/sensors, e.g. "d455"; may be empty
-  std::string link;    ///< the camera in the user's TF tree; may be empty
+  std::string name;                     ///< frame name of the optical frame in results, unique
+  std::string sensor;                   ///< preset in models/sensors, e.g. "d455"; may be empty
+  std::string link;                     ///< the camera in the user's TF tree; may be empty
   std::string optical_frame;            ///< the optical frame there; may be empty
   std::optional<Rigid3> T_link_camera;  ///< of the optical frame in `link`, where that is another frame and known
-  std::string folder;  ///< folder inside the recording, relative
+  std::string folder;                   ///< folder inside the recording, relative
   Camera camera;
   IntrinsicsSigma intrinsics_sigma;
   std::optional<DepthStream> depth;
