@@ -42,7 +42,7 @@ std::vector<std::array<float, 3>> points_of_message(std::string_view message, co
   const std::array<RosPointCloud::Field, 3> axes = {coordinate(cloud, "x"), coordinate(cloud, "y"),
                                                     coordinate(cloud, "z")};
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
-  if (cloud.row_step < row || cloud.data.size() < std::uint64_t{cloud.row_step} * cloud.height)
+  if (row == 0 || cloud.row_step < row || cloud.data.size() < std::uint64_t{cloud.row_step} * cloud.height)
     throw Error("a cloud of " + std::to_string(cloud.width) + "x" + std::to_string(cloud.height) + " points of " +
                 std::to_string(cloud.point_step) + " bytes in " + std::to_string(cloud.data.size()) + " bytes");
   std::vector<std::array<float, 3>> points;
