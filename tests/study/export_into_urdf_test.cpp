@@ -96,7 +96,7 @@ void expect_camera_at(const std::string& urdf, const std::string& link, const Ri
 // The part of `after` that stands where `before` has something else.
 std::string difference(const std::string& before, const std::string& after) {
   const auto from = std::mismatch(before.begin(), before.end(), after.begin(), after.end());
-  const std::size_t most = std::min(before.end() - from.first, after.end() - from.second);
+  const auto most = static_cast<std::size_t>(std::min(before.end() - from.first, after.end() - from.second));
   std::size_t same = 0;
   while (same < most && before[before.size() - 1 - same] == after[after.size() - 1 - same]) ++same;
   return {from.second, after.end() - static_cast<std::ptrdiff_t>(same)};

@@ -53,7 +53,7 @@ std::string image_bytes(const cv::Mat& picture, const std::string& encoding, con
   return message_bytes(image);
 }
 
-std::string compressed_bytes(std::string data, const std::string& format, const RosHeader& header) {
+std::string compressed_bytes(const std::string& data, const std::string& format, const RosHeader& header) {
   return message_bytes(RosCompressedImage{header, format, data});
 }
 
