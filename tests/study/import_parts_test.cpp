@@ -9,9 +9,11 @@
 #include "error_text.h"
 #include "frame_choice.h"
 #include "ground_track.h"
+#include "rigproof/bags/messages.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/formats/frame_tree.h"
+#include "ros_cloud.h"
 #include "ros_pictures.h"
 #include "topic_names.h"
 
@@ -301,6 +303,54 @@ TEST(RosPictures, DepthInRvl) {
   EXPECT_THAT(failure(coded.substr(0, 3)), HasSubstr("ends early"));
   EXPECT_THAT(failure(std::string(8, '\xff')), HasSubstr("are allowed"));
   EXPECT_THAT(failure(coded.substr(0, 8) + std::string(400, '\xff')), HasSubstr("30 bits"));
+}
+
+// Two points of doubles behind a colour, big-endian.
+RosPointCloud some_cloud(std::string* data) {
+  for (const double value : {1.0, 2.0, 3.0, -1.0, static_cast<double>(NAN), 0.0}) {
+    if (data->size() % 28 == 0) *data += "rgb ";
+    std::string raw(reinterpret_cast<const char*>(&value), sizeof value);
+    *data += std::string(raw.rbegin(), raw.rend());
+  }
+  RosPointCloud cloud;
+  cloud.height = 2;
+  cloud.width = 1;
+  cloud.fields = {{"rgb", 0, 6, 1}, {"x", 4, 8, 1}, {"y", 12, 8, 1}, {"z", 20, 8, 1}};
+  cloud.is_bigendian = true;
+  cloud.point_step = cloud.row_step = 28;
+  cloud.data = *data;
+  return cloud;
+}
+
+TEST(RosClouds, PointsAreReadInEveryLayout) {
+  std::string data;
+  const RosPointCloud cloud = some_cloud(&data);
+  const auto points = points_of_message(message_bytes(cloud), Rigid3(Eigen::Quaterniond(1, 0, 0, 0), {0, 0, 1}));
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_THAT(points[0], ElementsAre(1.0F, 2.0F, 4.0F));
+}
+
+TEST(RosClouds, HostileOnesAreErrors) {
+  std::string data;
+  const RosPointCloud good = some_cloud(&data);
+  const auto failure = [&](const auto& change) {
+    RosPointCloud cloud = good;
+    change(cloud);
+    return error_text([&] { points_of_message(message_bytes(cloud), Rigid3()); });
+  };
+  EXPECT_THAT(failure([](RosPointCloud& cloud) { cloud.fields.pop_back(); }), HasSubstr("without a field z"));
+  EXPECT_THAT(failure([](RosPointCloud& cloud) { cloud.fields[1].offset = 0xFFFFFFFC; }),
+              HasSubstr("beyond its points"));
+  EXPECT_THAT(failure([](RosPointCloud& cloud) { cloud.width = 0xFFFFFFFF; }), HasSubstr("in 56 bytes"));
+  EXPECT_THAT(failure([](RosPointCloud& cloud) {
+                cloud.width = cloud.row_step = 0;
+                cloud.height = 0xFFFFFFFF;
+              }),
+              HasSubstr("0x4294967295 points"));
+  EXPECT_THAT(failure([](RosPointCloud& cloud) { cloud.height = 3; }), HasSubstr("in 56 bytes"));
+  const std::string whole = message_bytes(good);
+  for (std::size_t size = 0; size + 1 < whole.size(); ++size)
+    EXPECT_NE(error_text([&] { points_of_message(std::string_view(whole).substr(0, size), Rigid3()); }), "") << size;
 }
 
 TEST(RosPictures, WhatIsNoPictureIsRefused) {
