@@ -9,6 +9,7 @@
 #include "error_text.h"
 #include "frame_choice.h"
 #include "ground_track.h"
+#include "rectifier.h"
 #include "rigproof/bags/messages.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/conventions.h"
@@ -120,12 +121,15 @@ TEST(CameraOfInfo, BinningAndRegion) {
 }
 
 // Coefficients as an Azure Kinect's colour camera has them; what we write must meet OpenCV's own projection. Over all
-// of its wide view no lens of ours does, and that is said.
+// of its wide view no lens of ours does, and its images are to be rectified.
 TEST(CameraOfInfo, RationalLensIsMetByOneOfOurs) {
   InfoFields info = some_info();
   info.model = "rational_polynomial";
   info.d = {0.5167, -2.6213, 0.00050, -0.00022, 1.5046, 0.3942, -2.4370, 1.4315};
-  EXPECT_THAT(error_text([&] { read_info(info); }), HasSubstr("image_rect"));
+  const InfoReading wide = read_info(info);
+  EXPECT_THAT(wide.notes, ElementsAre(HasSubstr("images are rectified")));
+  EXPECT_EQ(wide.to_undo, info.d);
+  EXPECT_EQ(wide.camera.lens, Lens::kPinhole);
   info.k[0] = info.k[4] = 970;
   const InfoReading reading = read_info(info);
   EXPECT_THAT(reading.notes, ElementsAre(HasSubstr("rational_polynomial is written as")));
@@ -158,8 +162,44 @@ TEST(CameraOfInfo, WhatIsNoCalibrationIsRefused) {
   EXPECT_THAT(error_text([&] { read_info(prism); }), HasSubstr("coefficients"));
   InfoFields bent = some_info();
   bent.model = "rational_polynomial";
-  bent.d = {8.0, -20.0, 0, 0, 60.0, 9.0, -30.0, 100.0};
-  EXPECT_THAT(error_text([&] { read_info(bent); }), HasSubstr("image_rect"));
+  bent.d = {-3.0, 0, 0, 0, 0, 0.5, 0, 0};
+  EXPECT_THAT(error_text([&] { read_info(bent); }), HasSubstr("back into itself"));
+}
+
+// Spots where OpenCV projects them through a wide lens are, rectified, where a pinhole has them; depth stays what it
+// is.
+TEST(Rectifier, SpotsAreWhereAPinholeHasThem) {
+  const std::vector<double> d = {0.5167, -2.6213, 0.00050, -0.00022, 1.5046, 0.3942, -2.4370, 1.4315};
+  const Camera camera = Camera::symmetric(1280, 720, 610);
+  const cv::Matx33d K(610, 0, camera.cx_px, 0, 610, camera.cy_px, 0, 0, 1);
+  const Rectifier rectifier(camera, d);
+  for (const cv::Point3d& ray : {cv::Point3d(0, 0, 1), cv::Point3d(0.6, 0.3, 1), cv::Point3d(-0.8, 0.45, 1)}) {
+    std::vector<cv::Point2d> seen;
+    cv::projectPoints(std::vector<cv::Point3d>{ray}, cv::Vec3d(), cv::Vec3d(), K, d, seen);
+    Image8 image(1280, 720);
+    Image16 depth(1280, 720);
+    for (int y = 0; y < 720; ++y)
+      for (int x = 0; x < 1280; ++x) {
+        const double r2 = (x - seen[0].x) * (x - seen[0].x) + (y - seen[0].y) * (y - seen[0].y);
+        image.at(x, y) = static_cast<std::uint8_t>(std::lround(200.0 * std::exp(-r2 / 18.0)));
+        depth.at(x, y) = r2 < 100.0 ? 1234 : 0;
+      }
+    const Image8 flat = rectifier.color(image);
+    double sum = 0, sum_x = 0, sum_y = 0;
+    for (int y = 0; y < 720; ++y)
+      for (int x = 0; x < 1280; ++x) {
+        sum += flat.at(x, y);
+        sum_x += flat.at(x, y) * x;
+        sum_y += flat.at(x, y) * y;
+      }
+    const Eigen::Vector2d expected(610 * ray.x + camera.cx_px, 610 * ray.y + camera.cy_px);
+    // The spot is three pixels wide (one sigma), over which the lens bends by less than a twentieth of one.
+    EXPECT_LT((Eigen::Vector2d(sum_x / sum, sum_y / sum) - expected).norm(), 0.05) << ray;
+    const Image16 near = rectifier.depth(depth);
+    EXPECT_EQ(near.at(static_cast<int>(std::lround(expected.x())), static_cast<int>(std::lround(expected.y()))), 1234);
+    for (const std::uint16_t pixel : near.pixels) ASSERT_TRUE(pixel == 0 || pixel == 1234);
+  }
+  EXPECT_THAT(error_text([&] { rectifier.color(Image8(64, 48)); }), HasSubstr("64x48"));
 }
 
 // -------------------------------------------------------------------------------------------------------- pictures

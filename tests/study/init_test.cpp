@@ -33,7 +33,8 @@ struct Robot {
   std::string depth_frame;      // empty: the camera's own
   std::uint32_t depth_width = 64;
   std::uint32_t info_width = 64;
-  PoseFields odometry_pose;  // added to its height and attitude
+  std::vector<double> rational;  // coefficients of the cameras; empty: a pinhole
+  PoseFields odometry_pose;      // added to its height and attitude
   int stops = 5;
 };
 
@@ -85,6 +86,8 @@ std::vector<Recorded> messages_of(const Robot& robot) {
       info.width = robot.info_width;
       info.height = robot.info_width * 3 / 4;
       info.k = {60, 0, 31.5, 0, 60, 23.5, 0, 0, 1};
+      if (!robot.rational.empty()) info.model = "rational_polynomial";
+      if (!robot.rational.empty()) info.d = robot.rational;
       const double stamp = t + robot.camera_clock_s, later = stamp + robot.depth_delay_s;
       if (robot.info)
         messages.push_back({"/" + camera + "/camera_info", kCameraInfoType, t, info_message(info, stamp)});
@@ -369,6 +372,23 @@ TEST_F(Init, PointsServeWhereThereAreNoDepthImages) {
   const auto& seen = std::get<std::vector<Eigen::Vector3f>>(points);
   ASSERT_EQ(seen.size(), 1U);
   EXPECT_LT((seen[0] - Eigen::Vector3f(0.015F, -3.0F, 0.5F)).norm(), 1e-6F);
+}
+
+// Colour and depth are rectified alike, and rig.yaml has no distortion.
+TEST_F(Init, ImagesOfALensThatNobodyFollowsAreRectified) {
+  Robot robot;
+  robot.cameras = {"left"};
+  robot.rational = {4, 0, 0, 0, 0, 8, 0, 0};  // half the distance from the axis towards the border
+  const InitReport report = run(robot);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("images are rectified")));
+  const Recording recording = load_recording(scratch_ / "monday");
+  EXPECT_EQ(recording.rig.cameras[0].camera.lens, Lens::kPinhole);
+  const fs::path folder = scratch_ / "monday";
+  const auto color = read_grey_image(folder / recording.frames[0][0].color_file);
+  const auto depth = read_depth_image(folder / recording.frames[0][0].depth_file);
+  ASSERT_TRUE(std::holds_alternative<Image8>(color) && std::holds_alternative<Image16>(depth));
+  EXPECT_EQ(std::get<Image8>(color).at(32, 24), 5);  // the shade of the first image
+  EXPECT_EQ(std::get<Image16>(depth).at(32, 24), 2000);
 }
 
 TEST_F(Init, TypesThatNobodyKnowsAreNamed) {

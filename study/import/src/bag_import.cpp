@@ -83,8 +83,9 @@ class Planner {
     RigCamera camera;
     camera.name = camera.folder = topics.name;
     const auto info = infos.find(topics.name);
-    camera.camera =
-        info == infos.end() ? camera_of_bag(topics, images) : camera_of_file(info->second, scratch_ / topics.name);
+    plan_.to_undo.emplace_back();
+    camera.camera = info == infos.end() ? camera_of_bag(topics, images, &plan_.to_undo.back())
+                                        : camera_of_file(info->second, scratch_ / topics.name);
     report.camera_info = info == infos.end() ? topics.camera_info : info->second;
     check_image_size(images, camera.camera);
     take_frames(images, &camera);
@@ -97,7 +98,7 @@ class Planner {
     plan_.report.cameras.push_back(report);
   }
 
-  Camera camera_of_bag(const CameraTopics& topics, const ImageTopic& images) {
+  Camera camera_of_bag(const CameraTopics& topics, const ImageTopic& images, std::vector<double>* to_undo) {
     const std::string expected = namespace_of(images.name) + "/camera_info";
     const std::string remedy = "; give --topic " + topics.name + ".camera_info=TOPIC, or --camera-info " + topics.name +
                                "=FILE with the YAML that camera_calibration writes";
@@ -112,6 +113,7 @@ class Planner {
     try {
       const InfoReading reading = camera_of_info(info.info, is_rectified(images.name));
       for (const std::string& note : reading.notes) notes().push_back(topics.name + ": " + note);
+      *to_undo = reading.to_undo;
       return reading.camera;
     } catch (const Error& error) {
       throw Error(info.name + ": " + error.what() + remedy);

@@ -25,6 +25,7 @@ struct ImportPlan {
   Recording recording;  ///< its files have names without an extension until they are written
   std::vector<PlannedPicture> pictures;
   std::vector<const ImageTopic*> images, depth;  ///< [camera]; depth null where there is none
+  std::vector<std::vector<double>> to_undo;      ///< [camera] of its images, as InfoReading says; empty: nothing
   InitReport report;
 };
 

@@ -50,7 +50,9 @@ void take_lens(const RosCameraInfo& info, InfoReading* reading) {
     camera.lens = Lens::kBrownConrady;
     std::copy_n(info.d.begin(), std::min<std::size_t>(5, info.d.size()), camera.distortion.begin());
   } else if (model == "rational_polynomial" || model == "plumb_bob") {
-    reading->notes.push_back(fit_rational_lens(info.d, &camera));
+    const RationalFit fit = fit_rational_lens(info.d, &camera);
+    reading->notes.push_back(fit.note);
+    if (!fit.is_met) reading->to_undo.assign(info.d.begin(), info.d.begin() + 8);
   } else {
     throw Error("the distortion_model \"" + for_message(model) +
                 "\" is not supported; plumb_bob, rational_polynomial and equidistant are");

@@ -19,7 +19,9 @@ std::optional<Camera> camera_of_depth(const BagSurvey& survey, const ImageTopic&
   const InfoTopic* info = survey.find_info(namespace_of(depth.name) + "/camera_info");
   if (info == nullptr) return std::nullopt;
   try {
-    const Camera camera = camera_of_info(info->info, is_rectified(depth.name)).camera;
+    const InfoReading reading = camera_of_info(info->info, is_rectified(depth.name));
+    const Camera& camera = reading.camera;
+    if (!reading.to_undo.empty()) return std::nullopt;
     return depth.width == 0 || (camera.width_px == depth.width && camera.height_px == depth.height)
                ? std::optional<Camera>(camera)
                : std::nullopt;
@@ -60,7 +62,8 @@ std::optional<DepthStream> depth_of_topic(const BagSurvey& survey, const ImageTo
   notes->push_back(depth.name + " is left out: " + size_text(depth.width, depth.height) + " in frame " +
                    depth.frame_id() + ", not registered to " + images.name + " (" +
                    size_text(camera.width_px, camera.height_px) + ", frame " + images.frame_id() + "), and " +
-                   (own ? "/tf_static does not join the frames" : "it has no CameraInfo of its size") +
+                   (own ? "/tf_static does not join the frames"
+                        : "it has no CameraInfo of its size, or a lens that no model of ours follows") +
                    "; record the aligned topic (RealSense: align_depth.enable:=true)");
   return std::nullopt;
 }

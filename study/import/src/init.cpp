@@ -60,15 +60,22 @@ class PictureWriter {
     CameraFrame& frame = plan_.recording.frames[picture.camera][picture.frame];
     const ImageTopic& topic = picture.is_depth ? *plan_.depth[picture.camera] : *plan_.images[picture.camera];
     if (topic.is_cloud()) return write_cloud(picture, message, &frame);
-    const PictureFile file = picture.is_depth ? maker_.depth(topic.type, message.data, camera.depth->unit_m)
-                                              : maker_.color(topic.type, message.data);
-    const Camera& optics =
-        picture.is_depth && camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
+    const bool own = picture.is_depth && camera.depth->own_camera;
+    const Rectifier* rectifier = own ? nullptr : rectifier_of(picture.camera);
+    const PictureFile file = picture.is_depth ? maker_.depth(topic.type, message.data, camera.depth->unit_m, rectifier)
+                                              : maker_.color(topic.type, message.data, rectifier);
+    const Camera& optics = own ? camera.depth->own_camera->camera : camera.camera;
     if (file.width != optics.width_px || file.height != optics.height_px)
       throw Error("an image of " + std::to_string(file.width) + "x" + std::to_string(file.height) +
                   ", the intrinsics are of " + std::to_string(optics.width_px) + "x" +
                   std::to_string(optics.height_px));
     put(picture, picture.is_depth ? &frame.depth_file : &frame.color_file, file.extension, file.bytes);
+  }
+
+  const Rectifier* rectifier_of(std::size_t camera) {
+    const std::vector<double>& d = plan_.to_undo[camera];
+    if (d.empty()) return nullptr;
+    return &rectifiers_.try_emplace(camera, plan_.recording.rig.cameras[camera].camera, d).first->second;
   }
 
   void write_cloud(const PlannedPicture& picture, const BagMessage& message, CameraFrame* frame) {
@@ -119,6 +126,7 @@ class PictureWriter {
   std::map<std::string, std::pair<std::size_t, std::string>> unreadable_;  // by topic: how many, and why the first
   std::vector<fs::path> written_;
   PictureMaker maker_;
+  std::map<std::size_t, Rectifier> rectifiers_;  // by camera
   std::size_t done_ = 0;
 };
 

@@ -9,17 +9,18 @@
 #include "rigproof/core/text.h"
 
 namespace rigproof {
-namespace {
 
-constexpr double kAllowed_px = 0.25;
-
-// x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + tangential (OpenCV's calibrateCamera).
-Eigen::Vector2d distorted(const std::vector<double>& d, const Eigen::Vector2d& p) {
+// x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + tangential.
+Eigen::Vector2d rational_distorted(const std::vector<double>& d, const Eigen::Vector2d& p) {
   const double r2 = p.squaredNorm(), xy = p.x() * p.y();
   const double ratio = (1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]))) / (1.0 + r2 * (d[5] + r2 * (d[6] + r2 * d[7])));
   return {p.x() * ratio + 2.0 * d[2] * xy + d[3] * (r2 + 2.0 * p.x() * p.x()),
           p.y() * ratio + d[2] * (r2 + 2.0 * p.y() * p.y()) + 2.0 * d[3] * xy};
 }
+
+namespace {
+
+constexpr double kAllowed_px = 0.25;
 
 Eigen::Vector2d pixel_of(const Camera& camera, const Eigen::Vector2d& p) {
   return {camera.fx_px * p.x() + camera.cx_px, camera.fy_px * p.y() + camera.cy_px};
@@ -29,20 +30,28 @@ struct Sample {
   Eigen::Vector2d ray, seen;  // before and after the lens, normalised
 };
 
+constexpr int kSpokes = 48;
+
+struct Samples {
+  std::vector<Sample> rays;
+  int folded_spokes = 0;  // those that do not reach the border of the image
+};
+
 // Rays outwards along spokes until they leave the image, or the lens folds back.
-std::vector<Sample> samples_of(const std::vector<double>& d, const Camera& camera) {
-  constexpr int kSpokes = 48;
+Samples samples_of(const std::vector<double>& d, const Camera& camera) {
   constexpr double kStep = 0.01, kFarthest = 6.0;
-  std::vector<Sample> samples;
+  Samples samples;
   for (int spoke = 0; spoke < kSpokes; ++spoke) {
     const double angle = 2.0 * kPi * spoke / kSpokes;
     double before = 0.0;
     for (double r = kStep; r < kFarthest; r += kStep) {
       const Eigen::Vector2d ray(r * std::cos(angle), r * std::sin(angle));
-      const Eigen::Vector2d seen = distorted(d, ray);
-      if (!(seen.norm() > before) || !camera.contains(pixel_of(camera, seen))) break;
+      const Eigen::Vector2d seen = rational_distorted(d, ray);
+      const bool folds = !(seen.norm() > before);
+      samples.folded_spokes += folds ? 1 : 0;
+      if (folds || !camera.contains(pixel_of(camera, seen))) break;
       before = seen.norm();
-      samples.push_back({ray, seen});
+      samples.rays.push_back({ray, seen});
     }
   }
   return samples;
@@ -95,24 +104,27 @@ LensFit fit(Lens lens, const std::vector<Sample>& samples, const Camera& camera)
 
 }  // namespace
 
-std::string fit_rational_lens(const std::vector<double>& d, Camera* camera) {
+RationalFit fit_rational_lens(const std::vector<double>& d, Camera* camera) {
   const bool prism = std::any_of(d.begin() + std::min<std::ptrdiff_t>(8, static_cast<std::ptrdiff_t>(d.size())),
                                  d.end(), [](double value) { return value != 0.0; });
   if (d.size() < 8 || prism)
     throw Error("D has " + std::to_string(d.size()) +
                 " coefficients; 5 of plumb_bob and 8 of rational_polynomial are supported, others must be 0");
-  const std::vector<Sample> samples = samples_of(d, *camera);
-  if (samples.size() < 100) throw Error("D bends the image beyond any lens");
+  const Samples along = samples_of(d, *camera);
+  const std::vector<Sample>& samples = along.rays;
+  if (samples.size() < 100 || along.folded_spokes > kSpokes / 2)
+    throw Error("D folds the image back into itself, as no lens does");
   const LensFit brown = fit(Lens::kBrownConrady, samples, *camera),
                 kannala = fit(Lens::kKannalaBrandt, samples, *camera);
   const LensFit& best = kannala.worst_px < brown.worst_px ? kannala : brown;
   if (!(best.worst_px <= kAllowed_px))
-    throw Error("the eight coefficients of rational_polynomial differ from every lens of ours by " +
-                short_text(best.worst_px, 2) + " px and more; record the rectified images (image_rect) instead");
+    return {false, "the eight coefficients of rational_polynomial differ from every lens of ours by " +
+                       short_text(best.worst_px, 2) +
+                       " px and more: the images are rectified as they are read, with the matrix K and no distortion"};
   camera->lens = best.lens;
   camera->distortion = best.coefficients;
-  return std::string("rational_polynomial is written as ") + lens_name(best.lens) + ", within " +
-         short_text(best.worst_px, 2) + " px all over the image";
+  return {true, std::string("rational_polynomial is written as ") + lens_name(best.lens) + ", within " +
+                    short_text(best.worst_px, 2) + " px all over the image"};
 }
 
 }  // namespace rigproof

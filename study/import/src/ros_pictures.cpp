@@ -191,6 +191,16 @@ PictureKind kind_of_compressed(const std::string& topic, std::string_view messag
   return kind;
 }
 
+// As grey, or as RGB.
+Image8 decoded_color(std::string_view data) {
+  cv::Mat picture = cv::imdecode(bytes_of(data), cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  if (picture.empty()) throw Error("a compressed image that cannot be decoded");
+  if (picture.channels() == 3) cv::cvtColor(picture, picture, cv::COLOR_BGR2RGB);
+  Image8 image(picture.cols, picture.rows, picture.channels());
+  picture.copyTo(cv::Mat(picture.rows, picture.cols, picture.type(), image.pixels.data()));
+  return image;
+}
+
 PictureFile checked_picture(std::string_view data) {
   const Bytes bytes = bytes_of(data);
   const auto grey = decode_grey_image(bytes);
@@ -222,17 +232,31 @@ PictureFile PictureMaker::encoded(const Image16& image) {
   return {".png", encoder_.encode(image), image.width, image.height};
 }
 
-PictureFile PictureMaker::color(const std::string& type, std::string_view message) {
-  if (type == kCompressedImageType) return checked_picture(read_compressed_image(message).data);
+PictureFile PictureMaker::color(const std::string& type, std::string_view message, const Rectifier* rectifier) {
+  if (type == kCompressedImageType) {
+    const std::string_view data = read_compressed_image(message).data;
+    const PictureFile file = checked_picture(data);
+    return rectifier == nullptr ? file : encoded(rectifier->color(decoded_color(data)));
+  }
   const RosImage image = read_image(message);
   const Layout layout = layout_of(image);
   check_size(image, layout);
   if (layout.channel_bytes == 4) throw Error("the encoding 32FC1 is depth, no picture");
-  if (layout.channel_bytes == 2) return encoded(filled(words_of(image)));
-  return encoded(pixels_of(image, layout));
+  if (layout.channel_bytes == 2) {
+    const Image16 words = filled(words_of(image));
+    return encoded(rectifier == nullptr ? words : rectifier->color(words));
+  }
+  const Image8 pixels = pixels_of(image, layout);
+  return encoded(rectifier == nullptr ? pixels : rectifier->color(pixels));
 }
 
-PictureFile PictureMaker::depth(const std::string& type, std::string_view message, double unit_m) {
+PictureFile PictureMaker::rectified_depth(const PictureFile& file, const Rectifier& rectifier) {
+  return encoded(rectifier.depth(decoded_depth(file.bytes)));
+}
+
+PictureFile PictureMaker::depth(const std::string& type, std::string_view message, double unit_m,
+                                const Rectifier* rectifier) {
+  if (rectifier != nullptr) return rectified_depth(depth(type, message, unit_m), *rectifier);
   if (type == kCompressedImageType) {
     const RosCompressedImage compressed = read_compressed_image(message);
     const bool plain_png = compressed.data.substr(0, 4) == "\x89PNG";

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "rectifier.h"
 #include "rigproof/png/png_encoder.h"
 
 namespace rigproof {
@@ -29,11 +30,14 @@ struct PictureFile {
 class PictureMaker {
  public:
   /// What a message holds; the bytes stay valid until the next call or the end of the message.
-  PictureFile color(const std::string& type, std::string_view message);
+  /// @param rectifier what to rectify them by; they then become PNG. Null: not at all
+  PictureFile color(const std::string& type, std::string_view message, const Rectifier* rectifier = nullptr);
   /// @param unit_m metres of one count of the file; 16-bit depth of ROS (millimetres, REP 118) is left as it is
-  PictureFile depth(const std::string& type, std::string_view message, double unit_m);
+  PictureFile depth(const std::string& type, std::string_view message, double unit_m,
+                    const Rectifier* rectifier = nullptr);
 
  private:
+  PictureFile rectified_depth(const PictureFile& file, const Rectifier& rectifier);
   PictureFile encoded(const Image8& image);
   PictureFile encoded(const Image16& image);
 
