@@ -101,9 +101,11 @@ void print_report(const Terminal& terminal, const InitReport& report) {
     rows.push_back({" " + camera.name, camera.images,
                     std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px),
                     std::to_string(camera.images_kept) + " of " + std::to_string(camera.images_in_source) + " images",
-                    std::to_string(camera.depth_kept) + " depth", board_text(camera)});
+                    std::to_string(camera.depth_kept) + " depth", board_text(camera),
+                    camera.link.empty() ? "" : "on " + for_message(camera.link)});
   rows.push_back({" odometry", report.odometry, "", std::to_string(report.odometry_rows) + " rows",
-                  fixed_text(report.duration_s, 0) + " s", std::to_string(report.stops) + " stops"});
+                  fixed_text(report.duration_s, 0) + " s", std::to_string(report.stops) + " stops",
+                  "of " + for_message(report.robot_frame)});
   for (const std::string& line : aligned(rows)) terminal.line(line);
   for (const std::string& note : report.notes) terminal.line(terminal.colored("NOTE", Color::kDim) + "     " + note);
   for (const InitCamera& camera : report.cameras)
