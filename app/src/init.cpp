@@ -105,7 +105,7 @@ void print_report(const Terminal& terminal, const InitReport& report) {
                     camera.link.empty() ? "" : "on " + for_message(camera.link)});
   rows.push_back({" odometry", report.odometry, "", std::to_string(report.odometry_rows) + " rows",
                   fixed_text(report.duration_s, 0) + " s", std::to_string(report.stops) + " stops",
-                  "of " + for_message(report.robot_frame)});
+                  report.robot_frame.empty() ? "" : "of " + for_message(report.robot_frame)});
   for (const std::string& line : aligned(rows)) terminal.line(line);
   for (const std::string& note : report.notes) terminal.line(terminal.colored("NOTE", Color::kDim) + "     " + note);
   for (const InitCamera& camera : report.cameras)
