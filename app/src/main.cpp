@@ -180,9 +180,9 @@ void add_report(CLI::App& app, Action& action) {
 }
 
 void add_convert(CLI::App& app, Action& action) {
-  const auto [command, arguments] = add_command(
-      app, action, "convert", "Turn a recording into a ROS 2 bag or the layout of another program, or back",
-      "rigproof convert runs/demo demo.mcap", convert_command);
+  const auto [command, arguments] =
+      add_command(app, action, "convert", "Turn a recording into a ROS 2 bag or the layout of another program, or back",
+                  "rigproof convert runs/demo demo.mcap", convert_command);
   std::vector<std::string> layouts = writable_formats();
   layouts.emplace_back(kBagLayout);
   command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(true))->required();
