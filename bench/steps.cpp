@@ -20,8 +20,7 @@ namespace {
 
 // Nothing is stated of lenses, board and depth: their usual priors hold.
 void forget_what_is_told(Observations* observations) {
-  observations->board.square_sigma_m.reset();
-  observations->board.bow_sigma_m.reset();
+  observations->board.doubt();
   for (RigCamera& camera : observations->cameras) camera.intrinsics_sigma = IntrinsicsSigma();
 }
 
