@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "global_covariance.h"
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/stated_levels.h"
 
@@ -10,11 +11,7 @@ namespace rigproof::ml {
 std::optional<GlobalCovariance> stated_covariance(const Preparation& prepared, const Fit& fit) {
   const std::optional<GroupSums> sums = problem_at(prepared, fit, fit.noise).sums_with_leverage(fit.state);
   if (!sums) return std::nullopt;
-  const Problem problem = problem_at(prepared, fit, stated_levels(prepared, fit, *sums));
-  const auto eliminated =
-      EliminatedSystem::eliminate(problem.linearise(fit.state, Weighting::kInformation, nullptr, nullptr), 0.0);
-  if (!eliminated) return std::nullopt;
-  return invert_information(eliminated->schur());
+  return covariance_at(prepared, fit, stated_levels(prepared, fit, *sums));
 }
 
 double bent_by(const State& without, const Preparation& prepared, const Fit& with, const GlobalCovariance& covariance) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "global_covariance.h"
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/stated_levels.h"
 
@@ -19,30 +20,6 @@ Eigen::MatrixXd cameras_covariance(const Preparation& prepared, const Fit& fit, 
   Eigen::MatrixXd joint = J * globals * J.transpose();
   add_common_errors(prepared.sigmas(), fit.noise.along_way, &joint);
   return joint;
-}
-
-std::optional<GlobalCovariance> covariance_of(const ArrowSystem& system) {
-  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
-  if (!eliminated) return std::nullopt;
-  return invert_information(eliminated->schur());
-}
-
-// Of the globals, with what is left of errors that repeat in every image.
-std::optional<GlobalCovariance> covariance_with_repeating(const Preparation& prepared, const Fit& fit,
-                                                          const Problem& problem) {
-  if (!prepared.repeating.errors.any())
-    return covariance_of(problem.linearise(fit.state, Weighting::kInformation, nullptr, nullptr));
-  std::optional<GlobalCovariance> all =
-      covariance_of(problem.linearise_with(prepared.repeating, fit.state, Weighting::kInformation));
-  if (!all) return std::nullopt;
-  const Eigen::Index globals = problem.layout().globals();
-  all->covariance = all->covariance.topLeftCorner(globals, globals).eval();
-  all->free_directions = all->free_directions.topRows(globals).eval();
-  return all;
-}
-
-std::optional<GlobalCovariance> covariance_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels) {
-  return covariance_with_repeating(prepared, fit, problem_at(prepared, fit, levels));
 }
 
 NoiseLevels levels_of(const Preparation& prepared, const Fit& fit, const std::optional<GroupSums>& sums) {
@@ -120,7 +97,7 @@ Statement state_solution(const Preparation& prepared, const OdometryChoice& choi
   Statement stated{levels, std::move(system), std::move(sums), cost, std::nullopt};
   const std::optional<GlobalCovariance> alone = covariance_of(stated.system);
   const std::optional<GlobalCovariance> globals =
-      prepared.repeating.errors.any() ? covariance_with_repeating(prepared, fit, problem) : alone;
+      prepared.repeating.errors.any() ? covariance_at(prepared, fit, levels) : alone;
   if (!globals || !alone) return stated;
   Eigen::MatrixXd joint = cameras_covariance(prepared, fit, globals->covariance);
   const Eigen::MatrixXd gate_joint = gate_covariance(prepared, fit, found, joint);
