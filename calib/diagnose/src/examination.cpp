@@ -319,15 +319,8 @@ std::optional<Finding> note_of_lens_trust(const std::optional<LensTest>& lenses)
   return Finding("lens.on_trust", {{"sigma_px", sigma_px}});
 }
 
-// Something that is loose has moved at other stops, too.
 bool leaves_in_order(const Preparation& prepared, const FoundStep& step) {
-  constexpr double kMovesAgain = 36.0;
-  const Problem problem = problem_at(prepared, step.fit, step.fit.noise);
-  if (!is_clean(prepared, step.fit, problem, std::nullopt)) return false;
-  std::vector<StepScore> again;
-  problem.sums_with_leverage(step.fit.state, splits_of(static_cast<int>(prepared.used.stops.size()), kSplitsAtFirst),
-                             &again);
-  return std::none_of(again.begin(), again.end(), [](const StepScore& score) { return score.square > kMovesAgain; });
+  return is_clean(prepared, step.fit, problem_at(prepared, step.fit, step.fit.noise), std::nullopt);
 }
 
 // What bends the answer is a cause, what does not a warning.
@@ -338,8 +331,8 @@ void take(const std::vector<Finding>& findings, bool bends, bool spoils_all, Exa
     found->notes.insert(found->notes.end(), findings.begin(), findings.end());
 }
 
-// What moved during the drive, and what else may be wrong. A step counts if it leaves the data in order: what is loose
-// all the time, or wrong otherwise, has a best step, too.
+// What moved during the drive, and what else may be wrong. A step counts if it leaves the data in order: what is wrong
+// otherwise has a best step, too. So has what is loose all the time, which is then said to have moved once.
 void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std::vector<StepScore>& scores,
                          Examination* found) {
   std::optional<FoundStep> step;
