@@ -184,6 +184,7 @@ TEST(MlStrangers, AreSolvedWithinTheStatedUncertaintyOverTrials) {
 // Detectors see far finer than lenses and prints are made: what repeats in every image is not averaged away.
 TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
   double mean = 0.0, level = 0.0, believed = 0.0;
+  int suspicions = 0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     const Stranger made = stranger(seed, 0.01);
     MlOptions options = told();
@@ -192,12 +193,14 @@ TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
     ASSERT_EQ(estimate.result.status, ResultStatus::kSolved) << seed;
     mean += nees(estimate, poses_of(made.run.truth)) / kTrials.count();
     level += 0.01 * estimate.corner_scale[0] / kTrials.count();
+    for (const Finding& note : estimate.result.notes) suspicions += note.severity == Severity::kSuspect;
     Observations without = made.run.observations;
     without.board.print_sigma_m = 0.0;
     for (RigCamera& camera : without.cameras) camera.intrinsics_sigma.residual_px = 0.0;
     believed += nees(estimate_maximum_likelihood(without, options), poses_of(made.run.truth)) / kTrials.count();
   }
   EXPECT_NEAR(mean, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
+  EXPECT_EQ(suspicions, 0);
   EXPECT_LT(level, 0.03);  // of .01 px, and waves that polynomials do not follow
   EXPECT_GT(believed, 3.0 * kUnknowns);
 }
