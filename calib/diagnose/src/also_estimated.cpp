@@ -98,19 +98,29 @@ void note_strained(const Preparation& prepared, const Estimated& estimated, Resu
   result->notes.push_back(camera.empty() ? finding : finding.of(camera));
 }
 
-// Errors that repeat in every image: some numbers of unit variance each, so that their size tells.
+Finding strained(const char* quantity, double value, double prior) {
+  return Finding("prior.strained",
+                 {{"quantity", quantity}, {"value", value}, {"prior", prior}, {"deviations", value / prior}});
+}
+
+// Errors that repeat in every image: taken for larger than stated where chance does not explain them.
 void note_strained_repeating(const Preparation& prepared, Result* result) {
-  const auto note = [&](const std::string& camera, const char* quantity, double size, double prior) {
-    if (!(prior > 0.0) || size < kSuspect * prior) return;
-    Finding finding("prior.strained",
-                    {{"quantity", quantity}, {"value", size}, {"prior", prior}, {"deviations", size / prior}});
-    result->notes.push_back(camera.empty() ? finding : finding.of(camera));
-  };
-  for (std::size_t c = 0; c < prepared.repeating_size.field_px.size(); ++c)
-    note(prepared.used.cameras[c].name, "lens_residual_px", prepared.repeating_size.field_px[c],
-         prepared.used.cameras[c].intrinsics_sigma.residual_px);
   constexpr double kMm = 1e3;
-  note("", "print_mm", kMm * prepared.repeating_size.print_m, kMm * prepared.used.board.print_sigma());
+  constexpr double kFineSuspect = 3.0;
+  const RemovedErrors& repeating = prepared.repeating;
+  for (const RepeatingErrors::Group& group : repeating.errors.groups()) {
+    if (group.camera < 0) {
+      const double prior = kMm * prepared.used.board.print_sigma();
+      if (group.level > 1.0) result->notes.push_back(strained("print_mm", group.level * prior, prior));
+      continue;
+    }
+    const RigCamera& camera = prepared.used.cameras[static_cast<std::size_t>(group.camera)];
+    const double prior = camera.intrinsics_sigma.residual_px;
+    const double fine_px = repeating.fine_rms_px(group.camera);
+    if (group.level > 1.0 || fine_px > kFineSuspect * prior)
+      result->notes.push_back(
+          strained("lens_residual_px", std::hypot(group.level * prior, fine_px), prior).of(camera.name));
+  }
 }
 
 void report_lenses(const Preparation& prepared, const Fit& fit, Result* result) {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "corner_model.h"
 
@@ -16,13 +15,6 @@ constexpr int kOfLensAndTurn = 8;
 constexpr int kRaw = kOfLensAndTurn + 2 * kPolynomials;
 constexpr int kPointsAcross = 24, kPointsDown = 16;
 constexpr double kIndependent = 1e-3;  // of a column's length: what is left of it is no combination of the others
-
-int degree_of_raw(int column) {
-  const int polynomial = (column - kOfLensAndTurn) / 2;
-  int degree = 0;
-  while ((degree + 1) * (degree + 2) / 2 <= polynomial) ++degree;
-  return degree;
-}
 
 // Legendre's polynomials of x and y in -1 .. 1, by rising degree.
 Eigen::Matrix<double, kPolynomials, 1> polynomials(double x, double y) {
@@ -41,7 +33,7 @@ Eigen::Matrix<double, kPolynomials, 1> polynomials(double x, double y) {
 
 // Gram and Schmidt, column by column: A * combination has orthonormal columns, without those that begin among the
 // first `dropped` ones or are made of others.
-Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& A, int dropped, std::vector<int>* origins) {
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& A, int dropped) {
   Eigen::MatrixXd Q(A.rows(), A.cols()), T = Eigen::MatrixXd::Zero(A.cols(), A.cols());
   int kept = 0, kept_dropped = 0;
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
@@ -55,10 +47,7 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& A, int dropped, std::vector<i
     if (!(length > kIndependent * A.col(j).norm())) continue;
     Q.col(kept) = column / length;
     T.col(kept++) = by / length;
-    if (j < dropped)
-      kept_dropped = kept;
-    else
-      origins->push_back(static_cast<int>(j));
+    if (j < dropped) kept_dropped = kept;
   }
   return T.middleCols(kept_dropped, kept - kept_dropped);
 }
@@ -72,19 +61,17 @@ LensField::LensField(const Camera& camera) : camera_(camera), coefficient_by_px_
   int points = 0;
   for (int i = 0; i < kPoints; ++i) {
     const double x = (i % kPointsAcross + 0.5) / kPointsAcross, y = (i / kPointsAcross + 0.5) / kPointsDown;
-    if (raw({x * camera.width_px - 0.5, y * camera.height_px - 0.5}, &columns)) A.middleRows<2>(2 * points++) = columns;
+    if (followed({x * camera.width_px - 0.5, y * camera.height_px - 0.5}, &columns))
+      A.middleRows<2>(2 * points++) = columns;
   }
-  std::vector<int> origins;
-  combination_ = orthonormal(A.topRows(2 * points), kOfLensAndTurn, &origins);
-  // Each order has half of the variance of the one below, function by function.
-  Eigen::VectorXd variances(combination_.cols());
-  for (Eigen::Index i = 0; i < variances.size(); ++i)
-    variances[i] = std::ldexp(1.0, -degree_of_raw(origins[static_cast<std::size_t>(i)]));
-  variances *= 2.0 * points / variances.sum();
-  combination_ *= variances.cwiseSqrt().asDiagonal();
+  combination_ = orthonormal(A.topRows(2 * points), kOfLensAndTurn);
+  // All alike: how smooth a lens is nobody states.
+  combination_ *= std::sqrt(2.0 * points / static_cast<double>(combination_.cols()));
 }
 
-bool LensField::raw(const Eigen::Vector2d& pixel, Eigen::Matrix2Xd* columns) const {
+int LensField::followed_size() { return kRaw; }
+
+bool LensField::followed(const Eigen::Vector2d& pixel, Eigen::Matrix2Xd* columns) const {
   Eigen::Vector3d ray;
   Eigen::Vector2d projected;
   Eigen::Matrix<double, 2, 3> by_point;
@@ -101,7 +88,7 @@ bool LensField::raw(const Eigen::Vector2d& pixel, Eigen::Matrix2Xd* columns) con
 
 Eigen::Matrix2Xd LensField::at(const Eigen::Vector2d& pixel) const {
   Eigen::Matrix2Xd columns;
-  if (!raw(pixel, &columns)) return Eigen::Matrix2Xd::Zero(2, size());
+  if (!followed(pixel, &columns)) return Eigen::Matrix2Xd::Zero(2, size());
   return columns * combination_;
 }
 

@@ -16,9 +16,11 @@ struct Rows {
       : residual(Eigen::VectorXd::Zero(2 * corners)),
         by_globals(Eigen::MatrixXd::Zero(2 * corners, kTwist + kLens + kShape)),
         by_offset(Eigen::MatrixXd::Zero(2 * corners, 3)),
-        by_field(Eigen::MatrixXd::Zero(2 * corners, fields)) {}
+        by_field(Eigen::MatrixXd::Zero(2 * corners, fields)),
+        roots(static_cast<std::size_t>(corners), Eigen::Matrix2d::Zero()) {}
   Eigen::VectorXd residual;
   Eigen::MatrixXd by_globals, by_offset, by_field;
+  std::vector<Eigen::Matrix2d> roots;  // whitening, weighted
 };
 
 Rows rows_of(const Evaluation& at, const WhitenedView& view, const Rigid3& T_camera_board, const RemovedErrors& removed,
@@ -42,7 +44,7 @@ Rows rows_of(const Evaluation& at, const WhitenedView& view, const Rigid3& T_cam
     if (!corner_residual(lens, q, corner.pixel, &residual)) continue;
     const Eigen::Matrix2d W = whiten * corner.whitening;
     const double weight = at.loss.weight((W * residual.value).squaredNorm());
-    const Eigen::Matrix2d root = std::sqrt(block_factor(at.weighting, weight, 2)) * W;
+    const Eigen::Matrix2d& root = rows.roots[i] = std::sqrt(block_factor(at.weighting, weight, 2)) * W;
     const Eigen::Matrix<double, 2, 3> by_offset = residual.by_point * R;
     const auto row = static_cast<Eigen::Index>(2 * i);
     rows.residual.segment<2>(row) = root * residual.value;
@@ -62,13 +64,42 @@ Rows rows_of(const Evaluation& at, const WhitenedView& view, const Rigid3& T_cam
 
 }  // namespace
 
-RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, int globals)
+void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
+                    const Eigen::MatrixXd& by_globals) {
+  const Eigen::Index size = by_globals.cols();
+  const auto by_twist = by_globals.topRows<kTwist>();
+  for (std::size_t p = 0; p < static_cast<std::size_t>(seen.count); ++p) {
+    const auto& [segment, twist] = seen.parts[p];
+    if (segment.pose < 0)
+      with_globals.block(segment.offset, place, segment.size, size).noalias() +=
+          twist.leftCols(segment.size).transpose() * by_twist;
+    else
+      with_poses.block(6 * segment.pose + segment.offset, place, segment.size, size).noalias() +=
+          twist.leftCols(segment.size).transpose() * by_twist;
+  }
+  if (at.layout.has(Nuisance::kLens))
+    with_globals.block(at.layout.place(Nuisance::kLens, view.camera), place, kLens, size) +=
+        by_globals.middleRows<kLens>(kTwist);
+  if (at.layout.has(Nuisance::kBoardShape))
+    with_globals.block(at.layout.place(Nuisance::kBoardShape), place, kShape, size) += by_globals.bottomRows<kShape>();
+}
+
+RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, int globals, bool with_fine)
     : removed_(removed),
       errors_(removed.errors),
+      raw_(poses, globals, errors_.raw_size()),
       own_(Eigen::MatrixXd::Zero(errors_.raw_size(), errors_.raw_size())),
-      with_globals_(Eigen::MatrixXd::Zero(globals, errors_.raw_size())),
-      with_poses_(Eigen::MatrixXd::Zero(6 * poses, errors_.raw_size())),
-      gradient_(Eigen::VectorXd::Zero(errors_.raw_size())) {}
+      gradient_(Eigen::VectorXd::Zero(errors_.raw_size())),
+      fine_(0, 0, 0) {
+  int size = 0;
+  for (std::size_t c = 0; with_fine && c < removed.fine_sigma_px.size(); ++c) {
+    fine_fields_.emplace_back(errors_.lens_field(static_cast<int>(c)).camera());
+    fine_places_.push_back(size);
+    size += fine_fields_.back().size();
+  }
+  fine_ = Couplings(poses, globals, size);
+  raw_with_fine_ = Eigen::MatrixXd::Zero(errors_.raw_size(), size);
+}
 
 void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const WhitenedView& view) {
   const BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
@@ -76,53 +107,59 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
   const int field = errors_.field(view.camera);
   const Eigen::Index fields = field >= 0 ? rows.by_field.cols() : 0;
   if (fields > 0) {
-    add_with_others(at, view, seen, field, rows.by_globals.transpose() * rows.by_field);
+    raw_.add(at, view, seen, field, rows.by_globals.transpose() * rows.by_field);
     own_.block(field, field, fields, fields).noalias() += rows.by_field.transpose() * rows.by_field;
     gradient_.segment(field, fields).noalias() += rows.by_field.transpose() * rows.residual;
   }
-  for (std::size_t i = 0; errors_.print(0) >= 0 && i < view.corners.size(); ++i) {
-    const int print = errors_.print(view.corners[i].id);
+  for (std::size_t i = 0; i < view.corners.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(2 * i);
     const Eigen::Matrix<double, 2, 3> by_offset = rows.by_offset.middleRows<2>(row);
-    add_with_others(at, view, seen, print, rows.by_globals.middleRows<2>(row).transpose() * by_offset);
-    own_.block<3, 3>(print, print) += by_offset.transpose() * by_offset;
-    gradient_.segment<3>(print) += by_offset.transpose() * rows.residual.segment<2>(row);
-    if (fields > 0)
-      own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.by_field.middleRows<2>(row);
+    if (const int print = errors_.print(view.corners[i].id); print >= 0) {
+      raw_.add(at, view, seen, print, rows.by_globals.middleRows<2>(row).transpose() * by_offset);
+      own_.block<3, 3>(print, print) += by_offset.transpose() * by_offset;
+      gradient_.segment<3>(print) += by_offset.transpose() * rows.residual.segment<2>(row);
+      if (fields > 0)
+        own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.by_field.middleRows<2>(row);
+    }
+    if (!fine_fields_.empty())
+      add_fine(at, view, seen, i, rows.by_globals.middleRows<2>(row), by_offset, rows.by_field.middleRows<2>(row),
+               rows.roots[i]);
   }
 }
 
-void RepeatingCouplings::add_with_others(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
-                                         int place, const Eigen::MatrixXd& by_globals) {
-  const Eigen::Index size = by_globals.cols();
-  const auto by_twist = by_globals.topRows<kTwist>();
-  for (std::size_t p = 0; p < static_cast<std::size_t>(seen.count); ++p) {
-    const auto& [segment, twist] = seen.parts[p];
-    if (segment.pose < 0)
-      with_globals_.block(segment.offset, place, segment.size, size).noalias() +=
-          twist.leftCols(segment.size).transpose() * by_twist;
-    else
-      with_poses_.block(6 * segment.pose + segment.offset, place, segment.size, size).noalias() +=
-          twist.leftCols(segment.size).transpose() * by_twist;
+void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
+                                  std::size_t corner, const Eigen::MatrixXd& by_globals,
+                                  const Eigen::MatrixXd& by_offset, const Eigen::MatrixXd& by_field,
+                                  const Eigen::Matrix2d& root) {
+  const auto c = static_cast<std::size_t>(view.camera);
+  const int print = errors_.print(view.corners[corner].id), field = errors_.field(view.camera);
+  for (const FineField::Share& share : fine_fields_[c].at(view.corners[corner].pixel)) {
+    const Eigen::Matrix2d by_node = removed_.fine_sigma_px[c] * share.weight * root;
+    const int place = fine_places_[c] + 2 * share.node;
+    fine_.add(at, view, seen, place, by_globals.transpose() * by_node);
+    if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += by_offset.transpose() * by_node;
+    if (field >= 0) raw_with_fine_.block(field, place, by_field.cols(), 2).noalias() += by_field.transpose() * by_node;
   }
-  if (at.layout.has(Nuisance::kLens))
-    with_globals_.block(at.layout.place(Nuisance::kLens, view.camera), place, kLens, size) +=
-        by_globals.middleRows<kLens>(kTwist);
-  if (at.layout.has(Nuisance::kBoardShape))
-    with_globals_.block(at.layout.place(Nuisance::kBoardShape), place, kShape, size) += by_globals.bottomRows<kShape>();
 }
 
 void RepeatingCouplings::add_to(ArrowSystem* system) const {
   const Eigen::MatrixXd& M = errors_.raw_by_unknowns();
-  const Eigen::Index first = with_globals_.rows(), size = M.cols();
-  system->pose_global.rightCols(size) = with_poses_ * M;
-  system->global.topRightCorner(first, size) = with_globals_ * M;
+  const Eigen::Index first = raw_.with_globals.rows(), size = M.cols();
+  system->pose_global.rightCols(size) = raw_.with_poses * M;
+  system->global.topRightCorner(first, size) = raw_.with_globals * M;
   system->global.bottomLeftCorner(size, first) = system->global.topRightCorner(first, size).transpose();
   // Offsets come first: between them and fields only one of the two blocks was filled.
   const Eigen::MatrixXd own = own_.selfadjointView<Eigen::Upper>();
   system->global.bottomRightCorner(size, size) = M.transpose() * own * M;
   system->global.diagonal().tail(size).array() += 1.0;
   system->global_gradient.tail(size) = M.transpose() * gradient_ + removed_.value;
+}
+
+Couplings RepeatingCouplings::of_fine_fields() const {
+  Couplings all = fine_;
+  all.with_globals.conservativeResize(fine_.with_globals.rows() + errors_.size(), Eigen::NoChange);
+  all.with_globals.bottomRows(errors_.size()) = errors_.raw_by_unknowns().transpose() * raw_with_fine_;
+  return all;
 }
 
 }  // namespace rigproof::ml

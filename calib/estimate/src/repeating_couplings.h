@@ -1,31 +1,53 @@
 // How repeating errors enter the normal equations: with each other, with the globals and with every pose.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "board_in_camera.h"
+#include "fine_field.h"
 #include "rigproof/calib/estimate/arrow_system.h"
 #include "rigproof/calib/estimate/repeating_errors.h"
 
 namespace rigproof::ml {
 
+/// How errors of corners enter the normal equations with the globals and with every pose; a column for each error.
+struct Couplings {
+  Couplings(int poses, int globals, int errors)
+      : with_globals(Eigen::MatrixXd::Zero(globals, errors)), with_poses(PoseRows::Zero(6 * poses, errors)) {}
+  /// @param place of the first error @param by_globals by the view's twist, its lens and the board's shape
+  void add(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
+           const Eigen::MatrixXd& by_globals);
+
+  Eigen::MatrixXd with_globals;
+  PoseRows with_poses;
+};
+
 class RepeatingCouplings {
  public:
-  RepeatingCouplings(const RemovedErrors& removed, int poses, int globals);
+  /// @param with_fine also of what no polynomial follows
+  RepeatingCouplings(const RemovedErrors& removed, int poses, int globals, bool with_fine);
   /// The corners of a board view.
   void add(const Evaluation& at, std::size_t index, const WhitenedView& view);
   /// The errors are the last globals of the system; with their priors.
   void add_to(ArrowSystem* system) const;
+  /// Of the fine fields, a column for each unit of a node's prior; their globals include the repeating errors.
+  Couplings of_fine_fields() const;
 
  private:
-  // At `place` among the raw errors; by the view's twist, its lens and the board's shape.
-  void add_with_others(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
-                       const Eigen::MatrixXd& by_globals);
+  void add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, std::size_t corner,
+                const Eigen::MatrixXd& by_globals, const Eigen::MatrixXd& by_offset, const Eigen::MatrixXd& by_field,
+                const Eigen::Matrix2d& root);
 
   const RemovedErrors& removed_;
   const RepeatingErrors& errors_;
-  // By the raw errors.
-  Eigen::MatrixXd own_, with_globals_;
-  PoseRows with_poses_;
+  Couplings raw_;
+  Eigen::MatrixXd own_;  // by the raw errors
   Eigen::VectorXd gradient_;
+  std::vector<FineField> fine_fields_;
+  std::vector<int> fine_places_;
+  Couplings fine_;
+  Eigen::MatrixXd raw_with_fine_;
 };
 
 }  // namespace rigproof::ml

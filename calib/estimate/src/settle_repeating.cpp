@@ -10,7 +10,7 @@ namespace {
 // Out of the corners as they were seen.
 void take_out(const std::vector<BoardView>& seen, Preparation* prepared) {
   prepared->used.board_views = seen;
-  prepared->repeating_size = remove_repeating(prepared->repeating, prepared->views, &prepared->used);
+  remove_repeating(prepared->repeating, prepared->views, &prepared->used);
   prepared->whitened = std::make_shared<const Whitened>(whitened(prepared->used));
 }
 
@@ -31,7 +31,7 @@ Eigen::VectorXd joint_step(const Preparation& prepared, const Fit& fit) {
 void settle_repeating(Preparation* prepared) {
   const std::vector<BoardView> seen = prepared->used.board_views;
   RemovedErrors& repeating = prepared->repeating;
-  repeating.value = estimate_repeating(repeating, prepared->used, prepared->views, prepared->priors);
+  estimate_repeating(prepared->used, prepared->views, prepared->priors, &repeating);
   take_out(seen, prepared);
   const bool per_pose = prepared->used.odometry_noise.model == OdometryModel::kPerPose;
   const OdometryLaw law{per_pose ? OdometryModel::kPerPose : OdometryModel::kPerIncrement, false};

@@ -1,5 +1,8 @@
+#include "inspect_reprojection.h"
+
 #include <map>
 
+#include "as_estimated.h"
 #include "inspect_pictures.h"
 #include "rigproof/calib/geometry/pnp.h"
 
@@ -21,7 +24,9 @@ std::map<int, Rigid3> poses_of(const Observations& observations, const Result& r
 class CarryOver {
  public:
   CarryOver(const Observations& observations, const Result& result)
-      : observations_(observations), poses_(poses_of(observations, result)) {}
+      : observations_(as_estimated(observations, result)), poses_(poses_of(observations, result)) {}
+
+  const Observations& observations() const { return observations_; }
 
   bool knows(std::size_t camera) const { return poses_.count(static_cast<int>(camera)) > 0; }
 
@@ -35,18 +40,17 @@ class CarryOver {
     return best;
   }
 
-  void add(const BoardView& target, ResidualPicture* picture) const {
-    const BoardView* source = source_for(target);
-    if (source == nullptr) return;
-    const Camera& source_camera = observations_.cameras[static_cast<std::size_t>(source->camera)].camera;
-    const auto board = estimate_board_pose(source->corners, observations_.board, source_camera);
+  void add(const BoardView& source, const BoardView& target, std::vector<Residual>* residuals) const {
+    const Camera& source_camera = observations_.cameras[static_cast<std::size_t>(source.camera)].camera;
+    const auto board = estimate_board_pose(source.corners, observations_.board, source_camera);
     if (!board) return;
+    const Camera& target_camera = observations_.cameras[static_cast<std::size_t>(target.camera)].camera;
     const Rigid3 T_target_board = poses_.at(target.camera).inverse() * odometry(target.stop).inverse() *
-                                  odometry(source->stop) * poses_.at(source->camera) * board->T_camera_board;
+                                  odometry(source.stop) * poses_.at(source.camera) * board->T_camera_board;
     for (const CornerObservation& corner : target.corners) {
       Eigen::Vector2d projected;
-      if (picture->image.project(T_target_board * observations_.board.corner(corner.id), &projected))
-        picture->residuals.push_back({corner.pixel, projected - corner.pixel});
+      if (target_camera.project(T_target_board * observations_.board.corner(corner.id), &projected))
+        residuals->push_back({corner.pixel, projected - corner.pixel});
     }
   }
 
@@ -56,34 +60,38 @@ class CarryOver {
     return planar_pose(s.x_m, s.y_m, s.yaw_rad);
   }
 
-  const Observations& observations_;
+  const Observations observations_;
   const std::map<int, Rigid3> poses_;
 };
 
 }  // namespace
 
-Written draw_reprojection(const InspectInput& input, const Result& result, std::size_t camera,
-                          const std::filesystem::path& folder) {
-  const Observations& observations = input.observations;
+CarriedOver carried_over(const Observations& observations, const Result& result, std::size_t camera) {
   const CarryOver carry_over(observations, result);
-  if (!carry_over.knows(camera)) return std::nullopt;
-  ResidualPicture picture;
-  picture.camera = camera;
-  picture.image = observations.cameras[camera].camera;
-  std::size_t from_neighbours = 0, views = 0;
-  for (const BoardView& view : observations.board_views) {
+  CarriedOver carried;
+  if (!carry_over.knows(camera)) return carried;
+  for (const BoardView& view : carry_over.observations().board_views) {
     if (view.camera != static_cast<int>(camera)) continue;
     const BoardView* source = carry_over.source_for(view);
     if (source == nullptr) continue;
-    ++views;
-    from_neighbours += source->stop == view.stop ? 1 : 0;
-    carry_over.add(view, &picture);
+    ++(source->stop == view.stop ? carried.from_same_stop : carried.from_other_stops);
+    carry_over.add(*source, view, &carried.residuals);
   }
-  if (picture.residuals.empty()) return std::nullopt;
-  const std::string& name = observations.cameras[camera].name;
+  return carried;
+}
+
+Written draw_reprojection(const InspectInput& input, const Result& result, std::size_t camera,
+                          const std::filesystem::path& folder) {
+  const CarriedOver carried = carried_over(input.observations, result, camera);
+  if (carried.residuals.empty()) return std::nullopt;
+  const std::string& name = input.observations.cameras[camera].name;
+  ResidualPicture picture;
+  picture.camera = camera;
+  picture.image = input.observations.cameras[camera].camera;
+  picture.residuals = carried.residuals;
   picture.title = result.method + ", " + name + ": reprojected minus detected corners";
-  picture.subtitle = "board carried over by the calibration: " + std::to_string(from_neighbours) +
-                     " views from another camera at the same stop, " + std::to_string(views - from_neighbours) +
+  picture.subtitle = "board carried over by the calibration: " + std::to_string(carried.from_same_stop) +
+                     " views from another camera at the same stop, " + std::to_string(carried.from_other_stops) +
                      " from another stop by odometry";
   return draw_residuals(picture, folder / ("reprojection_" + result.method + "_" + name + ".png"));
 }

@@ -33,7 +33,6 @@ struct Preparation {
   Priors priors;
   std::shared_ptr<const Whitened> whitened;  ///< what is used
   RemovedErrors repeating;  ///< errors that repeat in every image, and what was taken out of the corners
-  RepeatingSize repeating_size;
 
   /// False: no camera saw the board, there is nothing to solve.
   bool solvable() const { return guess.T_world_board.has_value(); }

@@ -27,6 +27,8 @@ struct ViewFit {
   double mean_weight = 0.0;
 };
 
+struct Couplings;
+
 /// Whitened observations with the noise levels that may change between solutions.
 class Problem {
  public:
@@ -45,7 +47,9 @@ class Problem {
   /// Normal equations at the state, with cost and sums where wanted.
   ArrowSystem linearise(const State& state, Weighting weighting, double* cost, GroupSums* sums) const;
   /// The same with the repeating errors as further globals, after all others.
-  ArrowSystem linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting) const;
+  /// @param fine if wanted: how what no polynomial follows of the lenses enters
+  ArrowSystem linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting,
+                             Couplings* fine = nullptr) const;
   /// Dimensions of each group that the estimate absorbs: its leverage.
   void add_leverage(const State& state, const EliminatedSystem::PoseCovariance& poses, const Eigen::MatrixXd& globals,
                     GroupSums* sums) const;
@@ -74,7 +78,8 @@ class Problem {
  private:
   struct Besides {
     const RemovedErrors* removed = nullptr;  // further globals
-    BlockSink* also = nullptr;               // is shown every block
+    Couplings* fine = nullptr;
+    BlockSink* also = nullptr;  // is shown every block
   };
   ArrowSystem linearised(const State& state, Weighting weighting, const Besides& besides, double* cost,
                          GroupSums* sums) const;

@@ -34,10 +34,21 @@ class RepeatingErrors {
   int field(int camera) const { return fields_[static_cast<std::size_t>(camera)]; }
   const LensField& lens_field(int camera) const { return lens_fields_[static_cast<std::size_t>(camera)]; }
 
+  /// Unknowns whose size is stated by one figure: the print, or a camera's field.
+  struct Group {
+    int camera;  ///< -1: the print
+    int first, size;
+    double level;  ///< how many times larger than stated they are taken for
+  };
+  const std::vector<Group>& groups() const { return groups_; }
+  /// Takes a group for so many times larger.
+  void enlarge(const Group& group, double factor);
+
  private:
   bool has_print_ = false;
   std::vector<int> fields_;
   std::vector<LensField> lens_fields_;
+  std::vector<Group> groups_;
   Eigen::MatrixXd raw_by_unknowns_;
 };
 
@@ -47,20 +58,19 @@ struct RemovedErrors {
   /// Of each board view: displacement of its corners, two rows each, by the coefficients of its camera's field.
   std::vector<Eigen::MatrixXd> fields;
   Eigen::VectorXd value;  ///< of the errors' unknowns
+  /// Of each camera: size of what no polynomial follows, at the nodes of a grid (FineField). It stays in the corners.
+  std::vector<double> fine_sigma_px;
+  /// Of a coordinate over the image; 0 where none is known of.
+  double fine_rms_px(int camera) const;
 };
 /// Nothing taken out yet.
 RemovedErrors none_removed(const Observations& observations, const PriorSigmas& priors);
 
-/// From the images alone: every view's pose, the lenses and the board's shape are estimated with them.
-Eigen::VectorXd estimate_repeating(const RemovedErrors& removed, const Observations& observations,
-                                   const std::vector<ViewPose>& views, const Priors& priors);
-/// How large what was taken out is, root mean square.
-struct RepeatingSize {
-  double print_m = 0.0;          ///< of each coordinate of the corners' offsets
-  std::vector<double> field_px;  ///< of each coordinate over the corners of each camera
-};
+/// From the images alone: every view's pose, the lenses and the board's shape are estimated with them. What is larger
+/// than stated beyond what chance explains is taken for as large as it is.
+void estimate_repeating(const Observations& observations, const std::vector<ViewPose>& views, const Priors& priors,
+                        RemovedErrors* removed);
 /// Takes the estimate out of the corners of all views that have a pose.
-RepeatingSize remove_repeating(const RemovedErrors& removed, const std::vector<ViewPose>& views,
-                               Observations* observations);
+void remove_repeating(const RemovedErrors& removed, const std::vector<ViewPose>& views, Observations* observations);
 
 }  // namespace rigproof::ml

@@ -1,0 +1,24 @@
+// How large the fine field of a lens is, from what is left of the corners.
+#pragma once
+
+#include <vector>
+
+#include "fine_field.h"
+#include "image_rows.h"
+
+namespace rigproof::ml {
+
+/// A view of the camera as it is left when all else is estimated.
+struct LeftOver {
+  const ViewRows* rows;
+  Eigen::VectorXd residual;  ///< whitened by what is stated
+  Eigen::VectorXd weights;
+};
+
+/// Root mean square at the nodes [px], by restricted likelihood: poses of the views and what polynomials follow are
+/// projected out. Where the images tell little it is near what the prior says.
+/// @param prior_px scale of its prior, whose tails are wide
+double fine_sigma_px(const std::vector<LeftOver>& views, const FineField& fine, const LensField& smooth,
+                     double prior_px);
+
+}  // namespace rigproof::ml

@@ -1,0 +1,38 @@
+// What the corners of single images tell, wherever the board lies: rows of least squares.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rigproof/calib/estimate/repeating_errors.h"
+#include "rigproof/calib/geometry/view_poses.h"
+#include "rigproof/core/observations.h"
+
+namespace rigproof::ml {
+
+/// Columns of a lens (LensChange) and of the board's shape.
+constexpr int kLensColumns = 5, kShapeColumns = 4;
+
+/// Rows of a view's corners, two each, whitened by what is stated; zero where a corner has no use.
+struct ViewRows {
+  int camera;
+  std::vector<int> raw;  ///< of each column after lens and shape: its place among the raw errors
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd by_pose;    ///< chart of transform_error()
+  Eigen::MatrixXd by_others;  ///< lens, shape, offset of each corner, field
+  std::vector<Eigen::Vector2d> pixels;
+  std::vector<Eigen::Matrix2d> whitening;
+};
+
+ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Observations& observations);
+
+/// The residual that is left when all but the pose make a step, and the pose follows.
+struct Weighted {
+  Eigen::VectorXd weights;  ///< of each row
+  Eigen::MatrixXd to_pose;  ///< the pose's step is this times a residual; 6 x rows
+};
+/// @param fits how the rows fit so far
+/// @param level square of what corners scatter by, as a multiple of what is stated
+Weighted weighted(const ViewRows& view, const Eigen::VectorXd& fits, double level);
+
+}  // namespace rigproof::ml

@@ -1,0 +1,183 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "fine_level.h"
+#include "image_rows.h"
+#include "rigproof/core/chi_square.h"
+#include "rigproof/core/median.h"
+
+namespace rigproof::ml {
+namespace {
+
+// Of the views that tell the errors: evenly chosen, since more tell little more.
+constexpr std::size_t kMostViews = 240;
+
+struct Estimate {
+  Eigen::VectorXd value;       // of the errors' unknowns
+  Eigen::MatrixXd covariance;  // as the images leave it
+};
+
+// The unknowns: five of each lens, four of the board, the repeating errors. Poses of views are eliminated.
+class ImagesAlone {
+ public:
+  ImagesAlone(const RepeatingErrors& errors, std::size_t cameras, const Priors& priors)
+      : errors_(errors), cameras_(static_cast<int>(cameras)) {
+    const Eigen::Index lenses = kLensColumns * cameras_;
+    prior_ = Eigen::VectorXd::Ones(lenses + kShapeColumns + errors.size());
+    constexpr double kBelieved = 1e12;  // information, where nothing is left open
+    const auto information = [](double variance) { return variance > 0.0 ? 1.0 / variance : kBelieved; };
+    for (int c = 0; c < cameras_; ++c)
+      for (int i = 0; i < kLensColumns; ++i)
+        prior_[kLensColumns * c + i] = information(priors.covariance(Nuisance::kLens, c)(i, i));
+    for (int i = 0; i < kShapeColumns; ++i)
+      prior_[lenses + i] = information(priors.covariance(Nuisance::kBoardShape)(i, i));
+  }
+
+  // The next estimate, and its residuals; weights of corners by how they fit.
+  Estimate solve(const std::vector<ViewRows>& views, std::vector<Eigen::VectorXd>* residuals) const {
+    const int raw = kLensColumns * cameras_ + kShapeColumns + errors_.raw_size();
+    Eigen::MatrixXd N = Eigen::MatrixXd::Zero(raw, raw);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(raw);
+    const std::vector<double> levels = squares_of_levels(views, *residuals);
+    std::vector<Eigen::MatrixXd> to_pose;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      const Weighted by = weighted(views[v], (*residuals)[v], levels[static_cast<std::size_t>(views[v].camera)]);
+      add(views[v], by, &N, &g);
+      to_pose.push_back(by.to_pose);
+    }
+    const Eigen::MatrixXd M = raw_by_unknowns();
+    Eigen::MatrixXd H = M.transpose() * N.selfadjointView<Eigen::Lower>() * M;
+    H.diagonal() += prior_;
+    const Eigen::LLT<Eigen::MatrixXd> llt(H);
+    const Eigen::VectorXd z = -llt.solve(M.transpose() * g), of_raw = M * z;
+    for (std::size_t v = 0; v < views.size(); ++v) (*residuals)[v] = left_over(views[v], to_pose[v], of_raw);
+    const Eigen::Index size = errors_.size();
+    Eigen::MatrixXd last = Eigen::MatrixXd::Zero(H.rows(), size);
+    last.bottomRows(size).setIdentity();
+    return {z.tail(size), llt.solve(last).bottomRows(size)};
+  }
+
+  // Of each camera: square of what its corners scatter by, as a multiple of what is stated.
+  std::vector<double> squares_of_levels(const std::vector<ViewRows>& views,
+                                        const std::vector<Eigen::VectorXd>& residuals) const {
+    constexpr double kMedianSquare = 1.386;  // of a whitened residual of two dimensions: 2 ln 2
+    std::vector<std::vector<double>> squares(static_cast<std::size_t>(cameras_));
+    for (std::size_t v = 0; v < views.size(); ++v)
+      for (Eigen::Index i = 0; i + 1 < residuals[v].size(); i += 2)
+        squares[static_cast<std::size_t>(views[v].camera)].push_back(residuals[v].segment<2>(i).squaredNorm());
+    std::vector<double> levels;
+    for (std::vector<double>& of_camera : squares)
+      levels.push_back(of_camera.empty() ? 1.0 : std::max(1e-4, median(std::move(of_camera)) / kMedianSquare));
+    return levels;
+  }
+
+ private:
+  Eigen::MatrixXd raw_by_unknowns() const {
+    const Eigen::Index first = kLensColumns * cameras_ + kShapeColumns;
+    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(first + errors_.raw_size(), first + errors_.size());
+    M.topLeftCorner(first, first).setIdentity();
+    M.bottomRightCorner(errors_.raw_size(), errors_.size()) = errors_.raw_by_unknowns();
+    return M;
+  }
+
+  int place(const ViewRows& view, Eigen::Index column) const {
+    if (column < kLensColumns) return kLensColumns * view.camera + static_cast<int>(column);
+    const int lenses = kLensColumns * cameras_;
+    if (column < kLensColumns + kShapeColumns) return lenses + static_cast<int>(column) - kLensColumns;
+    return lenses + kShapeColumns + view.raw[static_cast<std::size_t>(column - kLensColumns - kShapeColumns)];
+  }
+
+  // A view without its pose.
+  void add(const ViewRows& view, const Weighted& by, Eigen::MatrixXd* N, Eigen::VectorXd* g) const {
+    const Eigen::MatrixXd free = view.by_others + view.by_pose * (by.to_pose * view.by_others);
+    const Eigen::MatrixXd H = view.by_others.transpose() * by.weights.asDiagonal() * free;
+    const Eigen::VectorXd gradient = free.transpose() * by.weights.asDiagonal() * view.residual;
+    for (Eigen::Index j = 0; j < H.cols(); ++j) {
+      const int column = place(view, j);
+      (*g)[column] += gradient[j];
+      for (Eigen::Index i = 0; i < H.rows(); ++i) {
+        const int row = place(view, i);
+        if (row >= column) (*N)(row, column) += H(i, j);
+      }
+    }
+  }
+
+  Eigen::VectorXd left_over(const ViewRows& view, const Eigen::MatrixXd& to_pose, const Eigen::VectorXd& raw) const {
+    Eigen::VectorXd others(view.by_others.cols());
+    for (Eigen::Index j = 0; j < others.size(); ++j) others[j] = raw[place(view, j)];
+    const Eigen::VectorXd moved = view.residual + view.by_others * others;
+    return moved + view.by_pose * (to_pose * moved);
+  }
+
+  const RepeatingErrors& errors_;
+  int cameras_;
+  Eigen::VectorXd prior_;  // information
+};
+
+// Estimates of numbers of unit variance scatter by 1 less what the data leave. How much larger the numbers are, where
+// chance does not explain it; 1 where it does.
+double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group) {
+  constexpr double kChance = 1e-6;
+  const Eigen::MatrixXd told = Eigen::MatrixXd::Identity(group.size, group.size) -
+                               estimate.covariance.block(group.first, group.first, group.size, group.size);
+  const double expected = told.trace(), squares = estimate.value.segment(group.first, group.size).squaredNorm();
+  if (!(expected > 0.0) || squares <= expected) return 1.0;
+  const double degrees = expected * expected / told.squaredNorm();
+  if (chi_square_tail(degrees * squares / expected, degrees) > kChance) return 1.0;
+  return std::sqrt(squares / expected);
+}
+
+bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
+  constexpr double kSettled = 1.05, kMost = 50.0;
+  bool changed = false;
+  for (const RepeatingErrors::Group& group : errors->groups()) {
+    const double factor = std::min(enlargement(estimate, group), kMost / group.level);
+    if (factor < kSettled) continue;
+    errors->enlarge(group, factor);
+    changed = true;
+  }
+  return changed;
+}
+
+std::vector<double> fine_sigmas_px(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
+                                   const ImagesAlone& problem, const Observations& observations,
+                                   const RepeatingErrors& errors) {
+  const std::vector<double> levels = problem.squares_of_levels(views, residuals);
+  std::vector<double> sigmas;
+  for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
+    const int camera = static_cast<int>(c);
+    std::vector<LeftOver> seen;
+    for (std::size_t v = 0; v < views.size(); ++v)
+      if (views[v].camera == camera)
+        seen.push_back({&views[v], residuals[v], levels[c] * weighted(views[v], residuals[v], levels[c]).weights});
+    const double prior = observations.cameras[c].intrinsics_sigma.residual_px;
+    const bool has_field = errors.field(camera) >= 0 && !seen.empty();
+    sigmas.push_back(
+        has_field ? fine_sigma_px(seen, FineField(observations.cameras[c].camera), errors.lens_field(camera), prior)
+                  : 0.0);
+  }
+  return sigmas;
+}
+
+}  // namespace
+
+void estimate_repeating(const Observations& observations, const std::vector<ViewPose>& views, const Priors& priors,
+                        RemovedErrors* removed) {
+  constexpr int kRounds = 3, kMostRounds = 8;  // weights and levels settle soon
+  std::vector<ViewRows> rows;
+  const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
+  for (std::size_t v = 0; v < views.size(); v += step) rows.push_back(rows_of(views[v], *removed, observations));
+  std::vector<Eigen::VectorXd> residuals;
+  for (const ViewRows& view : rows) residuals.push_back(view.residual);
+  const ImagesAlone problem(removed->errors, observations.cameras.size(), priors);
+  bool enlarged = false;
+  for (int round = 0; round < kRounds || (enlarged && round < kMostRounds); ++round) {
+    const Estimate estimate = problem.solve(rows, &residuals);
+    removed->value = estimate.value;
+    enlarged = round > 0 && round + 1 < kMostRounds && enlarge(estimate, &removed->errors);
+  }
+  removed->fine_sigma_px = fine_sigmas_px(rows, residuals, problem, observations, removed->errors);
+}
+
+}  // namespace rigproof::ml

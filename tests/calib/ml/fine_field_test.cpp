@@ -1,0 +1,100 @@
+// What no polynomial follows of a lens: as large as said, and its size is found from what is left of corners.
+#include "fine_field.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fine_level.h"
+#include "rigproof/core/random.h"
+
+namespace rigproof::ml {
+namespace {
+
+const Camera kCamera = Camera::symmetric(1280, 720, 640.0);
+
+TEST(MlFineField, SharesAddUpToOneEverywhere) {
+  const FineField field(kCamera);
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(-0.5, -0.5), Eigen::Vector2d(1279.5, 719.5),
+                                       Eigen::Vector2d(640.0, 360.0), Eigen::Vector2d(2000.0, -300.0)}) {
+    double sum = 0.0;
+    for (const FineField::Share& share : field.at(pixel)) {
+      ASSERT_GE(share.node, 0);
+      ASSERT_LT(share.node, field.nodes());
+      EXPECT_GE(share.weight, 0.0);
+      sum += share.weight;
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+  }
+}
+
+TEST(MlFineField, IsAsLargeAsSaid) {
+  const FineField field(kCamera);
+  double variance = 0.0;
+  int points = 0;
+  for (int x = 0; x < kCamera.width_px; x += 7)
+    for (int y = 0; y < kCamera.height_px; y += 7, ++points)
+      for (const FineField::Share& share : field.at({x, y})) variance += share.weight * share.weight;
+  EXPECT_NEAR(std::sqrt(variance / points), FineField::kRms, 0.01);
+}
+
+// Boards here and there in the image, whose corners a field displaces: the rows of their views.
+class Drawn {
+ public:
+  Drawn(double node_sigma_px, double noise_px, RandomStream* random) : field_(kCamera) {
+    Eigen::VectorXd nodes(field_.size());
+    for (double& node : nodes) node = random->normal(0.0, node_sigma_px);
+    for (int view = 0; view < 60; ++view) add_view(nodes, noise_px, random);
+  }
+  double sigma_px(double prior_px) const {
+    std::vector<LeftOver> left;
+    for (const ViewRows& rows : views_)
+      left.push_back({&rows, rows.residual, Eigen::VectorXd::Ones(rows.residual.size())});
+    return fine_sigma_px(left, field_, LensField(kCamera), prior_px);
+  }
+
+ private:
+  void add_view(const Eigen::VectorXd& nodes, double noise_px, RandomStream* random) {
+    constexpr int kColumns = 8, kCorners = 48;
+    const Eigen::Vector2d corner(random->uniform(0.0, 900.0), random->uniform(0.0, 450.0));
+    ViewRows rows{0, {}, Eigen::VectorXd(2 * kCorners), Eigen::MatrixXd::Zero(2 * kCorners, 6), {}, {}, {}};
+    for (int i = 0; i < kCorners; ++i) {
+      const Eigen::Vector2d place = 50.0 * Eigen::Vector2d(i % kColumns, i / kColumns);
+      rows.pixels.emplace_back(corner + place);
+      rows.whitening.emplace_back(Eigen::Matrix2d::Identity() / noise_px);
+      Eigen::Vector2d displaced(random->normal(0.0, noise_px), random->normal(0.0, noise_px));
+      for (const FineField::Share& share : field_.at(rows.pixels.back()))
+        displaced += share.weight * nodes.segment<2>(2 * share.node);
+      rows.residual.segment<2>(2 * i) = displaced / noise_px;
+      rows.by_pose.block<2, 2>(2 * i, 0).setIdentity();
+      rows.by_pose.block<2, 4>(2 * i, 2) << place.x(), place.y(), 0, 0, 0, 0, place.x(), place.y();
+    }
+    views_.push_back(std::move(rows));
+  }
+
+  FineField field_;
+  std::vector<ViewRows> views_;
+};
+
+TEST(MlFineField, ItsSizeIsFoundWhereCornersTellIt) {
+  double found = 0.0;
+  constexpr int kFields = 6;
+  for (int seed = 0; seed < kFields; ++seed) {
+    RandomStream random(static_cast<std::uint64_t>(seed), "fine field");
+    found += Drawn(0.3, 0.05, &random).sigma_px(0.1) / kFields;
+  }
+  EXPECT_NEAR(found, 0.3, 0.04);
+}
+
+TEST(MlFineField, WithoutOneNoneIsFound) {
+  RandomStream random(7, "fine field");
+  EXPECT_LT(Drawn(0.0, 0.05, &random).sigma_px(0.1), 0.02);
+}
+
+TEST(MlFineField, WhereCornersTellNothingThePriorStands) {
+  RandomStream random(8, "fine field");
+  EXPECT_NEAR(Drawn(0.1, 20.0, &random).sigma_px(0.1), 0.1 * std::sqrt(2.0), 0.05);
+}
+
+}  // namespace
+}  // namespace rigproof::ml

@@ -1,0 +1,64 @@
+// The picture of what is left after calibration goes with the lenses and the board that the poses go with.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "../validate/synthetic.h"
+#include "inspect_reprojection.h"
+
+namespace rigproof {
+namespace {
+
+using namespace testing_support;
+using inspect_detail::carried_over;
+using inspect_detail::CarriedOver;
+
+double rms_px(const CarriedOver& carried) {
+  double square = 0.0;
+  for (const inspect_detail::Residual& residual : carried.residuals) square += residual.difference.squaredNorm();
+  return std::sqrt(square / (2.0 * static_cast<double>(carried.residuals.size())));
+}
+
+// Lenses one percent and a board two percent off what was stated, and a result that found both.
+struct Reprojection : testing::Test {
+  Reprojection() : truth(make_truth(12)), observations(make_observations(truth, 0.02)), result(exact_result(truth)) {
+    for (std::size_t i = 0; i < truth.cameras.size(); ++i) {
+      result.lenses.push_back({truth.cameras[i].name, truth.cameras[i].camera});
+      observations.cameras[i].camera.fx_px *= 1.01;
+      observations.cameras[i].camera.fy_px *= 1.01;
+    }
+    EstimatedQuantity size;
+    size.name = "board_size_percent";
+    size.value = 2.0;
+    result.also_estimated.push_back(size);
+    observations.board.square_m /= 1.02;
+  }
+  const Truth truth;
+  Observations observations;
+  Result result;
+};
+
+TEST_F(Reprojection, GoesWithTheEstimatedLensesAndBoard) {
+  const CarriedOver carried = carried_over(observations, result, 1);
+  EXPECT_GT(carried.from_same_stop, 0U);
+  ASSERT_GT(carried.residuals.size(), 100U);
+  EXPECT_LT(rms_px(carried), 0.3);
+}
+
+TEST_F(Reprojection, ShowsLensesThatTheResultDidNotFind) {
+  result.lenses.clear();
+  EXPECT_GT(rms_px(carried_over(observations, result, 1)), 1.0);
+}
+
+TEST_F(Reprojection, ShowsABoardThatTheResultDidNotFind) {
+  result.also_estimated.clear();
+  EXPECT_GT(rms_px(carried_over(observations, result, 1)), 1.0);
+}
+
+TEST_F(Reprojection, IsEmptyForACameraWithoutAPose) {
+  result.camera_to_robot.clear();
+  EXPECT_TRUE(carried_over(observations, result, 1).residuals.empty());
+}
+
+}  // namespace
+}  // namespace rigproof
