@@ -245,7 +245,7 @@ std::string use_in_short(const Result& result) {
 void print_result(const Terminal& terminal, const Result& result) {
   print_use(terminal, result);
   print_reasons(terminal, result);
-  print_notes(terminal, result, true);
+  print_suspicions(terminal, result);
   if (result.status == ResultStatus::kSolved)
     for (const std::string& line : pose_lines(result)) terminal.line(line);
   else
@@ -254,6 +254,8 @@ void print_result(const Terminal& terminal, const Result& result) {
   print_main_sources(terminal, result);
   print_notes(terminal, result, false);
 }
+
+void print_suspicions(const Terminal& terminal, const Result& result) { print_notes(terminal, result, true); }
 
 void print_also_estimated(const Terminal& terminal, const Result& result) {
   for (const std::string& line : also_estimated_lines(result)) terminal.line(line);

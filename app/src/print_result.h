@@ -19,6 +19,9 @@ std::string use_in_short(const Result& result);
 /// Poses with stated sigma, refusals and notes.
 void print_result(const Terminal& terminal, const Result& result);
 
+/// What throws doubt on an answer, if anything.
+void print_suspicions(const Terminal& terminal, const Result& result);
+
 /// What was estimated beside the poses, if anything.
 void print_also_estimated(const Terminal& terminal, const Result& result);
 

@@ -44,6 +44,7 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
       print_also_estimated(terminal, result);
     else
       print_result(terminal, result);
+    if (result.status == ResultStatus::kSolved) print_suspicions(terminal, result);
     const Verdict verdict = judge(result, truth, budget);
     records.push_back({result.method, verdict.comparison, budget, verdict.gate});
     comparisons.push_back(verdict.comparison);

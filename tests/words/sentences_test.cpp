@@ -19,6 +19,13 @@ TEST(Sentences, CamerasStandBefore) {
             "left: x, y unobservable: the robot drove straight and never turned; add stops with other headings");
 }
 
+TEST(Sentences, ASuspicionNamesItsCamera) {
+  const Finding finding("prior.strained",
+                        {{"quantity", "lens_residual_px"}, {"value", 0.4}, {"prior", 0.1}, {"deviations", 4.0}});
+  EXPECT_THAT(words::sentence_of(finding.of("rear")), testing::StartsWith("rear: lens_residual_px is estimated at 0.4,"));
+  EXPECT_THAT(words::sentence_of(finding), testing::StartsWith("lens_residual_px is estimated at 0.4,"));
+}
+
 TEST(Sentences, WhatIsTheSameOfSeveralCamerasIsSaidOnce) {
   const std::string what =
       "x, y unobservable: the robot drove straight and never turned; add stops with other headings";
