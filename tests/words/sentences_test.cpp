@@ -22,7 +22,8 @@ TEST(Sentences, CamerasStandBefore) {
 TEST(Sentences, ASuspicionNamesItsCamera) {
   const Finding finding("prior.strained",
                         {{"quantity", "lens_residual_px"}, {"value", 0.4}, {"prior", 0.1}, {"deviations", 4.0}});
-  EXPECT_THAT(words::sentence_of(finding.of("rear")), testing::StartsWith("rear: lens_residual_px is estimated at 0.4,"));
+  EXPECT_THAT(words::sentence_of(finding.of("rear")),
+              testing::StartsWith("rear: lens_residual_px is estimated at 0.4,"));
   EXPECT_THAT(words::sentence_of(finding), testing::StartsWith("lens_residual_px is estimated at 0.4,"));
 }
 

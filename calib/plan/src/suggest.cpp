@@ -11,6 +11,7 @@
 
 #include "floor.h"
 #include "forecast.h"
+#include "measurements.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/exclusions.h"
@@ -353,6 +354,7 @@ void foretell(const Outlook& outlook, Suggestion* suggestion) {
   const Result then = foreseen(outlook, observations);
   suggestion->status_then = then.status;
   suggestion->reasons_then = then.reasons;
+  if (const auto measure = suggest::what_to_measure(then, suggestion->limits)) suggestion->notes.push_back(*measure);
   std::vector<const StopInformation*> stops;
   for (const StopInformation& stop : information) stops.push_back(&stop);
   add_cameras(outlook.knowledge, then, outlook.forecast.sigmas({}), outlook.forecast.sigmas(stops), suggestion);

@@ -339,6 +339,22 @@ TEST(Suggest, SaysWhereThereIsNoRoom) {
   EXPECT_THAT(worded(suggestion.notes), ElementsAre(HasSubstr("Only 0 places were found")));
 }
 
+// A board of squares that nobody measured keeps the height open, however long the robot drives.
+TEST(Suggest, NamesWhatToMeasureWhereNoDriveHelps) {
+  Observations observations = draw_geometric_run(short_drive(GeometricDrive::kRandom, 20)).observations;
+  const auto measures = [&] {
+    std::vector<std::string> said;
+    for (const std::string& note : worded(suggest_stops(observations, wide_floor()).notes))
+      if (note.find("of the variance") != std::string::npos) said.push_back(note);
+    return said;
+  };
+  EXPECT_THAT(measures(), testing::IsEmpty());
+  observations.board.square_sigma_m = 0.01 * observations.board.square_m;
+  EXPECT_THAT(measures(), ElementsAre(testing::AllOf(
+                              HasSubstr("comes from: board; stops hardly change that: measure the side of ten squares"),
+                              testing::EndsWith("`square_sigma_mm`."))));
+}
+
 TEST(Suggest, RefusesWhatItCannotStartFrom) {
   SuggestOptions options;
   options.stops = 0;

@@ -1,0 +1,63 @@
+#include "measurements.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace rigproof::suggest {
+namespace {
+
+// Lines of the budget that hold what was stated, not what was seen, and what to measure.
+struct Stated {
+  const char* source;
+  const char* measure;
+};
+constexpr std::array<Stated, 7> kStated = {{{"board", "squares"},
+                                            {"lens", "lens"},
+                                            {"print and lens residual", "residual"},
+                                            {"depth scale", "scale"},
+                                            {"depth error", "offset"},
+                                            {"turning point", "centre"},
+                                            {"riding height", "height"}}};
+// Of the variance: with less, what is seen counts for more.
+constexpr double kMost = 0.5;
+
+struct Worst {
+  const EstimatedTransform* camera = nullptr;
+  std::size_t axis = 0;
+  double sigma_of_limit = 0.0;
+};
+
+Worst worst_of(const Result& result, const AcceptLimits& limits) {
+  Worst worst;
+  for (const EstimatedTransform& camera : result.camera_to_robot)
+    for (std::size_t axis = 0; camera.covariance && axis < 6; ++axis) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      const double limit = axis < 2 ? limits.xy_m : axis == 2 ? limits.z_m : limits.angle_rad;
+      const double share = std::sqrt((*camera.covariance)(i, i)) / limit;
+      if (camera.observable[axis] && share > worst.sigma_of_limit) worst = {&camera, axis, share};
+    }
+  return worst;
+}
+
+}  // namespace
+
+std::optional<Finding> what_to_measure(const Result& then, const AcceptLimits& limits) {
+  constexpr std::array<const char*, 6> kAxes = {"x", "y", "z", "roll", "pitch", "yaw"};
+  const Worst worst = worst_of(then, limits);
+  if (worst.camera == nullptr || worst.camera->budget.empty()) return std::nullopt;
+  const auto share = [&](const EstimatedTransform::Share& line) { return line.share[worst.axis]; };
+  const auto largest = std::max_element(worst.camera->budget.begin(), worst.camera->budget.end(),
+                                        [&](const auto& a, const auto& b) { return share(a) < share(b); });
+  const auto stated = std::find_if(kStated.begin(), kStated.end(),
+                                   [&](const Stated& known) { return known.source == largest->source; });
+  if (stated == kStated.end() || share(*largest) < kMost) return std::nullopt;
+  return Finding(
+             "suggest.measure",
+             {{"source", largest->source}, {"share_percent", 100.0 * share(*largest)}, {"measure", stated->measure}})
+      .along({kAxes[worst.axis]})
+      .of(worst.camera->child);
+}
+
+}  // namespace rigproof::suggest
