@@ -6,7 +6,7 @@
 namespace rigproof::ml {
 namespace {
 
-// Across the longer side: what is finer a board shows where it lies, and what is coarser polynomials follow.
+// Across the longer side. What is coarser polynomials follow; what is finer shows within a single board as scatter.
 constexpr int kCells = 8;
 
 // Cubic B-splines around a place between two nodes, u from the first one.

@@ -26,10 +26,10 @@ struct ViewRows {
 
 ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Observations& observations);
 
-/// The residual that is left when all but the pose make a step, and the pose follows.
+/// Rows of a view by how well they fit, and what the view's pose makes of them.
 struct Weighted {
   Eigen::VectorXd weights;  ///< of each row
-  Eigen::MatrixXd to_pose;  ///< the pose's step is this times a residual; 6 x rows
+  Eigen::MatrixXd to_pose;  ///< the step of the pose that fits a residual best is this times the residual; 6 x rows
 };
 /// @param fits how the rows fit so far
 /// @param level square of what corners scatter by, as a multiple of what is stated

@@ -9,9 +9,11 @@ namespace {
 
 constexpr int kLens = 5, kShape = 4, kTwist = 6;
 
+}  // namespace
+
 // The corners of a view, whitened and weighted: residual, and derivatives by the view's twist, the lens and the board's
 // shape; by each corner's own offset; and by the field. A corner that is not in front of the camera has none.
-struct Rows {
+struct RepeatingCouplings::Rows {
   Rows(Eigen::Index corners, Eigen::Index fields)
       : residual(Eigen::VectorXd::Zero(2 * corners)),
         by_globals(Eigen::MatrixXd::Zero(2 * corners, kTwist + kLens + kShape)),
@@ -23,16 +25,16 @@ struct Rows {
   std::vector<Eigen::Matrix2d> roots;  // whitening, weighted
 };
 
-Rows rows_of(const Evaluation& at, const WhitenedView& view, const Rigid3& T_camera_board, const RemovedErrors& removed,
-             std::size_t index) {
+RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const WhitenedView& view,
+                                                     const Rigid3& T_camera_board, std::size_t index) const {
   const Camera lens = lens_at(at, view.camera);
   const LensChange change = at.state.nuisances.of(Nuisance::kLens, view.camera);
   const double by_px = at.lenses[static_cast<std::size_t>(view.camera)].coefficient_by_px();
   const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
   const Eigen::Matrix3d R = T_camera_board.rotation_matrix();
   const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
-  const Eigen::MatrixXd& fields = removed.fields[index];
-  const LensField& of_lens = removed.errors.lens_field(view.camera);
+  const Eigen::MatrixXd& fields = removed_.fields[index];
+  const LensField& of_lens = errors_.lens_field(view.camera);
   // Corners without a finite covariance are missing among those that are whitened.
   const bool all_there = fields.rows() == 2 * static_cast<Eigen::Index>(view.corners.size());
   Rows rows(static_cast<Eigen::Index>(view.corners.size()), fields.cols());
@@ -61,8 +63,6 @@ Rows rows_of(const Evaluation& at, const WhitenedView& view, const Rigid3& T_cam
   }
   return rows;
 }
-
-}  // namespace
 
 void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
                     const Eigen::MatrixXd& by_globals) {
@@ -103,7 +103,7 @@ RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, 
 
 void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const WhitenedView& view) {
   const BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
-  const Rows rows = rows_of(at, view, seen.T_camera_board, removed_, index);
+  const Rows rows = rows_of(at, view, seen.T_camera_board, index);
   const int field = errors_.field(view.camera);
   const Eigen::Index fields = field >= 0 ? rows.by_field.cols() : 0;
   if (fields > 0) {
@@ -121,24 +121,23 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
       if (fields > 0)
         own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.by_field.middleRows<2>(row);
     }
-    if (!fine_fields_.empty())
-      add_fine(at, view, seen, i, rows.by_globals.middleRows<2>(row), by_offset, rows.by_field.middleRows<2>(row),
-               rows.roots[i]);
+    if (!fine_fields_.empty()) add_fine(at, view, seen, rows, i);
   }
 }
 
 void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
-                                  std::size_t corner, const Eigen::MatrixXd& by_globals,
-                                  const Eigen::MatrixXd& by_offset, const Eigen::MatrixXd& by_field,
-                                  const Eigen::Matrix2d& root) {
+                                  const Rows& rows, std::size_t corner) {
   const auto c = static_cast<std::size_t>(view.camera);
   const int print = errors_.print(view.corners[corner].id), field = errors_.field(view.camera);
+  const auto row = static_cast<Eigen::Index>(2 * corner);
   for (const FineField::Share& share : fine_fields_[c].at(view.corners[corner].pixel)) {
-    const Eigen::Matrix2d by_node = removed_.fine_sigma_px[c] * share.weight * root;
+    const Eigen::Matrix2d by_node = removed_.fine_sigma_px[c] * share.weight * rows.roots[corner];
     const int place = fine_places_[c] + 2 * share.node;
-    fine_.add(at, view, seen, place, by_globals.transpose() * by_node);
-    if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += by_offset.transpose() * by_node;
-    if (field >= 0) raw_with_fine_.block(field, place, by_field.cols(), 2).noalias() += by_field.transpose() * by_node;
+    fine_.add(at, view, seen, place, rows.by_globals.middleRows<2>(row).transpose() * by_node);
+    if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += rows.by_offset.middleRows<2>(row).transpose() * by_node;
+    if (field >= 0)
+      raw_with_fine_.block(field, place, rows.by_field.cols(), 2).noalias() +=
+          rows.by_field.middleRows<2>(row).transpose() * by_node;
   }
 }
 

@@ -35,9 +35,10 @@ class RepeatingCouplings {
   Couplings of_fine_fields() const;
 
  private:
-  void add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, std::size_t corner,
-                const Eigen::MatrixXd& by_globals, const Eigen::MatrixXd& by_offset, const Eigen::MatrixXd& by_field,
-                const Eigen::Matrix2d& root);
+  struct Rows;
+  Rows rows_of(const Evaluation& at, const WhitenedView& view, const Rigid3& T_camera_board, std::size_t index) const;
+  void add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Rows& rows,
+                std::size_t corner);
 
   const RemovedErrors& removed_;
   const RepeatingErrors& errors_;
