@@ -73,10 +73,14 @@ std::string packed(BagPacking packing, const std::string& bytes) {
   std::string out;
   if (packing == BagPacking::kZstd) {
     out.resize(ZSTD_compressBound(bytes.size()));
-    out.resize(ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kZstdLevel));
+    const std::size_t written = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kZstdLevel);
+    if (ZSTD_isError(written) != 0U) throw Error(std::string("zstd: ") + ZSTD_getErrorName(written));
+    out.resize(written);
   } else if (packing == BagPacking::kLz4) {
     out.resize(LZ4F_compressFrameBound(bytes.size(), nullptr));
-    out.resize(LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
+    const std::size_t written = LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr);
+    if (LZ4F_isError(written) != 0U) throw Error(std::string("lz4: ") + LZ4F_getErrorName(written));
+    out.resize(written);
   }
   return out;
 }
