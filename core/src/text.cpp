@@ -128,10 +128,21 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& kn
 }
 
 std::string for_message(std::string_view text, std::size_t longest) {
-  std::string clean(text.substr(0, longest));
-  for (char& c : clean)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  if (text.size() > longest) clean += "...";
+  std::string clean;
+  std::size_t at = 0;
+  while (at < text.size() && at < longest) {
+    const std::size_t length = utf8_length(text, at);
+    const auto first = static_cast<unsigned char>(text[at]);
+    // Control characters beyond 0x7f are two bytes, of which the first is 0xC2: a terminal obeys them, too.
+    const bool control = first < 0x20 || first == 0x7f ||
+                         (first == 0xC2 && length == 2 && static_cast<unsigned char>(text[at + 1]) < 0xA0);
+    if (length == 0 || control)
+      clean += '?';
+    else
+      clean += text.substr(at, length);
+    at += std::max<std::size_t>(length, 1);
+  }
+  if (at < text.size()) clean += "...";
   return clean;
 }
 

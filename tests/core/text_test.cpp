@@ -69,6 +69,12 @@ TEST(Text, MessagesShowNoControlCharacters) {
   EXPECT_EQ(for_message("a\x1b[31mred\n"), "a?[31mred?");
   EXPECT_EQ(for_message(std::string(200, 'x')), std::string(80, 'x') + "...");
   EXPECT_EQ(for_message("abcdef", 3), "abc...");
+  EXPECT_EQ(for_message("\xC2\x9B[31mred"), "?[31mred");  // the same command as ESC [ to a terminal
+  EXPECT_EQ(for_message("\xFF\xFEraw\xC3"), "??raw?");
+  EXPECT_EQ(for_message("Stra\xC3\x9F"
+                        "e",
+                        5),
+            "Stra\xC3\x9F...");  // a letter is whole or not there
 }
 
 }  // namespace
