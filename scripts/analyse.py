@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs clang-tidy over the program's sources in the compilation database of build/release, one run a core.
 
-Tests and benchmarks are left to the compilers: they would double the time.
+Tests, benchmarks and Python's bindings are left to the compilers: they would double the time.
 
 Most of a run goes into the headers of Eigen and the standard library. So files of one folder are analysed a few at a
 time, as one translation unit. Where that finds anything (names of two files may clash), the files are analysed in two
@@ -34,7 +34,7 @@ CLANG = shutil.which("clang++-14") or shutil.which("clang++")
 
 
 def is_test(name: str) -> bool:
-    return os.path.relpath(name, ROOT).split(os.sep)[0] in ("tests", "bench")
+    return os.path.relpath(name, ROOT).split(os.sep)[0] in ("tests", "bench", "python")
 
 
 def compile_flags(command: str) -> tuple[list[str], str]:

@@ -5,7 +5,6 @@
 
 #include "commands.h"
 #include "judging.h"
-#include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/study/workflow/workflow.h"
@@ -59,16 +58,6 @@ std::string bound_of_run(const RunFolder& run, const Truth& truth) {
 }
 
 }  // namespace
-
-Budget budget_of(const std::filesystem::path& file) {
-  if (file.empty()) return default_budget();
-  std::error_code ignored;
-  const std::string shipped = "budgets/" + file.stem().string();
-  const std::vector<std::string> presets = list_presets("config");
-  const bool is_shipped = !file.has_parent_path() && !std::filesystem::is_regular_file(file, ignored) &&
-                          std::find(presets.begin(), presets.end(), shipped) != presets.end();
-  return load_budget(find_data_file("config", is_shipped ? shipped : file.string()));
-}
 
 bool all_passed(const std::vector<ValidationRecord>& records) {
   return std::all_of(records.begin(), records.end(), [](const auto& record) { return record.gate.passed(); });

@@ -1,5 +1,7 @@
 #include "rigproof/core/data_path.h"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cstdlib>
 
@@ -16,7 +18,18 @@ bool is_data_folder(const fs::path& folder) {
   return fs::is_directory(folder / "models", ignored);
 }
 
+// The shared object that this code is part of, such as Python's module; empty in a program.
+fs::path own_module() {
+  Dl_info info{};
+  const auto* const here = reinterpret_cast<const void*>(&data_folder);
+  if (dladdr(here, &info) == 0 || info.dli_fname == nullptr || fs::path(info.dli_fname).extension() != ".so") return {};
+  std::error_code error;
+  const fs::path module = fs::canonical(info.dli_fname, error);
+  return error ? fs::path() : module;
+}
+
 fs::path program_folder() {
+  if (const fs::path module = own_module(); !module.empty()) return module.parent_path();
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   return error ? fs::path() : program.parent_path();
@@ -33,6 +46,9 @@ std::vector<fs::path> candidates() {
   const fs::path program = program_folder();
   if (starts_with(program, RIGPROOF_BUILD_TREE)) folders.emplace_back(RIGPROOF_SOURCE_TREE);
   if (!program.empty()) folders.push_back(program.parent_path() / "share" / "rigproof");
+  // A module lies deeper below its prefix than a program.
+  for (fs::path above = program.parent_path().parent_path(); above.has_relative_path(); above = above.parent_path())
+    if (is_data_folder(above / "share" / "rigproof")) folders.push_back(above / "share" / "rigproof");
   folders.emplace_back(RIGPROOF_INSTALLED_DATA);
   folders.emplace_back(RIGPROOF_SOURCE_TREE);
   return folders;

@@ -7,6 +7,7 @@
 #include "finding_tree.h"
 #include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/observations_text.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/text.h"
 
@@ -341,18 +342,23 @@ Observations read_observations(const Json& json, const std::string& file) {
 
 }  // namespace
 
-Observations load_observations(const std::filesystem::path& file) {
-  const std::string content = read_text_file(file, kMaxBytes);
-  check_depth(content, file.string());
+std::string observations_text(const Observations& observations) { return to_json(observations); }
+
+Observations parse_observations(const std::string& text, const std::string& name) {
+  check_depth(text, name);
   Json json;
   try {
-    json = Json::parse(content);
+    json = Json::parse(text);
   } catch (const Json::exception& error) {
     const std::string what = error.what();  // "[json.exception.parse_error.101] parse error at line 2, ..."
-    throw Error(file.string() + ": not valid JSON: " + for_message(what.substr(what.find("] ") + 2)));
+    throw Error(name + ": not valid JSON: " + for_message(what.substr(what.find("] ") + 2)));
   }
-  if (!json.is_object()) throw Error(file.string() + ": must be an object with format " + kFormat);
-  return read_observations(json, file.string());
+  if (!json.is_object()) throw Error(name + ": must be an object with format " + kFormat);
+  return read_observations(json, name);
+}
+
+Observations load_observations(const std::filesystem::path& file) {
+  return parse_observations(read_text_file(file, kMaxBytes), file.string());
 }
 
 std::string observations_schema() {

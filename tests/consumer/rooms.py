@@ -6,7 +6,7 @@ import re
 import sys
 
 INCLUDE = re.compile(r'#include "rigproof/((?:calib|study)/\w+|\w+)/')
-SOURCES = ["core", "sim", "generator", "calib", "validate", "study", "app"]
+SOURCES = ["core", "sim", "generator", "calib", "validate", "study", "app", "python"]
 
 
 def room_of(path):

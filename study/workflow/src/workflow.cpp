@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/validate/proof.h"
 
@@ -34,6 +35,16 @@ std::vector<Result> load_results(const std::filesystem::path& folder) {
   std::vector<Result> results;
   for (const auto& file : result_files(folder)) results.push_back(load_result(file));
   return results;
+}
+
+Budget budget_of(const std::filesystem::path& file) {
+  if (file.empty()) return default_budget();
+  std::error_code ignored;
+  const std::string shipped = "budgets/" + file.stem().string();
+  const std::vector<std::string> presets = list_presets("config");
+  const bool is_shipped = !file.has_parent_path() && !std::filesystem::is_regular_file(file, ignored) &&
+                          std::find(presets.begin(), presets.end(), shipped) != presets.end();
+  return load_budget(find_data_file("config", is_shipped ? shipped : file.string()));
 }
 
 Verdict judge(const Result& result, const Truth& truth, const Budget& budget) {

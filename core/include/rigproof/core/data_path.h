@@ -8,8 +8,8 @@
 namespace rigproof {
 
 /// The folder that holds models/, scenes/ and config/. $RIGPROOF_DATA if it is set; for a program in its build tree
-/// the source tree; else share/rigproof beside the program's bin/ or under the prefix it was configured for.
-/// Throws Error that names every place that was tried.
+/// the source tree; else share/rigproof beside the program's bin/ or under the prefix it was configured for. Of a
+/// Python module its own place counts instead of the program's. Throws Error that names every place that was tried.
 std::filesystem::path data_folder();
 
 /// Folders of the user's own, laid out as data_folder() is, whose presets come before those that ship: $RIGPROOF_PATH,

@@ -31,6 +31,9 @@ std::vector<std::filesystem::path> result_files(const std::filesystem::path& fol
 /// Every result in a folder, in the order of their names. Throws Error if one of them cannot be read.
 std::vector<Result> load_results(const std::filesystem::path& folder);
 
+/// A budget by file or by the name of a shipped one ("ci"); the default one for an empty path.
+Budget budget_of(const std::filesystem::path& file);
+
 /// A result judged against the truth.
 struct Verdict {
   Comparison comparison;
