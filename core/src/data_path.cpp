@@ -35,7 +35,7 @@ fs::path program_folder() {
   return error ? fs::path() : program.parent_path();
 }
 
-bool starts_with(const fs::path& path, const fs::path& folder) {
+[[maybe_unused]] bool starts_with(const fs::path& path, const fs::path& folder) {
   const auto [in_folder, in_path] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
   (void)in_path;
   return in_folder == folder.end();
@@ -44,13 +44,17 @@ bool starts_with(const fs::path& path, const fs::path& folder) {
 std::vector<fs::path> candidates() {
   std::vector<fs::path> folders;
   const fs::path program = program_folder();
+#ifdef RIGPROOF_SOURCE_TREE
   if (starts_with(program, RIGPROOF_BUILD_TREE)) folders.emplace_back(RIGPROOF_SOURCE_TREE);
+#endif
   if (!program.empty()) folders.push_back(program.parent_path() / "share" / "rigproof");
   // A module lies deeper below its prefix than a program.
   for (fs::path above = program.parent_path().parent_path(); above.has_relative_path(); above = above.parent_path())
     if (is_data_folder(above / "share" / "rigproof")) folders.push_back(above / "share" / "rigproof");
   folders.emplace_back(RIGPROOF_INSTALLED_DATA);
+#ifdef RIGPROOF_SOURCE_TREE
   folders.emplace_back(RIGPROOF_SOURCE_TREE);
+#endif
   return folders;
 }
 
