@@ -11,9 +11,11 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <random>
 #include <system_error>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/growing_file.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -27,7 +29,10 @@ namespace fs = std::filesystem;
   if (error_number == EFBIG) cause = "the file would exceed the largest size allowed here";
   if (error_number == EACCES || error_number == EPERM) cause = "no permission";
   if (error_number == EROFS) cause = "the file system is read-only";
-  throw Error(file.string() + ": cannot " + action + ": " + cause);
+  // Whoever runs the batch may make room, or bring a share back.
+  const bool may_pass = error_number == ENOSPC || error_number == EDQUOT || error_number == ESTALE;
+  throw Error(file.string() + ": cannot " + action + ": " + cause,
+              may_pass ? ExitCode::kTryAgain : ExitCode::kBadInput);
 }
 
 // Owns a file descriptor.
@@ -65,10 +70,12 @@ class TemporaryFile {
   fs::path path_;
 };
 
+// Machines that share the folder have processes of the same number; in containers most have.
 fs::path temporary_name(const fs::path& file) {
+  static const std::uint32_t machine = std::random_device()();
   static std::atomic<unsigned> count{0};
-  return file.parent_path() / ("." + file.filename().string() + "." + std::to_string(::getpid()) + "." +
-                               std::to_string(count.fetch_add(1)) + ".tmp");
+  return file.parent_path() / ("." + file.filename().string() + "." + std::to_string(machine) + "." +
+                               std::to_string(::getpid()) + "." + std::to_string(count.fetch_add(1)) + ".tmp");
 }
 
 void create_parent(const fs::path& file) {
@@ -228,6 +235,38 @@ void write_file_atomically(const fs::path& file, const std::vector<std::uint8_t>
 
 void write_file_atomically_unsynced(const fs::path& file, std::string_view bytes) {
   write_bytes(file, bytes.data(), bytes.size(), false);
+}
+
+GrowingFile::GrowingFile(fs::path file) : file_(std::move(file)) {
+  create_parent(file_);
+  temporary_ = temporary_name(file_);
+  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail(file_, "write", errno);
+}
+
+GrowingFile::~GrowingFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(temporary_.c_str());
+}
+
+void GrowingFile::write_out() {
+  write_all(descriptor_, unwritten_.data(), unwritten_.size(), file_);
+  unwritten_.clear();
+}
+
+void GrowingFile::append(std::string_view bytes) {
+  constexpr std::size_t kPiece = 1U << 20U;
+  unwritten_ += bytes;
+  if (unwritten_.size() >= kPiece) write_out();
+}
+
+void GrowingFile::finish() {
+  write_out();
+  if (::fsync(descriptor_) != 0 || ::rename(temporary_.c_str(), file_.c_str()) != 0) fail(file_, "write", errno);
+  ::close(descriptor_);
+  descriptor_ = -1;
+  sync_folder_of(file_);
 }
 
 void sync_files(const std::vector<fs::path>& files) {

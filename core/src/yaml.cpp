@@ -67,10 +67,13 @@ class Converter {
 
 bool looks_like_number_or_keyword(const std::string& text) {
   static const char* const kKeywords[] = {"true", "false", "yes", "no", "on", "off", "null", "~", "y", "n"};
-  std::string lower = text;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  if (std::find(std::begin(kKeywords), std::end(kKeywords), lower) != std::end(kKeywords)) return true;
+  constexpr std::size_t kLongestKeyword = 5;
+  if (text.size() <= kLongestKeyword) {
+    std::string lower = text;
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    if (std::find(std::begin(kKeywords), std::end(kKeywords), lower) != std::end(kKeywords)) return true;
+  }
   return !text.empty() && (text[0] == '.' || text[0] == '+' || text[0] == '-' || (text[0] >= '0' && text[0] <= '9'));
 }
 
