@@ -116,13 +116,37 @@ struct SweepStartArguments {
   std::vector<std::string> set;
 };
 int sweep_start_command(const SweepStartArguments& arguments);
+int sweep_plan_command(const SweepStartArguments& arguments);
+
+struct SweepRunArguments {
+  CommonArguments common;
+  std::filesystem::path folder;
+  std::string shard = "0/1";
+  std::filesystem::path cache;
+  int device = -2;
+};
+int sweep_run_command(const SweepRunArguments& arguments);
 
 struct SweepFolderArguments {
   CommonArguments common;
   std::filesystem::path folder;
+  bool follow = false;
 };
+int sweep_merge_command(const SweepFolderArguments& arguments);
 int sweep_status_command(const SweepFolderArguments& arguments);
 int sweep_summary_command(const SweepFolderArguments& arguments);
+
+struct SweepSlurmArguments {
+  CommonArguments common;
+  std::filesystem::path folder;
+  int array = 0;     ///< 0 = 100 tasks an array task
+  int throttle = 0;  ///< array tasks at once; 0 = no limit
+  int cpus = 2;      ///< of an array task
+  std::vector<std::string> options;
+  std::filesystem::path cache;
+  bool submit = false;
+};
+int sweep_slurm_command(const SweepSlurmArguments& arguments);
 
 struct PaperArguments {
   CommonArguments common;

@@ -45,7 +45,7 @@ TEST(CommandLine, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(completed(script, "rigproof calibrate monday --gr"), "--ground\n");
   EXPECT_EQ(completed(script, "rigproof calibrate --ground ''"), "depth images auto\n");
   EXPECT_EQ(completed(script, "rigproof calibrate --junit ''"), "\n") << "names of files, by the shell";
-  EXPECT_EQ(completed(script, "rigproof sweep s"), "start status summary\n");
+  EXPECT_EQ(completed(script, "rigproof sweep s"), "start slurm status summary\n");
   EXPECT_EQ(completed(script, "rigproof sweep start --dry"), "--dry-run\n");
   EXPECT_EQ(completed(script, "rigproof completion ''"), "bash zsh fish\n");
 }

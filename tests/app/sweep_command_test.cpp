@@ -140,6 +140,76 @@ TEST_F(SweepCommand, ASecondOneInTheFolderIsRefused) {
   EXPECT_EQ(interrupt_the_long_one().exit_code, 75);
 }
 
+TEST_F(SweepCommand, ShardsAreMergedOrWhatIsMissingIsNamed) {
+  folder_.write("small.yaml", kSweep);
+  ASSERT_EQ(sweep({"start", "small.yaml", "-q", "-o", "whole"}).exit_code, 0);
+  const ProcessOutput plan = sweep({"plan", "small.yaml", "-o", "a"});
+  ASSERT_EQ(plan.exit_code, 0) << plan.err;
+  EXPECT_EQ(plan.out, "planned    4 tasks  a\n");
+  const ProcessOutput run = sweep({"run", "a", "--shard", "1/2", "-j", "1"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("shard      1/2  4 answers"));
+  const ProcessOutput partial = sweep({"merge", "a"});
+  EXPECT_EQ(partial.exit_code, 1);
+  EXPECT_THAT(partial.err, AllOf(HasSubstr("4 answers are missing"), HasSubstr("lambda 1, seed 0, task "),
+                                 HasSubstr("`rigproof sweep run a` makes what is missing")));
+  ASSERT_EQ(sweep({"run", "a", "-q"}).exit_code, 0);
+  EXPECT_THAT(sweep({"status", "a", "--follow"}).out, HasSubstr("8/8 answers of 4 tasks"));
+  ASSERT_EQ(sweep({"merge", "a", "-q"}).exit_code, 0);
+  for (const char* table : {"rows.csv", "rows.jsonl", "summary.csv", "summary.json", "summary.md"})
+    EXPECT_EQ(folder_.read("a/" + std::string(table)), folder_.read("whole/" + std::string(table))) << table;
+  for (const char* shard : {"2/2", "-1/2", "1", "a/b", "1/0", "/", ""}) {
+    const ProcessOutput bad = sweep({"run", "a", "--shard", shard});
+    EXPECT_EQ(bad.exit_code, 2) << shard;
+    EXPECT_THAT(bad.err, HasSubstr("INDEX/COUNT")) << shard;
+  }
+  EXPECT_THAT(sweep({"run", "nowhere"}).err, HasSubstr("holds no sweep"));
+  EXPECT_FALSE(fs::exists(folder_ / "nowhere"));
+}
+
+// Slurm in a few lines of shell: an array is a loop.
+TEST_F(SweepCommand, TheScriptsForSlurmDoTheSweep) {
+  const auto command = [&](const std::string& name, const std::string& text) {
+    fs::permissions(folder_.write("bin/" + name, "#!/bin/bash\n" + text), fs::perms::owner_all);
+  };
+  const auto with_slurm = [&](std::vector<std::string> arguments) {
+    const std::vector<std::string> env = {"env", "PATH=" + (folder_ / "bin").string() + ":/usr/bin:/bin",
+                                          "SLURM_ARRAY_JOB_ID=7", "SLURM_CPUS_PER_TASK=1", "SLURM_ARRAY_TASK_ID=0"};
+    arguments.insert(arguments.begin(), env.begin(), env.end());
+    return run_process(arguments, folder_.path().string());
+  };
+  command("sbatch", R"(script=${!#}
+echo "$@" >> ../../sbatch.log
+last=$(sed -n 's/^#SBATCH --array=0-\([0-9]*\)%1$/\1/p' "$script")
+for i in $(seq 0 "${last:-0}"); do SLURM_ARRAY_TASK_ID=$i bash "$script" >> ../../script.log || exit; done
+echo "7;cluster")");
+  command("scontrol", "echo \"$@\" >> scontrol.log");
+  folder_.write("small.yaml", kSweep);
+  ASSERT_EQ(sweep({"start", "small.yaml", "-q", "-o", "whole"}).exit_code, 0);
+  ASSERT_EQ(sweep({"plan", "small.yaml", "-q", "-o", "it's"}).exit_code, 0);
+  EXPECT_THAT(sweep({"slurm", "it's"}).err, HasSubstr("cannot stand in a batch script"));
+  ASSERT_EQ(sweep({"plan", "small.yaml", "-q", "-o", "a b"}).exit_code, 0);
+  EXPECT_THAT(sweep({"slurm", "a b", "--array", "5"}).err, HasSubstr("the sweep has 4 tasks"));
+  EXPECT_THAT(sweep({"slurm", "a b", "--sbatch", "long"}).err, HasSubstr("must be one option of sbatch"));
+  const ProcessOutput submit = with_slurm(
+      {program_path(), "sweep", "slurm", "a b", "--array", "3", "--throttle", "1", "--sbatch=--time=10", "--submit"});
+  ASSERT_EQ(submit.exit_code, 0) << submit.err;
+  EXPECT_THAT(submit.out, HasSubstr("3 array tasks and a merge"));
+  EXPECT_THAT(folder_.read("sbatch.log"), AllOf(HasSubstr("--parsable"), HasSubstr("--dependency=afterany:7 ")));
+  const std::string run = folder_.read("a b/slurm/run.sbatch");
+  EXPECT_THAT(run, AllOf(HasSubstr("#SBATCH --requeue\n"), HasSubstr("#SBATCH --time=10\n")));
+  EXPECT_EQ(folder_.read("a b/rows.csv"), folder_.read("whole/rows.csv"));
+  // A worker that asks for another try is requeued, one that failed is not.
+  for (const auto& [code, requeued] : {std::pair(2, ""), std::pair(75, "requeue 7_0\n")}) {
+    command("worker", "exit " + std::to_string(code));
+    std::string script = run;
+    script.replace(script.find(program_path()), program_path().size(), (folder_ / "bin/worker").string());
+    const fs::path file = folder_.write("worker.sbatch", script);
+    EXPECT_EQ(with_slurm({"bash", file.string()}).exit_code, code);
+    EXPECT_EQ(folder_.read("scontrol.log"), requeued);
+  }
+}
+
 TEST_F(SweepCommand, ItsSchemaKnowsTheRunsFields) {
   const ProcessOutput schema = rigproof_command({"schema", "sweep"});
   ASSERT_EQ(schema.exit_code, 0);

@@ -267,7 +267,7 @@ SweepRows two_answers() {
   rows.level_values = {{1.0, 5.0}};
   rows.methods = {"ml", "memroc"};
   rows.reference = "ml";
-  rows.tasks = {{"a", {0}, 7}, {"b", {1}, 8}};
+  rows.tasks = {{"a", {0}, 7, {}}, {"b", {1}, 8, {}}};
   SweepRow row;
   row.task = "b";
   row.levels = {"5"};

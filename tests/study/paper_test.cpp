@@ -240,7 +240,7 @@ SweepRows why_rows() {
     const std::string& world = rows.levels[0][place];
     for (const char* task : {"1", "2", "3", "4"}) {
       const std::string name = world + task;
-      rows.tasks.push_back({name, {place}, 0});
+      rows.tasks.push_back({name, {place}, 0, {}});
       const double noise = 0.02 * ++drawing;
       add_answers(name, {world}, "joint_memroc_reference", -0.8 - noise, 0.1, &rows);
       add_answers(name, {world}, "chain_corners", 0.3 + noise, 0.04, &rows);

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "error_text.h"
 #include "rigproof/core/yaml.h"
 #include "rigproof/study/sweep/config.h"
@@ -35,9 +37,9 @@ TEST(SweepConfig, AnEmptyFileIsOneTask) {
   EXPECT_EQ(config.name, "trial");
   ASSERT_EQ(config.methods.size(), 1U);
   EXPECT_EQ(config.methods[0].label(), "ml");
-  const SweepPlan plan = plan_sweep(config);
-  ASSERT_EQ(plan.tasks.size(), 1U);
-  EXPECT_EQ(plan.pictures.size(), 1U);
+  const std::vector<SweepTask> tasks = plan_sweep(config);
+  ASSERT_EQ(tasks.size(), 1U);
+  EXPECT_FALSE(tasks[0].pictures.empty());
 }
 
 TEST(SweepConfig, AxesGiveEveryCombinationTheLastFastest) {
@@ -57,16 +59,17 @@ seeds: {first: 7, count: 2}
   EXPECT_EQ(config.axes[0].title, "noise");
   EXPECT_TRUE(config.axes[2].pooled);
   EXPECT_DOUBLE_EQ(config.axes[0].levels[3].value, 0.3);
-  const SweepPlan plan = plan_sweep(config);
-  ASSERT_EQ(plan.tasks.size(), 48U);
-  EXPECT_EQ(plan.tasks[0].seed, 7);
-  EXPECT_EQ(plan.tasks[1].seed, 8);
-  EXPECT_EQ(plan.tasks[1].config.seed, 8);
-  EXPECT_EQ(plan.tasks[2].config.odometry.model, "per_increment");
-  EXPECT_DOUBLE_EQ(plan.tasks[4].geometric.corner_sigma_px, 0.1);
-  EXPECT_DOUBLE_EQ(plan.tasks[47].config.odometry.lambda, 0.3);
-  EXPECT_DOUBLE_EQ(plan.tasks[0].config.odometry.sigma_xy_cm, 0.3) << "fields beside a varied one stay";
-  EXPECT_TRUE(plan.pictures.empty());
+  const std::vector<SweepTask> tasks = plan_sweep(config);
+  ASSERT_EQ(tasks.size(), 48U);
+  const auto settings = [&](std::size_t i) { return settings_of(config, tasks[i]); };
+  EXPECT_EQ(tasks[0].seed, 7);
+  EXPECT_EQ(tasks[1].seed, 8);
+  EXPECT_EQ(settings(1).config.seed, 8);
+  EXPECT_EQ(settings(2).config.odometry.model, "per_increment");
+  EXPECT_DOUBLE_EQ(settings(4).geometric.corner_sigma_px, 0.1);
+  EXPECT_DOUBLE_EQ(settings(47).config.odometry.lambda, 0.3);
+  EXPECT_DOUBLE_EQ(settings(0).config.odometry.sigma_xy_cm, 0.3) << "fields beside a varied one stay";
+  EXPECT_TRUE(tasks[0].pictures.empty());
 }
 
 TEST(SweepConfig, FieldsVaryTogether) {
@@ -80,16 +83,24 @@ axes:
   noise: {link: {odometry.lambda: [1, 2], odometry.rate_hz: [0, 10]}}
 )");
   EXPECT_EQ(labels_of(config.axes[0]), (std::vector<std::string>{"small", "large"}));
-  const SweepPlan plan = plan_sweep(config);
-  ASSERT_EQ(plan.tasks.size(), 4U);
-  EXPECT_DOUBLE_EQ(plan.tasks[3].config.board.square_mm, 110.0);
-  EXPECT_EQ(plan.tasks[3].config.board.squares, (std::vector<double>{6.0, 5.0}));
-  EXPECT_DOUBLE_EQ(plan.tasks[3].config.odometry.rate_hz, 10.0);
+  const std::vector<SweepTask> tasks = plan_sweep(config);
+  ASSERT_EQ(tasks.size(), 4U);
+  const GenerateConfig last = settings_of(config, tasks[3]).config;
+  EXPECT_DOUBLE_EQ(last.board.square_mm, 110.0);
+  EXPECT_EQ(last.board.squares, (std::vector<double>{6.0, 5.0}));
+  EXPECT_DOUBLE_EQ(last.odometry.rate_hz, 10.0);
 }
 
 TEST(SweepConfig, OnlyWhatPicturesDependOnMakesOtherPictures) {
-  const auto sets = [](const std::string& axis, const std::string& seed_field) {
-    return plan_sweep(read("axes: {a: " + axis + "}\nseeds: {count: 3, field: " + seed_field + "}\n")).pictures;
+  const auto sets_of = [](const SweepConfig& config) {
+    std::map<std::string, PictureSet> sets;
+    for (const SweepTask& task : plan_sweep(config)) sets.emplace(task.pictures, pictures_of(config, task));
+    std::vector<PictureSet> list;
+    for (const auto& [key, set] : sets) list.push_back(set);
+    return list;
+  };
+  const auto sets = [&](const std::string& axis, const std::string& seed_field) {
+    return sets_of(read("axes: {a: " + axis + "}\nseeds: {count: 3, field: " + seed_field + "}\n"));
   };
   EXPECT_EQ(sets("{field: odometry.lambda, values: [0, 5]}", "odometry.seed").size(), 1U);
   EXPECT_EQ(sets("{field: images, values: [5, 50]}", "odometry.seed").size(), 1U);
@@ -100,9 +111,7 @@ TEST(SweepConfig, OnlyWhatPicturesDependOnMakesOtherPictures) {
   const std::vector<PictureSet> worlds = sets("{field: scene, values: [indoor_lab, office]}", "odometry.seed");
   ASSERT_EQ(worlds.size(), 2U);
   EXPECT_NE(worlds[0].render_group, worlds[1].render_group);
-  EXPECT_EQ(
-      plan_sweep(read("run: {motion: drive}\naxes: {r: {field: odometry.rate_hz, values: [20, 50]}}")).pictures.size(),
-      2U)
+  EXPECT_EQ(sets_of(read("run: {motion: drive}\naxes: {r: {field: odometry.rate_hz, values: [20, 50]}}")).size(), 2U)
       << "a robot that really drives";
 }
 
@@ -110,7 +119,7 @@ TEST(SweepConfig, TasksAreKnownByWhatTheyDependOn) {
   const std::string text = "mode: geometric\nname: NAME\naxes: {l: {field: odometry.lambda, values: [1, 2]}}\n";
   const auto key = [&](const std::string& name, const std::string& more) {
     std::string changed = text + more;
-    return plan_sweep(read(changed.replace(changed.find("NAME"), 4, name))).tasks[1].key;
+    return plan_sweep(read(changed.replace(changed.find("NAME"), 4, name)))[1].key;
   };
   EXPECT_EQ(key("one", ""), key("two", "methods: [li]\n"));
   EXPECT_NE(key("one", ""), key("one", "run: {poses: 30}\n"));
@@ -130,9 +139,9 @@ methods: [memroc, li]
   EXPECT_EQ(config.reference, "memroc");
   const SweepConfig again = read(emit_yaml(resolved_sweep(config)));
   EXPECT_EQ(emit_yaml(resolved_sweep(again)), emit_yaml(resolved_sweep(config)));
-  const SweepPlan one = plan_sweep(config), two = plan_sweep(again);
-  ASSERT_EQ(one.tasks.size(), two.tasks.size());
-  for (std::size_t i = 0; i < one.tasks.size(); ++i) EXPECT_EQ(one.tasks[i].key, two.tasks[i].key);
+  const std::vector<SweepTask> one = plan_sweep(config), two = plan_sweep(again);
+  ASSERT_EQ(one.size(), two.size());
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].key, two[i].key);
 }
 
 TEST(SweepConfig, MethodsSayHowTheyLookAtImages) {

@@ -11,8 +11,7 @@
 #include "error_text.h"
 #include "rigproof/core/child_process.h"
 #include "rigproof/core/folder_lock.h"
-#include "rigproof/study/sweep/sweep.h"
-#include "temp_folder.h"
+#include "sweep_folders.h"
 
 namespace rigproof {
 namespace {
@@ -20,37 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const char* const kSmall = R"(
-mode: geometric
-run: {poses: 8}
-axes:
-  lambda: {field: odometry.lambda, values: [0.5, 2]}
-seeds: {count: 2}
-methods: [ml, li]
-)";
-
-class SweepRun : public testing::Test {
+class SweepRun : public SweepFolders {
  protected:
-  SweepConfig config(const std::string& text = kSmall) const {
-    return load_sweep_config(folder_.write("s.yaml", text));
-  }
-
-  SweepOptions options(const std::string& name, int jobs = 2) const {
-    SweepOptions options;
-    options.folder = folder_ / name;
-    options.cache = folder_ / (name + "_cache");
-    options.jobs = jobs;
-    return options;
-  }
-
-  // The tables that must not depend on how they came about.
-  std::string tables(const std::string& name) const {
-    std::string text;
-    for (const char* file : {"rows.csv", "rows.jsonl", "summary.csv", "summary.json", "summary.md"})
-      text += folder_.read(name + "/" + file);
-    return text;
-  }
-
   std::vector<SweepRow> rig_rows(const std::string& name, const std::string& method) const {
     std::vector<SweepRow> found;
     for (const SweepRow& row : load_sweep_rows(folder_ / name).rows)
@@ -66,8 +36,6 @@ class SweepRun : public testing::Test {
                "command: [sh, \"{here}/" + name + ".sh\", \"{input}\", \"{output}\"]\ninput: observations\n" + more)
         .string();
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(SweepRun, GivesOneRowForEachTaskMethodAndCamera) {
@@ -209,9 +177,10 @@ TEST_F(SweepRun, AnInterruptedSweepGoesOn) {
   EXPECT_FALSE(report.complete);
   EXPECT_LT(report.answers, 8U);
   EXPECT_GE(report.answers, 2U);
-  const SweepSummary partial = gather_sweep(folder_ / "a");
-  EXPECT_GT(std::count_if(partial.rows.begin(), partial.rows.end(), [](const auto& row) { return row.missing > 0; }),
-            0);
+  const SweepTables partial = gather_sweep(folder_ / "a");
+  EXPECT_EQ(partial.missing.size(), 8U - report.answers);
+  const std::vector<SummaryRow>& rows = partial.summary.rows;
+  EXPECT_GT(std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row.missing > 0; }), 0);
   EXPECT_TRUE(run_sweep(config(), options("a")).complete);
   EXPECT_EQ(tables("a"), tables("whole"));
 }
@@ -231,14 +200,17 @@ TEST_F(SweepRun, KilledAtAnyMomentItGoesOn) {
     EXPECT_NE(entry.path().extension(), ".tmp");
 }
 
-TEST_F(SweepRun, ADamagedAnswerIsSolvedAgain) {
+TEST_F(SweepRun, DamagedAnswersAreSolvedAgain) {
   run_sweep(config(), options("a"));
   const std::string first = tables("a");
+  const fs::path pack = fs::directory_iterator(folder_ / "a" / "packs")->path();
+  fs::resize_file(pack, fs::file_size(pack) - 10);
   const SweepRows rows = load_sweep_rows(folder_ / "a");
+  EXPECT_TRUE(rows.rows.empty());
   folder_.write("a/tasks/" + rows.tasks[1].key + "/ml.json", "{\"format\": \"rigproof-sweep-ans");
   SweepOptions fresh_cache = options("a");
   fresh_cache.cache = folder_ / "other";
-  EXPECT_EQ(run_sweep(config(), fresh_cache).counters.at("answers solved"), 1U);
+  EXPECT_EQ(run_sweep(config(), fresh_cache).counters.at("answers solved"), 8U);
   EXPECT_EQ(tables("a"), first);
 }
 
@@ -274,7 +246,7 @@ axes: {count: {field: images, values: [6, 20]}}
 methods: [ml]
 )";
   run_sweep(config(text), options("a"));
-  const SweepSummary summary = gather_sweep(folder_ / "a");
+  gather_sweep(folder_ / "a");
   std::map<std::string, double> bound;
   for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows)
     if (row.camera == "left") bound[row.levels[0]] = row.bound[0].value_or(0.0);

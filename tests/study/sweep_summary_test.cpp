@@ -24,7 +24,7 @@ class MadeUpSweep {
       rows_.levels[0].push_back(std::to_string(level));
       rows_.level_values[0].push_back(static_cast<double>(level));
       for (std::size_t seed = 0; seed < seeds; ++seed)
-        rows_.tasks.push_back({key(level, seed), {level}, static_cast<std::int64_t>(seed)});
+        rows_.tasks.push_back({key(level, seed), {level}, static_cast<std::int64_t>(seed), {}});
     }
     rows_.methods = std::move(methods);
     rows_.reference = rows_.methods.front();

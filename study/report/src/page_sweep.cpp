@@ -72,7 +72,7 @@ Json rows_json(const SweepRows& rows, Names* subjects, Names* statuses) {
 
 Json tasks_json(const SweepRows& rows) {
   Json tasks = Json::array();
-  for (const SweepTaskName& task : rows.tasks) {
+  for (const SweepTask& task : rows.tasks) {
     Json levels = task.levels;
     levels.push_back(task.seed);
     tasks.push_back(std::move(levels));

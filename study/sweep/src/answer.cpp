@@ -1,7 +1,12 @@
 #include "answer.h"
 
+#include <unistd.h>
+
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "rigproof/core/text.h"
 
 namespace rigproof {
 namespace {
@@ -44,12 +49,10 @@ json json_of(const SweepRow& row) {
 
 SweepRow row_of(const json& object) {
   SweepRow row;
-  const int subject = object.at("subject").get<int>(), status = object.at("status").get<int>();
-  if (subject < 0 || subject > static_cast<int>(SweepSubject::kPair) || status < 0 ||
-      status > static_cast<int>(SweepStatus::kFailed))
-    throw std::out_of_range("subject or status");
+  const int subject = object.at("subject").get<int>();
+  if (subject < 0 || subject > static_cast<int>(SweepSubject::kPair)) throw std::out_of_range("subject");
   row.subject = static_cast<SweepSubject>(subject);
-  row.status = static_cast<SweepStatus>(status);
+  row.status = sweep_status_of(object.at("status").get<int>());
   row.camera = object.at("camera").get<std::string>();
   row.reason = object.at("reason").get<std::string>();
   row.code = object.value("code", "");
@@ -62,7 +65,37 @@ SweepRow row_of(const json& object) {
   return row;
 }
 
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+// As Linux names it on most machines; empty elsewhere.
+std::string processor_name() {
+  std::ifstream in("/proc/cpuinfo");
+  const std::string key = "model name";
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind(key, 0) == 0) return line.substr(line.find(':') + 2);
+  return "";
+}
+
 }  // namespace
+
+SweepStatus sweep_status_of(int number) {
+  if (number < 0 || number > static_cast<int>(SweepStatus::kFailed)) throw std::out_of_range("status");
+  return static_cast<SweepStatus>(number);
+}
+
+json json_of(const SweepMachine& machine) { return {machine.host, machine.cpu, machine.gl_renderer}; }
+
+SweepMachine machine_of(const json& list) {
+  return {list.at(0).get<std::string>(), list.at(1).get<std::string>(), list.at(2).get<std::string>()};
+}
+
+const SweepMachine& this_machine() {
+  static const SweepMachine machine = {host_name(), processor_name(), {}};
+  return machine;
+}
 
 std::string text_of(const SweepAnswer& answer) {
   json rows = json::array();
@@ -72,7 +105,8 @@ std::string text_of(const SweepAnswer& answer) {
       {"method_hash", answer.method_hash},
       {"rows", rows},
       {"times",
-       {{"solve_s", answer.times.solve_s}, {"cpu_s", answer.times.cpu_s}, {"observe_s", answer.times.observe_s}}}};
+       {{"solve_s", answer.times.solve_s}, {"cpu_s", answer.times.cpu_s}, {"observe_s", answer.times.observe_s}}},
+      {"machine", json_of(answer.machine)}};
   // What a program printed may be no UTF-8.
   return object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
 }
@@ -88,6 +122,7 @@ std::optional<SweepAnswer> read_answer(const std::string& text) {
     const json& times = object.at("times");
     answer.times = {times.at("solve_s").get<double>(), times.at("cpu_s").get<double>(),
                     times.at("observe_s").get<double>()};
+    if (object.contains("machine")) answer.machine = machine_of(object["machine"]);
     return answer;
   } catch (const json::exception&) {
     return std::nullopt;

@@ -1,6 +1,7 @@
-// One finished (task, method) on disk: tasks/TASK/METHOD.json in a sweep's folder.
+// One finished (task, method) as text.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,10 +20,20 @@ struct SweepAnswer {
   std::string method_hash;     ///< of a method from outside or of the program: another one is another answer
   std::vector<SweepRow> rows;  ///< without levels and seed, which are the task's
   AnswerTimes times;
+  SweepMachine machine;
 };
 
+/// A line.
 std::string text_of(const SweepAnswer& answer);
 /// Nothing where the text is damaged.
 std::optional<SweepAnswer> read_answer(const std::string& text);
+
+/// What both texts of answers and lists of them hold. Throw std::exception at anything else.
+SweepStatus sweep_status_of(int number);
+nlohmann::json json_of(const SweepMachine& machine);
+SweepMachine machine_of(const nlohmann::json& list);
+
+/// Its name and processor.
+const SweepMachine& this_machine();
 
 }  // namespace rigproof

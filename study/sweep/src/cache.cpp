@@ -158,7 +158,9 @@ void SweepCache::shrink_to(std::uint64_t bytes, const std::set<std::string>& nee
 
 CachedFindings::CachedFindings(const SweepCache& cache, const RunFolder& run) : cache_(cache) {
   const std::string prefix = kRecording;
-  for (const auto& [path, entry] : load_manifest(run.manifest_file()).files)
+  const Manifest manifest = load_manifest(run.manifest_file());
+  gl_renderer_ = manifest.gl_renderer;
+  for (const auto& [path, entry] : manifest.files)
     if (path.rfind(prefix, 0) == 0) contents_[path.substr(prefix.size())] = entry.sha256;
 }
 

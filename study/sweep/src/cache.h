@@ -76,6 +76,8 @@ class CachedFindings : public PictureMemory {
   void keep(Finding finding, const std::string& key, const std::string& bytes) override;
   void rethrow() const;
 
+  /// That drew the pictures.
+  const std::string& gl_renderer() const { return gl_renderer_; }
   std::uint64_t recalled(Finding finding) const { return recalled_[index(finding)]; }
   std::uint64_t kept(Finding finding) const { return kept_[index(finding)]; }
   /// Tells what was kept and recalled since the last time, as SweepCounters names it.
@@ -86,6 +88,7 @@ class CachedFindings : public PictureMemory {
   static std::string full_key(const std::string& key);
 
   const SweepCache& cache_;
+  std::string gl_renderer_;
   std::map<std::string, std::string> contents_;  ///< SHA-256 by file of the recording
   std::array<std::atomic<std::uint64_t>, kFindings> recalled_ = {};
   std::array<std::atomic<std::uint64_t>, kFindings> kept_ = {};

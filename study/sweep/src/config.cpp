@@ -549,7 +549,7 @@ SweepConfig load_sweep_config(const fs::path& file, const std::vector<std::strin
   SweepConfig config;
   config.name = file.stem().string();
   read_fields_of_tree(tree, [&](FieldVisitor& visitor) { visit_sweep(visitor, config, file); });
-  plan_sweep(config);  // throws where a level's value is not allowed
+  check_sweep(config);
   return config;
 }
 

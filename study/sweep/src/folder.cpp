@@ -12,6 +12,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "rigproof-sweep-plan 1";
+constexpr const char* kDigits = "0123456789abcdef";
 constexpr std::uintmax_t kMaxPlanBytes = 512U << 20U;
 
 // Everything but the tasks, by name.
@@ -30,7 +31,10 @@ void visit_fields(Table& table, const Visit& visit) {
 json json_of(const SweepRows& table) {
   json object = {{"tasks", json::array()}};
   visit_fields(table, [&object](const char* name, const auto& value) { object[name] = value; });
-  for (const SweepTaskName& task : table.tasks) object["tasks"].push_back({task.key, task.levels, task.seed});
+  for (const SweepTask& task : table.tasks) {
+    json& entry = object["tasks"].emplace_back(json{task.key, task.levels, task.seed});
+    if (!task.pictures.empty()) entry.push_back(task.pictures);
+  }
   return object;
 }
 
@@ -38,8 +42,9 @@ SweepRows table_of(const json& object) {
   SweepRows table;
   visit_fields(table, [&object](const char* name, auto& value) { object.at(name).get_to(value); });
   for (const json& entry : object.at("tasks"))
-    table.tasks.push_back(
-        {entry.at(0).get<std::string>(), entry.at(1).get<std::vector<std::size_t>>(), entry.at(2).get<std::int64_t>()});
+    table.tasks.push_back({entry.at(0).get<std::string>(), entry.at(1).get<std::vector<std::size_t>>(),
+                           entry.at(2).get<std::int64_t>(),
+                           entry.size() > 3 ? entry.at(3).get<std::string>() : std::string()});
   return table;
 }
 
@@ -51,8 +56,9 @@ bool is_sound(const SweepRows& table) {
     return false;
   for (std::size_t i = 0; i < axes; ++i)
     if (table.level_values[i].size() != table.levels[i].size()) return false;
-  return std::all_of(table.tasks.begin(), table.tasks.end(), [&](const SweepTaskName& task) {
-    if (task.levels.size() != axes || task.key.find_first_not_of("0123456789abcdef") != std::string::npos) return false;
+  return std::all_of(table.tasks.begin(), table.tasks.end(), [&](const SweepTask& task) {
+    if (task.levels.size() != axes || (task.key + task.pictures).find_first_not_of(kDigits) != std::string::npos)
+      return false;
     for (std::size_t i = 0; i < axes; ++i)
       if (task.levels[i] >= table.levels[i].size()) return false;
     return true;
@@ -61,8 +67,11 @@ bool is_sound(const SweepRows& table) {
 
 }  // namespace
 
-SweepRows table_of(const SweepConfig& config, const SweepPlan& plan, const std::vector<SweepMethod>& methods) {
-  SweepRows table;
+SweepPlan sweep_plan_of(const SweepConfig& config, std::vector<SweepTask> tasks,
+                        const std::vector<SweepMethod>& methods, std::vector<std::string> added) {
+  SweepPlan plan;
+  plan.added = std::move(added);
+  SweepRows& table = plan.table;
   table.name = config.name;
   for (const SweepAxis& axis : config.axes) {
     table.axes.push_back(axis.name);
@@ -75,30 +84,35 @@ SweepRows table_of(const SweepConfig& config, const SweepPlan& plan, const std::
       values.push_back(level.value);
     }
   }
-  for (const SweepMethod& method : methods) table.methods.push_back(method.name);
+  for (const SweepMethod& method : methods) {
+    table.methods.push_back(method.name);
+    plan.hashes.push_back(method.hash);
+  }
   for (std::size_t i = 0; i < config.methods.size(); ++i)
     if (config.methods[i].label() == config.reference) table.reference = methods[i].name;
-  for (const SweepTask& task : plan.tasks) table.tasks.push_back({task.key, task.levels, task.seed});
-  return table;
+  table.tasks = std::move(tasks);
+  return plan;
 }
 
-void save_folder_plan(const SweepFolder& folder, const FolderPlan& plan) {
-  const json object = {{"format", kFormat}, {"added", plan.added}, {"table", json_of(plan.table)}};
+void save_folder_plan(const SweepFolder& folder, const SweepPlan& plan) {
+  const json object = {
+      {"format", kFormat}, {"added", plan.added}, {"hashes", plan.hashes}, {"table", json_of(plan.table)}};
   write_file_atomically(folder.plan_file(), object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
-FolderPlan load_folder_plan(const SweepFolder& folder) {
+SweepPlan load_folder_plan(const SweepFolder& folder) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(folder.plan_file(), ignored))
     throw Error(folder.root.string() + ": holds no sweep; `rigproof sweep start CONFIG -o " + folder.root.string() +
                 "` makes one");
   try {
     const json object = json::parse(read_text_file(folder.plan_file(), kMaxPlanBytes));
-    FolderPlan plan;
+    SweepPlan plan;
     if (object.at("format") == kFormat) {
       object.at("added").get_to(plan.added);
       plan.table = table_of(object.at("table"));
-      if (is_sound(plan.table)) return plan;
+      plan.hashes = object.value("hashes", std::vector<std::string>(plan.table.methods.size()));
+      if (is_sound(plan.table) && plan.hashes.size() == plan.table.methods.size()) return plan;
     }
   } catch (const json::exception&) {
     // told below
@@ -107,11 +121,18 @@ FolderPlan load_folder_plan(const SweepFolder& folder) {
               ": is damaged; `rigproof sweep start` with its configuration writes it anew");
 }
 
-std::optional<SweepAnswer> load_answer(const SweepFolder& folder, const std::string& task, const std::string& method) {
-  const std::filesystem::path file = folder.answer_file(task, method);
+std::optional<SweepAnswer> load_answer(const SweepFolder& folder, const SweepPlan& plan, const std::string& task,
+                                       std::size_t method) {
+  const std::filesystem::path file = folder.answer_file(task, plan.table.methods[method]);
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
-  return read_answer(read_text_file(file));
+  try {
+    std::optional<SweepAnswer> answer = read_answer(read_text_file(file));
+    const std::string& hash = plan.hashes[method];
+    return answer && (hash.empty() || answer->method_hash == hash) ? answer : std::nullopt;
+  } catch (const Error&) {
+    return std::nullopt;  // another process has just packed it
+  }
 }
 
 void save_counters(const SweepFolder& folder, const SweepCounters& this_start, const SweepCounters& all_starts) {

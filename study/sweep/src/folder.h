@@ -19,6 +19,7 @@ struct SweepFolder {
   std::filesystem::path plan_file() const { return root / "plan.json"; }
   std::filesystem::path counters_file() const { return root / "counters.json"; }
   std::filesystem::path tasks() const { return root / "tasks"; }
+  std::filesystem::path packs() const { return root / "packs"; }
   std::filesystem::path answer_file(const std::string& task, const std::string& method) const {
     return tasks() / task / (method + ".json");
   }
@@ -26,18 +27,22 @@ struct SweepFolder {
 };
 
 /// plan.json: what the folder's tables are made of.
-struct FolderPlan {
+struct SweepPlan {
   SweepRows table;                 ///< without rows
   std::vector<std::string> added;  ///< methods beside the configuration's, as on the command line
+  /// SweepMethod::hash, one a method of the table; empty in the plan of an older program
+  std::vector<std::string> hashes;
 };
 
-SweepRows table_of(const SweepConfig& config, const SweepPlan& plan, const std::vector<SweepMethod>& methods);
-void save_folder_plan(const SweepFolder& folder, const FolderPlan& plan);
+SweepPlan sweep_plan_of(const SweepConfig& config, std::vector<SweepTask> tasks,
+                        const std::vector<SweepMethod>& methods, std::vector<std::string> added);
+void save_folder_plan(const SweepFolder& folder, const SweepPlan& plan);
 /// Throws Error if the folder holds no sweep.
-FolderPlan load_folder_plan(const SweepFolder& folder);
+SweepPlan load_folder_plan(const SweepFolder& folder);
 
-/// A finished answer; nothing if there is none, or a damaged one.
-std::optional<SweepAnswer> load_answer(const SweepFolder& folder, const std::string& task, const std::string& method);
+/// A finished answer in a file of its own; nothing if there is none, a damaged one, or that of another program.
+std::optional<SweepAnswer> load_answer(const SweepFolder& folder, const SweepPlan& plan, const std::string& task,
+                                       std::size_t method);
 
 void save_counters(const SweepFolder& folder, const SweepCounters& this_start, const SweepCounters& all_starts);
 /// Of all starts; empty where there is no such file.

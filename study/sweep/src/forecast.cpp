@@ -2,6 +2,7 @@
 // docs/guides/sweeps.md.
 #include <algorithm>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "rigproof/generator/generate.h"
@@ -21,10 +22,10 @@ constexpr double kChessboard_s = 0.05;                       // a megapixel: to 
 
 // Images of stops (stops times cameras) that a task's methods are given. `rigs` keeps the cameras of rigs whose file
 // was read.
-double views_of(const SweepTask& task, std::map<std::string, double>* rigs) {
+double views_of(const TaskSettings& task, bool rendered, std::map<std::string, double>* rigs) {
   constexpr double kReferenceCameras = 3.0;
   const auto stops = static_cast<double>(task.images > 0 ? task.images : task.config.poses);
-  if (task.pictures.empty() && task.geometric.rig != "run")
+  if (!rendered && task.geometric.rig != "run")
     return stops * (task.geometric.rig == "random" ? static_cast<double>(task.geometric.cameras) : kReferenceCameras);
   const auto [cameras, is_new] = rigs->emplace(task.config.rig, 0.0);
   if (is_new) cameras->second = static_cast<double>(load_rig_model(task.config.rig).rig.cameras.size());
@@ -39,14 +40,13 @@ double megapixels_of(const GenerateConfig& config) {
   return 1e-6 * pixels / static_cast<double>(cameras.size()) * config.image_scale * config.image_scale;
 }
 
-std::string line_of(const SweepStart& start, const SweepTask& task, const std::vector<PendingTask>& pending) {
+std::string line_of(const SweepStart& start, const SweepTask& task, const std::map<std::string, std::size_t>& left) {
   std::string line;
   for (std::size_t i = 0; i < task.levels.size(); ++i)
     line += start.config.axes[i].name + " " + start.config.axes[i].levels[task.levels[i]].label + ", ";
-  const auto same = [&task](const PendingTask& other) { return other.task->key == task.key; };
-  const auto found = std::find_if(pending.begin(), pending.end(), same);
-  const std::size_t left = found == pending.end() ? 0 : found->methods.size();
-  return line + "seed " + std::to_string(task.seed) + ": " + std::to_string(start.methods.size() - left) + " of " +
+  const auto found = left.find(task.key);
+  const std::size_t there = start.methods.size() - (found == left.end() ? 0 : found->second);
+  return line + "seed " + std::to_string(task.seed) + ": " + std::to_string(there) + " of " +
          std::to_string(start.methods.size()) + " answers there";
 }
 
@@ -61,11 +61,11 @@ std::vector<std::string> those_that_cannot_run(const std::vector<SweepMethod>& m
   return lines;
 }
 
-double seconds_of_answers(const std::vector<PendingTask>& tasks) {
+double seconds_of_answers(const SweepConfig& config, const std::vector<PendingTask>& tasks) {
   double seconds = 0.0;
   std::map<std::string, double> rigs;
   for (const PendingTask& pending : tasks) {
-    const double views = views_of(*pending.task, &rigs);
+    const double views = views_of(settings_of(config, *pending.task), !pending.task->pictures.empty(), &rigs);
     seconds += kProcess_s + kObserve_s * views;
     for (const SweepMethod* method : pending.methods)
       seconds += method->outside ? kOutside_s : method->seconds_a_view * views;
@@ -94,24 +94,30 @@ void add_pictures(const SweepStart& start, const std::vector<const PictureSet*>&
 
 SweepForecast forecast_sweep(const SweepConfig& config, const SweepOptions& options) {
   SweepStart start = start_of(config, options);
-  start.plan = plan_sweep(config);
+  plan_all(&start);
   const Stock stock = take_stock(start, true);
   SweepForecast forecast;
-  forecast.tasks = start.plan.tasks.size();
+  const std::vector<SweepTask>& tasks = start.plan.table.tasks;
+  forecast.tasks = tasks.size();
   forecast.points = config.seeds.empty() ? 0 : forecast.tasks / config.seeds.size();
   forecast.answers = stock.answers;
   forecast.answers_there = stock.answers_done;
-  forecast.picture_sets = start.plan.pictures.size();
+  std::set<std::string> sets;
+  for (const SweepTask& task : tasks)
+    if (!task.pictures.empty()) sets.insert(task.pictures);
+  forecast.picture_sets = sets.size();
   std::vector<const PictureSet*> to_make;
   for (const PendingPictures& set : stock.pictures) {
-    if (set.state == PendingPictures::State::kReady || start.cache.has_pictures(set.set->key, true)) continue;
-    to_make.push_back(set.set);
+    if (set.state == PendingPictures::State::kReady || start.cache.has_pictures(set.set.key, true)) continue;
+    to_make.push_back(&set.set);
     forecast.images_to_render += set.images;
   }
   forecast.picture_sets_there = forecast.picture_sets - to_make.size();
-  for (const SweepTask& task : start.plan.tasks) forecast.task_lines.push_back(line_of(start, task, stock.tasks));
+  std::map<std::string, std::size_t> left;
+  for (const PendingTask& pending : stock.tasks) left[pending.task->key] = pending.methods.size();
+  for (const SweepTask& task : tasks) forecast.task_lines.push_back(line_of(start, task, left));
   if (config.geometric) forecast.cannot_run = those_that_cannot_run(start.methods);
-  forecast.minutes = seconds_of_answers(stock.tasks) / 60.0;
+  forecast.minutes = seconds_of_answers(config, stock.tasks) / 60.0;
   add_pictures(start, to_make, &forecast);
   forecast.minutes /= static_cast<double>(start.processes());
   return forecast;

@@ -119,7 +119,7 @@ void check_fields(const SweepConfig& config, Problems* problems) {
                          "has no effect in mode geometric unless geometric.rig is run"});
 }
 
-void check_geometric(const SweepConfig& config, const SweepTask& task, Problems* problems) {
+void check_geometric(const SweepConfig& config, const TaskSettings& task, Problems* problems) {
   if (!config.geometric) return;
   const GenerateConfig& run = task.config;
   const auto problem = [&](const char* field, const std::string& value, const char* message) {
@@ -132,22 +132,20 @@ void check_geometric(const SweepConfig& config, const SweepTask& task, Problems*
             "must be per_increment or per_pose in mode geometric, unless geometric.rig is run");
 }
 
-// Without its key.
-SweepTask read_task(const SweepConfig& config, const std::vector<std::size_t>& levels, std::int64_t seed,
-                    Problems* problems) {
-  SweepTask task;
-  task.levels = levels;
+TaskSettings read_settings(const SweepConfig& config, const std::vector<std::size_t>& levels, std::int64_t seed,
+                           Problems* problems) {
+  TaskSettings settings;
   const TaskBlocks blocks = blocks_of(config, levels, seed);
-  read_fields_of_block(blocks.run, "run", problems, [&task](FieldVisitor& visitor) { task.config.visit(visitor); });
-  task.config.scenes.clear();
-  task.config.name.clear();
-  task.seed = config.seed_fields.empty() ? task.config.seed : seed;
+  read_fields_of_block(blocks.run, "run", problems,
+                       [&settings](FieldVisitor& visitor) { settings.config.visit(visitor); });
+  settings.config.scenes.clear();
+  settings.config.name.clear();
   if (config.geometric)
     read_fields_of_block(blocks.geometric, "geometric", problems,
-                         [&task](FieldVisitor& visitor) { task.geometric.visit(visitor); });
-  task.images = read_images(blocks.images, task.config, problems);
-  check_geometric(config, task, problems);
-  return task;
+                         [&settings](FieldVisitor& visitor) { settings.geometric.visit(visitor); });
+  settings.images = read_images(blocks.images, settings.config, problems);
+  check_geometric(config, settings, problems);
+  return settings;
 }
 
 const std::string& inputs_of(const GenerateConfig& config, Seen* seen) {
@@ -172,7 +170,7 @@ const std::string& content_of(const std::string& file, Seen* seen) {
   return hash;
 }
 
-std::string key_of(const SweepTask& task, bool geometric, Seen* seen) {
+std::string key_of(const TaskSettings& task, bool geometric, Seen* seen) {
   const bool needs_world = !geometric || task.geometric.rig == "run";
   std::string text = kFormat + std::string(version()) + "\n" + resolved_text(task.config);
   if (needs_world) text += std::string(World::mujoco_version()) + "\n" + inputs_of(task.config, seen);
@@ -181,56 +179,91 @@ std::string key_of(const SweepTask& task, bool geometric, Seen* seen) {
   return sha256_hex(text).substr(0, kKeyDigits);
 }
 
-PictureSet pictures_of(const GenerateConfig& config, Seen* seen) {
-  PictureSet set;
-  set.config = picture_config(config);
-  const std::string text = kFormat + generator_version() + " pictures\n" + resolved_text(set.config) +
+std::string pictures_key_of(const GenerateConfig& config, Seen* seen) {
+  const std::string text = kFormat + generator_version() + " pictures\n" + resolved_text(picture_config(config)) +
                            World::mujoco_version() + "\n" + inputs_of(config, seen);
-  set.key = sha256_hex(text).substr(0, 2 * kKeyDigits);
-  return set;
+  return sha256_hex(text).substr(0, 2 * kKeyDigits);
 }
 
-std::vector<SweepTask> read_tasks(const SweepConfig& config) {
-  std::vector<SweepTask> tasks;
-  Problems problems;
+void give_keys(const SweepConfig& config, const TaskSettings& settings, Seen* seen, SweepTask* task) {
+  task->key = key_of(settings, config.geometric, seen);
+  if (!config.geometric) task->pictures = pictures_key_of(settings.config, seen);
+}
+
+// Calls back with every task, without its keys, and with its settings. Gathers each problem once.
+template <typename Take>
+void for_each_task(const SweepConfig& config, Problems* problems, const Take& take) {
   std::set<std::string> told;
   std::vector<std::size_t> levels(config.axes.size(), 0);
+  bool is_first = true;
   do {
     for (const std::int64_t seed : config.seeds) {
       Problems of_task;
-      tasks.push_back(read_task(config, levels, seed, &of_task));
-      if (tasks.size() == 1 && config.geometric && tasks[0].geometric.rig != "run") check_fields(config, &of_task);
+      const TaskSettings settings = read_settings(config, levels, seed, &of_task);
+      if (is_first && config.geometric && settings.geometric.rig != "run") check_fields(config, &of_task);
+      is_first = false;
       for (const Problem& problem : of_task.all())
-        if (told.insert(problem.text()).second) problems.add(problem);
+        if (told.insert(problem.text()).second) problems->add(problem);
+      take(SweepTask{{}, levels, config.seed_fields.empty() ? settings.config.seed : seed, {}}, settings);
     }
   } while (next(config, &levels));
-  problems.throw_if_any();
-  return tasks;
 }
 
-}  // namespace
-
-SweepPlan plan_sweep(const SweepConfig& config) {
+void refuse_too_many(const SweepConfig& config) {
   std::size_t count = config.seeds.size();
   for (const SweepAxis& axis : config.axes) {
     count *= axis.levels.size();
     if (count > kMaxTasks)
       throw Error(config.name + ": more than " + std::to_string(kMaxTasks) + " tasks: fewer levels or seeds");
   }
-  SweepPlan plan;
-  plan.tasks = read_tasks(config);
+}
+
+}  // namespace
+
+std::vector<SweepTask> plan_sweep(const SweepConfig& config) {
+  refuse_too_many(config);
+  std::vector<SweepTask> tasks;
+  Problems problems;
   Seen seen;
-  std::set<std::string> sets;
-  for (SweepTask& task : plan.tasks) {
-    task.key = key_of(task, config.geometric, &seen);
-    if (config.geometric) continue;
-    PictureSet pictures = pictures_of(task.config, &seen);
-    task.pictures = pictures.key;
-    if (!sets.insert(pictures.key).second) continue;
-    pictures.render_group = render_group_of(pictures.config);
-    plan.pictures.push_back(std::move(pictures));
+  for_each_task(config, &problems, [&](const SweepTask& task, const TaskSettings& settings) {
+    if (!problems.empty()) return;
+    tasks.push_back(task);
+    give_keys(config, settings, &seen, &tasks.back());
+  });
+  problems.throw_if_any();
+  return tasks;
+}
+
+void check_sweep(const SweepConfig& config) {
+  refuse_too_many(config);
+  SweepConfig one_seed = config;
+  one_seed.seeds.resize(1);
+  plan_sweep(one_seed);
+}
+
+void check_planned(const SweepConfig& config, const std::vector<SweepTask>& tasks) {
+  Seen seen;
+  for (const SweepTask& task : tasks) {
+    SweepTask now;
+    give_keys(config, settings_of(config, task), &seen, &now);
+    if (now.key != task.key || now.pictures != task.pictures)
+      throw Error(config.name + ": task " + task.key +
+                  ": was planned with other files or by another program than there are here: the same program and "
+                  "the same files must be on every machine; else plan again");
   }
-  return plan;
+}
+
+TaskSettings settings_of(const SweepConfig& config, const SweepTask& task) {
+  Problems problems;
+  TaskSettings settings = read_settings(config, task.levels, task.seed, &problems);
+  problems.throw_if_any();
+  return settings;
+}
+
+PictureSet pictures_of(const SweepConfig& config, const SweepTask& task) {
+  PictureSet set{task.pictures, picture_config(settings_of(config, task).config), {}};
+  set.render_group = render_group_of(set.config);
+  return set;
 }
 
 }  // namespace rigproof

@@ -1,11 +1,14 @@
 // The tables of a sweep's folder: rows.csv, rows.jsonl, times.csv, and the summary's files.
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
-#include "folder.h"
+#include "answer_store.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/folder_lock.h"
+#include "rigproof/core/growing_file.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/sweep/table_text.h"
 
@@ -45,64 +48,115 @@ void visit_columns(const SweepRow& row, const Text& text, const Number& number) 
   text("code", row.code);
 }
 
-std::string rows_as_csv(const SweepRows& rows) {
+std::string csv_header(const SweepRows& table) {
   std::string text = "task";
-  for (const std::string& axis : rows.axes) text += "," + csv_cell(axis);
+  for (const std::string& axis : table.axes) text += "," + csv_cell(axis);
   visit_columns(
       SweepRow(), [&text](const std::string& name, const std::string&) { text += "," + name; },
       [&text](const std::string& name, const std::optional<double>&) { text += "," + name; });
-  text += "\n";
-  for (const SweepRow& row : rows.rows) {
-    text += row.task;
-    for (const std::string& level : row.levels) text += "," + csv_cell(level);
-    visit_columns(
-        row, [&text](const std::string&, const std::string& value) { text += "," + csv_cell(value); },
-        [&text](const std::string&, const std::optional<double>& value) { text += "," + csv_cell(value); });
-    text += "\n";
-  }
-  return text;
+  return text + "\n";
 }
 
-std::string rows_as_json_lines(const SweepRows& rows) {
-  std::string text;
-  for (const SweepRow& row : rows.rows) {
-    ordered_json object;
-    object["task"] = row.task;
-    object["levels"] = ordered_json::object();
-    for (std::size_t i = 0; i < row.levels.size(); ++i) object["levels"][rows.axes[i]] = row.levels[i];
-    visit_columns(
-        row, [&object](const std::string& name, const std::string& value) { object[name] = value; },
-        [&object](const std::string& name, const std::optional<double>& value) {
-          object[name] = value ? ordered_json(*value) : ordered_json(nullptr);
-        });
-    object["seed"] = row.seed;
-    text += object.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
-  }
-  return text;
+std::string csv_line(const SweepRow& row) {
+  std::string text = row.task;
+  for (const std::string& level : row.levels) text += "," + csv_cell(level);
+  visit_columns(
+      row, [&text](const std::string&, const std::string& value) { text += "," + csv_cell(value); },
+      [&text](const std::string&, const std::optional<double>& value) { text += "," + csv_cell(value); });
+  return text + "\n";
 }
 
-// Every finished answer, in the order of tasks and methods.
-template <typename Take>
-void for_each_answer(const SweepFolder& folder, const SweepRows& table, const Take& take) {
-  for (const SweepTaskName& task : table.tasks)
-    for (const std::string& method : table.methods)
-      if (std::optional<SweepAnswer> answer = load_answer(folder, task.key, method)) take(task, method, *answer);
+std::string json_line(const SweepRows& table, const SweepRow& row) {
+  ordered_json object;
+  object["task"] = row.task;
+  object["levels"] = ordered_json::object();
+  for (std::size_t i = 0; i < row.levels.size(); ++i) object["levels"][table.axes[i]] = row.levels[i];
+  visit_columns(
+      row, [&object](const std::string& name, const std::string& value) { object[name] = value; },
+      [&object](const std::string& name, const std::optional<double>& value) {
+        object[name] = value ? ordered_json(*value) : ordered_json(nullptr);
+      });
+  object["seed"] = row.seed;
+  return object.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::vector<std::string> labels_of(const SweepRows& table, const SweepTaskName& task) {
+std::vector<std::string> labels_of(const SweepRows& table, const SweepTask& task) {
   std::vector<std::string> labels;
   for (std::size_t i = 0; i < task.levels.size(); ++i) labels.push_back(table.levels[i][task.levels[i]]);
   return labels;
 }
 
-void append(const SweepTaskName& task, const std::string& method, const SweepAnswer& answer, SweepRows* rows) {
-  for (SweepRow row : answer.rows) {
+// With what the task says of itself.
+std::vector<SweepRow> rows_of(const SweepRows& table, const SweepTask& task, std::size_t method, SweepAnswer answer) {
+  for (SweepRow& row : answer.rows) {
     row.task = task.key;
-    row.levels = labels_of(*rows, task);
+    row.levels = labels_of(table, task);
     row.seed = task.seed;
-    row.method = method;
-    rows->rows.push_back(std::move(row));
+    row.method = table.methods[method];
   }
+  return std::move(answer.rows);
+}
+
+std::string times_header(const SweepRows& table) {
+  std::string text = "task";
+  for (const std::string& axis : table.axes) text += "," + csv_cell(axis);
+  return text + ",seed,method,solve_s,cpu_s,observe_s,host,cpu,gl_renderer\n";
+}
+
+std::string times_line(const SweepRows& table, const SweepTask& task, std::size_t method, const SweepAnswer& answer) {
+  std::string text = task.key;
+  for (const std::string& label : labels_of(table, task)) text += "," + csv_cell(label);
+  text += "," + std::to_string(task.seed) + "," + csv_cell(table.methods[method]);
+  for (const double value : {answer.times.solve_s, answer.times.cpu_s, answer.times.observe_s})
+    text += "," + fixed_text(value, 4);
+  for (const std::string& name : {answer.machine.host, answer.machine.cpu, answer.machine.gl_renderer})
+    text += "," + csv_cell(name);
+  return text + "\n";
+}
+
+// "lambda 0, seed 3, task 0123456789abcdef: ml".
+std::string name_of(const SweepRows& table, const SweepTask& task, std::size_t method) {
+  std::string text;
+  for (std::size_t i = 0; i < task.levels.size(); ++i)
+    text += table.axes[i] + " " + table.levels[i][task.levels[i]] + ", ";
+  return text + "seed " + std::to_string(task.seed) + ", task " + task.key + ": " + table.methods[method];
+}
+
+std::vector<SweepMachineCount> counted(const std::map<SweepMachine, std::size_t>& machines) {
+  std::vector<SweepMachineCount> counts;
+  for (const auto& [machine, answers] : machines) counts.push_back({machine, answers});
+  return counts;
+}
+
+// One answer is in memory at a time.
+SweepTables write_rows(const std::filesystem::path& folder, const SweepRows& table, const AnswerStore& store) {
+  GrowingFile csv(folder / "rows.csv"), lines(folder / "rows.jsonl"), times(folder / "times.csv");
+  csv.append(csv_header(table));
+  times.append(times_header(table));
+  SweepTables tables;
+  FailureCounter failures;
+  std::map<SweepMachine, std::size_t> machines;
+  for (const SweepTask& task : table.tasks) {
+    for (std::size_t method = 0; method < table.methods.size(); ++method) {
+      std::optional<SweepAnswer> answer = store.load(task.key, method);
+      if (!answer) {
+        tables.missing.push_back(name_of(table, task, method));
+        continue;
+      }
+      times.append(times_line(table, task, method, *answer));
+      ++machines[answer->machine];
+      const SweepRow& rig = answer->rows.front();
+      failures.add(table.methods[method], rig.status, rig.code, rig.reason);
+      for (const SweepRow& row : rows_of(table, task, method, std::move(*answer))) {
+        csv.append(csv_line(row));
+        lines.append(json_line(table, row));
+      }
+    }
+  }
+  for (GrowingFile* file : {&csv, &lines, &times}) file->finish();
+  tables.machines = counted(machines);
+  tables.summary.failures = failures.counts();
+  return tables;
 }
 
 }  // namespace
@@ -124,53 +178,64 @@ std::optional<double> SweepRow::z(std::size_t axis) const {
 }
 
 SweepRows load_sweep_rows(const std::filesystem::path& folder) {
-  const SweepFolder sweep{folder};
-  SweepRows rows = load_folder_plan(sweep).table;
-  const SweepRows table = rows;
-  for_each_answer(sweep, table,
-                  [&rows](const SweepTaskName& task, const std::string& method, const SweepAnswer& answer) {
-                    append(task, method, answer, &rows);
-                  });
+  const SweepPlan plan = load_folder_plan({folder});
+  const AnswerStore store({folder}, plan);
+  SweepRows rows = plan.table;
+  for (const SweepTask& task : plan.table.tasks)
+    for (std::size_t method = 0; method < rows.methods.size(); ++method)
+      if (std::optional<SweepAnswer> answer = store.load(task.key, method))
+        for (SweepRow& row : rows_of(plan.table, task, method, std::move(*answer))) rows.rows.push_back(std::move(row));
   return rows;
 }
 
-SweepSummary gather_sweep(const std::filesystem::path& folder) {
-  const SweepFolder sweep{folder};
-  SweepRows rows = load_folder_plan(sweep).table;
-  const SweepRows table = rows;
-  std::string times = "task";
-  for (const std::string& axis : table.axes) times += "," + csv_cell(axis);
-  times += ",seed,method,solve_s,cpu_s,observe_s\n";
-  for_each_answer(sweep, table, [&](const SweepTaskName& task, const std::string& method, const SweepAnswer& answer) {
-    append(task, method, answer, &rows);
-    times += task.key;
-    for (const std::string& label : labels_of(table, task)) times += "," + csv_cell(label);
-    times += "," + std::to_string(task.seed) + "," + csv_cell(method);
-    for (const double value : {answer.times.solve_s, answer.times.cpu_s, answer.times.observe_s})
-      times += "," + fixed_text(value, 4);
-    times += "\n";
+SweepTables gather_sweep(const std::filesystem::path& folder) {
+  const SweepPlan plan = load_folder_plan({folder});
+  const SweepRows& table = plan.table;
+  const AnswerStore store({folder}, plan);
+  SweepTables tables = write_rows(folder, table, store);
+  SweepSummary summary = summarise(table, [&](std::size_t task, std::size_t method) {
+    std::optional<SweepAnswer> answer = store.load(table.tasks[task].key, method);
+    return answer ? rows_of(table, table.tasks[task], method, std::move(*answer)) : std::vector<SweepRow>();
   });
-  write_file_atomically(folder / "rows.csv", rows_as_csv(rows));
-  write_file_atomically(folder / "rows.jsonl", rows_as_json_lines(rows));
-  write_file_atomically(folder / "times.csv", times);
-  SweepSummary summary = summarise(rows);
-  write_file_atomically(folder / "summary.csv", summary_as_csv(summary));
-  write_file_atomically(folder / "summary.json", summary_as_json(summary));
-  write_file_atomically(folder / "summary.md", summary_as_markdown(summary));
-  return summary;
+  summary.failures = std::move(tables.summary.failures);
+  tables.summary = std::move(summary);
+  write_file_atomically(folder / "summary.csv", summary_as_csv(tables.summary));
+  write_file_atomically(folder / "summary.json", summary_as_json(tables.summary));
+  write_file_atomically(folder / "summary.md", summary_as_markdown(tables.summary));
+  return tables;
 }
 
 SweepState sweep_state(const std::filesystem::path& folder) {
-  const SweepRows rows = load_sweep_rows(folder);
+  const SweepPlan plan = load_folder_plan({folder});
+  const AnswerStore store({folder}, plan);
+  const std::vector<std::string>& methods = plan.table.methods;
   SweepState state;
-  state.name = rows.name;
-  state.tasks = rows.tasks.size();
-  state.answers = rows.tasks.size() * rows.methods.size();
-  for (const SweepRow& row : rows.rows) state.answers_there += row.subject == SweepSubject::kRig ? 1 : 0;
+  state.name = plan.table.name;
+  state.tasks = plan.table.tasks.size();
+  state.answers = state.tasks * methods.size();
+  FailureCounter failures;
+  std::map<SweepMachine, std::size_t> machines;
+  for (const SweepTask& task : plan.table.tasks) {
+    for (std::size_t method = 0; method < methods.size(); ++method) {
+      const std::optional<AnswerBrief> brief = store.brief(task.key, method);
+      if (!brief) continue;
+      ++state.answers_there;
+      ++machines[brief->machine];
+      failures.add(methods[method], brief->status, brief->code, brief->reason);
+    }
+  }
   state.running = FolderLock::is_held(folder);
-  state.failures = count_failures(rows.rows);
+  state.failures = failures.counts();
+  state.machines = counted(machines);
   state.counters = load_counters({folder});
   return state;
+}
+
+bool has_mixed_renderers(const std::vector<SweepMachineCount>& machines) {
+  std::set<std::string> renderers;
+  for (const SweepMachineCount& entry : machines)
+    if (!entry.machine.gl_renderer.empty()) renderers.insert(entry.machine.gl_renderer);
+  return renderers.size() > 1;
 }
 
 std::filesystem::path sweep_config_file(const std::filesystem::path& file_or_folder) {

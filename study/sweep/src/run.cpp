@@ -1,4 +1,5 @@
-// One process a task. This one only plans, hands out and gathers: it stays single-threaded, so that it may fork.
+// Each task in a process that may die. This one only plans, hands out and gathers: it stays single-threaded, so that it
+// may fork.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kWaitMs = 100;
+constexpr std::size_t kMaxTasksOfProcess = 16;
 constexpr int kMaxStarts = 2;  // of a task whose process was killed from outside
 constexpr double kBytesOfGb = 1e9;
 
@@ -66,10 +68,10 @@ SweepProgress progress_of(const Stock& stock) {
 std::vector<std::size_t> startable_pictures(const std::vector<PendingPictures>& pictures) {
   std::set<std::string> groups;
   for (const PendingPictures& set : pictures)
-    if (set.state == PendingPictures::State::kRunning) groups.insert(set.set->render_group);
+    if (set.state == PendingPictures::State::kRunning) groups.insert(set.set.render_group);
   std::vector<std::size_t> startable;
   for (std::size_t i = 0; i < pictures.size(); ++i)
-    if (pictures[i].state == PendingPictures::State::kWaiting && groups.insert(pictures[i].set->render_group).second)
+    if (pictures[i].state == PendingPictures::State::kWaiting && groups.insert(pictures[i].set.render_group).second)
       startable.push_back(i);
   return startable;
 }
@@ -77,21 +79,27 @@ std::vector<std::size_t> startable_pictures(const std::vector<PendingPictures>& 
 // Hands out what is left and takes in what comes back. Job numbers: first the pictures, then the tasks.
 class Dispatcher {
  public:
-  Dispatcher(const SweepStart& start, Stock* stock) : start_(start), stock_(*stock), slots_(start.processes()) {
-    for (std::size_t i = 0; i < stock_.tasks.size(); ++i) queue_.push_back(i);
+  Dispatcher(const SweepStart& start, Stock* stock)
+      : start_(start), stock_(*stock), slots_(start.processes()), store_(start.folder, start.plan) {
+    for (std::size_t i = 0; i < stock_.tasks.size(); ++i) {
+      queue_.push_back(i);
+      ++left_in_pack_[pack_at(i).first];
+    }
+    pack_what_is_left();
   }
 
   bool is_done() const { return queue_.empty() && jobs_.running() == 0; }
 
   void start_what_is_ready() {
     for (auto it = queue_.begin(); it != queue_.end() && free_slots() > 0;) {
-      const auto& pictures = stock_.tasks[*it].pictures;
-      if (pictures && stock_.pictures[*pictures].state != PendingPictures::State::kReady) {
+      if (!is_ready(*it)) {
         ++it;
         continue;
       }
-      start_task(*it);
-      it = queue_.erase(it);
+      std::vector<std::size_t> tasks;
+      const std::size_t most = tasks_of_process();
+      for (; it != queue_.end() && tasks.size() < most && is_ready(*it); it = queue_.erase(it)) tasks.push_back(*it);
+      start_tasks(std::move(tasks));
     }
     const std::vector<std::size_t> startable = startable_pictures(stock_.pictures);
     for (std::size_t i = 0; i < startable.size() && free_slots() > 0; ++i)
@@ -111,18 +119,50 @@ class Dispatcher {
   }
 
  private:
+  struct TaskJob {
+    std::vector<std::size_t> tasks;
+    std::size_t at = 0;  ///< which of them it is doing
+  };
+
+  // A process may have died between the last answer and its pack, or have seen it in the cache.
+  void pack_what_is_left() {
+    std::map<std::size_t, PackRange> ranges;
+    for (std::size_t place = start_.first; place < start_.last; ++place) {
+      const PackRange range = pack_of(place, start_.order);
+      if (left_in_pack_.count(range.first) == 0 && store_.has_single(start_.order[place].task->key))
+        ranges[range.first] = range;
+    }
+    for (const auto& [first, range] : ranges) store_.pack_if_complete(start_.order, range);
+  }
+
+  PackRange pack_at(std::size_t index) const { return pack_of(stock_.tasks[index].place, start_.order); }
+
   std::size_t free_slots() const {
     std::size_t used = 0;
     for (const auto& [job, processes] : processes_) used += processes;
     return used < slots_ ? slots_ - used : 0;
   }
 
-  void start_task(std::size_t index) {
-    PendingTask& pending = stock_.tasks[index];
-    ++pending.starts;
-    const std::size_t job = stock_.pictures.size() + index;
+  bool is_ready(std::size_t index) const {
+    const std::optional<std::size_t>& pictures = stock_.tasks[index].pictures;
+    return !pictures || stock_.pictures[*pictures].state == PendingPictures::State::kReady;
+  }
+
+  // Without pictures a task may take less time than the start of a process. Few enough that all processes end at about
+  // the same time.
+  std::size_t tasks_of_process() const {
+    if (!stock_.pictures.empty()) return 1;
+    return std::clamp<std::size_t>(queue_.size() / (4 * slots_), 1, kMaxTasksOfProcess);
+  }
+
+  void start_tasks(std::vector<std::size_t> tasks) {
+    std::vector<const PendingTask*> pending;
+    for (const std::size_t index : tasks) pending.push_back(&stock_.tasks[index]);
+    ++stock_.tasks[tasks.front()].starts;
+    const std::size_t job = stock_.pictures.size() + tasks.front();
     processes_[job] = 1;
-    jobs_.start(job, task_work(start_, pending));
+    task_jobs_[job] = {std::move(tasks), 0};
+    jobs_.start(job, task_work(start_, std::move(pending)));
   }
 
   void start_pictures(std::size_t index, std::size_t processes) {
@@ -141,27 +181,42 @@ class Dispatcher {
       stock_.pictures[job].images = *message.images_in_all;
     }
     if (job < stock_.pictures.size()) return message.interrupted;
-    PendingTask& pending = stock_.tasks[job - stock_.pictures.size()];
+    TaskJob& tasks = task_jobs_.at(job);
+    if (message.task) tasks.at = *message.task;
+    const std::size_t index = tasks.tasks.at(tasks.at);
+    PendingTask& pending = stock_.tasks[index];
+    if (message.task && tasks.at > 0) ++pending.starts;
     for (const SweepMethod* method : pending.methods)
       if (method->name == message.started) pending.current = method;
-    if (!message.done.empty()) finish_current(&pending);
+    if (!message.done.empty()) finish_current(index);
     return message.interrupted;
   }
 
-  void finish_current(PendingTask* pending) {
-    pending->methods.erase(std::find(pending->methods.begin(), pending->methods.end(), pending->current));
-    pending->current = nullptr;
-    stock_.answers_done += pending->repeats;
+  void finish_current(std::size_t index) {
+    PendingTask& pending = stock_.tasks[index];
+    pending.methods.erase(std::find(pending.methods.begin(), pending.methods.end(), pending.current));
+    pending.current = nullptr;
+    stock_.answers_done += pending.repeats;
     stock_.counters["answers solved"] += 1;
+    if (pending.methods.empty()) finish_task(index);
   }
 
   void end_job(const ForkedJobs::News& news) {
     processes_.erase(news.job);
     if (news.job < stock_.pictures.size()) return end_pictures(news);
-    const std::size_t index = news.job - stock_.pictures.size();
-    if (news.end.is_good()) return stock_.tasks[index].methods.clear();
-    bury(index, news.end);
-    if (!stock_.tasks[index].methods.empty()) queue_.push_front(index);
+    const TaskJob job = task_jobs_.at(news.job);
+    task_jobs_.erase(news.job);
+    const std::size_t at = job.tasks.at(job.at);
+    if (!news.end.is_good() && !stock_.tasks[at].methods.empty()) bury(at, news.end);
+    for (auto index = job.tasks.rbegin(); index != job.tasks.rend(); ++index)
+      if (!stock_.tasks[*index].methods.empty()) queue_.push_front(*index);
+  }
+
+  void finish_task(std::size_t index) {
+    const PackRange range = pack_at(index);
+    if (--left_in_pack_[range.first] > 0) return;
+    start_.require_folder();
+    store_.pack_if_complete(start_.order, range);
   }
 
   // A process that died: the method that it was at has failed; one that was killed may have been the machine's fault.
@@ -175,7 +230,7 @@ class Dispatcher {
     if (!again) {
       keep_answer(start_, *pending.task, *pending.current,
                   failed_answer(Finding("method.died", {{"text", end.in_words()}})));
-      finish_current(&pending);
+      finish_current(index);
       pending.starts = 0;
     }
     pending.current = nullptr;
@@ -195,9 +250,12 @@ class Dispatcher {
   const SweepStart& start_;
   Stock& stock_;
   const std::size_t slots_;
-  std::map<std::size_t, std::size_t> processes_;  ///< by job
-  std::list<std::size_t> queue_;                  ///< indices of tasks
-  ForkedJobs jobs_;                               ///< the first to go
+  std::map<std::size_t, std::size_t> processes_;     ///< by job
+  std::map<std::size_t, TaskJob> task_jobs_;         ///< by job
+  std::list<std::size_t> queue_;                     ///< indices of tasks
+  const AnswerStore store_;                          ///< as it was before
+  std::map<std::size_t, std::size_t> left_in_pack_;  ///< tasks that are to be done, by the pack's first place
+  ForkedJobs jobs_;                                  ///< the first to go
 };
 
 // Returns false if it was interrupted; whatever still runs is ended.
@@ -212,19 +270,18 @@ bool work_through(const SweepStart& start, Stock* stock) {
   return true;
 }
 
-void write_tables(const SweepStart& start, const Stock& stock, const SweepCounters& before) {
+SweepTables write_tables(const SweepStart& start, const Stock& stock, const SweepCounters& before) {
   shrink_cache(start, stock);
   SweepCounters all = before;
   for (const auto& [name, count] : stock.counters) all[name] += count;
   save_counters(start.folder, stock.counters, all);
-  gather_sweep(start.folder.root);
+  return gather_sweep(start.folder.root);
 }
 
 // What is finished is in the tables, whatever ended the work.
-bool work_and_gather(const SweepStart& start, const SweepCounters& before, Stock* stock) {
-  bool complete = false;
+void work_and_gather(const SweepStart& start, const SweepCounters& before, Stock* stock, SweepReport* report) {
   try {
-    complete = work_through(start, stock);
+    report->complete = work_through(start, stock);
   } catch (...) {
     try {
       write_tables(start, *stock, before);
@@ -233,28 +290,78 @@ bool work_and_gather(const SweepStart& start, const SweepCounters& before, Stock
     }
     throw;
   }
-  write_tables(start, *stock, before);
-  return complete;
+  report->tables = write_tables(start, *stock, before);
 }
 
+// Alone in the folder.
+void write_plan(const SweepStart& start) {
+  write_file_atomically(start.folder.config_file(), emit_yaml(resolved_sweep(start.config)));
+  save_folder_plan(start.folder, start.plan);
+  remove_leftovers(start.folder.tasks());
+  remove_leftovers(start.folder.packs());
+}
+
+void refuse_other_methods(const SweepStart& start) {
+  for (std::size_t i = 0; i < start.methods.size(); ++i)
+    if (i >= start.plan.hashes.size() || start.methods[i].hash != start.plan.hashes[i])
+      throw Error(start.folder.root.string() + ": was planned by another build of rigproof, or with another " +
+                  start.methods[i].name + ": the same program and files must be on every machine; else plan again");
+}
+
+std::vector<SweepTask> tasks_of_shard(const SweepStart& start) {
+  std::vector<SweepTask> tasks;
+  for (std::size_t place = start.first; place < start.last; ++place) tasks.push_back(*start.order[place].task);
+  return tasks;
+}
+
+void tell(const Stock& stock, Clock::time_point begin, SweepReport* report) {
+  report->answers = stock.answers_done;
+  report->counters = stock.counters;
+  report->seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+constexpr const char* kInUse = "another rigproof sweeps in this folder";
+
 }  // namespace
+
+std::size_t plan_folder(const SweepConfig& config, const SweepOptions& options) {
+  SweepStart start = start_of(config, options);
+  const FolderLock lock(start.folder.root, kInUse);
+  plan_all(&start);
+  write_plan(start);
+  return start.order.size();
+}
 
 SweepReport run_sweep(const SweepConfig& config, const SweepOptions& options) {
   const auto begin = Clock::now();
   SweepStart start = start_of(config, options);
   refuse_unknown(options.redo, start.methods);
-  const FolderLock lock(start.folder.root, "another rigproof sweeps in this folder");
-  start.plan = plan_sweep(config);
-  write_file_atomically(start.folder.config_file(), emit_yaml(resolved_sweep(config)));
-  save_folder_plan(start.folder, {table_of(config, start.plan, start.methods), start.added});
-  remove_leftovers(start.folder.tasks());
+  const FolderLock lock(start.folder.root, kInUse);
+  plan_all(&start);
+  write_plan(start);
   const SweepCounters before = load_counters(start.folder);
   Stock stock = take_stock(start, false);
   SweepReport report;
-  report.complete = work_and_gather(start, before, &stock);
-  report.answers = stock.answers_done;
-  report.counters = stock.counters;
-  report.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  work_and_gather(start, before, &stock, &report);
+  tell(stock, begin, &report);
+  return report;
+}
+
+SweepReport run_shard(const SweepOptions& options, const SweepShard& shard) {
+  const auto begin = Clock::now();
+  const SweepFolder folder{options.folder};
+  SweepPlan plan = load_folder_plan(folder);
+  const SweepConfig config = load_sweep_config(folder.config_file());
+  const FolderLock lock(folder.root, kInUse, FolderLock::Kind::kShared);
+  SweepStart start = start_of(config, options);
+  start.plan = std::move(plan);
+  start.take_shard(shard);
+  refuse_other_methods(start);
+  check_planned(config, tasks_of_shard(start));
+  Stock stock = take_stock(start, false);
+  SweepReport report;
+  report.complete = work_through(start, &stock);
+  tell(stock, begin, &report);
   return report;
 }
 

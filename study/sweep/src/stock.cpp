@@ -22,12 +22,12 @@ std::vector<std::string> added_before(const SweepFolder& folder) {
   }
 }
 
-bool is_there(const SweepStart& start, const SweepTask& task, const SweepMethod& method, bool only_look,
-              SweepCounters* counters) {
+bool is_there(const SweepStart& start, const AnswerStore& store, const SweepTask& task, std::size_t index,
+              bool only_look, SweepCounters* counters) {
+  const SweepMethod& method = start.methods[index];
   const std::vector<std::string>& redo = start.options.redo;
   if (std::find(redo.begin(), redo.end(), method.name) != redo.end()) return false;
-  const std::optional<SweepAnswer> answer = load_answer(start.folder, task.key, method.name);
-  if (answer && answer->method_hash == method.hash) {
+  if (store.load(task.key, index)) {
     (*counters)["answers already there"] += 1;
     return true;
   }
@@ -36,6 +36,7 @@ bool is_there(const SweepStart& start, const SweepTask& task, const SweepMethod&
   std::optional<SweepAnswer> known = kept ? read_answer(*kept) : std::nullopt;
   if (!known) return false;
   known->method_hash = method.hash;  // another sweep may have another name for it
+  if (!only_look) start.require_folder();
   if (!only_look) write_file_atomically_unsynced(start.folder.answer_file(task.key, method.name), text_of(*known));
   (*counters)["answers from cache"] += 1;
   return true;
@@ -46,30 +47,23 @@ std::size_t images_in(const GenerateConfig& config) {
   return stops * load_rig_model(config.rig).rig.cameras.size();
 }
 
-PendingPictures pictures_of(const SweepStart& start, const std::string& key) {
-  const auto same = [&key](const PictureSet& set) { return set.key == key; };
+PendingPictures pending_pictures(const SweepStart& start, const SweepTask& task) {
   PendingPictures pictures;
-  pictures.set = &*std::find_if(start.plan.pictures.begin(), start.plan.pictures.end(), same);
-  pictures.images = images_in(pictures.set->config);
+  pictures.set = pictures_of(start.config, task);
+  pictures.images = images_in(pictures.set.config);
   return pictures;
 }
 
-// Every task once, with the methods that are left of it.
-std::vector<PendingTask> distinct_tasks(const SweepStart& start, bool only_look, SweepCounters* counters) {
-  std::vector<PendingTask> tasks;
-  std::map<std::string, std::size_t> by_key;
-  for (const SweepTask& task : start.plan.tasks) {
-    const auto [place, is_new] = by_key.emplace(task.key, tasks.size());
-    if (!is_new) {
-      ++tasks[place->second].repeats;
-      continue;
-    }
-    PendingTask& pending = tasks.emplace_back();
-    pending.task = &task;
-    for (const SweepMethod& method : start.methods)
-      if (!is_there(start, task, method, only_look, counters)) pending.methods.push_back(&method);
-  }
-  return tasks;
+// What is left of the task at a place in the order of work.
+PendingTask pending_task(const SweepStart& start, const AnswerStore& store, std::size_t place, bool only_look,
+                         SweepCounters* counters) {
+  PendingTask pending;
+  pending.task = start.order[place].task;
+  pending.repeats = start.order[place].repeats;
+  pending.place = place;
+  for (std::size_t i = 0; i < start.methods.size(); ++i)
+    if (!is_there(start, store, *pending.task, i, only_look, counters)) pending.methods.push_back(&start.methods[i]);
+  return pending;
 }
 
 // Those that the tasks need; each task learns its own.
@@ -80,7 +74,7 @@ std::vector<PendingPictures> needed_pictures(const SweepStart& start, std::vecto
     const std::string& key = pending.task->pictures;
     if (key.empty()) continue;
     const auto [place, is_new] = by_key.emplace(key, pictures.size());
-    if (is_new) pictures.push_back(pictures_of(start, key));
+    if (is_new) pictures.push_back(pending_pictures(start, *pending.task));
     pending.pictures = place->second;
     pictures[place->second].with_images = pictures[place->second].with_images || pending.reads_images();
   }
@@ -88,6 +82,13 @@ std::vector<PendingPictures> needed_pictures(const SweepStart& start, std::vecto
 }
 
 }  // namespace
+
+void SweepStart::require_folder() const {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(folder.plan_file(), ignored))
+    throw Error(folder.root.string() + ": is gone; once it is there again the same command goes on",
+                ExitCode::kTryAgain);
+}
 
 std::size_t SweepStart::processes() const {
   return options.jobs > 0 ? static_cast<std::size_t>(options.jobs) : std::max(1U, std::thread::hardware_concurrency());
@@ -103,7 +104,21 @@ SweepStart start_of(const SweepConfig& config, const SweepOptions& options) {
           SweepCache(options.cache.empty() ? options.folder / "cache" : options.cache),
           std::move(added),
           std::move(methods),
-          {}};
+          {},
+          {},
+          0,
+          0};
+}
+
+void SweepStart::take_shard(const SweepShard& shard) {
+  order = work_order(plan.table.tasks);
+  first = order.size() * shard.index / shard.count;
+  last = order.size() * (shard.index + 1) / shard.count;
+}
+
+void plan_all(SweepStart* start) {
+  start->plan = sweep_plan_of(start->config, plan_sweep(start->config), start->methods, start->added);
+  start->take_shard({});
 }
 
 bool PendingTask::reads_images() const {
@@ -112,23 +127,29 @@ bool PendingTask::reads_images() const {
 
 Stock take_stock(const SweepStart& start, bool only_look) {
   Stock stock;
-  stock.answers = stock.answers_done = start.plan.tasks.size() * start.methods.size();
-  for (PendingTask& pending : distinct_tasks(start, only_look, &stock.counters)) {
-    stock.answers_done -= pending.methods.size() * pending.repeats;
+  const AnswerStore store(start.folder, start.plan);
+  for (std::size_t place = start.first; place < start.last; ++place) {
+    PendingTask pending = pending_task(start, store, place, only_look, &stock.counters);
+    stock.answers += start.methods.size() * pending.repeats;
+    stock.answers_done += (start.methods.size() - pending.methods.size()) * pending.repeats;
     if (!pending.methods.empty()) stock.tasks.push_back(std::move(pending));
   }
   stock.pictures = needed_pictures(start, &stock.tasks);
   for (PendingPictures& set : stock.pictures) {
-    if (!start.cache.is_observed(set.set->key) || !start.cache.has_pictures(set.set->key, set.with_images)) continue;
+    if (!start.cache.is_observed(set.set.key) || !start.cache.has_pictures(set.set.key, set.with_images)) continue;
     set.state = PendingPictures::State::kReady;
     stock.counters["image sets from cache"] += 1;
-    if (!only_look) start.cache.mark_used(set.set->key);
+    if (!only_look) start.cache.mark_used(set.set.key);
   }
   return stock;
 }
 
 void keep_answer(const SweepStart& start, const SweepTask& task, const SweepMethod& method, SweepAnswer answer) {
+  start.require_folder();
   answer.method_hash = method.hash;
+  const SweepMachine& here = this_machine();
+  answer.machine.host = here.host;
+  answer.machine.cpu = here.cpu;
   const std::string text = text_of(answer);
   write_file_atomically_unsynced(start.folder.answer_file(task.key, method.name), text);
   if (!method.outside) start.cache.keep_solution(task.key, method.stored, text);

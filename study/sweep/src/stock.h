@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "answer_store.h"
 #include "cache.h"
 #include "folder.h"
 #include "methods.h"
@@ -22,17 +23,26 @@ struct SweepStart {
   std::vector<std::string> added;  ///< methods beside the configuration's
   std::vector<SweepMethod> methods;
   SweepPlan plan;
+  std::vector<WorkItem> order;      ///< distinct tasks of the plan
+  std::size_t first = 0, last = 0;  ///< places in it that this start does: [first, last)
 
+  /// Throws Error with ExitCode::kTryAgain if the folder is gone: unmounted, moved or deleted.
+  void require_folder() const;
+  /// Takes the order from the plan, and the shard's part of it.
+  void take_shard(const SweepShard& shard);
   bool keeps_going() const { return !options.keep_going || options.keep_going(); }
   std::size_t processes() const;
 };
 
 /// Without its plan. Throws Error for what is wrong with the methods.
 SweepStart start_of(const SweepConfig& config, const SweepOptions& options);
+/// Plans all tasks.
+void plan_all(SweepStart* start);
 
 /// What is left of one task; tasks of the same key are one.
 struct PendingTask {
   const SweepTask* task = nullptr;
+  std::size_t place = 0;    ///< in the order of work
   std::size_t repeats = 1;  ///< tasks of its key
   std::vector<const SweepMethod*> methods;
   std::optional<std::size_t> pictures;   ///< index in Stock::pictures
@@ -43,7 +53,7 @@ struct PendingTask {
 };
 
 struct PendingPictures {
-  const PictureSet* set = nullptr;
+  PictureSet set;
   bool with_images = false;
   std::size_t images = 0, images_done = 0;
   enum class State { kWaiting, kRunning, kReady } state = State::kWaiting;
@@ -60,7 +70,8 @@ struct Stock {
 /// is only a look.
 Stock take_stock(const SweepStart& start, bool only_look);
 
-/// What the answer of a method is written to: the folder, and the cache for a method of our own.
+/// What the answer of a method is written to: the folder, and the cache for a method of our own. Throws Error with
+/// ExitCode::kTryAgain where the folder is gone, rather than make another one at its place.
 void keep_answer(const SweepStart& start, const SweepTask& task, const SweepMethod& method, SweepAnswer answer);
 
 }  // namespace rigproof

@@ -98,31 +98,35 @@ struct TaskRows {
   }
 };
 
-// Place of a task in the list and a method: two tasks may have the same key.
-using ByTask = std::vector<std::map<std::string, TaskRows>>;
-
-ByTask by_task(const SweepRows& table) {
-  std::map<std::pair<std::string, std::string>, TaskRows> found;
-  for (const SweepRow& row : table.rows) {
-    TaskRows& rows = found[{row.task, row.method}];
-    // A task that stands in the list twice has its rows twice.
-    if (row.subject == SweepSubject::kRig) {
-      if (rows.rig != nullptr) continue;
-      rows.rig = &row;
+// The rows of one point: by place among its tasks, then by method. Tasks without an answer of a method have none.
+class PointRows {
+ public:
+  PointRows(const SweepRows& table, const std::vector<std::size_t>& members,
+            const std::function<std::vector<SweepRow>(std::size_t task, std::size_t method)>& rows_of)
+      : rows_(members.size()), tasks_(members.size()) {
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      rows_[i].resize(table.methods.size());
+      for (std::size_t method = 0; method < table.methods.size(); ++method) {
+        std::vector<SweepRow>& rows = rows_[i][method] = rows_of(members[i], method);
+        if (!rows.empty()) add(rows, &tasks_[i][table.methods[method]]);
+      }
     }
-    const auto same = [&row](const SweepRow* other) {
-      return other->subject == row.subject && other->camera == row.camera;
-    };
-    if (std::none_of(rows.rows.begin(), rows.rows.end(), same)) rows.rows.push_back(&row);
   }
-  ByTask tasks(table.tasks.size());
-  for (std::size_t i = 0; i < table.tasks.size(); ++i)
-    for (const std::string& method : table.methods) {
-      const auto place = found.find({table.tasks[i].key, method});
-      if (place != found.end()) tasks[i][method] = place->second;
+
+  const std::vector<std::map<std::string, TaskRows>>& tasks() const { return tasks_; }
+
+ private:
+  static void add(const std::vector<SweepRow>& rows, TaskRows* task) {
+    for (const SweepRow& row : rows) {
+      if (row.subject == SweepSubject::kRig) task->rig = &row;
+      task->rows.push_back(&row);
     }
-  return tasks;
-}
+  }
+
+  std::vector<std::vector<std::vector<SweepRow>>> rows_;
+  std::vector<std::map<std::string, TaskRows>> tasks_;
+};
+using ByTask = std::vector<std::map<std::string, TaskRows>>;
 
 void count_status(SweepStatus status, SummaryRow* row) {
   static constexpr std::array<int SummaryRow::*, 6> kCounts = {&SummaryRow::solved,        &SummaryRow::partial,
@@ -134,14 +138,13 @@ void count_status(SweepStatus status, SummaryRow* row) {
 /// One point of the axes that are not pooled, cameras or pairs, one axis: a line for each method.
 class Cell {
  public:
-  Cell(const SweepRows& table, const ByTask& tasks, const std::vector<std::size_t>& members, SweepSubject subject,
-       SummaryAxis axis)
+  Cell(const SweepRows& table, const ByTask& tasks, SweepSubject subject, SummaryAxis axis)
       : table_(table), subject_(subject), axis_(axis) {
     for (const std::string& method : table.methods) {
       std::vector<TaskValues>& list = values_[method];
-      for (const std::size_t task : members) {
-        const auto rows = tasks[task].find(method);
-        list.push_back(rows == tasks[task].end() ? TaskValues() : rows->second.values(subject, axis));
+      for (const auto& by_method : tasks) {
+        const auto rows = by_method.find(method);
+        list.push_back(rows == by_method.end() ? TaskValues() : rows->second.values(subject, axis));
       }
     }
   }
@@ -215,7 +218,7 @@ class Cell {
 };
 
 // Labels of a task on the axes that are not pooled.
-std::vector<std::string> point_of(const SweepRows& table, const SweepTaskName& task) {
+std::vector<std::string> point_of(const SweepRows& table, const SweepTask& task) {
   std::vector<std::string> labels;
   for (std::size_t i = 0; i < task.levels.size(); ++i)
     labels.push_back(table.pooled[i] ? "all" : table.levels[i][task.levels[i]]);
@@ -236,10 +239,10 @@ void correct_for_number_of_tests(SweepSummary* summary) {
   }
 }
 
-void add_status(const ByTask& tasks, const std::vector<std::size_t>& members, SummaryRow* row) {
-  for (const std::size_t task : members) {
-    const auto rows = tasks[task].find(row->method);
-    if (rows == tasks[task].end() || rows->second.rig == nullptr)
+void add_status(const ByTask& tasks, SummaryRow* row) {
+  for (const auto& by_method : tasks) {
+    const auto rows = by_method.find(row->method);
+    if (rows == by_method.end() || rows->second.rig == nullptr)
       ++row->missing;
     else
       count_status(rows->second.rig->status, row);
@@ -247,8 +250,8 @@ void add_status(const ByTask& tasks, const std::vector<std::size_t>& members, Su
 }
 
 // What somebody else says has no code of its own.
-const std::string& kind_of(const SweepRow& row) {
-  return row.code.empty() || row.code == "stated" ? row.reason : row.code;
+const std::string& kind_of(const std::string& code, const std::string& reason) {
+  return code.empty() || code == "stated" ? reason : code;
 }
 
 }  // namespace
@@ -275,32 +278,35 @@ const char* summary_axis_unit(SummaryAxis axis) {
              : "deg";
 }
 
-std::vector<FailureCount> count_failures(const std::vector<SweepRow>& rows) {
-  std::map<std::tuple<std::string, SweepStatus, std::string>, FailureCount> counts;
-  for (const SweepRow& row : rows) {
-    if (row.subject != SweepSubject::kRig || row.status == SweepStatus::kSolved) continue;
-    FailureCount& failure = counts[{row.method, row.status, kind_of(row)}];
-    if (failure.tasks++ > 0) continue;
-    failure.method = row.method;
-    failure.status = row.status;
-    failure.code = row.code;
-    failure.reason = row.reason;
-  }
+void FailureCounter::add(const std::string& method, SweepStatus status, const std::string& code,
+                         const std::string& reason) {
+  if (status == SweepStatus::kSolved) return;
+  FailureCount& failure = counts_[{method, status, kind_of(code, reason)}];
+  if (failure.tasks++ == 0) failure = {method, status, code, reason, 1};
+}
+
+std::vector<FailureCount> FailureCounter::counts() const {
   std::vector<FailureCount> failures;
-  for (const auto& [kind, failure] : counts) failures.push_back(failure);
+  for (const auto& [kind, failure] : counts_) failures.push_back(failure);
   std::stable_sort(failures.begin(), failures.end(),
                    [](const FailureCount& a, const FailureCount& b) { return a.tasks > b.tasks; });
   return failures;
 }
 
-SweepSummary summarise(const SweepRows& table) {
+std::vector<FailureCount> count_failures(const std::vector<SweepRow>& rows) {
+  FailureCounter counter;
+  for (const SweepRow& row : rows)
+    if (row.subject == SweepSubject::kRig) counter.add(row.method, row.status, row.code, row.reason);
+  return counter.counts();
+}
+
+SweepSummary summarise(const SweepRows& table,
+                       const std::function<std::vector<SweepRow>(std::size_t task, std::size_t method)>& rows_of) {
   SweepSummary summary;
   summary.name = table.name;
   summary.axes = table.axes;
   summary.methods = table.methods;
   summary.reference = table.reference;
-  summary.failures = count_failures(table.rows);
-  const ByTask tasks = by_task(table);
   std::vector<std::vector<std::string>> points;
   std::map<std::vector<std::string>, std::vector<std::size_t>> members;
   for (std::size_t i = 0; i < table.tasks.size(); ++i) {
@@ -310,19 +316,39 @@ SweepSummary summarise(const SweepRows& table) {
   }
   std::uint64_t stream = 0;
   for (const std::vector<std::string>& point : points) {
+    const PointRows rows(table, members[point], rows_of);
     for (const SweepSubject subject : {SweepSubject::kCamera, SweepSubject::kPair}) {
       for (int axis = 0; axis < kAxes; ++axis) {
-        const Cell cell(table, tasks, members[point], subject, static_cast<SummaryAxis>(axis));
+        const Cell cell(table, rows.tasks(), subject, static_cast<SummaryAxis>(axis));
         for (const std::string& method : table.methods) {
           SummaryRow row = cell.row_of(method, stream++);
           row.levels = point;
-          add_status(tasks, members[point], &row);
+          add_status(rows.tasks(), &row);
           summary.rows.push_back(std::move(row));
         }
       }
     }
   }
   correct_for_number_of_tests(&summary);
+  return summary;
+}
+
+SweepSummary summarise(const SweepRows& table) {
+  std::map<std::pair<std::string, std::string>, std::vector<const SweepRow*>> found;
+  for (const SweepRow& row : table.rows) {
+    std::vector<const SweepRow*>& rows = found[{row.task, row.method}];
+    const auto same = [&row](const SweepRow* other) {
+      return other->subject == row.subject && other->camera == row.camera;
+    };
+    // A task that stands in the list twice has its rows twice.
+    if (std::none_of(rows.begin(), rows.end(), same)) rows.push_back(&row);
+  }
+  SweepSummary summary = summarise(table, [&](std::size_t task, std::size_t method) {
+    std::vector<SweepRow> rows;
+    for (const SweepRow* row : found[{table.tasks[task].key, table.methods[method]}]) rows.push_back(*row);
+    return rows;
+  });
+  summary.failures = count_failures(table.rows);
   return summary;
 }
 

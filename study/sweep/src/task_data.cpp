@@ -44,10 +44,10 @@ void keep_first_stops(std::int64_t count, Observations* observations) {
 }
 
 // Pictures come from the cache, and what was found in them; the odometry is this task's.
-TaskData rendered_data(const SweepTask& task, const SweepCache& cache, const Count& count,
-                       const std::function<bool()>& keep_going) {
-  const RunFolder run = cache.pictures(task.pictures);
-  if (!cache.has_pictures(task.pictures, false)) {
+TaskData rendered_data(const std::string& pictures, const TaskSettings& task, const SweepCache& cache,
+                       const Count& count, const std::function<bool()>& keep_going) {
+  const RunFolder run = cache.pictures(pictures);
+  if (!cache.has_pictures(pictures, false)) {
     plan_run(task.config);  // throws what make_pictures() passed over
     throw MachineError(run.root.string() + ": pictures are missing; the same command makes them", ExitCode::kTryAgain);
   }
@@ -58,6 +58,7 @@ TaskData rendered_data(const SweepTask& task, const SweepCache& cache, const Cou
   if (task.images > 0) keep_first_stops(task.images, data.truth, &*data.recording);
   data.findings = std::make_shared<CachedFindings>(cache, run);
   CachedFindings& findings = *data.findings;
+  data.gl_renderer = findings.gl_renderer();
   ObserveOptions options;
   options.threads = 1;
   options.progress = [&keep_going](std::size_t, std::size_t) { return !keep_going || keep_going(); };
@@ -101,7 +102,7 @@ GeometricConfig noise_of(const GeometricSweepConfig& block, std::uint64_t seed) 
   return config;
 }
 
-TaskData drawn_data(const SweepTask& task) {
+TaskData drawn_data(const TaskSettings& task) {
   const auto seed = static_cast<std::uint64_t>(task.config.seed);
   const OdometryConfig& odometry = task.config.odometry;
   GeometricConfig config = noise_of(task.geometric, seed);
@@ -131,7 +132,7 @@ std::size_t sample_at(const std::vector<OdometrySample>& odometry, double stamp_
 }
 
 // Rig, stops and odometry as the run plans them; corners and planes drawn.
-TaskData planned_data(const SweepTask& task) {
+TaskData planned_data(const TaskSettings& task) {
   GenerateConfig planned = task.config;
   planned.sensing.told = "exact";  // corners and planes are drawn through the lenses that are told
   PlannedRun plan = plan_run(planned);
@@ -193,15 +194,16 @@ TaskData with_ground(const TaskData& data, const std::string& ground, const Swee
   return other;
 }
 
-TaskData data_of(const SweepTask& task, const SweepCache& cache, const Count& count,
+TaskData data_of(const SweepConfig& config, const SweepTask& task, const SweepCache& cache, const Count& count,
                  const std::function<bool()>& keep_going) {
   const auto start = Clock::now();
+  const TaskSettings settings = settings_of(config, task);
   TaskData data;
   if (!task.pictures.empty()) {
-    data = rendered_data(task, cache, count, keep_going);
+    data = rendered_data(task.pictures, settings, cache, count, keep_going);
   } else {
-    data = task.geometric.rig == "run" ? planned_data(task) : drawn_data(task);
-    if (task.images > 0) keep_first_stops(task.images, &data.observations);
+    data = settings.geometric.rig == "run" ? planned_data(settings) : drawn_data(settings);
+    if (settings.images > 0) keep_first_stops(settings.images, &data.observations);
   }
   data.keep_going = keep_going;
   data.bounds = transform_bounds(data.observations, data.truth);

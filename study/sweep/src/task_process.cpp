@@ -59,7 +59,7 @@ std::unique_ptr<FolderLock> lock_images(const SweepStart& start, const PendingTa
 std::optional<TaskData> try_data_of(const SweepStart& start, const SweepTask& task, const Tell& tell,
                                     Finding* why_not) {
   try {
-    return data_of(task, start.cache, counting(tell), start.options.keep_going);
+    return data_of(start.config, task, start.cache, counting(tell), start.options.keep_going);
   } catch (const MachineError&) {
     throw;
   } catch (const Error& error) {
@@ -92,6 +92,7 @@ void solve(const SweepStart& start, const PendingTask& pending, const Tell& tell
       data->findings->tell(counting(tell));
       data->findings->rethrow();
     }
+    if (data) answer.machine.gl_renderer = data->gl_renderer;
     keep_answer(start, task, *method, std::move(answer));
     tell(line_of({{"done", method->name}}));
   }
@@ -103,6 +104,7 @@ JobMessage read_message(const std::string& line) {
   const json object = json::parse(line, nullptr, false);
   JobMessage message;
   if (!object.is_object()) return message;
+  if (object.contains("task")) message.task = object["task"].get<std::size_t>();
   message.started = object.value("start", "");
   message.done = object.value("done", "");
   message.counted = object.value("count", "");
@@ -119,6 +121,7 @@ JobMessage read_message(const std::string& line) {
 
 ForkedJobs::Work picture_work(const SweepStart& start, const PendingPictures& pictures, int processes) {
   return telling_errors(start, [&start, &pictures, processes](const Tell& tell) {
+    start.require_folder();
     PictureWork work;
     work.cache = &start.cache;
     work.jobs = processes;
@@ -128,12 +131,17 @@ ForkedJobs::Work picture_work(const SweepStart& start, const PendingPictures& pi
     };
     work.keep_going = [&start] { return start.keeps_going(); };
     work.count = counting(tell);
-    make_pictures(*pictures.set, pictures.with_images, work);
+    make_pictures(pictures.set, pictures.with_images, work);
   });
 }
 
-ForkedJobs::Work task_work(const SweepStart& start, const PendingTask& task) {
-  return telling_errors(start, [&start, &task](const Tell& tell) { solve(start, task, tell); });
+ForkedJobs::Work task_work(const SweepStart& start, std::vector<const PendingTask*> tasks) {
+  return telling_errors(start, [&start, tasks = std::move(tasks)](const Tell& tell) {
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      tell(line_of({{"task", i}}));
+      solve(start, *tasks[i], tell);
+    }
+  });
 }
 
 }  // namespace rigproof

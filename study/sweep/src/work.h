@@ -40,13 +40,14 @@ struct TaskData {
   Truth truth;
   std::vector<TransformBound> bounds;
   double seconds = 0.0;
+  std::string gl_renderer;                   ///< that drew the recording's images
   std::shared_ptr<CachedFindings> findings;  ///< in the recording's images; none in geometric mode
   std::function<bool()> keep_going;          ///< false interrupts whatever looks at them
 };
 
 /// Throws Error that says why the task has nothing to calibrate from, MachineError where that is nobody's fault, and
 /// Error with ExitCode::kTryAgain if `keep_going` says no.
-TaskData data_of(const SweepTask& task, const SweepCache& cache, const Count& count,
+TaskData data_of(const SweepConfig& config, const SweepTask& task, const SweepCache& cache, const Count& count,
                  const std::function<bool()>& keep_going);
 
 /// What looks at images as a SweepVision says. Throws Error where a network is none.

@@ -12,6 +12,7 @@
 #include "rigproof/core/yaml.h"
 #include "rigproof/generator/config.h"
 #include "rigproof/geometric/geometric.h"
+#include "rigproof/study/sweep/rows.h"
 
 namespace rigproof {
 
@@ -107,16 +108,21 @@ YamlTree resolved_sweep(SweepConfig config);
 /// JSON Schema of a sweep's file.
 std::string sweep_config_schema();
 
-/// One point of the axes with one seed.
-struct SweepTask {
-  std::string key;                  ///< 16 hexadecimal digits: hash of all that its observations depend on
-  std::vector<std::size_t> levels;  ///< one an axis
-  std::int64_t seed = 0;            ///< as SweepConfig::seeds has it
+/// Throws Error with every problem of every point, at the first of the seeds.
+void check_sweep(const SweepConfig& config);
+/// Every task: point by point, the last axis fastest; the seeds of a point together. Throws Error with every problem of
+/// every task.
+std::vector<SweepTask> plan_sweep(const SweepConfig& config);
+/// Throws Error if a planned task would now be another one: a file that the configuration names has changed.
+void check_planned(const SweepConfig& config, const std::vector<SweepTask>& tasks);
+
+/// What the point and the seed of a task say.
+struct TaskSettings {
   GenerateConfig config;
   GeometricSweepConfig geometric;
   std::int64_t images = 0;  ///< stops that are used, 0 = all
-  std::string pictures;     ///< key of its PictureSet; empty in geometric mode
 };
+TaskSettings settings_of(const SweepConfig& config, const SweepTask& task);
 
 /// Pictures that one or more tasks share: everything of a run but its odometry.
 struct PictureSet {
@@ -124,13 +130,7 @@ struct PictureSet {
   GenerateConfig config;
   std::string render_group;  ///< sets of one group share clean renders
 };
-
-struct SweepPlan {
-  std::vector<SweepTask> tasks;      ///< point by point, the last axis fastest; the seeds of a point together
-  std::vector<PictureSet> pictures;  ///< in the order in which tasks need them
-};
-
-/// Throws Error with every problem of every task.
-SweepPlan plan_sweep(const SweepConfig& config);
+/// Those of a task that has some.
+PictureSet pictures_of(const SweepConfig& config, const SweepTask& task);
 
 }  // namespace rigproof

@@ -4,8 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace rigproof {
@@ -52,11 +55,22 @@ struct SweepRow {
   std::optional<double> z(std::size_t axis) const;
 };
 
-/// A task that is to be done.
-struct SweepTaskName {
-  std::string key;
+/// Where an answer was made.
+struct SweepMachine {
+  std::string host, cpu;
+  std::string gl_renderer;  ///< that drew its pictures; empty without pictures
+
+  bool operator<(const SweepMachine& other) const {
+    return std::tie(host, cpu, gl_renderer) < std::tie(other.host, other.cpu, other.gl_renderer);
+  }
+};
+
+/// One point of the axes with one seed.
+struct SweepTask {
+  std::string key;                  ///< 16 hexadecimal digits: hash of all that its observations depend on
   std::vector<std::size_t> levels;  ///< one an axis
-  std::int64_t seed = 0;
+  std::int64_t seed = 0;            ///< as SweepConfig::seeds has it
+  std::string pictures;             ///< key of its PictureSet; empty in geometric mode
 };
 
 /// All rows of a sweep, in the order of tasks, methods and cameras.
@@ -69,9 +83,9 @@ struct SweepRows {
   /// Number of each level where it is one (for the x axis of a figure), else its place 0, 1, ..
   std::vector<std::vector<double>> level_values;
   std::vector<std::string> methods;
-  std::string reference;             ///< method that the others are tested against
-  std::vector<SweepTaskName> tasks;  ///< done or not
-  std::vector<SweepRow> rows;        ///< of what is done
+  std::string reference;         ///< method that the others are tested against
+  std::vector<SweepTask> tasks;  ///< done or not
+  std::vector<SweepRow> rows;    ///< of what is done
 };
 
 /// Reads what stands in a sweep's folder (finished or not). Throws Error.
@@ -131,7 +145,16 @@ struct FailureCount {
   int tasks = 0;
 };
 
-/// Every (method, status, code) that is not solved, the most frequent first.
+/// Counts what is not solved by (method, status, code).
+class FailureCounter {
+ public:
+  void add(const std::string& method, SweepStatus status, const std::string& code, const std::string& reason);
+  /// The most frequent first.
+  std::vector<FailureCount> counts() const;
+
+ private:
+  std::map<std::tuple<std::string, SweepStatus, std::string>, FailureCount> counts_;
+};
 std::vector<FailureCount> count_failures(const std::vector<SweepRow>& rows);
 
 struct SweepSummary {
@@ -144,6 +167,10 @@ struct SweepSummary {
 };
 
 SweepSummary summarise(const SweepRows& rows);
+/// The same with the rows of a task and method read when they are needed, those of one point at a time; without
+/// failures.
+SweepSummary summarise(const SweepRows& table,
+                       const std::function<std::vector<SweepRow>(std::size_t task, std::size_t method)>& rows_of);
 
 /// The table of a terminal: success rate first, then mean |error| per axis.
 std::string format_summary(const SweepSummary& summary);

@@ -1,4 +1,5 @@
-// Runs a sweep on one machine: pictures and detections once, every (task, method) once, in spite of interruptions.
+// Runs a sweep, on one machine or in shards on many: pictures and detections once, every (task, method) once, in spite
+// of interruptions.
 #pragma once
 
 #include <cstddef>
@@ -39,17 +40,45 @@ struct SweepOptions {
   std::function<bool()> keep_going;
 };
 
+struct SweepMachineCount {
+  SweepMachine machine;
+  std::size_t answers = 0;
+};
+/// Whether pictures were drawn by more than one GL driver: their answers differ in more than the last digits.
+bool has_mixed_renderers(const std::vector<SweepMachineCount>& machines);
+
+/// What the tables of a folder say.
+struct SweepTables {
+  SweepSummary summary;
+  std::vector<std::string> missing;  ///< answers: "lambda 0, seed 3, task 0123456789abcdef: ml"
+  std::vector<SweepMachineCount> machines;
+};
+
 struct SweepReport {
   bool complete = false;  ///< false: interrupted
   std::size_t answers = 0;
   SweepCounters counters;  ///< of this start
   double seconds = 0.0;
+  SweepTables tables;  ///< of the whole folder; none of a shard
 };
 
 /// Does what is not done yet, then writes rows, times, counters and summary of everything. The rows are byte-identical
 /// at any number of jobs. Throws Error with ExitCode::kTryAgain if another process works in the folder, and Error for
 /// failures of the machine (no driver, a full disk), which are no answer of a method.
 SweepReport run_sweep(const SweepConfig& config, const SweepOptions& options);
+
+/// Some of the tasks of a planned sweep: index of 0 .. count - 1.
+struct SweepShard {
+  std::size_t index = 0, count = 1;
+};
+
+/// Writes what run_shard() works from. Returns the number of distinct tasks. Throws Error as run_sweep() does.
+std::size_t plan_folder(const SweepConfig& config, const SweepOptions& options);
+
+/// Does what is not done yet of a shard; of the options, methods are the plan's. Any number of processes on any
+/// machines may do so at once, those of one shard, too. Throws Error where this program or the files that the sweep
+/// names are others than those that planned, and with ExitCode::kTryAgain where the folder or room on its disk is gone.
+SweepReport run_shard(const SweepOptions& options, const SweepShard& shard);
 
 /// What a start would do.
 struct SweepForecast {
@@ -71,7 +100,8 @@ struct SweepState {
   std::size_t tasks = 0, answers = 0, answers_there = 0;
   bool running = false;  ///< some process works in the folder
   std::vector<FailureCount> failures;
-  SweepCounters counters;  ///< of all starts
+  std::vector<SweepMachineCount> machines;
+  SweepCounters counters;  ///< of all starts on one machine
 };
 SweepState sweep_state(const std::filesystem::path& folder);
 
@@ -79,6 +109,6 @@ SweepState sweep_state(const std::filesystem::path& folder);
 std::filesystem::path sweep_config_file(const std::filesystem::path& file_or_folder);
 
 /// Writes rows.csv, rows.jsonl, times.csv and the summary's files from the answers in the folder.
-SweepSummary gather_sweep(const std::filesystem::path& folder);
+SweepTables gather_sweep(const std::filesystem::path& folder);
 
 }  // namespace rigproof
