@@ -6,35 +6,15 @@
 #include "commands.h"
 #include "generating.h"
 #include "json_text.h"
-#include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
-#include "rigproof/core/includes.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/dataset.h"
-#include "rigproof/study/workflow/overrides.h"
-#include "unused_overrides.h"
+#include "rigproof/study/sweep/run_config.h"
 
 namespace rigproof {
-namespace {
-
-constexpr const char* kOverridesName = "--set";
-
-}  // namespace
-
 GenerateConfig configuration_of(const GenerateArguments& arguments) {
-  const bool has_file = !arguments.config.empty();
-  const std::filesystem::path file =
-      has_file ? std::filesystem::absolute(find_data_file("config", arguments.config)) : std::filesystem::path();
-  GenerateConfig config = has_file ? load_generate_config(file) : parse_generate_config("", "default");
-  if (arguments.set.empty()) return config;
-  YamlTree tree = has_file ? resolve_includes(read_yaml_file(file)) : YamlTree::map();
-  merge_into(&tree, parse_yaml(overrides_as_yaml(arguments.set), kOverridesName));
-  GenerateConfig changed;
-  read_fields_of_tree(tree, [&changed](FieldVisitor& visitor) { changed.visit(visitor); });
-  refuse_unused(arguments.set, changed);
-  if (changed.name.empty()) changed.name = config.name;
-  return changed;
+  return run_config(arguments.config, arguments.set);
 }
 
 std::filesystem::path output_of(const GenerateArguments& arguments, const GenerateConfig& config) {

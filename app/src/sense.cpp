@@ -6,42 +6,20 @@
 #include "generating.h"
 #include "json_text.h"
 #include "rigproof/core/error.h"
-#include "rigproof/core/run_folder.h"
-#include "rigproof/core/text.h"
-#include "rigproof/generator/parameters.h"
+#include "rigproof/study/sweep/run_config.h"
 
 namespace rigproof {
 namespace {
 
-namespace fs = std::filesystem;
-
-// The resolved configuration of a run, or a configuration file.
-fs::path config_of(const fs::path& source) {
-  const RunFolder run{source};
-  if (!fs::is_directory(source)) return source;
-  if (fs::is_regular_file(run.config_file())) return run.config_file();
-  throw Error(source.string() + ": is no run: it holds no truth/config.yaml; give a run or a configuration");
-}
-
 GenerateArguments generate_arguments(const SenseArguments& arguments) {
   GenerateArguments generate;
   generate.common = arguments.common;
-  generate.config = config_of(arguments.source).string();
   generate.set = arguments.set;
   if (arguments.seed >= 0) generate.set.push_back("sensing.seed=" + std::to_string(arguments.seed));
   generate.output = arguments.output;
   generate.cache = arguments.cache;
   generate.fresh = arguments.fresh;
   return generate;
-}
-
-void refuse_render_keys(const GenerateArguments& generate, const GenerateConfig& changed) {
-  GenerateArguments as_it_is = generate;
-  as_it_is.set.clear();
-  const std::vector<std::string> keys = changed_render_keys(configuration_of(as_it_is), changed);
-  if (keys.empty()) return;
-  throw Error("--set " + joined(keys) + ": " + (keys.size() == 1 ? "is a render key" : "are render keys") +
-              ": what they change has to be rendered; use `rigproof generate --cache`");
 }
 
 }  // namespace
@@ -52,8 +30,7 @@ int sense_command(const SenseArguments& arguments) {
     throw Error(
         "--cache: is missing: the folder that `rigproof generate --cache DIR` kept the clean renders in "
         "(or set RIGPROOF_CACHE)");
-  const GenerateConfig config = configuration_of(generate);
-  refuse_render_keys(generate, config);
+  const GenerateConfig config = sense_config(arguments.source, generate.set);
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   GenerateArguments from_cache = generate;
   from_cache.render = false;

@@ -29,10 +29,11 @@ fs::path own_module() {
 }
 
 fs::path program_folder() {
-  if (const fs::path module = own_module(); !module.empty()) return module.parent_path();
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  return error ? fs::path() : program.parent_path();
+  try {
+    return program_file().parent_path();
+  } catch (const Error&) {
+    return {};
+  }
 }
 
 [[maybe_unused]] bool starts_with(const fs::path& path, const fs::path& folder) {
@@ -98,6 +99,14 @@ std::vector<Preset> presets_of(const std::string& kind) {
 }
 
 }  // namespace
+
+fs::path program_file() {
+  if (fs::path module = own_module(); !module.empty()) return module;
+  std::error_code error;
+  fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw Error("/proc/self/exe: " + error.message());
+  return program;
+}
 
 fs::path data_folder() {
   if (const char* chosen = std::getenv("RIGPROOF_DATA"); chosen != nullptr && *chosen != '\0') {

@@ -27,6 +27,7 @@ void add_inputs(py::module_& module);
 void add_results(py::module_& module);
 void add_validation(py::module_& module);
 void add_work(py::module_& module);
+void add_studies(py::module_& module);
 
 /// Any array of numbers, as doubles row by row.
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;

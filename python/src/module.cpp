@@ -97,4 +97,5 @@ PYBIND11_MODULE(_core, module) {
   rigproof::python::add_results(module);
   rigproof::python::add_validation(module);
   rigproof::python::add_work(module);
+  rigproof::python::add_studies(module);
 }

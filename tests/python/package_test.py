@@ -261,6 +261,111 @@ class Threads(unittest.TestCase):
         self.assertGreater(len(ticks), 1)
 
 
+SWEEP = """mode: geometric
+run: {poses: 8}
+axes:
+  lambda: {field: odometry.lambda, values: [0.5, 2]}
+seeds: 2
+methods: [ml, li]
+"""
+
+
+def always_there(observations):
+    """Where nobody looks: one camera left out."""
+    return {camera.name: rigproof.Pose.from_quaternion([0.3, i, 0.6], [0, 0, 0, 1])
+            for i, camera in enumerate(observations.cameras[:-1])}
+
+
+def breaks(_):
+    raise RuntimeError("it broke")
+
+
+def nonsense(_):
+    return [1, 2, 3]
+
+
+def never_ends(_):
+    time.sleep(100.0)
+
+
+class Sweeps(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.folder = pathlib.Path(scratch.name)
+        self.config = self.folder / "tiny.yaml"
+        self.config.write_text(SWEEP)
+
+    def test_rows_are_those_of_the_command_and_functions_answer_beside_them(self):
+        told = []
+        rows = rigproof.sweep(str(self.config), self.folder / "ours", methods=[always_there, breaks, nonsense],
+                              progress=lambda done, all_: told.append((done, all_)))
+        self.assertEqual(command("sweep", "start", self.config, "-o", self.folder / "theirs").returncode, 0)
+        lines = (self.folder / "ours/rows.csv").read_text().splitlines()
+        theirs = (self.folder / "theirs/rows.csv").read_text().splitlines()
+        self.assertEqual([line for line in lines if not any(f.__name__ in line for f in (always_there, breaks, nonsense))],
+                         theirs)
+        rig = rows["subject"] == "rig"
+        for function, status, reason in ((always_there, "partial", "no pose"), (breaks, "failed", "it broke"),
+                                         (nonsense, "failed", "returned list")):
+            chosen = rig & (rows["method"] == function.__name__)
+            self.assertEqual(chosen.sum(), 4)
+            self.assertEqual(set(rows["status"][chosen]), {status})
+            self.assertTrue(all(reason in text for text in rows["reason"][chosen]), rows["reason"][chosen])
+        self.assertEqual(set(rows["level_values"]["lambda"]), {0.5, 2.0})
+        self.assertEqual(rows["error_cm_deg"].shape, (len(rig), 6))
+        cameras = (rows["method"] == "ml") & (rows["subject"] == "camera")
+        self.assertTrue(np.isfinite(rows["error_cm_deg"][cameras]).all())
+        self.assertEqual({all_ for _, all_ in told}, {20})
+        again = rigproof.sweep_rows(self.folder / "ours")
+        np.testing.assert_array_equal(again["error_cm_deg"], rows["error_cm_deg"])
+
+    def test_ctrl_c_ends_a_sweep_that_another_call_goes_on_with(self):
+        threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+        begin = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            rigproof.sweep(str(self.config), self.folder / "ours", methods=[never_ends])
+        self.assertLess(time.monotonic() - begin, 60.0)  # of the 400 s that it would sleep on one core
+        rows = rigproof.sweep_rows(self.folder / "ours")
+        self.assertNotIn("never_ends", rows["method"])
+
+    def test_what_is_wrong_is_told(self):
+        def ml(_):
+            return {}
+        for call in (lambda: rigproof.sweep("nowhere", self.folder / "x"),
+                     lambda: rigproof.sweep(str(self.config), self.folder / "x", methods=[ml]),
+                     lambda: rigproof.sweep(str(self.config), self.folder / "x", methods=["nobody"]),
+                     lambda: rigproof.sweep(str(self.config), self.folder / "x", set=["run.posses=3"]),
+                     lambda: rigproof.sweep_rows(self.folder),
+                     lambda: rigproof.generate("demo", self.folder / "x", set=["posses=3"]),
+                     lambda: rigproof.sense(self.folder, self.folder / "x", self.folder / "cache")):
+            with self.assertRaises(rigproof.Error):
+                call()
+        with self.assertRaises(TypeError):
+            rigproof.sweep(str(self.config), self.folder / "x", methods=[3])
+
+    def test_a_run_has_the_same_bytes(self):
+        changes = ["poses=2", "image_scale=0.25"]
+        report = rigproof.generate("demo", self.folder / "ours", set=changes, cache=self.folder / "cache")
+        self.assertEqual((report["images"], report["images_rendered"]), (6, 6))
+        settings = [word for change in changes for word in ("--set", change)]
+        out = command("generate", "demo", *settings, "-o", self.folder / "theirs")
+        self.assertEqual(out.returncode, 0, out.stderr)
+        self.assertEqual((self.folder / "ours/run.yaml").read_text(), (self.folder / "theirs/run.yaml").read_text())
+        rigproof.sense(self.folder / "ours", self.folder / "other", self.folder / "cache", set=["sensing.seed=7"])
+        ours, other = (rigproof.open(self.folder / name) for name in ("ours", "other"))
+        name = ours.recording.frames["left"][0].color_file
+        self.assertNotEqual((ours.recording.folder / name).read_bytes(), (other.recording.folder / name).read_bytes())
+        self.assertEqual(other.truth.poses, ours.truth.poses)
+        with self.assertRaisesRegex(rigproof.Error, "render key"):
+            rigproof.sense(self.folder / "ours", self.folder / "third", self.folder / "cache", set=["poses=3"])
+
+        def stop(_done, _all):
+            raise StopIteration("enough")
+        with self.assertRaisesRegex(StopIteration, "enough"):
+            rigproof.generate("demo", self.folder / "stopped", set=changes, progress=stop)
+
+
 class Stubs(unittest.TestCase):
     def test_they_name_what_there_is(self):
         tree = ast.parse(STUB.read_text())

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/folder_lock.h"
@@ -68,7 +69,7 @@ std::vector<Deletable> clean_renders_in(const fs::path& folder) {
 }  // namespace
 
 const std::string& program_hash() {
-  static const std::string hash = sha256_hex_of_file("/proc/self/exe");
+  static const std::string hash = sha256_hex_of_file(program_file());
   return hash;
 }
 

@@ -269,11 +269,23 @@ bool program_broke(const Result& result) {
   return has_code(result.reasons, "program.failed") || has_code(result.reasons, "program.bad_answer");
 }
 
+namespace {
+
+void refuse_our_names(const std::string& name, const std::string& place) {
+  for (const Method* method : all_methods())
+    if (method->traits().name == name) throw Error(place + ": name: " + name + ": is the name of a method of our own");
+}
+
+std::vector<std::shared_ptr<const Method>>& python_methods() {
+  static std::vector<std::shared_ptr<const Method>> methods;
+  return methods;
+}
+
+}  // namespace
+
 std::shared_ptr<const Method> make_external_method(const fs::path& file, const ExternalOptions& options) {
   ExternalConfig config = load_external_config(file);
-  for (const Method* method : all_methods())
-    if (method->traits().name == config.name)
-      throw Error(file.string() + ": name: " + config.name + ": is the name of a method of our own");
+  refuse_our_names(config.name, file.string());
   return std::make_shared<ExternalMethod>(std::move(config), file, options);
 }
 
@@ -288,6 +300,12 @@ std::shared_ptr<const Method> make_ml_method(const std::string& settings) {
   return method;
 }
 
+std::shared_ptr<const Method> python_method(const std::string& name) {
+  for (const auto& method : python_methods())
+    if (method->traits().name == name) return method;
+  throw Error(kPython + for_message(name) + ": is a function of a Python program, which alone can run it");
+}
+
 // Results lie under their method's name.
 void refuse_same_names(const std::vector<std::shared_ptr<const Method>>& methods) {
   std::set<std::string> names;
@@ -297,6 +315,14 @@ void refuse_same_names(const std::vector<std::shared_ptr<const Method>>& methods
 }
 
 }  // namespace
+
+PythonMethods::PythonMethods(const std::vector<std::shared_ptr<const Method>>& methods) {
+  for (const auto& method : methods) refuse_our_names(method->traits().name, "a Python function");
+  refuse_same_names(methods);
+  python_methods() = methods;
+}
+
+PythonMethods::~PythonMethods() { python_methods().clear(); }
 
 bool is_word(const std::string& text, const std::string& signs) {
   return !text.empty() && text.size() < 100 && text[0] != '.' &&
@@ -321,6 +347,8 @@ std::vector<std::shared_ptr<const Method>> methods_by_name(const std::vector<std
       methods.push_back(make_external_method(name.substr(prefix.size()), options));
     else if (name.rfind(kMlPrefix, 0) == 0)
       methods.push_back(make_ml_method(name.substr(std::string(kMlPrefix).size())));
+    else if (name.rfind(kPython, 0) == 0)
+      methods.push_back(python_method(name.substr(std::string(kPython).size())));
     else
       methods.emplace_back(&find_method(name), keep_nothing);
   }

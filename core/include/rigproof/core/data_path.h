@@ -7,6 +7,10 @@
 
 namespace rigproof {
 
+/// The file that this code is part of: the program's, or a Python module's. Throws Error where the system does not
+/// tell.
+std::filesystem::path program_file();
+
 /// The folder that holds models/, scenes/ and config/. $RIGPROOF_DATA if it is set; for a program in its build tree
 /// the source tree; else share/rigproof beside the program's bin/ or under the prefix it was configured for. Of a
 /// Python module its own place counts instead of the program's. Throws Error that names every place that was tried.

@@ -50,6 +50,20 @@ std::shared_ptr<const Method> make_external_method(const std::filesystem::path& 
 /// Whether the program broke (missing, crash, time limit, garbage) rather than refusing.
 bool program_broke(const Result& result);
 
+/// Before the name of a method that is a function of the Python program that runs.
+inline constexpr const char* kPython = "python:";
+
+/// Methods that methods_by_name() knows as kPython and their names while this lives, in this process and in those that
+/// it forks. One at a time.
+class PythonMethods {
+ public:
+  /// Throws Error for a name that is another method's.
+  explicit PythonMethods(const std::vector<std::shared_ptr<const Method>>& methods);
+  ~PythonMethods();
+  PythonMethods(const PythonMethods&) = delete;
+  PythonMethods& operator=(const PythonMethods&) = delete;
+};
+
 /// Whether a name may name a file: letters, digits and these signs, no point in front, less than a hundred of them.
 bool is_word(const std::string& text, const std::string& signs = "_-.+");
 /// `text` with every `from` replaced.
