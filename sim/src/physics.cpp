@@ -10,6 +10,7 @@
 #include "mjcf_text.h"
 #include "mujoco_compat.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/rotation_between.h"
 #include "world_impl.h"
 
 namespace rigproof {
@@ -172,7 +173,7 @@ void follow_ground(const GroundRelief& ground, const std::vector<GroundPlane>& p
     const Eigen::Vector2d below(centre[0], centre[1]);
     const GroundRelief::Surface surface = ground.at(below);
     const Eigen::Vector3d normal = Eigen::Vector3d(-surface.slope.x(), -surface.slope.y(), 1.0).normalized();
-    const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+    const Eigen::Quaterniond q = rotation_between(Eigen::Vector3d::UnitZ(), normal);
     mjtNum* position = model->geom_pos + 3 * entry.plane;
     position[0] = below.x();
     position[1] = below.y();

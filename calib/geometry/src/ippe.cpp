@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rigproof/core/rotation_between.h"
+
 namespace rigproof::detection {
 namespace {
 
@@ -69,7 +71,7 @@ std::optional<FirstOrder> first_order(const std::vector<PlaneRay>& points, const
 
 // Rotation that takes the optical axis to the ray.
 Matrix3d axis_to_ray(const Vector2d& ray) {
-  return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ray.homogeneous()).toRotationMatrix();
+  return rotation_between(Vector3d::UnitZ(), ray.homogeneous()).toRotationMatrix();
 }
 
 // With A = [I | -ray] R_ray, by_point = A R(:, 1..2) / depth: the upper left of R_ray^T R up to the depth, which its

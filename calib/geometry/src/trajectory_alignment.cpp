@@ -8,6 +8,7 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/median.h"
+#include "rigproof/core/rotation_between.h"
 
 namespace rigproof {
 namespace {
@@ -408,9 +409,7 @@ void check_heights(const Observations& observations, int camera, const GroundChe
 
 }  // namespace
 
-Matrix3d levelling(const Vector3d& up) {
-  return Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ()).toRotationMatrix();
-}
+Matrix3d levelling(const Vector3d& up) { return rotation_between(up, Vector3d::UnitZ()).toRotationMatrix(); }
 
 TrajectoryAlignment align_trajectories(const Observations& observations, const std::vector<ViewPose>& views) {
   Context context{observations, views, make_levels(views), plane_normals(observations, views)};

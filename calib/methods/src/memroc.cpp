@@ -13,6 +13,7 @@
 #include "rigproof/calib/estimate/depth_bias.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/median.h"
+#include "rigproof/core/rotation_between.h"
 #include "rigproof/core/text.h"
 #include "rival_result.h"
 #include "shared_views.h"
@@ -136,8 +137,7 @@ Rigid3 levelled_by_ground(const Evidence& evidence, int k, const Rigid3& X) {
   for (const PlaneObservation& plane : evidence.ground)
     if (plane.camera == k) up_camera -= plane.inverse_depth_plane.normalized();
   if (up_camera.norm() < 0.5) return X;
-  const Eigen::Quaterniond correction =
-      Eigen::Quaterniond::FromTwoVectors(X.rotation * up_camera, Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond correction = rotation_between(X.rotation * up_camera, Eigen::Vector3d::UnitZ());
   return Rigid3(correction * X.rotation, X.translation);
 }
 
@@ -145,7 +145,7 @@ Rigid3 levelled_by_ground(const Evidence& evidence, int k, const Rigid3& X) {
 std::optional<Rigid3> pose_from_ground(const Evidence& evidence, int k) {
   const std::optional<Eigen::Vector3d>& up = evidence.alignment.up_camera[static_cast<std::size_t>(k)];
   if (!up) return std::nullopt;
-  Rigid3 X(Eigen::Quaterniond::FromTwoVectors(*up, Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero());
+  Rigid3 X(rotation_between(*up, Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero());
   std::vector<double> heights;
   for (const PlaneObservation& plane : evidence.ground)
     if (plane.camera == k) heights.push_back(height_above(plane).height_m);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rigproof/core/random.h"
+#include "rigproof/core/rotation_between.h"
 
 namespace rigproof {
 namespace {
@@ -267,7 +268,7 @@ Rigid3 board_in_view(const Camera& camera, const Board& board, double distance_m
   camera.unproject(pixel, &ray);
   const Vector3d axis(std::cos(axis_rad), std::sin(axis_rad), 0.0);
   // Facing the camera means facing along the ray, not along the optical axis.
-  const Eigen::Quaterniond facing = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), ray);
+  const Eigen::Quaterniond facing = rotation_between(Vector3d::UnitZ(), ray);
   const Eigen::Quaterniond rotation =
       facing * Eigen::Quaterniond(Eigen::AngleAxisd(obliquity_rad, axis)) * rotation_z(roll_rad);
   return {rotation, distance_m * ray.normalized() - rotation * board.centre()};
