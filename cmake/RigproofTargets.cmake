@@ -7,22 +7,29 @@ function(rigproof_apply_rules target)
                          $<$<BOOL:${RIGPROOF_WARNINGS_AS_ERRORS}>:-Werror>)
   # Same arithmetic on every machine: no fused multiply-add that only some of them have.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
-  if(RIGPROOF_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=${RIGPROOF_SANITIZE} -fno-omit-frame-pointer
-                           -fno-sanitize-recover=all)
-    # These look at every access to a member, which takes a third of the time to compile; address sees a null or dangling
-    # pointer, too.
-    if(RIGPROOF_SANITIZE MATCHES "address.*undefined")
-      target_compile_options(${target} PRIVATE -fno-sanitize=null,alignment,object-size,vptr)
-    endif()
-    # Eigen in Debian's libraries (libceres.a) takes malloc as aligned; instrumented Eigen would not, and one would free
-    # what the other allocated.
-    target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
-    target_link_options(${target} PUBLIC -fsanitize=${RIGPROOF_SANITIZE})
-    # Instrumented, g++ 12 sees uninitialised values where std::variant moves them; there are none, and the other builds
-    # keep the warning.
-    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+endfunction()
+
+# What the program consists of runs under the sanitizers; the tests that call it are the objects of the release build,
+# which ccache knows, as their flags are alike. Shared libraries keep to their own, instrumented copies of inline
+# functions. With eigen_assert and assert, whatever the build type.
+function(rigproof_sanitize target)
+  if(NOT RIGPROOF_SANITIZE)
+    return()
   endif()
+  target_compile_options(${target} PRIVATE -fsanitize=${RIGPROOF_SANITIZE} -fno-omit-frame-pointer
+                         -fno-sanitize-recover=all -O1 -g1 -UNDEBUG -Wno-error)
+  # These look at every access to a member, which takes a third of the time to compile; address sees a null or dangling
+  # pointer, too.
+  if(RIGPROOF_SANITIZE MATCHES "address.*undefined")
+    target_compile_options(${target} PRIVATE -fno-sanitize=null,alignment,object-size,vptr)
+  endif()
+  # Eigen takes malloc as aligned where it is not instrumented: in tests and in Debian's libraries (libceres.a).
+  # Instrumented Eigen would not, and one would free what the other allocated.
+  target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  target_link_options(${target} PUBLIC -fsanitize=${RIGPROOF_SANITIZE} PRIVATE -Wl,-Bsymbolic-functions)
+  # Instrumented, g++ 12 sees uninitialised values where std::variant moves them; there are none, and the other builds
+  # keep the warning.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endfunction()
 
 # rigproof_precompile(library "POSITION_INDEPENDENT_CODE ON" <vector> ..) makes the object library
@@ -60,6 +67,7 @@ function(rigproof_add_library name)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   rigproof_apply_rules(${target})
+  rigproof_sanitize(${target})
   rigproof_use_precompiled(${target} library)
   rigproof_install_library(${name} "${ARG_COMPONENT}")
 endfunction()
@@ -199,6 +207,8 @@ function(rigproof_add_benchmark name)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_LINK} benchmark::benchmark)
   rigproof_apply_rules(${target})
+  target_compile_options(${target} PRIVATE -fPIC)  # as the libraries, whose precompiled headers it takes
+  rigproof_use_precompiled(${target} library)
 endfunction()
 
 function(rigproof_install_package)
