@@ -3,10 +3,11 @@
 
 Tests, benchmarks and Python's bindings are left to the compilers: they would double the time.
 
-Most of a run goes into the headers of Eigen and the standard library. So files of one folder are analysed a few at a
-time, as one translation unit. Where that finds anything (names of two files may clash), the files are analysed in two
-halves, in the end each by itself: only a finding in a single file counts. What files that pass together hide from each
-other: a missing include, and a constant that nothing uses. To look for these, name one file at a time.
+Most of a run goes into the headers of Eigen and the standard library. So many files of one part of the program are
+analysed as one translation unit, without those in which the compiler then sees errors, as their names clash with
+another file's: they make a unit of their own. Where that finds anything, the files that are named are analysed without
+the others, in the end each by itself: only a finding in a single file counts. What files that pass together hide from
+each other: a missing include, and a constant that nothing uses. To look for these, name one file at a time.
 
 A file that passed is remembered by the hash of everything that went into the answer (the text of all files that its
 build has read, its flags, .clang-tidy and the tool's version), under ~/.cache/rigproof/analysis, and is not analysed
@@ -27,10 +28,10 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 DATABASE = ROOT / "build/release/compile_commands.json"
-BATCH = 8
+BATCH = 40
 CACHE = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache")) / "rigproof/analysis"
-TIDY = shutil.which("clang-tidy-14") or shutil.which("clang-tidy")
 CLANG = shutil.which("clang++-14") or shutil.which("clang++")
+TIDY = shutil.which("clang-tidy-14") or shutil.which("clang-tidy")
 
 
 def is_test(name: str) -> bool:
@@ -64,7 +65,7 @@ def read_database() -> list[dict]:
         if os.path.relpath(entry["file"], ROOT).split(os.sep)[0] in ("build", ".."):
             continue
         flags, entry["output"] = compile_flags(entry.pop("command"))
-        entry["arguments"] = [CLANG, *flags]
+        entry["arguments"] = [*flags, "-Wzero-as-null-pointer-constant", "-Wsuggest-override"]
         entries.append(entry)
     return entries
 
@@ -102,37 +103,75 @@ def answer_key(entry: dict, salt: bytes, dependencies: dict[str, list[str]]) -> 
     return key.hexdigest()
 
 
-def run_tidy(files: list[str], arguments: list[str]) -> subprocess.CompletedProcess:
-    """Analyses one file, or several as if they were one."""
+def run(tool: list[str], entries: list[dict], check: list[str]) -> subprocess.CompletedProcess:
+    """Runs the tool on one file, or on several as if they were one."""
     with tempfile.TemporaryDirectory(prefix="rigproof-analysis-") as folder:
-        unit, checks = files[0], []
-        if len(files) > 1:
-            unit, checks = os.path.join(folder, "unit.cpp"), ["--checks=-bugprone-suspicious-include"]
-            pathlib.Path(unit).write_text("".join(f'#include "{file}"\n' for file in files))
-        command = [TIDY, "--quiet", f"--config-file={ROOT / '.clang-tidy'}", *checks, unit, "--", *arguments[1:]]
+        unit = entries[0]["file"]
+        if len(entries) > 1:
+            unit = os.path.join(folder, "unit.cpp")
+            pathlib.Path(unit).write_text("".join(f'#include "{entry["file"]}"\n' for entry in entries))
+        command = [*tool, unit, *check, *joint_flags(entries)]
         return subprocess.run(command, capture_output=True, text=True, check=False, cwd=DATABASE.parent)
 
 
-def analyse(entries: list[dict]) -> list[tuple[str, str]]:
+def run_compiler(entries: list[dict]) -> subprocess.CompletedProcess:
+    return run([CLANG, "-fsyntax-only", "-ferror-limit=0"], entries, [])
+
+
+def run_tidy(entries: list[dict]) -> subprocess.CompletedProcess:
+    checks = ["--checks=-bugprone-suspicious-include"] if len(entries) > 1 else []
+    return run([TIDY, "--quiet", f"--config-file={ROOT / '.clang-tidy'}", *checks], entries, ["--"])
+
+
+def joint_flags(entries: list[dict]) -> list[str]:
+    """Flags of all the files, each once: they find the headers of all."""
+    flags = {}
+    for entry in entries:
+        words = iter(entry["arguments"])
+        for word in words:
+            flags[(word, next(words)) if word == "-isystem" else (word,)] = None
+    return [word for words in flags for word in words]
+
+
+def part(entries: list[dict], result: subprocess.CompletedProcess) -> tuple[list[dict], list[dict]]:
+    """Those without and those with errors in what a tool said; two halves where that does not part them."""
+    lines = (result.stdout + result.stderr).splitlines()
+    named = {os.path.normpath(line.split(":")[0]) for line in lines if "error: " in line}
+    without = [entry for entry in entries if entry["file"] not in named]
+    if 0 < len(without) < len(entries):
+        return without, [entry for entry in entries if entry["file"] in named]
+    return entries[:len(entries) // 2], entries[len(entries) // 2:]
+
+
+def analyse(entries: list[dict], compiles: bool = False) -> list[tuple[str, str]]:
     """Names and findings of the files that have any; remembers those that have none."""
-    run = run_tidy([entry["file"] for entry in entries], entries[0]["arguments"])
-    if run.returncode == 0:
+    if len(entries) > 1 and not compiles:
+        result = run_compiler(entries)
+        if result.returncode != 0:
+            without, rest = part(entries, result)
+            return analyse(without, True) + analyse(rest)
+    result = run_tidy(entries)
+    if result.returncode == 0:
         for entry in entries:
             if entry["key"]:
                 (CACHE / entry["key"]).touch()
         return []
     if len(entries) == 1:
-        return [(os.path.relpath(entries[0]["file"], ROOT), run.stdout + run.stderr)]
-    middle = len(entries) // 2
-    return analyse(entries[:middle]) + analyse(entries[middle:])
+        return [(os.path.relpath(entries[0]["file"], ROOT), result.stdout + result.stderr)]
+    return [finding for some in part(entries, result) for finding in analyse(some)]
 
 
 def batches(entries: list[dict]) -> list[list[dict]]:
-    """Files of the same folder and flags, up to BATCH together."""
+    """Files of the same part of the program, up to BATCH together, as many in each; the largest first."""
     groups = collections.defaultdict(list)
     for entry in entries:
-        groups[os.path.dirname(entry["file"]), *entry["arguments"]].append(entry)
-    return [group[start:start + BATCH] for group in groups.values() for start in range(0, len(group), BATCH)]
+        groups[os.path.relpath(entry["file"], ROOT).split(os.sep)[0]].append(entry)
+    made = []
+    for group in groups.values():
+        group.sort(key=lambda entry: entry["file"])
+        count = -(-len(group) // BATCH)
+        made += [group[len(group) * i // count:len(group) * (i + 1) // count] for i in range(count)]
+    return sorted(made, key=len, reverse=True)
 
 
 def main() -> int:
