@@ -31,7 +31,8 @@ std::string headline(const GenerateConfig& config, const std::string& gl_rendere
 std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, const RunFolder& run,
                                               const MethodInput& input, const Terminal& terminal, bool* all_solved) {
   const Truth truth = load_truth(run.truth_file());
-  const Budget budget = budget_of(arguments.budget);
+  Budget budget = budget_of(arguments.budget);
+  budget.nothing_suspected |= !arguments.junit.empty();
   const std::optional<Gates> gates = gates_for(arguments.accept, input.observations.accept);
   std::vector<ValidationRecord> records;
   std::vector<Comparison> comparisons;

@@ -66,7 +66,8 @@ bool all_passed(const std::vector<ValidationRecord>& records) {
 int validate_command(const ValidateArguments& arguments) {
   const RunFolder run{arguments.run};
   const Truth truth = truth_of(run);
-  const Budget budget = budget_of(arguments.budget);
+  Budget budget = budget_of(arguments.budget);
+  budget.nothing_suspected |= !arguments.junit.empty();
   std::vector<ValidationRecord> records;
   for (const std::filesystem::path& file : result_files_of(arguments, run)) {
     const Verdict verdict = judge(load_result(file), truth, budget);

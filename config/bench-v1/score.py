@@ -439,7 +439,7 @@ def read_estimates(tree, where, parent_is_camera):
 class Result:
     def __init__(self, path):
         tree = read_yaml(path)
-        self.method, self.status, self.joint = "foreign", "solved", None
+        self.method, self.status, self.joint, self.suspicions = "foreign", "solved", None, []
         if isinstance(tree, dict) and "format" in tree:
             self.read_own(tree, path)
         else:
@@ -456,6 +456,7 @@ class Result:
         self.method, self.status = tree.get("method", ""), tree.get("status")
         if self.status not in ("solved", "partial", "refused"):
             raise Bad("%s: status: must be solved, partial or refused" % path)
+        self.suspicions = [note["code"] for note in tree.get("notes") or [] if note.get("severity") == "suspect"]
         self.to_robot = read_estimates(tree.get("camera_to_robot"), path + ": camera_to_robot", False)
         self.to_camera = read_estimates(tree.get("camera_to_camera"), path + ": camera_to_camera", True)
         if tree.get("joint_covariance_m_rad") is not None:
@@ -490,6 +491,7 @@ class Budget:
         if not isinstance(tree, dict) or any(key not in blocks_of + ("max_z",) for key in tree):
             raise Bad("%s: allowed are camera_to_robot, camera_to_camera and max_z" % path)
         self.max_z = self.limit(tree, "max_z", path)
+        self.nothing_suspected = path is not None   # who writes limits asks for a gate
         self.limits = {block: self.read_limits(tree.get(block), "%s: %s" % (path, block)) for block in blocks_of}
         if self.max_z is None and not any(self.limits.values()):
             raise Bad("%s: a budget needs at least one limit" % path)
@@ -640,6 +642,8 @@ def judge(comparison, budget):
         checks += checks_of(e, "%s in robot" % e["child"], budget.limits["camera_to_robot"], budget.max_z)
     for e in comparison.to_camera:
         checks += checks_of(e, "%s-%s" % (e["parent"], e["child"]), budget.limits["camera_to_camera"], budget.max_z)
+    if budget.nothing_suspected:
+        checks += [check("nothing suspected", False, code=code) for code in comparison.result.suspicions]
     return checks
 
 

@@ -189,6 +189,20 @@ TEST(Command, ForeignResultIsJudgedAndAWrongConventionNamed) {
   EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
   EXPECT_THAT(good.out, HasSubstr("PASS"));
 
+  Result doubted = load_result(ours);
+  doubted.notes.push_back(Finding("prior.strained").of(doubted.camera_to_robot[0].child));
+  const std::string suspect = (scratch / "suspect.yaml").string(), run = small_run().string();
+  save_result(doubted, suspect, {});
+  for (const std::vector<std::string>& gate : {std::vector<std::string>{"--budget", budget.string()},
+                                               std::vector<std::string>{"--junit", (scratch / "gate.xml").string()}}) {
+    std::vector<std::string> command = {"validate", run, suspect};
+    command.insert(command.end(), gate.begin(), gate.end());
+    const ProcessOutput refused = rigproof_command(command);
+    EXPECT_EQ(refused.exit_code, 1) << refused.out << refused.err;
+    EXPECT_THAT(refused.out, HasSubstr(" suspected"));
+  }
+  EXPECT_THAT(scratch.read("gate.xml"), HasSubstr("name=\"nothing suspected\""));
+
   std::string inverted;
   for (const EstimatedTransform& transform : load_result(ours).camera_to_robot) {
     const Rigid3 T = transform.T_parent_child.inverse();

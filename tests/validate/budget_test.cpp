@@ -10,6 +10,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/validate/format.h"
 #include "synthetic.h"
 #include "temp_folder.h"
 #include "worded.h"
@@ -143,6 +144,24 @@ TEST(Gate, SigmasGateOnlyWhatStatesThem) {
   EXPECT_EQ(gate.checks.size(), 6U);
   ASSERT_EQ(gate.failures(), 1U);
   EXPECT_EQ(gate.checks[0].message(), "4.1 sigma, allowed 4 sigma");
+}
+
+TEST(Gate, SuspicionsFailWhereSomebodyAskedForAGate) {
+  const Truth truth = make_truth();
+  Result result = make_result(truth, {along(0, 0.001), Vector6d::Zero(), Vector6d::Zero()});
+  result.camera_to_robot[0].covariance = Matrix6d(1e-6 * Matrix6d::Identity());
+  result.notes = {Finding("odometry.noise"), Finding("prior.strained").of("left")};
+  TempFolder folder;
+  folder.write("limits.yaml", "max_z: 4\n");
+  EXPECT_TRUE(load_budget(folder / "limits.yaml").nothing_suspected);
+  EXPECT_FALSE(default_budget().nothing_suspected);
+  Gate gate = apply_budget(compare(result, truth), default_budget());
+  EXPECT_TRUE(gate.passed());
+  add_suspicions(result.notes, &gate);
+  ASSERT_EQ(gate.failures(), 1U);
+  EXPECT_EQ(gate.checks.back().subject, "left");
+  EXPECT_EQ(gate.checks.back().reason->code, "prior.strained");
+  EXPECT_THAT(format_verdict(compare(result, truth), gate, default_budget()), HasSubstr("checks: left suspected"));
 }
 
 TEST(Gate, NothingCheckedIsNotPassed) {

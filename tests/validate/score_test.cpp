@@ -40,6 +40,7 @@ class RandomResult {
                                    [](const EstimatedTransform& t) { return t.fully_observable(); });
     if (whole && !result_.camera_to_robot.empty() && chance(0.5)) add_joint();
     result_.status = chance(0.8) ? ResultStatus::kSolved : ResultStatus::kPartial;
+    if (chance(0.2)) result_.notes.push_back(Finding("prior.strained").of("left"));
     return result_;
   }
 
@@ -188,6 +189,7 @@ TEST_F(Score, AgreesWithValidateOnAnyResult) {
         save_result(result, folder_ / name, {});
       const Comparison comparison = compare(load_result(folder_ / name), truth_);
       records.push_back({name, comparison, budget, apply_budget(comparison, budget)});
+      if (budget.nothing_suspected) add_suspicions(load_result(folder_ / name).notes, &records.back().gate);
       arguments.push_back(file(name));
       ++(records.back().gate.passed() ? passed : failed);
     }

@@ -6,6 +6,7 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/fields.h"
+#include "rigproof/core/text.h"
 #include "rigproof/validate/figures.h"
 
 namespace rigproof {
@@ -127,6 +128,7 @@ Budget load_budget(const std::filesystem::path& file) {
   budget.camera_to_robot = fields.camera_to_robot.limits();
   budget.camera_to_camera = fields.camera_to_camera.limits();
   if (fields.max_z > 0.0) budget.max_z = fields.max_z;
+  budget.nothing_suspected = true;
   budget.name = file.filename().string();
   return budget;
 }
@@ -174,6 +176,16 @@ Gate apply_budget(const Comparison& comparison, const Budget& budget) {
   for (const TransformError& error : comparison.camera_to_camera)
     add_checks(error, budget.camera_to_camera, budget.max_z, &gate);
   return gate;
+}
+
+void add_suspicions(const std::vector<Finding>& notes, Gate* gate) {
+  for (const Finding& note : notes) {
+    if (note.severity != Severity::kSuspect) continue;
+    Check& check = gate->checks.emplace_back();
+    check.name = "nothing suspected";
+    check.subject = note.cameras.empty() ? "result" : joined(note.cameras);
+    check.reason = note;
+  }
 }
 
 }  // namespace rigproof

@@ -39,6 +39,7 @@ struct FailedSubject {
   std::string name;
   bool between_cameras = false;
   std::vector<int> axes;
+  bool suspected = false;
 };
 
 std::vector<FailedSubject> failed_subjects(const Gate& gate) {
@@ -47,8 +48,9 @@ std::vector<FailedSubject> failed_subjects(const Gate& gate) {
     if (check.passed) continue;
     const auto same = [&check](const FailedSubject& subject) { return subject.name == check.subject; };
     auto subject = std::find_if(subjects.begin(), subjects.end(), same);
-    if (subject == subjects.end()) subject = subjects.insert(subjects.end(), FailedSubject{check.subject, false, {}});
+    if (subject == subjects.end()) subject = subjects.insert(subjects.end(), FailedSubject{check.subject, false, {}, false});
     subject->between_cameras = check.between_cameras;
+    subject->suspected |= check.reason && check.reason->severity == Severity::kSuspect;
     if (check.axis >= 0 && std::find(subject->axes.begin(), subject->axes.end(), check.axis) == subject->axes.end())
       subject->axes.push_back(check.axis);
   }
@@ -66,6 +68,12 @@ std::string axis_names(const std::vector<int>& axes) {
   std::vector<std::string> names;
   for (const int axis : axes) names.push_back(kDegreeOfFreedomNames[static_cast<std::size_t>(axis)]);
   return joined(names, " ");
+}
+
+// "tx tz, suspected".
+std::string what_of(const FailedSubject& failed) {
+  if (failed.axes.empty()) return failed.suspected ? "suspected" : "not answered";
+  return axis_names(failed.axes) + (failed.suspected ? ", suspected" : "");
 }
 
 // The axes of a pair are those of a camera, which nobody has in mind: translations that point along one axis of the
@@ -90,7 +98,7 @@ std::string what_failed(const Comparison& comparison, const Gate& gate) {
   std::vector<std::string> words, parts;
   for (const FailedSubject& failed : failed_subjects(gate)) {
     if (!failed.between_cameras) {
-      parts.push_back(short_name(failed.name) + " " + (failed.axes.empty() ? "not answered" : axis_names(failed.axes)));
+      parts.push_back(short_name(failed.name) + " " + what_of(failed));
       continue;
     }
     const std::string word = direction_word(comparison, failed);

@@ -51,6 +51,7 @@ Verdict judge(const Result& result, const Truth& truth, const Budget& budget) {
   Verdict verdict;
   verdict.comparison = compare(result, truth);
   verdict.gate = apply_budget(verdict.comparison, budget);
+  if (budget.nothing_suspected) add_suspicions(result.notes, &verdict.gate);
   return verdict;
 }
 

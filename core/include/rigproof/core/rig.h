@@ -72,7 +72,7 @@ struct IntrinsicsSigma {
   double focal_ratio = 0.0005;      ///< of fx / fy
   double principal_point_px = 2.0;  ///< along x and along y
   double distortion_px = 0.3;       ///< radially, in the farthest corner of the image
-  double residual_px = 0.1;         ///< of the smooth field that no model follows, rms over the image
+  double residual_px = 0.15;        ///< of the smooth field that no model follows, rms over the image
 
   static IntrinsicsSigma exact() { return {0.0, 0.0, 0.0, 0.0, 0.0}; }
   bool operator==(const IntrinsicsSigma& other) const {

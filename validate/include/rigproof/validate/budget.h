@@ -19,11 +19,13 @@ namespace rigproof {
 struct Budget {
   std::optional<Vector6d> camera_to_robot;  ///< metres and radians, infinity = not limited
   std::optional<Vector6d> camera_to_camera;
-  std::optional<double> max_z;  ///< on |error / sigma|
+  std::optional<double> max_z;     ///< on |error / sigma|
+  bool nothing_suspected = false;  ///< a finding that throws doubt on the result fails, too: add_suspicions()
   std::string name;             ///< "ci.yaml"; empty for the default one
 };
 
-/// Throws Error with every problem found; a budget without any limit is one.
+/// Throws Error with every problem found; a budget without any limit is one. Whoever writes a budget asks for a gate:
+/// nothing may be suspected then.
 Budget load_budget(const std::filesystem::path& file);
 /// Where the user gives none: 4 sigma of what the method states.
 Budget default_budget();
@@ -60,5 +62,7 @@ struct Gate {
 /// not limit camera_to_robot); so does a degree of freedom that the budget limits in metres or radians and the
 /// result does not answer. A limit in sigmas concerns only what states a sigma.
 Gate apply_budget(const Comparison& comparison, const Budget& budget);
+/// A failed check for each of a result's notes that throws doubt on it.
+void add_suspicions(const std::vector<Finding>& notes, Gate* gate);
 
 }  // namespace rigproof

@@ -39,6 +39,7 @@ struct Verdict {
   Comparison comparison;
   Gate gate;
 };
+/// Against the truth, and against what the result says of itself where the budget asks for it.
 Verdict judge(const Result& result, const Truth& truth, const Budget& budget);
 
 /// Proves the conventions of a run from its observations and its truth; writes truth/proof.yaml where it may.
