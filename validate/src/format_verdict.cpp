@@ -48,7 +48,8 @@ std::vector<FailedSubject> failed_subjects(const Gate& gate) {
     if (check.passed) continue;
     const auto same = [&check](const FailedSubject& subject) { return subject.name == check.subject; };
     auto subject = std::find_if(subjects.begin(), subjects.end(), same);
-    if (subject == subjects.end()) subject = subjects.insert(subjects.end(), FailedSubject{check.subject, false, {}, false});
+    if (subject == subjects.end())
+      subject = subjects.insert(subjects.end(), FailedSubject{check.subject, false, {}, false});
     subject->between_cameras = check.between_cameras;
     subject->suspected |= check.reason && check.reason->severity == Severity::kSuspect;
     if (check.axis >= 0 && std::find(subject->axes.begin(), subject->axes.end(), check.axis) == subject->axes.end())

@@ -49,19 +49,21 @@ struct Estimated {
   int camera;  // 0 for the rig
   int part;
   double value, sigma, prior;
+  double unweighed;  // variance: of errors that the estimate does not weigh
 
   const NuisanceRow::Part& about() const { return row_of(nuisance).parts[static_cast<std::size_t>(part)]; }
 };
 
-std::vector<Estimated> all_estimated(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals) {
+std::vector<Estimated> all_estimated(const Preparation& prepared, const Fit& fit, const GlobalCovariance& globals) {
   const Layout layout = Layout::of(prepared.used, prepared.priors);
   std::vector<Estimated> all;
   const auto add_row = [&](Nuisance nuisance, int c) {
     for (int i = 0; layout.has(nuisance) && i < row_of(nuisance).size(); ++i) {
       const int unknown = layout.place(nuisance, c) + i;
-      const double sigma = std::sqrt(std::max(0.0, globals(unknown, unknown)));
+      const double sigma = std::sqrt(std::max(0.0, globals.covariance(unknown, unknown)));
+      const double unweighed = globals.unweighed.size() > 0 ? globals.unweighed[unknown] : 0.0;
       const double prior = prepared.priors.sigma(nuisance, c, i);
-      if (prior > 0.0) all.push_back({nuisance, c, i, fit.state.nuisances.of(nuisance, c)[i], sigma, prior});
+      if (prior > 0.0) all.push_back({nuisance, c, i, fit.state.nuisances.of(nuisance, c)[i], sigma, prior, unweighed});
     }
   };
   for (const bool per_camera : {true, false})
@@ -82,12 +84,12 @@ bool is_stated(Nuisance nuisance) { return row_of(nuisance).reported || nuisance
 // Some thirty values are looked at in every run: one in 5,000 healthy runs is suspected.
 constexpr double kSuspect = 4.5;
 
-// An estimate v with sigma s of what was believed to be 0 +- p scatters by sqrt(p^2 - s^2). Where the data tell little
-// that is little, and says nothing of what was believed.
+// An estimate v with sigma s of what was believed to be 0 +- p scatters by sqrt(p^2 - s^2), and by what it does not
+// weigh. Where the data tell little that is little, and says nothing of what was believed.
 void note_strained(const Preparation& prepared, const Estimated& estimated, Result* result) {
-  const double p = estimated.prior, s = estimated.sigma;
-  if (s > kNothingNew * p) return;
-  const double deviations = std::abs(estimated.value) / std::sqrt(p * p - s * s);
+  const double p = estimated.prior, s_square = estimated.sigma * estimated.sigma - estimated.unweighed;
+  if (s_square > std::pow(kNothingNew * p, 2)) return;
+  const double deviations = std::abs(estimated.value) / std::sqrt(p * p - s_square + estimated.unweighed);
   if (deviations < kSuspect) return;
   const double unit = estimated.about().units_per_si;
   Finding finding("prior.strained", {{"quantity", estimated.about().name},
@@ -103,23 +105,24 @@ Finding strained(const char* quantity, double value, double prior) {
                  {{"quantity", quantity}, {"value", value}, {"prior", prior}, {"deviations", value / prior}});
 }
 
-// Errors that repeat in every image: taken for larger than stated where chance does not explain them.
+// Errors that repeat in every image: larger than stated where chance does not explain them.
 void note_strained_repeating(const Preparation& prepared, Result* result) {
   constexpr double kMm = 1e3;
   constexpr double kFineSuspect = 3.0;
   const RemovedErrors& repeating = prepared.repeating;
-  for (const RepeatingErrors::Group& group : repeating.errors.groups()) {
-    if (group.camera < 0) {
+  for (std::size_t g = 0; g < repeating.beyond_stated.size(); ++g) {
+    const int c = repeating.errors.groups()[g].camera;
+    const double level = repeating.beyond_stated[g];
+    if (c < 0) {
       const double prior = kMm * prepared.used.board.print_sigma();
-      if (group.level > 1.0) result->notes.push_back(strained("print_mm", group.level * prior, prior));
+      if (level > 1.0) result->notes.push_back(strained("print_mm", level * prior, prior));
       continue;
     }
-    const RigCamera& camera = prepared.used.cameras[static_cast<std::size_t>(group.camera)];
+    const RigCamera& camera = prepared.used.cameras[static_cast<std::size_t>(c)];
     const double prior = camera.intrinsics_sigma.residual_px;
-    const double fine_px = repeating.fine_rms_px(group.camera);
-    if (group.level > 1.0 || fine_px > kFineSuspect * prior)
-      result->notes.push_back(
-          strained("lens_residual_px", std::hypot(group.level * prior, fine_px), prior).of(camera.name));
+    const double fine_px = repeating.fine[static_cast<std::size_t>(c)].likely_px;
+    if (level > 1.0 || fine_px > kFineSuspect * prior)
+      result->notes.push_back(strained("lens_residual_px", std::hypot(level * prior, fine_px), prior).of(camera.name));
   }
 }
 
@@ -134,7 +137,7 @@ void report_lenses(const Preparation& prepared, const Fit& fit, Result* result) 
 
 }  // namespace
 
-void report_also_estimated(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals,
+void report_also_estimated(const Preparation& prepared, const Fit& fit, const GlobalCovariance& globals,
                            Result* result) {
   if (result->status == ResultStatus::kRefused) return;
   for (const Estimated& estimated : all_estimated(prepared, fit, globals)) {

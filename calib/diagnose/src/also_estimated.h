@@ -9,6 +9,7 @@
 namespace rigproof::ml {
 
 /// @param globals covariance of the global unknowns
-void report_also_estimated(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals, Result* result);
+void report_also_estimated(const Preparation& prepared, const Fit& fit, const GlobalCovariance& globals,
+                           Result* result);
 
 }  // namespace rigproof::ml

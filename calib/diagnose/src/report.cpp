@@ -317,9 +317,9 @@ MlEstimate report(const Preparation& prepared, const OdometryChoice& choice, con
   MlEstimate estimate = estimate_of(prepared, choice, found, stated);
   Result& result = estimate.result;
   if (stated.uncertainty) {
-    const Eigen::MatrixXd& globals = stated.uncertainty->globals;
+    const GlobalCovariance& globals = stated.uncertainty->globals;
     report_transforms(prepared, choice.fit.state, found.motion, *stated.uncertainty, &result);
-    const BoardScale lengths = check_lengths(prepared, choice.fit, found, globals);
+    const BoardScale lengths = check_lengths(prepared, choice.fit, found, globals.covariance);
     append(lengths.notes, &result.notes);
     report_contradictions(prepared, choice.fit, found, lengths.contradictions, &estimate);
     report_status(prepared, estimate.converged, &result);

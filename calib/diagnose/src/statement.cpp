@@ -107,7 +107,7 @@ Statement state_solution(const Preparation& prepared, const OdometryChoice& choi
   add_to_budget("print and lens residual",
                 (J * (globals->covariance - alone->covariance) * J.transpose()).diagonal().cwiseMax(0.0), &budget);
   budget = whole_budget(std::move(budget), prepared, fit, joint);
-  stated.uncertainty = Uncertainty{globals->covariance, joint, gate_joint, std::move(budget),
+  stated.uncertainty = Uncertainty{*globals, joint, gate_joint, std::move(budget),
                                    normalised(chart_of(prepared, fit) * globals->free_directions)};
   return stated;
 }

@@ -12,7 +12,7 @@ namespace rigproof::ml {
 
 /// Of the cameras six values each, in the chart of transform_error().
 struct Uncertainty {
-  Eigen::MatrixXd globals;          ///< covariance of the global unknowns
+  GlobalCovariance globals;         ///< of the global unknowns
   Eigen::MatrixXd joint;            ///< covariance of the cameras
   Eigen::MatrixXd gate_joint;       ///< the same, by which is refused
   std::vector<BudgetLine> budget;   ///< of what `joint` is made

@@ -6,9 +6,6 @@
 namespace rigproof::ml {
 namespace {
 
-// Across the longer side. What is coarser polynomials follow; what is finer shows within a single board as scatter.
-constexpr int kCells = 8;
-
 // Cubic B-splines around a place between two nodes, u from the first one.
 std::array<double, 4> cubic(double u) {
   const double v = 1.0 - u;
@@ -18,9 +15,9 @@ std::array<double, 4> cubic(double u) {
 
 }  // namespace
 
-FineField::FineField(const Camera& camera) {
+FineField::FineField(const Camera& camera, int cells) {
   const double longer = std::max(camera.width_px, camera.height_px);
-  cell_px_ = longer / kCells;
+  cell_px_ = longer / cells;
   across_ = static_cast<int>(std::ceil(camera.width_px / cell_px_)) + 3;
   down_ = static_cast<int>(std::ceil(camera.height_px / cell_px_)) + 3;
 }

@@ -12,7 +12,9 @@ namespace rigproof::ml {
 /// what lenses do.
 class FineField {
  public:
-  explicit FineField(const Camera& camera);
+  /// Across the longer side: what is coarser polynomials follow.
+  static constexpr int kCoarse = 8;
+  explicit FineField(const Camera& camera, int cells = kCoarse);
   /// Root mean square of a coordinate over the image where coefficients have unit variance.
   static constexpr double kRms = 151.0 / 315.0;
 

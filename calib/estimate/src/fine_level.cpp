@@ -136,7 +136,7 @@ double log_prior(double sigma_px, double scale_px) {
 
 }  // namespace
 
-double fine_sigma_px(const std::vector<LeftOver>& views, const FineField& fine, const LensField& smooth,
+FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, const LensField& smooth,
                      double prior_px) {
   constexpr int kPoints = 48;
   constexpr double kLeast = 0.02, kMost = 20.0;  // of the prior's scale
@@ -159,7 +159,7 @@ double fine_sigma_px(const std::vector<LeftOver>& views, const FineField& fine, 
     weights += weight;
     mean += weight * variances[i];
   }
-  return std::sqrt(mean / weights);
+  return {std::sqrt(mean / weights), best + std::log(weights)};
 }
 
 }  // namespace rigproof::ml

@@ -15,10 +15,14 @@ struct LeftOver {
   Eigen::VectorXd weights;
 };
 
-/// Root mean square at the nodes [px], by restricted likelihood: poses of the views and what polynomials follow are
+struct FineLevel {
+  double sigma_px;      ///< root mean square at the nodes
+  double log_evidence;  ///< of the field's grid: likelihood of what is left, averaged over the prior of the size
+};
+/// By restricted likelihood: poses of the views and what polynomials follow are
 /// projected out. Where the images tell little it is near what the prior says.
 /// @param prior_px scale of its prior, whose tails are wide
-double fine_sigma_px(const std::vector<LeftOver>& views, const FineField& fine, const LensField& smooth,
+FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, const LensField& smooth,
                      double prior_px);
 
 }  // namespace rigproof::ml

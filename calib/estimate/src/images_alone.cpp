@@ -1,7 +1,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "fine_field.h"
 #include "fine_level.h"
 #include "image_rows.h"
 #include "rigproof/core/chi_square.h"
@@ -16,6 +18,12 @@ constexpr std::size_t kMostViews = 240;
 struct Estimate {
   Eigen::VectorXd value;       // of the errors' unknowns
   Eigen::MatrixXd covariance;  // as the images leave it
+  Eigen::MatrixXd by_raw;      // what a gradient by the raw unknowns makes of the value, a column each
+};
+
+struct FineGrid {
+  int cells;
+  double sigma_px;  // at its nodes
 };
 
 // The unknowns: five of each lens, four of the board, the repeating errors. Poses of views are eliminated.
@@ -55,7 +63,29 @@ class ImagesAlone {
     const Eigen::Index size = errors_.size();
     Eigen::MatrixXd last = Eigen::MatrixXd::Zero(H.rows(), size);
     last.bottomRows(size).setIdentity();
-    return {z.tail(size), llt.solve(last).bottomRows(size)};
+    const Eigen::MatrixXd by_gradient = llt.solve(last).transpose();
+    return {z.tail(size), by_gradient.rightCols(size), by_gradient * M.transpose()};
+  }
+
+  // What fine fields of some grids make of an estimate that does not know of them: a column for each coefficient.
+  Eigen::MatrixXd response_to_fine(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
+                                   const std::vector<FineGrid>& fine, const Estimate& estimate) const {
+    std::vector<FineField> fields;
+    std::vector<int> places{0};
+    for (int c = 0; c < cameras_; ++c) {
+      fields.emplace_back(errors_.lens_field(c).camera(), fine[static_cast<std::size_t>(c)].cells);
+      places.push_back(places.back() + fields.back().size());
+    }
+    const std::vector<double> levels = squares_of_levels(views, residuals);
+    Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(estimate.by_raw.cols(), places.back());
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      const auto c = static_cast<std::size_t>(views[v].camera);
+      const Eigen::MatrixXd by_field =
+          gradients_by_fine(views[v], weighted(views[v], residuals[v], levels[c]), fields[c]);
+      for (Eigen::Index j = 0; j < by_field.rows(); ++j)
+        gradients.row(place(views[v], j)).segment(places[c], fields[c].size()) += fine[c].sigma_px * by_field.row(j);
+    }
+    return estimate.by_raw * gradients;
   }
 
   // Of each camera: square of what its corners scatter by, as a multiple of what is stated.
@@ -103,6 +133,19 @@ class ImagesAlone {
     }
   }
 
+  // By lens, shape and raw errors of a view (rows) and the coefficients of its camera's fine field.
+  static Eigen::MatrixXd gradients_by_fine(const ViewRows& view, const Weighted& by, const FineField& field) {
+    const Eigen::MatrixXd free = view.by_others + view.by_pose * (by.to_pose * view.by_others);
+    const Eigen::MatrixXd weighted = free.transpose() * by.weights.asDiagonal();
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(free.cols(), field.size());
+    for (std::size_t i = 0; i < view.pixels.size(); ++i) {
+      const Eigen::MatrixX2d of_pixel = weighted.middleCols<2>(static_cast<Eigen::Index>(2 * i)) * view.whitening[i];
+      for (const FineField::Share& share : field.at(view.pixels[i]))
+        all.middleCols<2>(2 * share.node) += share.weight * of_pixel;
+    }
+    return all;
+  }
+
   Eigen::VectorXd left_over(const ViewRows& view, const Eigen::MatrixXd& to_pose, const Eigen::VectorXd& raw) const {
     Eigen::VectorXd others(view.by_others.cols());
     for (Eigen::Index j = 0; j < others.size(); ++j) others[j] = raw[place(view, j)];
@@ -115,12 +158,14 @@ class ImagesAlone {
   Eigen::VectorXd prior_;  // information
 };
 
-// Estimates of numbers of unit variance scatter by 1 less what the data leave. How much larger the numbers are, where
-// chance does not explain it; 1 where it does.
-double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group) {
+// Estimates of numbers of unit variance scatter by 1 less what the data leave, and by what else is known to bend them.
+// How much larger the numbers are, where chance does not explain it; 1 where it does.
+double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, const Eigen::MatrixXd& bent_by) {
   constexpr double kChance = 1e-6;
+  const auto bent = bent_by.middleRows(group.first, group.size);
   const Eigen::MatrixXd told = Eigen::MatrixXd::Identity(group.size, group.size) -
-                               estimate.covariance.block(group.first, group.first, group.size, group.size);
+                               estimate.covariance.block(group.first, group.first, group.size, group.size) +
+                               bent * bent.transpose();
   const double expected = told.trace(), squares = estimate.value.segment(group.first, group.size).squaredNorm();
   if (!(expected > 0.0) || squares <= expected) return 1.0;
   const double degrees = expected * expected / told.squaredNorm();
@@ -128,11 +173,14 @@ double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group
   return std::sqrt(squares / expected);
 }
 
+// The polynomials also make up for the fine fields, which the estimate does not weigh: for that they are taken for
+// larger, too.
 bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
   constexpr double kSettled = 1.05, kMost = 50.0;
   bool changed = false;
   for (const RepeatingErrors::Group& group : errors->groups()) {
-    const double factor = std::min(enlargement(estimate, group), kMost / group.level);
+    const double factor =
+        std::min(enlargement(estimate, group, Eigen::MatrixXd(estimate.value.size(), 0)), kMost / group.level);
     if (factor < kSettled) continue;
     errors->enlarge(group, factor);
     changed = true;
@@ -140,11 +188,30 @@ bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
   return changed;
 }
 
-std::vector<double> fine_sigmas_px(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
-                                   const ImagesAlone& problem, const Observations& observations,
-                                   const RepeatingErrors& errors) {
+// A field that the coarse grid has for much larger than stated may be a finer one, which bends more within a board: how
+// large it is says the likeliest of a few grids. The coarse one stays what is counted with.
+RemovedErrors::Fine fine_field(const std::vector<LeftOver>& views, const LensField& smooth, double prior_px) {
+  constexpr double kLarge = 2.0;
+  constexpr std::array<int, 2> kFiner = {12, 16};
+  const FineLevel coarse = fine_level(views, FineField(smooth.camera()), smooth, prior_px);
+  FineLevel likeliest = coarse;
+  int likely_cells = FineField::kCoarse;
+  if (FineField::kRms * coarse.sigma_px > kLarge * prior_px) {
+    for (const int cells : kFiner) {
+      const FineLevel finer = fine_level(views, FineField(smooth.camera(), cells), smooth, prior_px);
+      if (finer.log_evidence < likeliest.log_evidence) continue;
+      likeliest = finer;
+      likely_cells = cells;
+    }
+  }
+  return {coarse.sigma_px, FineField::kRms * likeliest.sigma_px, likely_cells};
+}
+
+std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
+                                             const std::vector<Eigen::VectorXd>& residuals, const ImagesAlone& problem,
+                                             const Observations& observations, const RepeatingErrors& errors) {
   const std::vector<double> levels = problem.squares_of_levels(views, residuals);
-  std::vector<double> sigmas;
+  std::vector<RemovedErrors::Fine> fine;
   for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
     const int camera = static_cast<int>(c);
     std::vector<LeftOver> seen;
@@ -153,31 +220,45 @@ std::vector<double> fine_sigmas_px(const std::vector<ViewRows>& views, const std
         seen.push_back({&views[v], residuals[v], levels[c] * weighted(views[v], residuals[v], levels[c]).weights});
     const double prior = observations.cameras[c].intrinsics_sigma.residual_px;
     const bool has_field = errors.field(camera) >= 0 && !seen.empty();
-    sigmas.push_back(
-        has_field ? fine_sigma_px(seen, FineField(observations.cameras[c].camera), errors.lens_field(camera), prior)
-                  : 0.0);
+    fine.push_back(has_field ? fine_field(seen, errors.lens_field(camera), prior)
+                             : RemovedErrors::Fine{0.0, 0.0, FineField::kCoarse});
   }
-  return sigmas;
+  return fine;
+}
+
+// Of fields that bend within a board polynomials follow what they can, and are large for it, though the field is not
+// larger than stated. None for the others: those tell the same as the polynomials.
+std::vector<FineGrid> bending_grids(const std::vector<RemovedErrors::Fine>& fine, const Observations& observations) {
+  std::vector<FineGrid> grids;
+  for (std::size_t c = 0; c < fine.size(); ++c) {
+    const double stated_px = observations.cameras[c].intrinsics_sigma.residual_px;
+    const bool bends = fine[c].likely_cells > FineField::kCoarse;
+    grids.push_back({fine[c].likely_cells, bends ? std::min(fine[c].likely_px, stated_px) / FineField::kRms : 0.0});
+  }
+  return grids;
 }
 
 }  // namespace
 
 void estimate_repeating(const Observations& observations, const std::vector<ViewPose>& views, const Priors& priors,
                         RemovedErrors* removed) {
-  constexpr int kRounds = 3, kMostRounds = 8;  // weights and levels settle soon
+  constexpr int kRounds = 3, kMostRounds = 5;  // weights and levels settle soon
   std::vector<ViewRows> rows;
   const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
   for (std::size_t v = 0; v < views.size(); v += step) rows.push_back(rows_of(views[v], *removed, observations));
   std::vector<Eigen::VectorXd> residuals;
   for (const ViewRows& view : rows) residuals.push_back(view.residual);
   const ImagesAlone problem(removed->errors, observations.cameras.size(), priors);
-  bool enlarged = false;
-  for (int round = 0; round < kRounds || (enlarged && round < kMostRounds); ++round) {
-    const Estimate estimate = problem.solve(rows, &residuals);
-    removed->value = estimate.value;
-    enlarged = round > 0 && round + 1 < kMostRounds && enlarge(estimate, &removed->errors);
-  }
-  removed->fine_sigma_px = fine_sigmas_px(rows, residuals, problem, observations, removed->errors);
+  Estimate estimate;
+  for (int round = 0; round < kRounds; ++round) estimate = problem.solve(rows, &residuals);
+  removed->fine = fine_fields(rows, residuals, problem, observations, removed->errors);
+  const Eigen::MatrixXd by_fine =
+      problem.response_to_fine(rows, residuals, bending_grids(removed->fine, observations), estimate);
+  for (const RepeatingErrors::Group& group : removed->errors.groups())
+    removed->beyond_stated.push_back(enlargement(estimate, group, by_fine));
+  for (int round = 0; round < kMostRounds && enlarge(estimate, &removed->errors); ++round)
+    estimate = problem.solve(rows, &residuals);
+  removed->value = estimate.value;
 }
 
 }  // namespace rigproof::ml

@@ -38,7 +38,8 @@ InformationBound cramer_rao_bound(const Observations& observations, const Calibr
   if (!eliminated) throw Error("bound: the information of the robot poses is not positive definite");
   const ml::GlobalCovariance all = ml::invert_information(eliminated->schur());
   const Eigen::Index count = problem.layout().globals();
-  const ml::GlobalCovariance globals{all.covariance.topLeftCorner(count, count), all.free_directions.topRows(count)};
+  const ml::GlobalCovariance globals{
+      all.covariance.topLeftCorner(count, count), all.free_directions.topRows(count), {}};
   const Eigen::MatrixXd J = ml::camera_chart(state, problem.layout());
 
   InformationBound bound;

@@ -92,7 +92,7 @@ RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, 
       gradient_(Eigen::VectorXd::Zero(errors_.raw_size())),
       fine_(0, 0, 0) {
   int size = 0;
-  for (std::size_t c = 0; with_fine && c < removed.fine_sigma_px.size(); ++c) {
+  for (std::size_t c = 0; with_fine && c < removed.fine.size(); ++c) {
     fine_fields_.emplace_back(errors_.lens_field(static_cast<int>(c)).camera());
     fine_places_.push_back(size);
     size += fine_fields_.back().size();
@@ -131,7 +131,7 @@ void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view
   const int print = errors_.print(view.corners[corner].id), field = errors_.field(view.camera);
   const auto row = static_cast<Eigen::Index>(2 * corner);
   for (const FineField::Share& share : fine_fields_[c].at(view.corners[corner].pixel)) {
-    const Eigen::Matrix2d by_node = removed_.fine_sigma_px[c] * share.weight * rows.roots[corner];
+    const Eigen::Matrix2d by_node = removed_.fine[c].sigma_px * share.weight * rows.roots[corner];
     const int place = fine_places_[c] + 2 * share.node;
     fine_.add(at, view, seen, place, rows.by_globals.middleRows<2>(row).transpose() * by_node);
     if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += rows.by_offset.middleRows<2>(row).transpose() * by_node;

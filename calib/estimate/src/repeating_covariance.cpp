@@ -25,7 +25,7 @@ std::optional<GlobalCovariance> covariance_with(const RemovedErrors& removed, co
   const Eigen::Index globals = problem.layout().globals();
   const Eigen::MatrixXd response = response_to(fine, *eliminated, all.covariance.topRows(globals));
   return GlobalCovariance{all.covariance.topLeftCorner(globals, globals) + response * response.transpose(),
-                          all.free_directions.topRows(globals)};
+                          all.free_directions.topRows(globals), response.rowwise().squaredNorm()};
 }
 
 }  // namespace rigproof::ml

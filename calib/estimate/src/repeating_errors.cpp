@@ -64,13 +64,8 @@ void RepeatingErrors::enlarge(const Group& group, double factor) {
     if (own.first == group.first) own.level *= factor;
 }
 
-double RemovedErrors::fine_rms_px(int camera) const {
-  const auto c = static_cast<std::size_t>(camera);
-  return c < fine_sigma_px.size() ? FineField::kRms * fine_sigma_px[c] : 0.0;
-}
-
 RemovedErrors none_removed(const Observations& observations, const PriorSigmas& priors) {
-  RemovedErrors removed{RepeatingErrors(observations, priors), {}, {}, {}};
+  RemovedErrors removed{RepeatingErrors(observations, priors), {}, {}, {}, {}};
   removed.value = Eigen::VectorXd::Zero(removed.errors.size());
   for (std::size_t v = 0; removed.errors.any() && v < observations.board_views.size(); ++v) {
     const BoardView& view = observations.board_views[v];

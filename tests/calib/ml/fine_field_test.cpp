@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "fine_level.h"
 #include "rigproof/core/random.h"
@@ -41,16 +42,18 @@ TEST(MlFineField, IsAsLargeAsSaid) {
 // Boards here and there in the image, whose corners a field displaces: the rows of their views.
 class Drawn {
  public:
-  Drawn(double node_sigma_px, double noise_px, RandomStream* random) : field_(kCamera) {
+  Drawn(double node_sigma_px, double noise_px, RandomStream* random, int cells = FineField::kCoarse)
+      : field_(kCamera, cells) {
     Eigen::VectorXd nodes(field_.size());
     for (double& node : nodes) node = random->normal(0.0, node_sigma_px);
     for (int view = 0; view < 60; ++view) add_view(nodes, noise_px, random);
   }
-  double sigma_px(double prior_px) const {
+  double sigma_px(double prior_px) const { return level(prior_px, FineField::kCoarse).sigma_px; }
+  FineLevel level(double prior_px, int cells) const {
     std::vector<LeftOver> left;
     for (const ViewRows& rows : views_)
       left.push_back({&rows, rows.residual, Eigen::VectorXd::Ones(rows.residual.size())});
-    return fine_sigma_px(left, field_, LensField(kCamera), prior_px);
+    return fine_level(left, FineField(kCamera, cells), LensField(kCamera), prior_px);
   }
 
  private:
@@ -84,6 +87,24 @@ TEST(MlFineField, ItsSizeIsFoundWhereCornersTellIt) {
     found += Drawn(0.3, 0.05, &random).sigma_px(0.1) / kFields;
   }
   EXPECT_NEAR(found, 0.3, 0.04);
+}
+
+// A grid that is too coarse makes up for it by size; what the corners find likelier tells them apart.
+TEST(MlFineField, TheLikeliestGridIsTheFieldsOwn) {
+  for (const auto& [own, other] : {std::pair(8, 16), std::pair(16, 8)}) {
+    double found = 0.0, by_other = 0.0;
+    constexpr int kFields = 4;
+    for (int seed = 0; seed < kFields; ++seed) {
+      RandomStream random(static_cast<std::uint64_t>(seed), "fine field");
+      const Drawn drawn(0.3, 0.05, &random, own);
+      const FineLevel with_own = drawn.level(0.1, own), with_other = drawn.level(0.1, other);
+      EXPECT_GT(with_own.log_evidence, with_other.log_evidence + 10.0) << own << " cells, seed " << seed;
+      found += with_own.sigma_px / kFields;
+      by_other += with_other.sigma_px / kFields;
+    }
+    EXPECT_NEAR(found, 0.3, 0.06) << own;
+    EXPECT_GT(std::abs(by_other - 0.3), 0.08) << own;
+  }
 }
 
 TEST(MlFineField, WithoutOneNoneIsFound) {

@@ -21,7 +21,7 @@ struct Budget {
   std::optional<Vector6d> camera_to_camera;
   std::optional<double> max_z;     ///< on |error / sigma|
   bool nothing_suspected = false;  ///< a finding that throws doubt on the result fails, too: add_suspicions()
-  std::string name;             ///< "ci.yaml"; empty for the default one
+  std::string name;                ///< "ci.yaml"; empty for the default one
 };
 
 /// Throws Error with every problem found; a budget without any limit is one. Whoever writes a budget asks for a gate:

@@ -78,6 +78,8 @@ struct GlobalCovariance {
   Eigen::MatrixXd covariance;
   /// Directions (columns) of the globals that the data leave free, in units of the globals.
   Eigen::MatrixXd free_directions;
+  /// Of the variances: the share of errors that the estimate does not weigh. Empty: it weighs all.
+  Eigen::VectorXd unweighed;
 };
 GlobalCovariance invert_information(const Eigen::MatrixXd& schur);
 

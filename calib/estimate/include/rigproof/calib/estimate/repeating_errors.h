@@ -58,10 +58,16 @@ struct RemovedErrors {
   /// Of each board view: displacement of its corners, two rows each, by the coefficients of its camera's field.
   std::vector<Eigen::MatrixXd> fields;
   Eigen::VectorXd value;  ///< of the errors' unknowns
-  /// Of each camera: size of what no polynomial follows, at the nodes of a grid (FineField). It stays in the corners.
-  std::vector<double> fine_sigma_px;
-  /// Of a coordinate over the image; 0 where none is known of.
-  double fine_rms_px(int camera) const;
+  /// Of each camera: what no polynomial follows. It stays in the corners.
+  struct Fine {
+    double sigma_px;   ///< root mean square at the nodes of a coarse grid (FineField): what is counted with
+    double likely_px;  ///< root mean square over the image, by the grid that is likeliest
+    int likely_cells;  ///< of that grid
+  };
+  std::vector<Fine> fine;
+  /// Of each group: how many times larger it is than stated, where neither chance explains it nor a finer field that is
+  /// not larger than stated; else 1.
+  std::vector<double> beyond_stated;
 };
 /// Nothing taken out yet.
 RemovedErrors none_removed(const Observations& observations, const PriorSigmas& priors);
