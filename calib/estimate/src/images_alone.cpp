@@ -18,7 +18,7 @@ constexpr std::size_t kMostViews = 240;
 struct Estimate {
   Eigen::VectorXd value;       // of the errors' unknowns
   Eigen::MatrixXd covariance;  // as the images leave it
-  Eigen::MatrixXd by_raw;      // what a gradient by the raw unknowns makes of the value, a column each
+  Eigen::MatrixXd by_raw;      // what gradients by the raw unknowns make of the value, a column each
 };
 
 struct FineGrid {
@@ -80,6 +80,7 @@ class ImagesAlone {
     Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(estimate.by_raw.cols(), places.back());
     for (std::size_t v = 0; v < views.size(); ++v) {
       const auto c = static_cast<std::size_t>(views[v].camera);
+      if (fine[c].sigma_px == 0.0) continue;
       const Eigen::MatrixXd by_field =
           gradients_by_fine(views[v], weighted(views[v], residuals[v], levels[c]), fields[c]);
       for (Eigen::Index j = 0; j < by_field.rows(); ++j)
@@ -252,8 +253,11 @@ void estimate_repeating(const Observations& observations, const std::vector<View
   Estimate estimate;
   for (int round = 0; round < kRounds; ++round) estimate = problem.solve(rows, &residuals);
   removed->fine = fine_fields(rows, residuals, problem, observations, removed->errors);
-  const Eigen::MatrixXd by_fine =
-      problem.response_to_fine(rows, residuals, bending_grids(removed->fine, observations), estimate);
+  const std::vector<FineGrid> bending = bending_grids(removed->fine, observations);
+  const bool any_bends =
+      std::any_of(bending.begin(), bending.end(), [](const FineGrid& grid) { return grid.sigma_px > 0.0; });
+  const Eigen::MatrixXd by_fine = any_bends ? problem.response_to_fine(rows, residuals, bending, estimate)
+                                            : Eigen::MatrixXd(estimate.value.size(), 0);
   for (const RepeatingErrors::Group& group : removed->errors.groups())
     removed->beyond_stated.push_back(enlargement(estimate, group, by_fine));
   for (int round = 0; round < kMostRounds && enlarge(estimate, &removed->errors); ++round)

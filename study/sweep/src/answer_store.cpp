@@ -136,7 +136,7 @@ void AnswerStore::list_pack(const fs::path& file) {
                         first_brief + entry.at(3).get<std::size_t>()};
       offset += place.bytes;
       const std::optional<std::size_t>& method = methods.at(entry.at(1).get<std::size_t>());
-      if (place.brief >= briefs_.size()) return;
+      if (place.brief >= briefs_.size() || place.bytes > size) return;
       if (method) found.push_back({*method, {entry.at(0).get<std::string>(), place}});
     }
     if (error || offset != size) return;
