@@ -1,6 +1,6 @@
 # Debian packages, one for each part of an installation: the program with its data, the libraries that build without
 # MuJoCo, those that need it, and the Python package.
-set(RIGPROOF_MAINTAINER "Rigproof maintainers <maintainers@rigproof.dev>" CACHE STRING "Of the packages")
+set(RIGPROOF_MAINTAINER "Rigproof maintainers <maintainers@example.org>" CACHE STRING "Of the packages")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each has its own
 set(CPACK_PACKAGE_CONTACT ${RIGPROOF_MAINTAINER})

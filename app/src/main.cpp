@@ -128,15 +128,20 @@ void add_calibrate(CLI::App& app, Action& action) {
   add_common(command, arguments.common);
 }
 
+constexpr const char* kBudgetHelp =
+    "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations. With a budget, a result "
+    "that its own findings throw doubt on (SUSPECT) fails, too";
+constexpr const char* kJunitHelp =
+    "Also write the checks as JUnit XML; a result that its own findings throw doubt on (SUSPECT) fails";
+
 void add_validate(CLI::App& app, Action& action) {
   const auto [command, arguments] =
       add_command(app, action, "validate", "Compare results with the truth of a run; gate on a budget",
                   "rigproof validate runs/demo theirs.yaml --budget ci.yaml --junit out.xml", validate_command);
   command->add_option("RUN", arguments.run, "Folder of a generated run, with its truth/")->required();
   command->add_option("RESULT", arguments.results, "Result files; default every one in the run's results/");
-  command->add_option("--budget", arguments.budget,
-                      "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations");
-  command->add_option("--junit", arguments.junit, "Also write the checks as JUnit XML");
+  command->add_option("--budget", arguments.budget, kBudgetHelp);
+  command->add_option("--junit", arguments.junit, kJunitHelp);
   command->add_flag("--paper", arguments.paper, "Also print the errors that the MEMROC paper published");
   add_common(command, arguments.common);
 }
@@ -147,11 +152,10 @@ void add_run(CLI::App& app, Action& action) {
                   "rigproof run demo.yaml", run_command);
   add_generate_options(command, arguments.generate);
   command->add_option("-m,--method", arguments.methods, kMethodHelp);
-  command->add_option("--budget", arguments.budget,
-                      "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations");
+  command->add_option("--budget", arguments.budget, kBudgetHelp);
   add_vision(command, arguments.vision);
   add_accept(command, arguments.accept);
-  command->add_option("--junit", arguments.junit, "Also write the checks as JUnit XML");
+  command->add_option("--junit", arguments.junit, kJunitHelp);
 }
 
 void add_inspect(CLI::App& app, Action& action) {

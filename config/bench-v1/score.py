@@ -456,7 +456,11 @@ class Result:
         self.method, self.status = tree.get("method", ""), tree.get("status")
         if self.status not in ("solved", "partial", "refused"):
             raise Bad("%s: status: must be solved, partial or refused" % path)
-        self.suspicions = [note["code"] for note in tree.get("notes") or [] if note.get("severity") == "suspect"]
+        notes = tree.get("notes") or []
+        if not isinstance(notes, list):
+            raise Bad("%s: notes: must be a list" % path)
+        suspicious = [note for note in notes if isinstance(note, dict) and note.get("severity") == "suspect"]
+        self.suspicions = [str(note.get("code", "")) for note in suspicious]
         self.to_robot = read_estimates(tree.get("camera_to_robot"), path + ": camera_to_robot", False)
         self.to_camera = read_estimates(tree.get("camera_to_camera"), path + ": camera_to_camera", True)
         if tree.get("joint_covariance_m_rad") is not None:

@@ -103,6 +103,7 @@ void add_validation(py::module_& module) {
   module.def("validate", validate, py::arg("result"), py::arg("truth"), py::arg("budget") = py::none(),
              py::call_guard<py::gil_scoped_release>(),
              "Compares a Result with a Truth under a budget: a file, or ci, paper, honest; default 4 stated sigmas.\n"
+             "With a budget, a result that its own findings throw doubt on (severity suspect) fails, too.\n"
              "Throws Error for names that the truth does not know.");
   module.def(
       "bound", bound, py::arg("observations"), py::arg("truth"),

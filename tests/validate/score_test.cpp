@@ -204,6 +204,21 @@ TEST_F(Score, AgreesWithValidateOnAnyResult) {
   EXPECT_GT(failed, kResults / 4);
 }
 
+TEST_F(Score, NotesOfAnyKindAreReadOrRefusedInWords) {
+  const auto exit_code_of = [this](const std::string& notes, const std::string& expected) {
+    folder_.write("noted.yaml",
+                  "format: rigproof-result\nversion: 1\nmethod: ml\nstatus: refused\nnotes: " + notes + "\n");
+    const ProcessOutput output = score({file("truth.yaml"), file("noted.yaml")});
+    EXPECT_THAT(output.out + output.err, testing::HasSubstr(expected)) << notes;
+    EXPECT_THAT(output.err, testing::Not(testing::HasSubstr("Traceback"))) << notes;
+    return output.exit_code;
+  };
+  EXPECT_EQ(exit_code_of("hello", "notes: must be a list"), 2);
+  EXPECT_EQ(exit_code_of("{a: 1}", "notes: must be a list"), 2);
+  EXPECT_EQ(exit_code_of("[a sentence of an older version]", "FAIL"), 1);
+  EXPECT_EQ(exit_code_of("[{severity: suspect}]", "FAIL"), 1);
+}
+
 TEST_F(Score, TellsPeopleWhatFailed) {
   save_result(exact_result(truth_), folder_ / "good.yaml", {});
   std::vector<Vector6d> errors(3, Vector6d::Zero());

@@ -19,8 +19,8 @@ struct FineLevel {
   double sigma_px;      ///< root mean square at the nodes
   double log_evidence;  ///< of the field's grid: likelihood of what is left, averaged over the prior of the size
 };
-/// By restricted likelihood: poses of the views and what polynomials follow are
-/// projected out. Where the images tell little it is near what the prior says.
+/// By restricted likelihood: poses of the views and what polynomials follow are projected out. Where the images tell
+/// little the size is near what the prior says.
 /// @param prior_px scale of its prior, whose tails are wide
 FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, const LensField& smooth,
                      double prior_px);

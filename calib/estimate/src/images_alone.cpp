@@ -159,6 +159,9 @@ class ImagesAlone {
   Eigen::VectorXd prior_;  // information
 };
 
+// That bends the estimate.
+Eigen::MatrixXd nothing(const Estimate& estimate) { return {estimate.value.size(), 0}; }
+
 // Estimates of numbers of unit variance scatter by 1 less what the data leave, and by what else is known to bend them.
 // How much larger the numbers are, where chance does not explain it; 1 where it does.
 double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, const Eigen::MatrixXd& bent_by) {
@@ -180,8 +183,7 @@ bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
   constexpr double kSettled = 1.05, kMost = 50.0;
   bool changed = false;
   for (const RepeatingErrors::Group& group : errors->groups()) {
-    const double factor =
-        std::min(enlargement(estimate, group, Eigen::MatrixXd(estimate.value.size(), 0)), kMost / group.level);
+    const double factor = std::min(enlargement(estimate, group, nothing(estimate)), kMost / group.level);
     if (factor < kSettled) continue;
     errors->enlarge(group, factor);
     changed = true;
@@ -256,8 +258,8 @@ void estimate_repeating(const Observations& observations, const std::vector<View
   const std::vector<FineGrid> bending = bending_grids(removed->fine, observations);
   const bool any_bends =
       std::any_of(bending.begin(), bending.end(), [](const FineGrid& grid) { return grid.sigma_px > 0.0; });
-  const Eigen::MatrixXd by_fine = any_bends ? problem.response_to_fine(rows, residuals, bending, estimate)
-                                            : Eigen::MatrixXd(estimate.value.size(), 0);
+  const Eigen::MatrixXd by_fine =
+      any_bends ? problem.response_to_fine(rows, residuals, bending, estimate) : nothing(estimate);
   for (const RepeatingErrors::Group& group : removed->errors.groups())
     removed->beyond_stated.push_back(enlargement(estimate, group, by_fine));
   for (int round = 0; round < kMostRounds && enlarge(estimate, &removed->errors); ++round)
