@@ -6,6 +6,7 @@
 #include "faults.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/core/conventions.h"
+#include "stop_edits.h"
 #include "swapped_frames.h"
 
 namespace rigproof::ml {
@@ -111,6 +112,7 @@ std::vector<Fault> best_shift(const Run& run, double stops_ahead) {
 Explanations try_odometry(const Run& run, const Symptoms& symptoms) {
   std::vector<Fault> faults = odometry_faults(run.observations);
   if (std::abs(symptoms.odometry_scale - 1.0) > 0.03) faults.push_back(odometry_scaled(symptoms.odometry_scale));
+  if (std::abs(symptoms.odometry_yaw_factor - 1.0) > 0.03) faults.push_back(turns_scaled(symptoms.odometry_yaw_factor));
   constexpr double kDrifts = 4.0;
   if (symptoms.yaw_drift.deviations > kDrifts)
     faults.push_back(odometry_drifting(run.observations, symptoms.yaw_drift.rad_s));
@@ -119,6 +121,33 @@ Explanations try_odometry(const Run& run, const Symptoms& symptoms) {
   const Explanations shifted = try_faults(run, best_shift(run, symptoms.stops_ahead), true);
   explained.insert(explained.end(), shifted.begin(), shifted.end());
   return explained;
+}
+
+// Of the fault by whose remedy odometry and cameras agree clearly better than by any other's: where remedies leave
+// stops out, these take their share of the likelihood along, and the odometry's levels decide.
+Explanations clearly_best(std::vector<Explained> explained) {
+  constexpr double kClearlyLess = 1.4;  // a factor of two in both levels
+  const auto level = [](const Explained& e) {
+    return std::log(e.trial.odometry_xy_m) + std::log(e.trial.odometry_yaw_rad);
+  };
+  if (explained.size() < 2) return {};
+  std::sort(explained.begin(), explained.end(),
+            [&level](const Explained& a, const Explained& b) { return level(a) < level(b); });
+  if (!explained[0].trial.clean || level(explained[0]) > level(explained[1]) - kClearlyLess) return {};
+  return {explained[0]};
+}
+
+// By so many stops that those without odometry of their own are no longer outliers among the others.
+Explanations try_far_shifts(const Run& run) {
+  constexpr int kNearest = 4, kFarthest = 10, kLeastLeft = 6;
+  const int stops = static_cast<int>(run.observations.stops.size());
+  Explanations tried;
+  for (int by = kNearest; by <= std::min(kFarthest, stops - kLeastLeft); ++by)
+    for (const int ahead : {by, -by}) {
+      const Fault fault = far_ahead(run.observations, ahead);
+      if (const std::optional<Trial> trial = run.without(fault, false)) tried.push_back({fault, *trial, {}});
+    }
+  return clearly_best(std::move(tried));
 }
 
 using LensOf = std::function<LensEstimate(const LensTest&)>;
@@ -240,21 +269,15 @@ Explanations try_swaps(const Run& run) {
   return {{{FaultKind::kFrames, causes.front(), true, {}}, best, {causes.begin() + 1, causes.end()}}};
 }
 
-// A stop that is left out takes its share of the likelihood along: what counts is the odometry's level without it.
 Explanations try_single_stops(const Run& run) {
   const int n = static_cast<int>(run.observations.stops.size());
   if (n > kFewStops || n < 4) return {};
-  std::vector<std::pair<double, Explained>> levels;
+  Explanations tried;
   for (int i = 0; i < n; ++i) {
     const Fault fault = wrong_stop(run.observations, i);
-    if (const std::optional<Trial> trial = run.without(fault, false))
-      levels.push_back({std::log(trial->odometry_xy_m) + std::log(trial->odometry_yaw_rad), {fault, *trial, {}}});
+    if (const std::optional<Trial> trial = run.without(fault, false)) tried.push_back({fault, *trial, {}});
   }
-  if (levels.size() < 2) return {};
-  std::sort(levels.begin(), levels.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  constexpr double kClearlyLess = 1.4;  // a factor of two in both levels
-  if (levels[0].second.trial.clean && levels[0].first < levels[1].first - kClearlyLess) return {levels[0].second};
-  return {};
+  return clearly_best(std::move(tried));
 }
 
 void add_further(const Explained& explained, Cause* cause) {
@@ -302,6 +325,8 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
   Explanations found;
   const auto add = [&found](const Explanations& more) { found.insert(found.end(), more.begin(), more.end()); };
   if (symptoms.odometry) add(try_odometry(run, symptoms));
+  if (symptoms.odometry && !any_clean(found)) add(try_faults(run, frame_order_faults(observations), false));
+  if (symptoms.odometry && !any_clean(found)) add(try_far_shifts(run));
   // Mirrored odometry and mirrored images are the same where lenses are symmetric. Drives so short that other odometry
   // explains them as well do not accuse the images.
   const std::vector<Finding> causes = any_clean(found) ? conclude(found).findings : std::vector<Finding>();
@@ -309,6 +334,7 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
     add(try_faults(run, image_faults(run.observations), false));
   if (!any_clean(found) && run.as_is.lenses) add(try_lenses(run, symptoms));
   if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_shift_faults(run.observations), false));
+  if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_order_faults(observations), false));
   if (!any_clean(found) && symptoms.frames && run.observations.cameras.size() > 1) add(try_swaps(run));
   if (!any_clean(found) && symptoms.odometry) add(try_single_stops(run));
   if (!any_clean(found)) return std::nullopt;

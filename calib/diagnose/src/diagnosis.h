@@ -32,6 +32,7 @@ struct Symptoms {
   bool frames = false;            ///< many views of a camera had to be left out
   double stops_ahead = 0.0;       ///< of the odometry, by the residuals' slope
   double odometry_scale = 1.0;    ///< if it were free
+  double odometry_yaw_factor = 1.0;
   YawDrift yaw_drift;
   /// Cameras whose depth of the board is so many times what their corners say, or both for all: focal lengths may be.
   std::vector<std::pair<std::vector<int>, double>> depth_ratios;

@@ -197,6 +197,7 @@ Symptoms symptoms_of(const Preparation& prepared, const Fit& fit, const Examinat
   Symptoms symptoms;
   symptoms.stops_ahead = shift.stops;
   symptoms.odometry_scale = fit.state.odometry_scale();
+  symptoms.odometry_yaw_factor = fit.state.odometry_yaw_factor();
   symptoms.yaw_drift = estimate_yaw_drift(prepared.used, fit.noise, fit.state);
   symptoms.bad_corners = found.contradictions.bad_corners;
   symptoms.bad_corners.resize(prepared.original.cameras.size(), false);

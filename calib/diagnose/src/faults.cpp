@@ -7,6 +7,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/median.h"
 #include "rigproof/core/rigid3.h"
+#include "stop_edits.h"
 
 namespace rigproof::ml {
 namespace {
@@ -38,6 +39,39 @@ Change scale_positions(double factor) {
 
 Fault in_unit(const char* unit, double metres) {
   return {FaultKind::kUnit, Finding("odometry.unit", {{"unit", unit}}), false, for_each_stop(scale_positions(metres))};
+}
+
+// Columns x, y and yaw that hold `columns`.
+Fault other_columns(const char* columns, const std::function<Eigen::Vector3d(const Stop&)>& x_y_yaw) {
+  return {FaultKind::kUnit, Finding("odometry.columns", {{"columns", columns}}), false,
+          for_each_stop([x_y_yaw](Stop* stop) {
+            const Eigen::Vector3d pose = x_y_yaw(*stop);
+            stop->x_m = pose.x();
+            stop->y_m = pose.y();
+            stop->yaw_rad = pose.z();
+          })};
+}
+
+// x and y swapped is odometry.axes_swapped.
+void add_other_columns(std::vector<Fault>* faults) {
+  using Pose = Eigen::Vector3d;
+  faults->push_back(
+      other_columns("yaw, x, y", [](const Stop& stop) { return Pose(stop.y_m, stop.yaw_rad, stop.x_m); }));
+  faults->push_back(
+      other_columns("y, yaw, x", [](const Stop& stop) { return Pose(stop.yaw_rad, stop.x_m, stop.y_m); }));
+  faults->push_back(
+      other_columns("x, yaw, y", [](const Stop& stop) { return Pose(stop.x_m, stop.yaw_rad, stop.y_m); }));
+  faults->push_back(
+      other_columns("yaw, y, x", [](const Stop& stop) { return Pose(stop.yaw_rad, stop.y_m, stop.x_m); }));
+}
+
+Fault yaw_of_quaternion() {
+  return {FaultKind::kUnit, Finding("odometry.yaw_of_quaternion"), false,
+          for_each_stop([](Stop* stop) { stop->yaw_rad = 2.0 * std::asin(std::clamp(stop->yaw_rad, -1.0, 1.0)); })};
+}
+
+bool may_be_of_quaternion(const std::vector<Stop>& stops) {
+  return std::all_of(stops.begin(), stops.end(), [](const Stop& stop) { return std::abs(stop.yaw_rad) <= 1.0; });
 }
 
 Rigid3 pose_of(const Stop& stop) { return planar_pose(stop.x_m, stop.y_m, stop.yaw_rad); }
@@ -91,8 +125,9 @@ double median_interval_s(const Observations& observations) {
   return median(std::move(intervals));
 }
 
-// Drives the same increments anew, each turned back by what it drifted. Rows between two stops come at even times.
-void undrift(double rad_s, std::vector<Stop>* rows) {
+// Drives the same increments anew, each with the turn that `turn_of` makes of its own. Rows between two stops come at
+// even times.
+void drive_anew(const std::function<double(double turn_rad, double lasts_s)>& turn_of, std::vector<Stop>* rows) {
   if (rows->empty()) return;
   Rigid3 before = pose_of(rows->front()), after = before;
   for (std::size_t i = 1; i < rows->size(); ++i) {
@@ -101,7 +136,7 @@ void undrift(double rad_s, std::vector<Stop>* rows) {
     const auto drive_to = [&](const Rigid3& pose) {
       const Rigid3 step = before.inverse() * pose;
       before = pose;
-      after = after * planar_pose(step.translation.x(), step.translation.y(), yaw_of(step) - rad_s * step_s);
+      after = after * planar_pose(step.translation.x(), step.translation.y(), turn_of(yaw_of(step), step_s));
     };
     for (Eigen::Vector3d& pose : stop.way) {
       drive_to(planar_pose(pose.x(), pose.y(), pose.z()));
@@ -117,56 +152,6 @@ Finding shifted_stamps(const Observations& observations, double stops) {
   return Finding("odometry.stamps", {{"side", stops > 0.0 ? "ahead of" : "behind"},
                                      {"shift_stops", size},
                                      {"shift_s", size * median_interval_s(observations)}});
-}
-
-template <typename T>
-void keep_stops(int first, int end, std::vector<T>* values) {
-  values->erase(std::remove_if(values->begin(), values->end(),
-                               [=](const T& value) { return value.stop < first || value.stop >= end; }),
-                values->end());
-}
-
-// The way to the stop after this one, past it.
-void join_ways(int stop, std::vector<Stop>* stops) {
-  const std::size_t i = static_cast<std::size_t>(stop);
-  if (i + 1 >= stops->size()) return;
-  const Stop& passed = (*stops)[i];
-  std::vector<Eigen::Vector3d> way = passed.way, rest = std::move((*stops)[i + 1].way);
-  way.emplace_back(passed.x_m, passed.y_m, passed.yaw_rad);
-  way.insert(way.end(), rest.begin(), rest.end());
-  (*stops)[i + 1].way = std::move(way);
-}
-
-template <typename T>
-void erase_stop(int stop, std::vector<T>* values) {
-  values->erase(std::remove_if(values->begin(), values->end(), [stop](const T& value) { return value.stop == stop; }),
-                values->end());
-  for (T& value : *values)
-    if (value.stop > stop) --value.stop;
-}
-
-template <typename T>
-void shift_stops(int camera, int by, std::vector<T>* values) {
-  for (T& value : *values)
-    if (value.camera == camera) value.stop += by;
-}
-
-template <typename T>
-void sort_by_stop(std::vector<T>* values) {
-  std::stable_sort(values->begin(), values->end(),
-                   [](const T& a, const T& b) { return a.stop != b.stop ? a.stop < b.stop : a.camera < b.camera; });
-}
-
-void shift_camera(int camera, int by, Observations* observations) {
-  const int stops = static_cast<int>(observations->stops.size());
-  const auto shift = [&](auto* values) {
-    shift_stops(camera, by, values);
-    keep_stops(0, stops, values);
-    sort_by_stop(values);
-  };
-  shift(&observations->board_views);
-  shift(&observations->ground_planes);
-  shift(&observations->board_planes);
 }
 
 // A mirrored board looks like one, numbered the other way along a side with an odd number of squares.
@@ -260,7 +245,24 @@ Fault odometry_drifting(const Observations& observations, double rad_s) {
       observations.stops.empty() ? 0.0 : observations.stops.back().stamp_s - observations.stops.front().stamp_s;
   const Finding cause("odometry.yaw_drifts",
                       {{"drift_deg_s", rad_to_deg(rad_s)}, {"drift_deg", rad_to_deg(rad_s * lasts_s)}});
-  return {FaultKind::kDrift, cause, false, [rad_s](Observations* repaired) { undrift(rad_s, &repaired->stops); }};
+  return {FaultKind::kDrift, cause, false, [rad_s](Observations* repaired) {
+            drive_anew([rad_s](double turn, double step_s) { return turn - rad_s * step_s; }, &repaired->stops);
+          }};
+}
+
+Fault turns_scaled(double factor) {
+  return {FaultKind::kScale, Finding("odometry.turns_scale", {{"factor", factor}}), false,
+          [factor](Observations* repaired) {
+            drive_anew([factor](double turn, double) { return turn / factor; }, &repaired->stops);
+          }};
+}
+
+Fault far_ahead(const Observations& observations, int stops) {
+  return {FaultKind::kStamps, shifted_stamps(observations, stops), false, [stops](Observations* repaired) {
+            shift_rows(stops, &repaired->stops);
+            const int count = static_cast<int>(repaired->stops.size());
+            *repaired = stops_between(*repaired, std::max(0, stops), count + std::min(0, stops));
+          }};
 }
 
 Fault odometry_ahead(const Observations& observations, double stops) {
@@ -291,6 +293,8 @@ std::vector<Fault> odometry_faults(const Observations& observations) {
       {FaultKind::kSign, Finding("odometry.inverted"), false,
        for_each_stop([](Stop* stop) { set_pose(pose_of(*stop).inverse(), stop); })},
   };
+  add_other_columns(&faults);
+  if (may_be_of_quaternion(observations.stops)) faults.push_back(yaw_of_quaternion());
   for (const int stops : {1, -1, 2, -2, 3, -3}) faults.push_back(odometry_ahead(observations, stops));
   return faults;
 }
@@ -309,48 +313,10 @@ std::vector<Fault> camera_shift_faults(const Observations& observations) {
   return faults;
 }
 
-void swap_frames(int stop, int first, int second, Observations* observations) {
-  const auto swap = [&](auto* values) {
-    for (auto& value : *values) {
-      if (value.stop != stop || (value.camera != first && value.camera != second)) continue;
-      value.camera = value.camera == first ? second : first;
-    }
-    sort_by_stop(values);
-  };
-  swap(&observations->board_views);
-  swap(&observations->ground_planes);
-  swap(&observations->board_planes);
-}
-
 Fault wrong_stop(const Observations& observations, int stop) {
   const double stamp_s = observations.stops[static_cast<std::size_t>(stop)].stamp_s;
   return {FaultKind::kStop, Finding("stop.contradicts", {{"stamp_s", stamp_s}}).at({stop}), false,
-          [stop](Observations* repaired) {
-            join_ways(stop, &repaired->stops);
-            repaired->stops.erase(repaired->stops.begin() + stop);
-            erase_stop(stop, &repaired->board_views);
-            erase_stop(stop, &repaired->ground_planes);
-            erase_stop(stop, &repaired->board_planes);
-          }};
-}
-
-Observations stops_between(const Observations& observations, int first, int end) {
-  Observations part = observations;
-  part.stops.assign(observations.stops.begin() + first, observations.stops.begin() + end);
-  const auto cut = [&](auto* values) {
-    keep_stops(first, end, values);
-    for (auto& value : *values) value.stop -= first;
-  };
-  cut(&part.board_views);
-  cut(&part.ground_planes);
-  cut(&part.board_planes);
-  cut(&part.exclusions);
-  return part;
-}
-
-Observations first_stops(const Observations& observations, int stops) {
-  if (static_cast<int>(observations.stops.size()) <= stops) return observations;
-  return stops_between(observations, 0, stops);
+          [stop](Observations* repaired) { leave_out_stop(stop, repaired); }};
 }
 
 }  // namespace rigproof::ml

@@ -20,7 +20,8 @@ struct Fault {
   std::function<void(Observations*)> undo;
 };
 
-/// Odometry in another unit, of another handedness or inverted, and odometry whose stamps are off by whole stops.
+/// Odometry in another unit, of another handedness or inverted, with its columns in another order, and odometry whose
+/// stamps are off by a few stops.
 std::vector<Fault> odometry_faults(const Observations& observations);
 
 /// Images that are mirrored, depth with them, of one camera or of all, and cameras of other intrinsics whose images are
@@ -30,8 +31,14 @@ std::vector<Fault> image_faults(const Observations& observations);
 /// Odometry that runs ahead of the images by `stops` stops (negative: behind); fractions are interpolated between two.
 Fault odometry_ahead(const Observations& observations, double stops);
 
+/// Odometry that runs ahead (negative: behind) by so many stops that those without a row of their own are left out.
+Fault far_ahead(const Observations& observations, int stops);
+
 /// Odometry whose translations are `factor` times those that the cameras see.
 Fault odometry_scaled(double factor);
+
+/// Odometry whose turns are `factor` times those that the cameras see.
+Fault turns_scaled(double factor);
 
 /// Odometry whose yaw drifts by so much a second, as by the bias of a gyro.
 Fault odometry_drifting(const Observations& observations, double rad_s);
@@ -39,15 +46,13 @@ Fault odometry_drifting(const Observations& observations, double rad_s);
 /// Frames of one camera that were taken a stop earlier or later than stated.
 std::vector<Fault> camera_shift_faults(const Observations& observations);
 
-/// Exchanges what two cameras saw at a stop.
-void swap_frames(int stop, int first, int second, Observations* observations);
+/// Frames of all cameras whose stamps are those of other frames: in the order of their numbers as text, or backwards.
+/// @param observations all of the drive, of which a part is repaired; must outlive the faults
+std::vector<Fault> frame_order_faults(const Observations& observations);
+/// The same of one camera among others.
+std::vector<Fault> camera_order_faults(const Observations& observations);
 
 /// Leaves out the stop: its row or frames may be wrong, with too few other stops to outvote it.
 Fault wrong_stop(const Observations& observations, int stop);
-
-/// The first `stops` stops, as a separate run.
-Observations first_stops(const Observations& observations, int stops);
-/// The stops `first` <= i < `end`, as a separate run.
-Observations stops_between(const Observations& observations, int first, int end);
 
 }  // namespace rigproof::ml

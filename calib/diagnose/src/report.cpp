@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "also_estimated.h"
+#include "missed_frames.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/core/conventions.h"
@@ -260,6 +261,14 @@ void report_status(const Preparation& prepared, bool converged, Result* result) 
   if (!converged && result->status == ResultStatus::kSolved) result->notes.emplace_back("solver.unsettled");
 }
 
+// What is not answered for want of frames that have odometry. Where the images are wrong too, that comes first.
+void report_missed_frames(const Observations& observations, Result* result) {
+  const std::optional<Finding> missed = find_missed_frames(observations);
+  if (!missed) return;
+  result->reasons.push_back(*missed);
+  causes_first(&result->reasons);
+}
+
 void report_residuals(const GroupSums& sums, Result* result) {
   const auto add = [&](const char* name, std::initializer_list<Group> groups) {
     GroupSum total;
@@ -323,6 +332,7 @@ MlEstimate report(const Preparation& prepared, const OdometryChoice& choice, con
     append(lengths.notes, &result.notes);
     report_contradictions(prepared, choice.fit, found, lengths.contradictions, &estimate);
     report_status(prepared, estimate.converged, &result);
+    if (result.status != ResultStatus::kSolved) report_missed_frames(prepared.original, &result);
     report_residuals(stated.sums, &result);
     report_also_estimated(prepared, choice.fit, globals, &result);
   } else {
@@ -335,6 +345,7 @@ MlEstimate report(const Preparation& prepared, const OdometryChoice& choice, con
 MlEstimate report_unsolvable(const Preparation& prepared) {
   MlEstimate estimate;
   estimate.result.reasons.emplace_back("board.never_seen");
+  report_missed_frames(prepared.original, &estimate.result);
   estimate.result.use = unused(prepared);
   return estimate;
 }

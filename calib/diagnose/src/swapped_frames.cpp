@@ -7,10 +7,10 @@
 #include <set>
 #include <utility>
 
-#include "faults.h"
 #include "rigproof/calib/estimate/residuals.h"
 #include "rigproof/calib/estimate/solver.h"
 #include "rigproof/calib/geometry/pnp.h"
+#include "stop_edits.h"
 
 namespace rigproof::ml {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "broken_runs.h"
 #include "faults.h"
@@ -9,6 +10,7 @@
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/calib/estimate/odometry_rows.h"
 #include "rigproof/core/conventions.h"
+#include "stop_edits.h"
 #include "trials.h"
 #include "worded.h"
 
@@ -208,8 +210,10 @@ TEST(Faults, AreUndone) {
         stop.y_m /= metres;
       }
       if (fault.cause.is("odometry.yaw_in_degrees")) stop.yaw_rad = rad_to_deg(stop.yaw_rad);
+      if (fault.cause.is("odometry.yaw_of_quaternion")) stop.yaw_rad = std::sin(0.5 * stop.yaw_rad);
     }
-    if (fault.kind == ml::FaultKind::kSign) fault.undo(&wrong);  // these undo themselves
+    if (fault.kind == ml::FaultKind::kSign) fault.undo(&wrong);                            // these undo themselves
+    for (int i = 0; i < 5 && fault.cause.is("odometry.columns"); ++i) fault.undo(&wrong);  // all orders in six
     fault.undo(&wrong);
     EXPECT_LT(farthest(right, wrong, 0, right.stops.size()), 1e-9) << worded(fault.cause);
   }
@@ -221,6 +225,70 @@ TEST(Faults, ShiftedStampsAreUndoneButAtTheEnd) {
   for (std::size_t i = 0; i + 1 < wrong.stops.size(); ++i) wrong.stops[i] = right.stops[i + 1];
   ml::odometry_ahead(right, 1.0).undo(&wrong);
   EXPECT_LT(farthest(right, wrong, 1, right.stops.size()), 1e-9);
+}
+
+TEST(Faults, ScaledTurnsAreUndone) {
+  const Observations right = healthy();
+  Observations wrong = right;
+  ml::turns_scaled(1.0 / 0.8).undo(&wrong);
+  EXPECT_GT(farthest(right, wrong, 0, right.stops.size()), 0.1);
+  ml::turns_scaled(0.8).undo(&wrong);
+  EXPECT_LT(farthest(right, wrong, 0, right.stops.size()), 1e-9);
+}
+
+Observations drive_of(int stops) {
+  GeometricConfig config;
+  config.stops = stops;
+  config.declare_odometry_model = config.declare_odometry_sigmas = false;
+  return draw_geometric_run(config).observations;
+}
+
+TEST(Diagnosis, NamesFramesInAnotherOrder) {
+  const Observations right = drive_of(12);
+  std::vector<int> backward(12), text(12);
+  std::iota(backward.rbegin(), backward.rend(), 0);
+  std::iota(text.begin(), text.end(), 0);
+  // Frame i has the stamp of the place at which its number, from 1 on, comes as text.
+  std::vector<std::string> numbers;
+  for (int i = 1; i <= 12; ++i) numbers.push_back(std::to_string(i));
+  std::sort(numbers.begin(), numbers.end());
+  for (int place = 0; place < 12; ++place)
+    text[static_cast<std::size_t>(std::stoi(numbers[static_cast<std::size_t>(place)]) - 1)] = place;
+  const std::vector<std::pair<std::vector<int>, std::vector<int>>> cases = {{{0, 1, 2}, text}, {{1}, backward}};
+  for (const auto& [cameras, order] : cases) {
+    Observations wrong = right;
+    ml::move_frames(cameras, order, &wrong);
+    const Result result = estimate_maximum_likelihood(wrong).result;
+    ASSERT_FALSE(result.reasons.empty());
+    EXPECT_EQ(result.reasons.front().code, "frames.misordered") << testing::PrintToString(worded(result.reasons));
+    EXPECT_EQ(result.reasons.front().cameras.size(), cameras.size() % 3);
+  }
+}
+
+TEST(Diagnosis, NamesStampsThatAreFarOff) {
+  const Observations right = drive_of(16);
+  Observations wrong = right;
+  for (std::size_t i = 0; i + 5 < wrong.stops.size(); ++i) {
+    wrong.stops[i] = right.stops[i + 5];
+    wrong.stops[i].stamp_s = right.stops[i].stamp_s;
+  }
+  const Result result = estimate_maximum_likelihood(ml::first_stops(wrong, 11)).result;
+  ASSERT_FALSE(result.reasons.empty());
+  EXPECT_EQ(result.reasons.front().code, "odometry.stamps");
+  EXPECT_NEAR(std::get<double>(result.reasons.front().find("shift_stops")->value), 5.0, 1e-9);
+}
+
+TEST(Diagnosis, NamesFramesWithoutOdometryAndTheirUnit) {
+  Observations few = ml::first_stops(drive_of(12), 2);
+  for (int i = 0; i < 30; ++i)
+    few.exclusions.push_back(
+        {i % 3, -1, "x.png",
+         Finding("odometry.not_covering", {{"stamp_s", 2000.0 * i}, {"first_s", 0.0}, {"last_s", 58.0}})});
+  const Result result = estimate_maximum_likelihood(few).result;
+  ASSERT_FALSE(result.reasons.empty());
+  EXPECT_EQ(worded(result.reasons.front()),
+            "Most likely cause: the odometry has nothing for 30 of 36 frames: their stamps look like milliseconds, not "
+            "seconds.");
 }
 
 TEST(OdometryRows, NameARowAndASlip) {

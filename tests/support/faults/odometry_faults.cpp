@@ -13,7 +13,7 @@ using Samples = std::vector<OdometrySample>;
 using EditSample = std::function<void(OdometrySample*)>;
 using EditSamples = std::function<void(Samples*)>;
 
-const Codes kTurns = {"odometry.turn_factor", "odometry.turns_contradict"};
+const Codes kTurns = {"odometry.turn_factor", "odometry.turns_contradict", "odometry.turns_scale"};
 const Codes kDrift = {"odometry.yaw_drifts", "odometry.yaw_drifts_slightly", "odometry.turn_factor",
                       "odometry.turns_contradict"};
 const Codes kNoisy = {"odometry.implausible", "odometry.mostly_outliers"};
@@ -91,7 +91,7 @@ RecordingFault noisy(const std::string& name, double sigma_m, double sigma_rad) 
 RecordingFault dropped(const std::string& name, double share) {
   return {name,
           "odometry",
-          {"odometry.gap", "odometry.none", "odometry.not_covering"},
+          {"odometry.gap", "odometry.none", "odometry.not_covering", "odometry.misses_frames"},
           {Files::kOdometry},
           [share](FaultyRecording* r) {
             RandomStream random = r->random("dropped");
@@ -165,8 +165,8 @@ void add_scales(std::vector<RecordingFault>* faults) {
                              sample->y_m *= 1.0 + percent / 100.0;
                            }));
   for (const double percent : {0.5, 2.0, 5.0, -20.0})
-    faults->push_back(samples(sized("odometry's turns", percent, " %"), {"odometry.turn_factor"},
-                              turning(1.0 + percent / 100.0, 0.0)));
+    faults->push_back(samples(sized("odometry's turns", percent, " %"),
+                              {"odometry.turn_factor", "odometry.turns_scale"}, turning(1.0 + percent / 100.0, 0.0)));
   for (const double deg_s : {0.01, 0.05, 0.2, 1.0})
     faults->push_back(samples(sized("gyro bias", deg_s, " deg/s"), kDrift, turning(1.0, deg_to_rad(deg_s))));
 }
@@ -192,7 +192,8 @@ void add_deaths(std::vector<RecordingFault>* faults) {
   });
   faults->push_back(dropped("30 % of the odometry's rows dropped", 0.3));
   faults->push_back(dropped("90 % of the odometry's rows dropped", 0.9));
-  add("odometry's second half missing", {"odometry.not_covering", "odometry.none", "camera.no_view", "camera.no_pose"},
+  add("odometry's second half missing",
+      {"odometry.not_covering", "odometry.none", "camera.no_view", "camera.no_pose", "odometry.misses_frames"},
       [](Samples* odometry) { odometry->resize(odometry->size() / 2); });
   faults->push_back(noisy("odometry's noise x 10", 0.02, 0.1));
   faults->push_back(each("odometry's places rounded to 10 mm", {}, [](OdometrySample* s) {
@@ -244,14 +245,15 @@ void add_tables(std::vector<RecordingFault>* faults) {
     return row;
   });
   add("odometry with semicolons", {kError}, "stamp_s;x_m;y_m;yaw_rad\n", [](const Cells& c) { return joined(c, ";"); });
-  add("odometry's columns yaw x y without a header", {kError}, "", [](const Cells& c) {
+  add("odometry's columns yaw x y without a header", {kError, "odometry.columns"}, "", [](const Cells& c) {
     return joined({c[0], c[3], c[1], c[2]}, ",");
   });
   add("odometry's header with x and y swapped", {"odometry.axes_swapped"}, "stamp_s,y_m,x_m,yaw_rad\n",
       [](const Cells& c) { return joined(c, ","); });
-  add("odometry's yaw as a quaternion's z", kTurns, "stamp_s,x_m,y_m,yaw_rad\n", [](const Cells& c) {
-    return joined({c[0], c[1], c[2], number_text(std::sin(0.5 * std::stod(c[3])))}, ",");
-  });
+  add("odometry's yaw as a quaternion's z", {"odometry.yaw_of_quaternion"}, "stamp_s,x_m,y_m,yaw_rad\n",
+      [](const Cells& c) {
+        return joined({c[0], c[1], c[2], number_text(std::sin(0.5 * std::stod(c[3])))}, ",");
+      });
   add("odometry of further columns under a header", {}, "seq,stamp_s,frame,x_m,y_m,z_m,yaw_rad\n", [](const Cells& c) {
     return joined({"7", c[0], "odom", c[1], c[2], "0", c[3]}, ",");
   });

@@ -12,7 +12,8 @@ using Codes = std::vector<std::string>;
 using Frames = std::vector<CameraFrame>;
 
 // Odometry that covers no frame leaves every camera without one.
-const Codes kClock = {"odometry.stamps", "camera.no_view", "camera.no_pose", "odometry.not_covering", kError};
+const Codes kClock = {"odometry.stamps",       "camera.no_view",         "camera.no_pose",
+                      "odometry.not_covering", "odometry.misses_frames", kError};
 
 RecordingFault of_all(const std::string& name, const Codes& codes,
                       const std::function<double(double stamp_s, std::size_t frame)>& edit) {
@@ -38,7 +39,7 @@ RecordingFault of_one(const std::string& name, const Codes& codes, double shift_
 }
 
 RecordingFault jittered(const std::string& name, double sigma_s) {
-  return {name, "time", {"odometry.stamps"}, {Files::kFrames}, [sigma_s](FaultyRecording* r) {
+  return {name, "time", {"odometry.stamps", "odometry.misses_frames"}, {Files::kFrames}, [sigma_s](FaultyRecording* r) {
             for (std::size_t k = 0; k < r->cameras(); ++k)
               r->edit_frames(k, [&](Frames* frames) {
                 RandomStream random = r->random("jitter", static_cast<std::int64_t>(k));
@@ -50,11 +51,7 @@ RecordingFault jittered(const std::string& name, double sigma_s) {
 // Frames get each other's stamps: the i-th that of position(i).
 RecordingFault reordered(const std::string& name,
                          const std::function<std::size_t(std::size_t, std::size_t)>& position) {
-  return {name,
-          "time",
-          {"odometry.stamps", "frames.shifted", "odometry.mostly_outliers"},
-          {Files::kFrames},
-          [position](FaultyRecording* r) {
+  return {name, "time", {"frames.misordered"}, {Files::kFrames}, [position](FaultyRecording* r) {
             for (std::size_t k = 0; k < r->cameras(); ++k)
               r->edit_frames(k, [&](Frames* frames) {
                 const Frames before = *frames;
@@ -88,8 +85,8 @@ std::vector<RecordingFault> time_faults() {
   faults.push_back(of_all("frames' stamps in milliseconds", kClock, [](double s, std::size_t) { return 1e3 * s; }));
   faults.push_back(
       of_all("frames' clock 0.1 % fast", {"odometry.stamps"}, [](double s, std::size_t) { return 1.001 * s; }));
-  faults.push_back(
-      of_all("frames' clock 3 % fast", {"odometry.stamps"}, [](double s, std::size_t) { return 1.03 * s; }));
+  faults.push_back(of_all("frames' clock 3 % fast", {"odometry.stamps", "odometry.misses_frames"},
+                          [](double s, std::size_t) { return 1.03 * s; }));
   faults.push_back(of_all("frames' stamps rounded to seconds", {"odometry.stamps"},
                           [](double s, std::size_t) { return std::round(s); }));
   faults.push_back(of_all("frames' stamps all the same", {"motion.standstill", "motion.too_few_poses", kError},
