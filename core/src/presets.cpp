@@ -128,10 +128,16 @@ std::string board_schema() {
                           {1, false});
 }
 
+bool names_sensor_file(const std::string& sensor) {
+  const std::filesystem::path extension = std::filesystem::path(sensor).extension();
+  return extension == ".yaml" || extension == ".yml";
+}
+
 SensorPreset load_sensor_preset(const std::string& name, const VisitFields& simulation) {
   SensorPreset preset;
   preset.name = name;
-  const YamlTree tree = read_yaml_file(find_preset("sensors", name));
+  const YamlTree tree =
+      read_yaml_file(names_sensor_file(name) ? find_data_file("sensors", name) : find_preset("sensors", name));
   read_fields_of_tree(tree, [&](FieldVisitor& visitor) { visit_preset(visitor, preset, simulation); });
   const YamlTree* block = tree.find("simulation");
   const YamlTree* device = block == nullptr ? nullptr : block->find("depth");

@@ -92,14 +92,35 @@ bool is_told(const Problems& problems, const std::string& message) {
                      [&message](const Problem& problem) { return problem.message == message; });
 }
 
+// A file is named as seen from the rig's own file.
+std::string located_sensor(FieldVisitor& visitor, const std::string& sensor) {
+  const YamlTree* given = visitor.given("sensor");
+  if (given == nullptr || !names_sensor_file(sensor)) return sensor;
+  return (fs::path(given->file).parent_path() / sensor).lexically_normal().string();
+}
+
+bool is_known_sensor(const std::string& name) {
+  std::error_code ignored;
+  if (names_sensor_file(name)) return fs::is_regular_file(name, ignored);
+  const std::vector<std::string> known = list_presets("sensors");
+  return std::find(known.begin(), known.end(), name) != known.end();
+}
+
+// What may be named instead of a sensor that is not there.
+std::string other_sensors(const std::string& name) {
+  if (names_sensor_file(name))
+    return "; the path starts at this file's folder; presets: " + joined(list_presets("sensors"));
+  return "; one of your own is a file beside this one, sensor: ./mine.yaml, or lies in models/sensors of a folder that "
+         "RIGPROOF_PATH names";
+}
+
 std::optional<SensorPreset> read_sensor(FieldVisitor& visitor, const std::string& name, const RigReadOptions& options) {
   const bool told = describes_depth(visitor.given("depth")) &&
                     !(options.nominal_intrinsics && visitor.given("intrinsics") == nullptr);
   if (name.empty()) return std::nullopt;
   bool is_unknown = false;
   try {
-    const std::vector<std::string> known = list_presets("sensors");
-    is_unknown = std::find(known.begin(), known.end(), name) == known.end();
+    is_unknown = !is_known_sensor(name);
     if (told && (!is_unknown || options.folder.empty())) return std::nullopt;  // observations go to other machines
     return load_sensor_preset(name);
   } catch (const Error& error) {
@@ -108,10 +129,7 @@ std::optional<SensorPreset> read_sensor(FieldVisitor& visitor, const std::string
     // What is wrong in a preset is told for the first camera that names it; an unknown name is each line's own mistake.
     if (!is_unknown && is_told(*visitor.problems(), reason)) return std::nullopt;
     visitor.check(false, "sensor",
-                  reason +
-                      (is_unknown ? "; a preset of your own goes into models/sensors of a folder that RIGPROOF_PATH "
-                                    "names"
-                                  : "") +
+                  reason + (is_unknown ? other_sensors(name) : "") +
                       (told ? ", or leave this key out: the file describes the camera itself" : ""));
     return std::nullopt;
   }
@@ -341,15 +359,19 @@ static void visit_frames(FieldVisitor& visitor, RigCamera& camera) {
 }
 
 static void visit_rig_camera(FieldVisitor& visitor, const RigReadOptions& options, RigCamera& camera) {
-  visitor.optional("sensor", camera.sensor, "preset in models/sensors: d455, d435, l515, ..");
+  // Another machine has no such file, and what is written says all that it does.
+  std::string sensor = visitor.is_reading() || !names_sensor_file(camera.sensor) ? camera.sensor : "";
+  visitor.optional("sensor", sensor,
+                   "preset in models/sensors: d455, d435, l515, ..; or a file, as seen from this one: ./mine.yaml");
+  if (visitor.is_reading()) camera.sensor = located_sensor(visitor, sensor);
   visitor.field("folder", camera.folder, TextChoices{}, "folder inside of the recording; default the camera's name");
   visit_frames(visitor, camera);
-  std::optional<SensorPreset> sensor;
-  if (visitor.is_reading()) sensor = read_sensor(visitor, camera.sensor, options);
-  visit_intrinsics(visitor, options, sensor, camera);
-  if (sensor) camera.depth = sensor->depth;
+  std::optional<SensorPreset> preset;
+  if (visitor.is_reading()) preset = read_sensor(visitor, camera.sensor, options);
+  visit_intrinsics(visitor, options, preset, camera);
+  if (preset) camera.depth = preset->depth;
   visit_optional_depth(visitor, camera.depth);
-  if (sensor && camera.depth) take_raw_depth(visitor, options, *sensor, &*camera.depth);
+  if (preset && camera.depth) take_raw_depth(visitor, options, *preset, &*camera.depth);
 }
 
 void visit_rig_cameras(FieldVisitor& visitor, const RigReadOptions& options, std::vector<RigCamera>& cameras,

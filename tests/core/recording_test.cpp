@@ -11,6 +11,7 @@
 #include "paths.h"
 #include "pose_near.h"
 #include "rigproof/core/file_schemas.h"
+#include "rigproof/core/files.h"
 #include "rigproof/core/odometry_csv.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/yaml.h"
@@ -412,6 +413,37 @@ TEST(Rig, ASensorThatThereIsNotIsNamedThoughNothingIsMissing) {
       rig_problems(rig_text("  left: {sensor: nonsense, intrinsics: " + std::string(kIntrinsics) + ", depth: none}\n"));
   EXPECT_THAT(text, HasSubstr("rig.yaml:3: cameras.left.sensor: nonsense: there is no \"nonsense\" among the presets"));
   EXPECT_THAT(text, HasSubstr("or leave this key out: the file describes the camera itself"));
+}
+
+TEST(Rig, ASensorMayBeAFileBesideTheRig) {
+  const TempFolder folder;
+  folder.write("mine.yaml", "color: {width_px: 640, height_px: 480, hfov_deg: 90}\ndepth: none\n");
+  const auto file = folder.write("rigs/rig.yaml",
+                                 "robot: husky\nboard: checkerboard_5x4_100mm\ncameras:\n"
+                                 "  left: {sensor: ../mine.yaml}\n  right: {sensor: other.yaml}\n");
+  std::vector<RigCamera> cameras;
+  RigReadOptions options;
+  options.nominal_intrinsics = true;
+  const auto read = [&] {
+    read_fields(file, [&](FieldVisitor& visitor) {
+      for (const char* key : {"robot", "board"}) visitor.ignored(key, "");
+      visit_rig_cameras(visitor, options, cameras, {});
+    });
+  };
+  EXPECT_THAT(error_text(read),
+              testing::AllOf(HasSubstr("rig.yaml:5: cameras.right.sensor"), HasSubstr("other.yaml: no such file"),
+                             HasSubstr("presets: azure_kinect, d415")));
+  folder.write("rigs/other.yaml", "color: {width_px: 800, height_px: 480, hfov_deg: 90}\ndepth: none\n");
+  read();
+  ASSERT_EQ(cameras.size(), 2U);
+  EXPECT_EQ(cameras[0].camera.width_px, 640);
+  EXPECT_EQ(cameras[1].camera.width_px, 800);
+  EXPECT_EQ(load_sensor_preset(cameras[0].sensor).camera.fx_px, 320.0);
+  // Elsewhere there is no such file: what is written does without it.
+  Rig rig;
+  rig.cameras = cameras;
+  save_rig(rig, folder / "saved.yaml");
+  EXPECT_THAT(read_text_file(folder / "saved.yaml"), testing::Not(HasSubstr("sensor:")));
 }
 
 TEST(Rig, EveryProblemIsReportedAtOnce) {

@@ -75,7 +75,9 @@ struct SensorPreset {
   bool delivers_raw_depth = false;  ///< `depth_frame: raw`: what a rig with this sensor has unless it says otherwise
   std::optional<StereoGeometry> stereo;  ///< where the preset gives it; the law in `depth` follows from it
 };
-/// Throws Error with every problem of the preset, or with the nearest name if there is none.
+/// True of "mine.yaml": a file in place of a preset's name.
+bool names_sensor_file(const std::string& sensor);
+/// A preset by name, or a file. Throws Error with every problem of it, or with the nearest name if there is none.
 /// @param simulation the fields of the block `simulation`, which only a simulator knows. Without it nothing of that
 /// block is read but how large the device's fixed depth error is.
 SensorPreset load_sensor_preset(const std::string& name, const VisitFields& simulation = {});
