@@ -46,7 +46,7 @@ const std::vector<FaultRig>& rigs() {
       {"husky",
        "husky",
        "checkerboard_5x4_100mm",
-       "",
+       "viewpoints: {planner: sampled}\n",
        0,
        {{"left", "d455", kD455, 0.235, 0.2, 0.7, 2, 16, 14},
         {"center", "d455", "", 0.26, 0.01, 0.64, 0, 12, 1},
@@ -55,7 +55,8 @@ const std::vector<FaultRig>& rigs() {
       {"cart",
        "cart",
        "checkerboard_6x5_110mm",
-       "viewpoints: {all_cameras_share: 0, heading_deg: {choice: [-13, -8, -4, 1, 5, 9, 14, 170, 175, 179, -176, "
+       "viewpoints: {planner: sampled, all_cameras_share: 0, heading_deg: {choice: [-13, -8, -4, 1, 5, 9, 14, 170, "
+       "175, 179, -176, "
        "-171]}}\n"
        "odometry: {rate_hz: 20}\n",
        8,
@@ -65,7 +66,7 @@ const std::vector<FaultRig>& rigs() {
       {"single",
        "husky",
        "checkerboard_5x4_100mm",
-       "odometry: {rate_hz: 20}\n",
+       "viewpoints: {planner: sampled}\nodometry: {rate_hz: 20}\n",
        0,
        {{"front", "d455", kD455, 0.26, 0, 0.68, 0, 15, 0}}},
   };
@@ -133,7 +134,7 @@ std::string list_text(const Truth& truth, const Variant& variant) {
 }
 
 std::string board_text(const Variant& variant) {
-  return "board: {defects: {print_scale_x: " + number_text(variant.print_scale_x) +
+  return "board: {place: scene, defects: {print_scale_x: " + number_text(variant.print_scale_x) +
          ", bow_mm: " + number_text(variant.bow_mm) + "}}\n";
 }
 
@@ -154,9 +155,9 @@ fs::path drive_of(const fs::path& data, const std::string& rig_name, std::uint64
   const FaultRig& rig = rig_named(rig_name);
   const fs::path run = fs::absolute(data) / (rig_name + "-" + std::to_string(seed) + size.name);
   write_file_atomically_unsynced(rig_file_of(run), rig_text(rig, {}));
-  generate_run(
-      run_text(rig_file_of(run), seed, size) + "poses: " + std::to_string(size.stops + rig.more_stops) + "\n" + rig.run,
-      run);
+  generate_run(run_text(rig_file_of(run), seed, size) + "poses: " + std::to_string(size.stops + rig.more_stops) +
+                   "\nboard: {place: scene}\n" + rig.run,
+               run);
   return run;
 }
 

@@ -1,4 +1,5 @@
 // `rigproof generate`.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -99,18 +100,41 @@ GenerateReport generate_with_progress(RunsAhead* ahead, std::size_t number, cons
   return report;
 }
 
+namespace {
+
+nlohmann::json json_of(const CameraCoverage& seen, const CameraCoverage& possible) {
+  return {{"name", seen.camera},           {"board_stops", seen.stops},
+          {"cells", seen.cells},           {"possible_cells", possible.cells},
+          {"top_row_px", seen.top_row_px}, {"bottom_row_px", seen.bottom_row_px}};
+}
+
+void print_cameras(const GeneratePlan& plan, const Terminal& terminal) {
+  std::size_t width = 0;
+  for (const CameraCoverage& camera : plan.cameras) width = std::max(width, camera.camera.size());
+  for (std::size_t i = 0; i < plan.cameras.size(); ++i) {
+    const CameraCoverage& camera = plan.cameras[i];
+    terminal.line(" " + camera.camera + std::string(width + 2 - camera.camera.size(), ' ') +
+                  describe_camera(camera, plan.possible[i], plan.viewpoints));
+  }
+}
+
+}  // namespace
+
 int print_plan(const GenerateArguments& arguments, const GenerateConfig& config) {
   GenerateOptions options = options_of(arguments, config);
   options.on_the_way = [](std::size_t, std::size_t) { return !interrupted(); };
   const GeneratePlan plan = plan_generation(config, options);
   if (arguments.common.json) {
+    nlohmann::json cameras = nlohmann::json::array();
+    for (std::size_t i = 0; i < plan.cameras.size(); ++i) cameras.push_back(json_of(plan.cameras[i], plan.possible[i]));
     const nlohmann::json json = {{"stops", plan.stops},
                                  {"images", plan.images},
                                  {"pictures", plan.pictures},
                                  {"expected_mb", plan.expected_mb},
                                  {"expected_minutes", plan.expected_minutes},
                                  {"output", output_of(arguments, config).string()},
-                                 {"coverage", plan.coverage}};
+                                 {"coverage", plan.coverage},
+                                 {"cameras", cameras}};
     std::puts(json_text(json).c_str());
     return 0;
   }
@@ -120,6 +144,7 @@ int print_plan(const GenerateArguments& arguments, const GenerateConfig& config)
   terminal.line(std::to_string(plan.stops) + " stops, " + std::to_string(plan.images) + " images" + parts + ", about " +
                 megabytes(plan.expected_mb * 1e6) + " and " + duration(plan.expected_minutes * 60.0));
   terminal.line(plan.coverage);
+  print_cameras(plan, terminal);
   terminal.line("would write " + output_of(arguments, config).string());
   return 0;
 }

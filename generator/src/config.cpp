@@ -25,8 +25,10 @@ void BoardConfig::visit(FieldVisitor& visitor) {
   visitor.field("squares", squares, {3.0, 64.0}, 0, 2,
                 "squares along board x and y instead of the preset's, e.g. [6, 5]; empty = the preset's");
   visitor.field("square_mm", square_mm, {0.0, 1000.0}, "side of a square instead of the preset's; 0 = the preset's");
-  visitor.field("place", place, TextChoices{{"scene", "given"}},
-                "scene: the board stands where the scene puts it; given: where the fields below put it");
+  visitor.field("place", place, TextChoices{{"fitted", "scene", "given"}},
+                "fitted: the board stands where the scene puts it, at the height that lets all cameras of the rig see "
+                "it in most parts of their images; scene: at the scene's height, too; given: where the fields below "
+                "put it");
   visitor.field("x_m", x_m, {-kMaxDistanceM, kMaxDistanceM}, "middle of the squares in the scene's frame");
   visitor.field("y_m", y_m, {-kMaxDistanceM, kMaxDistanceM}, "middle of the squares in the scene's frame");
   visitor.field("z_m", z_m, {0.0, 10.0}, "height of the middle of the squares");
@@ -51,15 +53,18 @@ void GridConfig::visit(FieldVisitor& visitor) {
 }
 
 void ViewpointConfig::visit(FieldVisitor& visitor) {
-  visitor.field("planner", planner, TextChoices{{"sampled", "grid", "list"}},
-                "sampled: drawn from the distributions below; grid: every combination in `grid`; list: as in `list`");
+  visitor.field("planner", planner, TextChoices{{"covering", "sampled", "grid", "list"}},
+                "covering: drawn from the distributions below, with the heading that shows each camera the board where "
+                "it has not been yet; sampled: drawn, with headings from heading_deg; grid: every combination in "
+                "`grid`; list: as in `list`");
   visitor.field("distance_m", distance_m, {0.3, kMaxDistanceM},
-                "sampled: from the board's centre to the robot, along the floor");
+                "covering, sampled: from the board's centre to the robot, along the floor");
   visitor.field("bearing_deg", bearing_deg, {-90.0, 90.0},
-                "sampled: direction from the board to the robot, 0 = straight in front of it");
+                "covering, sampled: direction from the board to the robot, 0 = straight in front of it");
   visitor.field("heading_deg", heading_deg, {-180.0, 180.0},
                 "sampled: robot's heading against the direction to the board, 0 = towards it");
-  visitor.field("min_cameras", min_cameras, {0.0, 8.0}, "sampled, grid: cameras that must see the whole board");
+  visitor.field("min_cameras", min_cameras, {0.0, 8.0},
+                "covering, sampled, grid: cameras that must see the whole board");
   visitor.field("all_cameras_share", all_cameras_share, {0.0, 1.0},
                 "sampled: share of stops for which places are drawn until all cameras see the board, if any such place "
                 "turns up; the others may stand nearer");
@@ -68,7 +73,7 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
   visitor.field("max_obliquity_deg", max_obliquity_deg, {0.0, 85.0},
                 "largest angle between the board's normal and the line to a camera that is counted");
   visitor.field("max_candidates", max_candidates, {1.0, 1e6},
-                "sampled: candidates drawn for one pose before giving up");
+                "covering, sampled: candidates drawn for one pose before giving up");
   visitor.field("order", order, TextChoices{{"drive", "drawn"}},
                 "drive: each stop about step_m from the one before; drawn: as drawn, or as the grid or list says");
   visitor.field("step_m", step_m, {0.0, kMaxDistanceM}, "drive: wanted distance from stop to stop");
@@ -77,6 +82,13 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
   visitor.field(
       "list_frame", list_frame, TextChoices{{"scene", "board"}},
       "frame of the list: scene; or board, on the floor below the board's centre, x towards its viewers, z up");
+  const ViewpointConfig plain;
+  const bool covers = planner == "covering";  // configurations from when it was not the default would be another drive
+  visitor.check(!covers || all_cameras_share == plain.all_cameras_share, "all_cameras_share",
+                "belongs to planner sampled: name that, or leave this out");
+  visitor.check(!covers || (heading_deg.lowest() == plain.heading_deg.lowest() &&
+                            heading_deg.highest() == plain.heading_deg.highest()),
+                "heading_deg", "belongs to planner sampled: name that, or leave this out");
   visitor.check(planner != "list" || !list.empty(), "list", "planner list needs at least one {x_m, y_m, yaw_deg}");
 }
 
@@ -132,7 +144,7 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
                 "registered: depth has the colour camera's pixels; raw: depth as the sensor preset's depth camera "
                 "measures it, at its own place; rig: as rig and presets say");
   visitor.field("image_scale", image_scale, {0.05, 1.0}, "shrinks every camera's image, for quick trials");
-  visitor.field("poses", poses, {1.0, 1e6}, "stops of the robot; planner sampled only");
+  visitor.field("poses", poses, {1.0, 1e6}, "stops of the robot; planners covering and sampled");
   visitor.field("stop_period_s", stop_period_s, {0.1, 1000.0}, "teleport: time from stop to stop");
   visitor.field("motion", motion, TextChoices{{"teleport", "drive"}},
                 "teleport: the robot is put on its viewpoints exactly, `odometry` says what its wheels tell; drive: it "

@@ -121,9 +121,9 @@ DrivenViewpoints drive_viewpoints(const GenerateConfig& config, const WorldDescr
       return progress(reached, count);
     };
   std::int64_t next = config.poses;
-  if (viewpoints.planner == "sampled")
+  if (viewpoints.draws())
     request.replacement = [&]() -> std::optional<FloorPose> {
-      const std::optional<Viewpoint> stop = draw_viewpoint(viewpoints, next++, subject, drivable, seed);
+      const std::optional<Viewpoint> stop = draw_viewpoint(viewpoints, next++, subject, drivable, known, seed);
       if (!stop) return std::nullopt;
       known.push_back(*stop);
       return floor_pose(*stop);

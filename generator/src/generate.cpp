@@ -336,6 +336,10 @@ GeneratePlan plan_generation(const GenerateConfig& config, const GenerateOptions
   for (const FrameJob& job : scenario.frames) plan.pictures += pictures_of(scenario, job);
   plan.expected_minutes = (preparing_s + expected_seconds(scenario, options.jobs)) / 60.0;
   plan.coverage = scenario.plan.coverage;
+  plan.cameras = scenario.coverage;
+  ComposedViewpointWorld world(*scenario.world);
+  plan.possible = possible_coverage(config.viewpoints, scenario.subject, world);
+  plan.viewpoints = scenario.stop_count() - scenario.plan.straight;
   return plan;
 }
 

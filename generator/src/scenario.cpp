@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "board_height.h"
 #include "drive_store.h"
 #include "driven.h"
 #include "exposures.h"
@@ -87,9 +88,23 @@ Board resolve_board(const BoardConfig& config, const Board& of_rig) {
   return board;
 }
 
-BoardPlacement resolve_placement(const GenerateConfig& config, const SceneModel& scene) {
+// The cameras as the rig has them, so that a board does not move with the size of the images.
+std::vector<WorldCamera> unscaled_cameras(const GenerateConfig& config) {
+  const RigModel rig = load_rig_model(config.rig);
+  std::vector<WorldCamera> cameras;
+  for (std::size_t i = 0; i < rig.rig.cameras.size(); ++i)
+    cameras.push_back({rig.rig.cameras[i].name, rig.T_robot_camera[i], rig.rig.cameras[i].camera});
+  return cameras;
+}
+
+BoardPlacement resolve_placement(const GenerateConfig& config, const SceneModel& scene, const Board& board,
+                                 double margin_m) {
   RandomStream random(seed_of(config), "board");
-  if (config.board.place == "scene") return scene.board.sample(random);
+  if (config.board.place != "given") {
+    const BoardPlacement of_scene = scene.board.sample(random);
+    return config.board.place == "scene" ? of_scene
+                                         : at_fitting_height(of_scene, unscaled_cameras(config), board, margin_m);
+  }
   const BoardConfig& given = config.board;
   return BoardPlacementRange{given.x_m, given.y_m, given.z_m, given.facing_deg, given.lean_deg, given.roll_deg}.sample(
       random);
@@ -263,6 +278,13 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   scenario->recording.odometry = std::move(driven.drive.odometry);
 }
 
+std::vector<CameraCoverage> coverage_at_viewpoints(const Scenario& scenario) {
+  ComposedViewpointWorld world(*scenario.world);
+  const std::vector<Rigid3>& at = scenario.T_scene_robot;
+  const std::vector<Rigid3> viewpoints(at.begin(), at.end() - static_cast<std::ptrdiff_t>(scenario.plan.straight));
+  return coverage_of(viewpoints, scenario.config.viewpoints, scenario.subject, world);
+}
+
 // What board and lenses show in every image alike. A board that is not as told is not told to be exact.
 void label_repeating_errors(const WorldDescription& description, Scenario* scenario) {
   const BoardDefects& defects = description.board_defects;
@@ -318,8 +340,8 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   scenario.scene_text = scene_text(scene);
   scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
   scenario.shutters = resolve_shutters(config, scenario.rig.rig);
-  const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene));
   const BoardDefectsDraw defects = draw_board_defects(config.board.defects, board, seed_of(config));
+  const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene, board, defects.border_m));
   WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
   description.board_defects = defects.defects;
   description.board_margin_m = defects.border_m;
@@ -329,11 +351,13 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   if (config.motion == "drive")
     description.ground = ground_of(config.drive, description.scene.drivable_area, seed_of(config));
   scenario.world = World::compose(description);
-  const ViewpointSubject subject{description.cameras, board, T_scene_board, description.board_margin_m};
+  scenario.subject = {description.cameras, board, T_scene_board, description.board_margin_m};
+  const ViewpointSubject& subject = scenario.subject;
   if (config.motion == "drive")
     drive(description, subject, source, &scenario);
   else
     teleport(description, subject, &scenario);
+  scenario.coverage = coverage_at_viewpoints(scenario);
   scenario.truth.drawn.insert(defects.drawn.begin(), defects.drawn.end());
   label_repeating_errors(description, &scenario);
   const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;

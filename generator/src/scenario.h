@@ -9,6 +9,7 @@
 
 #include "rigproof/core/recording.h"
 #include "rigproof/generator/config.h"
+#include "rigproof/generator/coverage.h"
 #include "rigproof/generator/motion.h"
 #include "rigproof/generator/sensors.h"
 #include "rigproof/generator/viewpoints.h"
@@ -47,9 +48,11 @@ struct Scenario {
   std::vector<ScenarioInput> inputs;
   std::string scene_text;  ///< every field of the scene as it was varied: see rigproof::scene_text
   std::unique_ptr<World> world;
+  ViewpointSubject subject;
   ViewpointPlan plan;
-  std::vector<Rigid3> T_scene_robot;  ///< at every stop: on the viewpoints of the plan, or where it drove
-  RobotTrajectory trajectory;         ///< of a driven run, by the stamps of the recording; else empty
+  std::vector<CameraCoverage> coverage;  ///< of the plan's viewpoints
+  std::vector<Rigid3> T_scene_robot;     ///< at every stop: on the viewpoints of the plan, or where it drove
+  RobotTrajectory trajectory;            ///< of a driven run, by the stamps of the recording; else empty
   std::size_t ways_tried_again = 0, viewpoints_replaced = 0;  ///< of a driven run
   std::vector<SensorModel> sensors;                           ///< one a camera
   std::vector<CameraShutter> shutters;                        ///< one a camera

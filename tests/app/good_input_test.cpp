@@ -83,6 +83,8 @@ TEST(Command, DryRunRendersNothing) {
   const ProcessOutput output = rigproof_command({"generate", "--dry-run", "-o", (scratch / "run").string()});
   EXPECT_EQ(output.exit_code, 0) << output.err;
   EXPECT_THAT(output.out, HasSubstr("300 images"));
+  EXPECT_THAT(output.out, HasSubstr(" left    board in "));
+  EXPECT_THAT(output.out, HasSubstr("of 48 parts of its image (possible: "));
   EXPECT_FALSE(fs::exists(scratch / "run"));
 }
 

@@ -88,7 +88,9 @@ const Settings kGiven = {"board.place=given", "board.x_m=3", "board.facing_deg=1
 const Settings kGrid = {"viewpoints.planner=grid", "viewpoints.margin_px=1", "viewpoints.grid.distances_m=[2.5]",
                         "viewpoints.grid.bearings_deg=[0]", "viewpoints.grid.headings_deg=[0]"};
 const Settings kList = {"viewpoints.planner=list", "viewpoints.list=[{x_m: 2, y_m: 0, yaw_deg: 180}]"};
-const Settings kThree = {"rig=husky_3x_d455", "poses=4", "viewpoints.all_cameras_share=0"};
+const Settings kThree = {"rig=husky_3x_d455", "poses=4", "viewpoints.planner=sampled",
+                         "viewpoints.all_cameras_share=0"};
+const Settings kSampled = {"poses=4", "viewpoints.planner=sampled", "board.place=scene"};
 const Settings kFour = {"poses=4"};
 
 Settings driving(const Settings& more = {}) {
@@ -123,7 +125,7 @@ const std::vector<Row>& world_rows() {
       {"board.place", "given", {"board.x_m=3", "board.facing_deg=180"}, true},
       {"board.x_m", "3.2", kGiven, true},
       {"board.y_m", "0.2", kGiven, true},
-      {"board.z_m", "0.9", kGiven, true},
+      {"board.z_m", "0.7", kGiven, true},
       {"board.facing_deg", "170", kGiven, true},
       {"board.lean_deg", "5", kGiven, true},
       {"board.roll_deg", "5", kGiven, true},
@@ -149,12 +151,12 @@ const std::vector<Row>& viewpoint_rows() {
       {"viewpoints.planner", "grid", {}},
       {"viewpoints.distance_m", "2", {}},
       {"viewpoints.bearing_deg", "10", {}},
-      {"viewpoints.heading_deg", "3", {}},
+      {"viewpoints.heading_deg", "3", kSampled},
       {"viewpoints.min_cameras", "3", kThree},
       {"viewpoints.all_cameras_share", "1", kThree},
       {"viewpoints.margin_px", "20", kFour},
       {"viewpoints.max_obliquity_deg", "10", kFour},
-      {"viewpoints.max_candidates", "1", kFour},
+      {"viewpoints.max_candidates", "1", kSampled},
       {"viewpoints.order", "drawn", kFour},
       {"viewpoints.step_m", "0.1", kFour},
       {"viewpoints.grid.distances_m", "[2.7]", kGrid},

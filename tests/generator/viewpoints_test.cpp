@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "error_text.h"
-#include "looking_forward.h"
+#include "pillar_world.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof {
@@ -15,40 +15,10 @@ namespace {
 
 using testing::HasSubstr;
 
-// An empty floor with one round pillar.
-class PillarWorld : public ViewpointWorld {
- public:
-  FloorArea area{-5.0, 5.0, -5.0, 5.0};
-  Eigen::Vector2d pillar{0.0, 1.5};
-  double pillar_radius_m = 0.2;
-
-  FloorArea drivable_area() override { return area; }
-  std::string obstacle(const Rigid3& T_scene_robot) override {
-    return (T_scene_robot.translation.head<2>() - pillar).norm() < pillar_radius_m + 0.6 ? "pillar" : "";
-  }
-  bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target) override {
-    const Eigen::Vector2d a = origin.head<2>(), b = target.head<2>();
-    const double along = std::clamp((pillar - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-    return (a + along * (b - a) - pillar).norm() > pillar_radius_m;
-  }
-};
-
-// A camera at (0.25, y, z) in the robot that looks ahead, turned by yaw and down by pitch.
-WorldCamera camera_at(double y_m, double z_m, double yaw_deg, double pitch_deg) {
-  const Eigen::Quaterniond body = rotation_z(deg_to_rad(yaw_deg)) * so3_exp({0.0, deg_to_rad(pitch_deg), 0.0});
-  return {"camera", Rigid3(body * looking_forward(), {0.25, y_m, z_m}), Camera::symmetric(1280, 720, 640.0)};
-}
-
-// The board faces scene x, its middle at (0, 0, 0.8).
-ViewpointSubject subject() {
-  ViewpointSubject subject;
-  subject.cameras = {camera_at(0.2, 0.7, 14.0, 14.0), camera_at(0.0, 0.65, 0.0, 12.0),
-                     camera_at(-0.2, 0.7, -14.0, 16.0)};
-  Eigen::Matrix3d upright;  // board x = to a viewer's right, y = down, z = into the board, away from the viewer
-  upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;
-  const Eigen::Quaterniond rotation(upright);
-  subject.T_scene_board = Rigid3(rotation, Eigen::Vector3d(0, 0, 0.8) - rotation * subject.board.centre());
-  return subject;
+ViewpointConfig sampled() {
+  ViewpointConfig config;
+  config.planner = "sampled";
+  return config;
 }
 
 // Cameras that see the whole board with its border, `margin_px` inside of the image, from the front.
@@ -85,7 +55,7 @@ ViewpointPlan plan(const ViewpointConfig& config, std::int64_t poses, std::uint6
 
 TEST(Viewpoints, EveryStopKeepsEveryConstraint) {
   PillarWorld world;
-  ViewpointConfig config;
+  ViewpointConfig config = sampled();
   config.min_cameras = 2;
   config.margin_px = 20.0;
   const ViewpointPlan result = plan_viewpoints(config, 200, subject(), world, 1);
@@ -109,7 +79,7 @@ TEST(Viewpoints, EveryStopKeepsEveryConstraint) {
 }
 
 TEST(Viewpoints, PlanIsRichInMotion) {
-  const ViewpointPlan result = plan(ViewpointConfig{}, 100, 0);
+  const ViewpointPlan result = plan(sampled(), 100, 0);
   double turn = 0.0, length = 0.0;
   for (std::size_t i = 1; i < result.stops.size(); ++i) {
     turn += std::abs(wrap_angle(result.stops[i].yaw_rad - result.stops[i - 1].yaw_rad));
@@ -127,13 +97,13 @@ bool same(const std::vector<Viewpoint>& a, const std::vector<Viewpoint>& b) {
 }
 
 TEST(Viewpoints, SeedDecidesThePlan) {
-  const ViewpointConfig config;
+  const ViewpointConfig config = sampled();
   EXPECT_TRUE(same(plan(config, 30, 7).stops, plan(config, 30, 7).stops));
   EXPECT_FALSE(same(plan(config, 30, 7).stops, plan(config, 30, 8).stops));
 }
 
 TEST(Viewpoints, DriveOrderKeepsTheSetOfPlaces) {
-  ViewpointConfig config;
+  ViewpointConfig config = sampled();
   std::vector<Viewpoint> drive = plan(config, 50, 0).stops;
   config.order = "drawn";
   std::vector<Viewpoint> drawn = plan(config, 50, 0).stops;
@@ -150,19 +120,19 @@ std::string error_of(const ViewpointConfig& config, const FloorArea& area = {-5.
 }
 
 TEST(Viewpoints, ImpossibleWishesSayWhichConstraintForbidsThem) {
-  EXPECT_THAT(error_of(ViewpointConfig{}, {3.0, 5.0, 3.0, 5.0}), HasSubstr("drivable area"));
-  ViewpointConfig config;
+  EXPECT_THAT(error_of(sampled(), {3.0, 5.0, 3.0, 5.0}), HasSubstr("drivable area"));
+  ViewpointConfig config = sampled();
   config.heading_deg = 120.0;
   EXPECT_THAT(error_of(config), HasSubstr("whole board"));
-  config = {};
+  config = sampled();
   config.bearing_deg = 75.0;
   EXPECT_THAT(error_of(config), HasSubstr("too flat an angle"));
-  config = {};
+  config = sampled();
   config.distance_m = 1.5;
   config.bearing_deg = 90.0;
   config.max_obliquity_deg = 85.0;
   EXPECT_NE(error_of(config), "");
-  config = {};
+  config = sampled();
   config.min_cameras = 4;
   EXPECT_THAT(error_of(config), HasSubstr("only 3 cameras"));
 }
@@ -205,19 +175,19 @@ TEST(Viewpoints, ListMayBeToldFromTheBoard) {
   ViewpointSubject moved = subject();
   moved.T_scene_board = planar_pose(0.5, -0.3, facing_rad) * moved.T_scene_board;
   PillarWorld world;
-  ViewpointConfig config;
-  const ViewpointPlan sampled = plan_viewpoints(config, 5, moved, world, 3);
+  ViewpointConfig config = sampled();
+  const ViewpointPlan drawn = plan_viewpoints(config, 5, moved, world, 3);
   config.planner = "list";
   config.list_frame = "board";
-  for (const Viewpoint& stop : sampled.stops)
+  for (const Viewpoint& stop : drawn.stops)
     config.list.push_back({stop.distance_m * std::cos(stop.bearing_rad), stop.distance_m * std::sin(stop.bearing_rad),
                            rad_to_deg(stop.yaw_rad - facing_rad)});
   const ViewpointPlan listed = plan_viewpoints(config, 5, moved, world, 3);
-  ASSERT_EQ(listed.stops.size(), sampled.stops.size());
-  for (std::size_t i = 0; i < sampled.stops.size(); ++i) {
-    EXPECT_NEAR(listed.stops[i].x_m, sampled.stops[i].x_m, 1e-12);
-    EXPECT_NEAR(listed.stops[i].y_m, sampled.stops[i].y_m, 1e-12);
-    EXPECT_NEAR(wrap_angle(listed.stops[i].yaw_rad - sampled.stops[i].yaw_rad), 0.0, 1e-12);
+  ASSERT_EQ(listed.stops.size(), drawn.stops.size());
+  for (std::size_t i = 0; i < drawn.stops.size(); ++i) {
+    EXPECT_NEAR(listed.stops[i].x_m, drawn.stops[i].x_m, 1e-12);
+    EXPECT_NEAR(listed.stops[i].y_m, drawn.stops[i].y_m, 1e-12);
+    EXPECT_NEAR(wrap_angle(listed.stops[i].yaw_rad - drawn.stops[i].yaw_rad), 0.0, 1e-12);
   }
 }
 

@@ -41,6 +41,8 @@ GenerateConfig config_of(const std::string& scene, const SceneModel& model, int 
   config.scene = scene;
   config.rig = kRig;
   config.poses = poses;
+  config.board.place = "scene";
+  config.viewpoints.planner = "sampled";  // what cameras that look ahead see of the scene
   if (model.world.straight_path.length_m > 0.0) config.straight_drive.frames = 3;
   return config;
 }

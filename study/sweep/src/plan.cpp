@@ -95,7 +95,7 @@ TaskBlocks blocks_of(const SweepConfig& config, const std::vector<std::size_t>& 
 std::int64_t read_images(const YamlTree& images, const GenerateConfig& run, Problems* problems) {
   if (images.is_null()) return 0;
   const std::int64_t count = read_integer(images, "images", {1, 1e6}, problems).value_or(0);
-  if (run.viewpoints.planner == "sampled" && count > run.poses)
+  if (run.viewpoints.draws() && count > run.poses)
     problems->add({images.file, images.line, "images", images.shown(),
                    "must be at most the run's poses, " + std::to_string(run.poses)});
   return count;

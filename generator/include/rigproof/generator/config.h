@@ -19,11 +19,11 @@ namespace rigproof {
 
 /// The board and where it stands.
 struct BoardConfig {
-  std::string preset;           ///< in models/boards, or a file; empty = the rig's board
-  std::string type = "preset";  ///< preset | checkerboard | charuco | aprilgrid
-  std::vector<double> squares;  ///< two numbers replace the preset's; empty = the preset's
-  double square_mm = 0.0;       ///< 0 = the preset's
-  std::string place = "scene";  ///< scene: where the scene puts it; given: the fields below
+  std::string preset;            ///< in models/boards, or a file; empty = the rig's board
+  std::string type = "preset";   ///< preset | checkerboard | charuco | aprilgrid
+  std::vector<double> squares;   ///< two numbers replace the preset's; empty = the preset's
+  double square_mm = 0.0;        ///< 0 = the preset's
+  std::string place = "fitted";  ///< fitted | scene: where the scene puts it; given: the fields below
   Distribution x_m = 0.0;
   Distribution y_m = 0.0;
   Distribution z_m = 0.8;
@@ -55,7 +55,7 @@ struct GridConfig {
 
 /// Where the robot stands when it takes images.
 struct ViewpointConfig {
-  std::string planner = "sampled";  ///< sampled | grid | list
+  std::string planner = "covering";  ///< covering | sampled | grid | list
   Distribution distance_m = Distribution::Kind(Distribution::Uniform{1.2, 3.6});
   Distribution bearing_deg = Distribution::Kind(Distribution::Uniform{-55.0, 55.0});
   Distribution heading_deg = Distribution::Kind(Distribution::Uniform{-25.0, 25.0});
@@ -70,6 +70,8 @@ struct ViewpointConfig {
   std::vector<ListedViewpoint> list;
   std::string list_frame = "scene";  ///< scene | board: on the floor below its centre, x towards the viewers
 
+  /// Whether places are drawn at random, so that there are as many stops as are asked for.
+  bool draws() const { return planner == "covering" || planner == "sampled"; }
   void visit(FieldVisitor& visitor);
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rigproof/generator/config.h"
+#include "rigproof/generator/coverage.h"
 
 namespace rigproof {
 
@@ -39,8 +40,11 @@ struct GeneratePlan {
   std::size_t images = 0;
   std::size_t pictures = 0;  ///< that are drawn for them: an image of a moving camera is put together from several
   double expected_mb = 0.0;
-  double expected_minutes = 0.0;  ///< with the drive, where it has to be simulated
-  std::string coverage;           ///< distances, bearings, cameras per view, in words
+  double expected_minutes = 0.0;         ///< with the drive, where it has to be simulated
+  std::string coverage;                  ///< distances, bearings, cameras per view, in words
+  std::vector<CameraCoverage> cameras;   ///< what each of them sees of the board from the viewpoints
+  std::vector<CameraCoverage> possible;  ///< and what it could see from anywhere: see possible_coverage()
+  std::size_t viewpoints = 0;            ///< stops, but for the frames of a straight drive
 };
 
 struct GenerateReport {

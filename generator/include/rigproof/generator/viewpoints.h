@@ -64,15 +64,18 @@ struct ViewpointPlan {
   std::string coverage;          ///< in words
 };
 
-/// Plans the stops. Deterministic in (config, subject, world, poses, seed): stop i is drawn from its own stream.
-/// Throws Error that says which constraint turned down most candidates, or which listed place is impossible.
+/// Plans the stops. Deterministic in (config, subject, world, poses, seed): stop i is drawn from its own stream, and,
+/// of planner `covering`, depends on those before it. Throws Error that says which constraint turned down most
+/// candidates, or which listed place is impossible.
 ViewpointPlan plan_viewpoints(const ViewpointConfig& config, std::int64_t poses, const ViewpointSubject& subject,
                               ViewpointWorld& world, std::uint64_t seed);
 
-/// A place that keeps every constraint, as the planner `sampled` draws the one of this number; nothing if none was
-/// found.
+/// A place that keeps every constraint, as the planner `covering` or `sampled` draws the one of this number; nothing if
+/// none was found.
+/// @param before the stops that are there already: what they show, `covering` shows last
 std::optional<Viewpoint> draw_viewpoint(const ViewpointConfig& config, std::int64_t number,
-                                        const ViewpointSubject& subject, ViewpointWorld& world, std::uint64_t seed);
+                                        const ViewpointSubject& subject, ViewpointWorld& world,
+                                        const std::vector<Viewpoint>& before, std::uint64_t seed);
 
 /// "100 stops 1.2 to 3.6 m from the board, bearing -54 to 53 deg, ...".
 std::string describe_coverage(const std::vector<Viewpoint>& stops, std::size_t cameras);
