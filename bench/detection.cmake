@@ -12,6 +12,7 @@ add_executable(bench_detection_foreign
   ${CMAKE_CURRENT_LIST_DIR}/detection_foreign.cpp
   ${PROJECT_SOURCE_DIR}/tests/calib/detection/board_picture.cpp
   ${PROJECT_SOURCE_DIR}/tests/calib/detection/foreign_picture.cpp)
-target_include_directories(bench_detection_foreign PRIVATE ${PROJECT_SOURCE_DIR}/tests/calib/detection)
+target_include_directories(bench_detection_foreign PRIVATE
+  ${PROJECT_SOURCE_DIR}/tests/calib/detection ${PROJECT_SOURCE_DIR}/calib/vision/src)
 target_link_libraries(bench_detection_foreign PRIVATE rigproof::calib opencv_calib3d opencv_core opencv_imgcodecs opencv_imgproc)
 rigproof_apply_rules(bench_detection_foreign)

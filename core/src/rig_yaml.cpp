@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "camera_info.h"
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/files.h"
@@ -233,6 +234,31 @@ void visit_fields(FieldVisitor& visitor, Board& board) {
   if (!visitor.instead({{}, "name of a preset in models/boards", load})) visit_board(visitor, board);
 }
 
+namespace {
+
+// Of ChArUco boards alone.
+void visit_markers(FieldVisitor& visitor, Board& board) {
+  visitor.optional(
+      "dictionary", board.dictionary,
+      "charuco: of its markers, as OpenCV calls it, e.g. DICT_6X6_250; default the smallest DICT_5X5_.. that "
+      "has enough");
+  visitor.scaled("marker_mm", board.marker_m, kMmPerM, {0.01, 1e5},
+                 "charuco: side of its markers; default three quarters of square_mm");
+  if (visitor.takes("legacy_pattern", board.legacy_pattern))
+    visitor.field("legacy_pattern", board.legacy_pattern,
+                  "charuco with an even number of rows: the first square is light and has the first marker, as OpenCV "
+                  "before 4.6 drew it");
+  const bool given = !board.dictionary.empty() || board.marker_m || board.legacy_pattern;
+  visitor.check(board.type == "charuco" || !given, "type",
+                "dictionary, marker_mm and legacy_pattern are of charuco boards; this one is a " + board.type);
+  visitor.check(!board.marker_m || *board.marker_m < board.square_m, "marker_mm",
+                "must be less than square_mm, as markers lie within squares");
+  const std::optional<std::string> problem = problem_of_markers(board);
+  visitor.check(!problem, "dictionary", problem.value_or(""));
+}
+
+}  // namespace
+
 void visit_board(FieldVisitor& visitor, Board& board) {
   visitor.ignored("description", "for people");
   visitor.field("type", board.type, TextChoices{{"checkerboard", "charuco", "aprilgrid"}}, "what is printed on it");
@@ -256,6 +282,7 @@ void visit_board(FieldVisitor& visitor, Board& board) {
                 "must be whole numbers");
   board.squares_x = static_cast<int>(squares[0]);
   board.squares_y = static_cast<int>(squares[1]);
+  visit_markers(visitor, board);
   visitor.check(visitor.given("inner_corners") == nullptr || !visitor.takes("inner_corners", false), "inner_corners",
                 "give squares: one more than inner corners along each side");
   visitor.check(board.type != "checkerboard" || !board.ambiguous_under_half_turn(), "squares",

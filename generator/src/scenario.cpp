@@ -79,6 +79,11 @@ Board resolve_board(const BoardConfig& config, const Board& of_rig) {
   }
   if (config.square_mm > 0.0) board.square_m = config.square_mm / 1000.0;
   if (config.type != "preset") board.type = config.type;
+  if (board.type != "charuco") {
+    const Board without;
+    std::tie(board.dictionary, board.marker_m, board.legacy_pattern) =
+        std::tie(without.dictionary, without.marker_m, without.legacy_pattern);
+  }
   marker_dictionary(board);  // throws where markers run out
   if (board.type == "checkerboard" && board.ambiguous_under_half_turn()) {
     throw Error("board.squares: [" + std::to_string(board.squares_x) + ", " + std::to_string(board.squares_y) +

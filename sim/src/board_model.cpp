@@ -178,7 +178,7 @@ void fill_squares(const Board& board, int texels, BoardTexture* texture) {
     const int iy = y / texels - texture->frame_squares;
     if (iy < 0 || iy >= board.squares_y) continue;
     for (int ix = 0; ix < board.squares_x; ++ix) {
-      if (!Board::is_dark(ix, iy)) continue;
+      if (!board.is_dark(ix, iy)) continue;
       const auto first = static_cast<std::ptrdiff_t>(3) *
                          (static_cast<std::ptrdiff_t>(y) * texture->width + (ix + texture->frame_squares) * texels);
       std::fill_n(texture->rgb.begin() + first, 3 * texels, kDark);

@@ -1,42 +1,15 @@
 #include "rigproof/sim/board_pattern.h"
 
-#include <array>
 #include <opencv2/aruco/dictionary.hpp>
 
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/error.h"
 
 namespace rigproof {
 namespace {
 
-constexpr double kCharucoMarker = 0.75;  // side over the square's
-constexpr double kTagGap = 0.3;          // Kalibr's tagSpacing: gap over the tag's side
-constexpr int kTagBorder = 2;            // bits; Kalibr's default
-
-struct Dictionary {
-  const char* name;
-  cv::aruco::PREDEFINED_DICTIONARY_NAME id;
-  int size;
-};
-constexpr std::array<Dictionary, 4> kCharuco = {{{"DICT_5X5_50", cv::aruco::DICT_5X5_50, 50},
-                                                 {"DICT_5X5_100", cv::aruco::DICT_5X5_100, 100},
-                                                 {"DICT_5X5_250", cv::aruco::DICT_5X5_250, 250},
-                                                 {"DICT_5X5_1000", cv::aruco::DICT_5X5_1000, 1000}}};
-constexpr Dictionary kTags = {"DICT_APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11, 587};
-
-int marker_count(const Board& board) {
-  const int squares = board.squares_x * board.squares_y;
-  return board.type == "charuco" ? squares / 2 : squares;
-}
-
-const Dictionary& dictionary_of(const Board& board) {
-  const int count = marker_count(board);
-  if (board.type == "aprilgrid" && count <= kTags.size) return kTags;
-  for (const Dictionary& dictionary : kCharuco)
-    if (board.type == "charuco" && count <= dictionary.size) return dictionary;
-  throw Error("board.squares: [" + std::to_string(board.squares_x) + ", " + std::to_string(board.squares_y) +
-              "]: " + std::to_string(count) + " markers are needed; the largest dictionary has " +
-              std::to_string(board.type == "charuco" ? kCharuco.back().size : kTags.size));
-}
+constexpr double kTagGap = 0.3;  // Kalibr's tagSpacing: gap over the tag's side
+constexpr int kTagBorder = 2;    // bits; Kalibr's default
 
 // Black cells of a marker, border included, each row in runs.
 void add_marker(const cv::aruco::Dictionary& dictionary, int id, int border, const DarkArea& at,
@@ -70,20 +43,23 @@ std::vector<DarkArea> squares(const Board& board) {
   std::vector<DarkArea> areas;
   for (int iy = 0; iy < board.squares_y; ++iy)
     for (int ix = 0; ix < board.squares_x; ++ix)
-      if (Board::is_dark(ix, iy)) areas.push_back(cell(board, ix, iy, 1.0));
+      if (board.is_dark(ix, iy)) areas.push_back(cell(board, ix, iy, 1.0));
   return areas;
 }
 
+cv::Ptr<cv::aruco::Dictionary> codes_of(const Board& board) {
+  return cv::aruco::getPredefinedDictionary(dictionary_of(board).number);
+}
+
 void add_charuco_markers(const Board& board, std::vector<DarkArea>* areas) {
-  const cv::Ptr<cv::aruco::Dictionary> dictionary = cv::aruco::getPredefinedDictionary(dictionary_of(board).id);
-  int id = 0;
-  for (int iy = 0; iy < board.squares_y; ++iy)
-    for (int ix = 0; ix < board.squares_x; ++ix)
-      if (!Board::is_dark(ix, iy)) add_marker(*dictionary, id++, 1, cell(board, ix, iy, kCharucoMarker), areas);
+  const cv::Ptr<cv::aruco::Dictionary> dictionary = codes_of(board);
+  const double share = board.marker_side_m() / board.square_m;
+  for (const BoardMarker& marker : charuco_markers(board))
+    add_marker(*dictionary, marker.id, 1, cell(board, marker.ix, marker.iy, share), areas);
 }
 
 std::vector<DarkArea> tags(const Board& board) {
-  const cv::Ptr<cv::aruco::Dictionary> dictionary = cv::aruco::getPredefinedDictionary(dictionary_of(board).id);
+  const cv::Ptr<cv::aruco::Dictionary> dictionary = codes_of(board);
   std::vector<DarkArea> areas;
   int id = 0;
   for (int iy = board.squares_y - 1; iy >= 0; --iy)

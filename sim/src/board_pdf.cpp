@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/pdf.h"
@@ -60,23 +62,34 @@ class Drawing {
 
 struct Page {
   double width_mm, height_mm;
+  bool turned = false;  ///< the board lies on its side, its first corner at the top right
 };
+
+// The page upright or across, the board on it upright if it can.
+std::optional<Page> page_that_holds(const Paper& paper, double width_mm, double height_mm, bool turned) {
+  for (const Page& page : {Page{paper.short_mm, paper.long_mm, turned}, Page{paper.long_mm, paper.short_mm, turned}})
+    if (width_mm + 2.0 * kBlankEdge_mm <= page.width_mm && height_mm + 2.0 * kBlankEdge_mm <= page.height_mm)
+      return page;
+  return std::nullopt;
+}
 
 Page page_of(const Board& board, const BoardPdfOptions& options) {
   const double border = 1000.0 * options.border_m;
-  const double width = 1000.0 * board.square_m * board.squares_x + 2.0 * border;
-  const double height = 1000.0 * board.square_m * board.squares_y + 2.0 * border + kFooter_mm;
+  const double along_x = 1000.0 * board.square_m * board.squares_x + 2.0 * border;
+  const double along_y = 1000.0 * board.square_m * board.squares_y + 2.0 * border;
+  const double width = along_x, height = along_y + kFooter_mm;
   if (options.paper == "fit")
     return {std::max(width, kLeastWidth_mm) + 2.0 * kBlankEdge_mm, height + 2.0 * kBlankEdge_mm};
   for (const Paper& paper : kPapers) {
     if (options.paper != paper.name) continue;
-    for (const Page& page : {Page{paper.short_mm, paper.long_mm}, Page{paper.long_mm, paper.short_mm}})
-      if (width + 2.0 * kBlankEdge_mm <= page.width_mm && height + 2.0 * kBlankEdge_mm <= page.height_mm) return page;
+    if (const auto page = page_that_holds(paper, width, height, false)) return *page;
+    if (const auto page = page_that_holds(paper, along_y, along_x + kFooter_mm, true)) return *page;
     double largest = 0.0;
     for (const Page& page : {Page{paper.short_mm, paper.long_mm}, Page{paper.long_mm, paper.short_mm}})
-      largest =
-          std::max(largest, std::min((page.width_mm - 2.0 * (kBlankEdge_mm + border)) / board.squares_x,
-                                     (page.height_mm - 2.0 * (kBlankEdge_mm + border) - kFooter_mm) / board.squares_y));
+      for (const auto& [columns, rows] :
+           {std::pair(board.squares_x, board.squares_y), std::pair(board.squares_y, board.squares_x)})
+        largest = std::max(largest, std::min((page.width_mm - 2.0 * (kBlankEdge_mm + border)) / columns,
+                                             (page.height_mm - 2.0 * (kBlankEdge_mm + border) - kFooter_mm) / rows));
     throw Error(
         "paper " + options.paper + ": " + std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) +
         " squares of " + pdf_number(1000.0 * board.square_m) + " mm do not fit; " +
@@ -115,12 +128,17 @@ std::vector<std::string> instructions(const Board& board, double ruler_mm) {
 
 std::string content(const Board& board, const BoardPdfOptions& options, const Page& page) {
   const double square_mm = 1000.0 * board.square_m, border = 1000.0 * options.border_m;
-  const double width = square_mm * board.squares_x, height = square_mm * board.squares_y;
+  const double along_x = square_mm * board.squares_x, along_y = square_mm * board.squares_y;
+  const double width = page.turned ? along_y : along_x, height = page.turned ? along_x : along_y;
   const double left = 0.5 * (page.width_mm - width), top = page.height_mm - kBlankEdge_mm - border;
   Drawing drawing;
   for (const DarkArea& area : dark_areas(board)) {
-    const double x = left + 1000.0 * area.x0_m + square_mm, y = top - (1000.0 * area.y1_m + square_mm);
-    drawing.rectangle(x, y, 1000.0 * (area.x1_m - area.x0_m), 1000.0 * (area.y1_m - area.y0_m));
+    const double dx = 1000.0 * (area.x1_m - area.x0_m), dy = 1000.0 * (area.y1_m - area.y0_m);
+    if (page.turned)
+      drawing.rectangle(left + width - (1000.0 * area.y1_m + square_mm), top - (1000.0 * area.x1_m + square_mm), dy,
+                        dx);
+    else
+      drawing.rectangle(left + 1000.0 * area.x0_m + square_mm, top - (1000.0 * area.y1_m + square_mm), dx, dy);
   }
   drawing.fill();
   const double text_left = kBlankEdge_mm + 4.0, ruler_y = top - height - border - kRulerBelowBoard_mm;

@@ -1,9 +1,18 @@
 #include "rigproof/core/board.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "error_text.h"
+#include "rigproof/core/board_markers.h"
+#include "rigproof/core/rig_yaml.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
 
 TEST(Board, CornersRunAlongXFirst) {
   Board board;
@@ -31,12 +40,64 @@ TEST(Board, OutlineSurroundsTheSquares) {
 TEST(Board, HalfTurnIsTellableWithOneOddCount) {
   Board board;
   EXPECT_FALSE(board.ambiguous_under_half_turn());
-  EXPECT_TRUE(Board::is_dark(0, 0));
+  EXPECT_TRUE(board.is_dark(0, 0));
   // The square that a half turn brings to (0, 0) is light, so the turned board looks different.
-  EXPECT_FALSE(Board::is_dark(board.squares_x - 1, board.squares_y - 1));
+  EXPECT_FALSE(board.is_dark(board.squares_x - 1, board.squares_y - 1));
   board.squares_x = 9;
   board.squares_y = 7;
   EXPECT_TRUE(board.ambiguous_under_half_turn());
+}
+
+class MarkedBoard : public testing::Test {
+ protected:
+  Board read(const std::string& rest) {
+    return load_board(scratch_.write("board.yaml", "type: charuco\nsquares: [6, 4]\nsquare_mm: 40\n" + rest).string());
+  }
+  std::string failure(const std::string& rest) {
+    return error_text([&] { read(rest); });
+  }
+
+  TempFolder scratch_;
+};
+
+TEST_F(MarkedBoard, HasMarkersOfThreeQuartersAndTheSmallestDictionary) {
+  const Board board = read("");
+  EXPECT_DOUBLE_EQ(board.marker_side_m(), 0.03);
+  EXPECT_STREQ(dictionary_of(board).name, "DICT_5X5_50");
+  const std::vector<BoardMarker> markers = charuco_markers(board);
+  ASSERT_EQ(markers.size(), 12U);
+  EXPECT_EQ(markers[0].ix, 1) << "the first square is dark";
+  EXPECT_EQ(markers[3].iy, 1);
+}
+
+TEST_F(MarkedBoard, LegacyPatternBeginsWithAMarkerWhereRowsAreEven) {
+  Board board = read("marker_mm: 20\ndictionary: DICT_4X4_1000\nlegacy_pattern: true\n");
+  EXPECT_DOUBLE_EQ(board.marker_side_m(), 0.02);
+  EXPECT_EQ(dictionary_of(board).bits, 4);
+  EXPECT_EQ(charuco_markers(board)[0].ix, 0);
+  board.squares_y = 5;
+  EXPECT_EQ(charuco_markers(board)[0].ix, 1) << "OpenCV draws odd rows the same in all versions";
+}
+
+TEST_F(MarkedBoard, WhatCannotBeIsRefused) {
+  EXPECT_THAT(failure("marker_mm: 40\n"), HasSubstr("less than square_mm"));
+  EXPECT_THAT(failure("dictionary: DICT_8X8\n"), AllOf(HasSubstr("DICT_8X8"), HasSubstr("DICT_4X4_50, DICT_4X4_100")));
+  EXPECT_THAT(error_text([&] {
+                load_board(scratch_
+                               .write("b.yaml",
+                                      "type: charuco\nsquares: [20, 20]\nsquare_mm: 40\n"
+                                      "dictionary: DICT_6X6_100\n")
+                               .string());
+              }),
+              AllOf(HasSubstr("200 markers"), HasSubstr("DICT_6X6_100 has 100")));
+  EXPECT_THAT(error_text([&] {
+                load_board(scratch_
+                               .write("b.yaml",
+                                      "type: checkerboard\nsquares: [6, 5]\nsquare_mm: 40\n"
+                                      "marker_mm: 20\n")
+                               .string());
+              }),
+              HasSubstr("are of charuco boards"));
 }
 
 }  // namespace

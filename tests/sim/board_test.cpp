@@ -175,11 +175,25 @@ TEST_F(BoardPdfTest, TagsOfAPrintedAprilGridHaveTheirTrueSizeAndTheirRuler) {
   EXPECT_GE(ruler_mm(page, 145.0), 100.0);
 }
 
+TEST_F(BoardPdfTest, ABoardThatFitsOnlyOnItsSideIsTurned) {
+  // 6 x 5 squares of 35 mm, 210 x 175 mm: with the lines below too high for A4 across, too wide for it upright.
+  const cv::Mat page = render(board_pdf(board_of("checkerboard", 6, 5, 0.035), {"a4", 0.005}));
+  ASSERT_FALSE(page.empty());
+  EXPECT_NEAR(page.cols, 210.0 * kPixelsPerMm, 1.0);
+  // The first row of squares runs down the right: five along the page's width, six along its height.
+  const std::vector<double> across = edges_of(page.row(static_cast<int>((11.0 + 17.5) * kPixelsPerMm)));
+  ASSERT_GE(across.size(), 5U);
+  EXPECT_NEAR(across.back() / kPixelsPerMm, 0.5 * (210.0 + 175.0), 0.2) << "dark at the top right";
+  const std::vector<double> down = edges_of(page.col(static_cast<int>((0.5 * (210.0 + 175.0) - 17.5) * kPixelsPerMm)));
+  ASSERT_GE(down.size(), 6U);
+  for (std::size_t i = 1; i < 6; ++i) EXPECT_NEAR((down[i] - down[i - 1]) / kPixelsPerMm, 35.0, 0.2);
+}
+
 TEST(BoardPdf, SaysWhatWouldFit) {
   EXPECT_THAT(error_text([] {
                 board_pdf(board_of("checkerboard", 6, 5, 0.11), {"a4", 0.01});
               }),
-              AllOf(HasSubstr("a4"), HasSubstr("110 mm do not fit"), HasSubstr("squares of up to 29 mm")));
+              AllOf(HasSubstr("a4"), HasSubstr("110 mm do not fit"), HasSubstr("squares of up to 35 mm")));
   EXPECT_THAT(error_text([] { board_pdf(Board(), {"a7", 0.01}); }), HasSubstr("a4, a3"));
 }
 

@@ -164,7 +164,7 @@ std::optional<Vector2d> corner_shift(const Image8& color, const Camera& camera, 
   const auto nodes = board_nodes(camera, T_camera_board.inverse(), Vector2d(cx - border, cy - border),
                                  p_board.head<2>(), 2 * border + 1);
   if (!nodes) return std::nullopt;
-  const bool dark_outside = Board::is_dark(corner % board.inner_corners_x(), corner / board.inner_corners_x());
+  const bool dark_outside = board.is_dark(corner % board.inner_corners_x(), corner / board.inner_corners_x());
   const Patch model = blurred(ideal_corner(*nodes, dark_outside ? -1.0 : 1.0), kernel);
 
   // I = a + b T - b dx T_x - b dy T_y

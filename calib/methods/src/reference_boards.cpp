@@ -95,12 +95,18 @@ std::optional<ChessboardCorners> whole_board(const BoardView& view, const Board&
   return corners;
 }
 
+// Why a view without all of its corners is left out.
+Finding why_no_corners(const BoardView& view, const Board& board) {
+  if (board.type != "charuco") return Finding("view.corner_outliers");
+  return Finding("board.partly_hidden", {{"corners", view.corners.size()}, {"of", board.corner_count()}});
+}
+
 Views views_of(const MethodInput& input, const FramesByStop& frames) {
   const Observations& observations = input.observations;
   Views views;
   for (const BoardView& view : observations.board_views)
     views[{view.stop, view.camera}] = {view.file, whole_board(view, observations.board),
-                                       Finding("view.corner_outliers")};
+                                       why_no_corners(view, observations.board)};
   if (observations.board.type != "checkerboard") return views;
   for (auto& [at, corners] : reference_chessboards(input, frames))
     views[at] = {frames.at(at)->color_file, std::move(corners)};

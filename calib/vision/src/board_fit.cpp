@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <utility>
 
 #include "rigproof/calib/geometry/homography.h"
@@ -32,6 +33,9 @@ constexpr double kMinPrintContrast = 0.15;
 Vector2d board_position(const Board& board, int id) {
   return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
 }
+
+bool has_markers(const Board& board) { return board.type == "charuco"; }
+double marker_share(const Board& board) { return has_markers(board) ? board.marker_side_m() / board.square_m : 0.0; }
 
 struct MeasuredCorner {
   int id = 0;
@@ -84,8 +88,9 @@ std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, cons
     if (!H.map(b, &centre) || !square_at(H, b, centre, &corner.window.square)) continue;
     const auto seed = std::find_if(seeds.begin(), seeds.end(), [id](const auto& s) { return s.first == id; });
     corner.window.centre = seed != seeds.end() ? seed->second : centre;
-    corner.window.dark_diagonal = Board::is_dark(id % board.inner_corners_x(), id / board.inner_corners_x());
+    corner.window.dark_diagonal = board.is_dark(id % board.inner_corners_x(), id / board.inner_corners_x());
     corner.window.blur_px = blur_px;
+    corner.window.marker_share = marker_share(board);
     corner.window.coarse = coarse;
     corner.fit = fit_saddle(grey, corner.window);
   }
@@ -162,7 +167,7 @@ double print_contrast(const Image8& grey, const Homography& H, const Board& boar
       Vector2d middle;
       if (!H.map(Vector2d(x + 0.5, y + 0.5), &middle)) continue;
       const double value = grey_at(grey, middle).value_or(0.0);
-      difference += Board::is_dark(x, y) ? -value : value;
+      difference += board.is_dark(x, y) ? -value : value;
       sum += value;
     }
   }
@@ -208,17 +213,66 @@ Matrix2d covariance_of(const Aliasing& aliasing, const MeasuredCorner& corner) {
   return edges_to_corner * variance.asDiagonal() * edges_to_corner.transpose();
 }
 
-// Why a measured board cannot be used; absent if it can.
+// Corners that tell a pose: some in each direction.
+bool tells_a_pose(const Board& board, const std::vector<MeasuredCorner>& corners) {
+  constexpr std::size_t kLeast = 6;
+  std::set<int> columns, rows, ids;
+  for (const MeasuredCorner& corner : corners) {
+    if (corner.fit.status != SaddleStatus::kFitted) continue;
+    ids.insert(corner.id);
+    columns.insert(corner.id % board.inner_corners_x());
+    rows.insert(corner.id / board.inner_corners_x());
+  }
+  return ids.size() >= kLeast && columns.size() >= 2 && rows.size() >= 2;
+}
+
+// Why a measured board cannot be used; absent if it can. Markers tell which corners are seen, so some are enough.
 std::optional<Finding> fault_of(const Board& board, const std::vector<MeasuredCorner>& corners,
                                 const CheckerboardOptions& options) {
   const int fitted = count(corners, SaddleStatus::kFitted);
   const double smallest = smallest_square(corners), blur = median_of(corners, blur_of);
   if (smallest < kMinSquarePx) return Finding("board.too_small", {{"square_px", smallest}});
   if (fitted > 0 && blur > kMaxBlurShare * smallest) return Finding("board.blurred", {{"edge_px", 2.0 * blur}});
+  if (has_markers(board)) {
+    if (tells_a_pose(board, corners)) return std::nullopt;
+    return Finding("board.partly_hidden", {{"corners", fitted}, {"of", board.corner_count()}});
+  }
   if (count(corners, SaddleStatus::kOutsideImage) > 0 && fitted < board.corner_count()) return Finding("board.cut_off");
   if (fitted < options.min_corner_share * board.corner_count() || !outline_is_fixed(board, corners))
     return Finding("board.partly_hidden", {{"corners", fitted}, {"of", board.corner_count()}});
   return std::nullopt;
+}
+
+std::vector<std::pair<int, Vector2d>> places_of(const std::vector<MeasuredCorner>& corners) {
+  std::vector<std::pair<int, Vector2d>> places;
+  for (const MeasuredCorner& corner : corners)
+    if (corner.fit.status == SaddleStatus::kFitted) places.emplace_back(corner.id, corner.fit.pixel);
+  return places;
+}
+
+struct CoarseCorners {
+  std::vector<MeasuredCorner> corners;
+  std::optional<Homography> H;  ///< of those that were found
+};
+
+// All corners from their seeds and where these expect the others. From a few seeds alone the farther ones are expected
+// too far off: a board of which markers tell a part is measured again from what was found, as long as more is.
+CoarseCorners measure_coarsely(const Image8& grey, const Board& board, Homography H,
+                               std::vector<std::pair<int, Vector2d>> seeds, const CheckerboardOptions& options) {
+  constexpr double kFirstBlur = 0.9;
+  constexpr int kMaxRounds = 4;
+  for (int round = 0;; ++round) {
+    CoarseCorners coarse = {measure(grey, board, H, seeds, kFirstBlur, true), {}};
+    coarse.H = homography_of(board, coarse.corners);
+    if (!coarse.H) return coarse;
+    drop_outliers(board, *coarse.H, options, &coarse.corners);
+    if (!has_markers(board)) return coarse;
+    std::vector<std::pair<int, Vector2d>> found = places_of(coarse.corners);
+    coarse.H = homography_of(board, coarse.corners);
+    if (!coarse.H || found.size() <= seeds.size() || round + 1 == kMaxRounds) return coarse;
+    H = *coarse.H;
+    seeds = std::move(found);
+  }
 }
 
 }  // namespace
@@ -231,24 +285,19 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   std::optional<Homography> H = Homography::fit(points);
   result.why_not = Finding("board.not_found");
   if (!H) return result;
-  constexpr double kFirstBlur = 0.9;
-  std::vector<MeasuredCorner> corners = measure(grey, board, *H, placement.seeds, kFirstBlur, true);
-  H = homography_of(board, corners);
+  auto [corners, found] = measure_coarsely(grey, board, *H, placement.seeds, options);
+  H = std::move(found);
   if (H) {
-    drop_outliers(board, *H, options, &corners);
-    std::vector<std::pair<int, Vector2d>> fitted;
-    for (const MeasuredCorner& corner : corners)
-      if (corner.fit.status == SaddleStatus::kFitted) fitted.emplace_back(corner.id, corner.fit.pixel);
-    corners = measure(grey, board, *H, fitted, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false);
+    corners = measure(grey, board, *H, places_of(corners), std::clamp(median_of(corners, blur_of), 0.4, 6.0), false);
     drop_outliers(board, *H, options, &corners);
   }
   result.outside = count(corners, SaddleStatus::kOutsideImage);
   result.fitted = count(corners, SaddleStatus::kFitted);
   result.why_not = fault_of(board, corners, options);
-  const bool incomplete = count(corners, SaddleStatus::kFitted) < board.corner_count();
+  const bool incomplete = !has_markers(board) && count(corners, SaddleStatus::kFitted) < board.corner_count();
   if (!result.why_not && incomplete && (!H || !outline_in_image(board, *H, grey)))
     result.why_not = Finding("board.cut_off");
-  if (!result.why_not && H && print_contrast(grey, *H, board) < kMinPrintContrast)
+  if (!result.why_not && H && !has_markers(board) && print_contrast(grey, *H, board) < kMinPrintContrast)
     result.why_not = Finding("board.not_found");
   if (result.why_not) return result;
   const Aliasing aliasing = aliasing_of(corners);

@@ -1,6 +1,7 @@
 #include "rigproof/calib/vision/observe.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -11,7 +12,7 @@
 #include "parallel.h"
 #include "rigproof/calib/geometry/trajectory_alignment.h"
 #include "rigproof/calib/geometry/view_poses.h"
-#include "rigproof/calib/vision/checkerboard.h"
+#include "rigproof/calib/vision/charuco.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/calib/vision/picture_memory.h"
 #include "rigproof/calib/vision/recall.h"
@@ -20,6 +21,7 @@
 #include "rigproof/core/exclusions.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/median.h"
+#include "rigproof/core/text.h"
 #include "sight.h"
 #include "standstill.h"
 
@@ -141,7 +143,7 @@ void search(const Source& from, Sight* sight) {
     return;
   }
   sight->readable = true;
-  BoardDetection detection = detect_checkerboard(*image, from.recording.rig.board);
+  BoardDetection detection = detect_board(*image, from.recording.rig.board);
   if (auto* missing = std::get_if<BoardNotFound>(&detection))
     sight->why_not = missing->why;
   else
@@ -246,20 +248,32 @@ std::vector<const Sight*> choose_frames(const Source& from, const std::vector<Si
   return chosen;
 }
 
-// The size of board that most of some evenly spread images show.
-std::optional<CheckerboardSize> board_in_images(const Source& from, const std::vector<const Sight*>& chosen) {
-  std::map<std::pair<int, int>, int> votes;
+// What an image shows instead of the stated board; empty: nothing.
+std::string other_board_in(const Image8& image, const Board& stated) {
+  // First the one with markers: its corners alone look like a checkerboard's.
+  if (const std::optional<Board> seen = find_any_charuco(image))
+    return "the images seem to show a ChArUco board with squares [" + std::to_string(seen->squares_x) + ", " +
+           std::to_string(seen->squares_y) + "], dictionary " + seen->dictionary + ", markers of " +
+           number_text(std::round(100.0 * seen->marker_side_m())) + " % of the squares' side" +
+           (seen->legacy_pattern ? ", legacy_pattern" : "");
+  const std::optional<CheckerboardSize> size = find_any_checkerboard(image);
+  return size ? describe_size_mismatch(*size, stated) : std::string();
+}
+
+// What most of some evenly spread images show.
+std::optional<std::string> board_in_images(const Source& from, const std::vector<const Sight*>& chosen) {
+  std::map<std::string, int> votes;
   const std::size_t step = std::max<std::size_t>(1, chosen.size() / kDiagnosedImages);
   for (std::size_t i = 0; i < chosen.size(); i += step) {
     std::string ignored;
     const auto image = read<Image8>(from.recording, from.frame(*chosen[i]).color_file, read_grey_image, &ignored);
     if (!image) continue;
-    if (const auto size = find_any_checkerboard(*image)) ++votes[{size->inner_corners_long, size->inner_corners_short}];
+    const std::string seen = other_board_in(*image, from.recording.rig.board);
+    if (!seen.empty()) ++votes[seen];
   }
   const auto most =
       std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (most == votes.end()) return std::nullopt;
-  return CheckerboardSize{most->first.first, most->first.second};
+  return most == votes.end() ? std::nullopt : std::optional(most->first);
 }
 
 [[noreturn]] void throw_without_board(const Source& from, const std::vector<const Sight*>& chosen) {
@@ -268,8 +282,7 @@ std::optional<CheckerboardSize> board_in_images(const Source& from, const std::v
   const Board& board = from.recording.rig.board;
   Finding nowhere("board.nowhere",
                   {{"squares_x", board.squares_x}, {"squares_y", board.squares_y}, {"images", chosen.size()}});
-  if (const std::optional<CheckerboardSize> seen = board_in_images(from, chosen))
-    nowhere = nowhere.with({{"seen", describe_size_mismatch(*seen, board)}});
+  if (const std::optional<std::string> seen = board_in_images(from, chosen)) nowhere = nowhere.with({{"seen", *seen}});
   throw FindingError(from.recording.folder.string(), nowhere.by(counted(reasons)));
 }
 
@@ -645,10 +658,10 @@ Observations observe(const Recording& recording, const ObserveOptions& options) 
 
 Observations observe(const Recording& recording, const ObserveOptions& options, PictureMemory* memory) {
   StopPlan plan = detection::plan_stops(recording, options);
-  const std::string& type = recording.rig.board.type;
-  if (type != "checkerboard")
-    throw Error(recording.folder.string() + ": board.type: " + type +
-                ": such boards are printed and rendered, but not detected; calibration needs a checkerboard");
+  if (!can_be_detected(recording.rig.board))
+    throw Error(recording.folder.string() + ": board.type: " + recording.rig.board.type +
+                ": such boards are printed and rendered, but not detected; calibration needs a checkerboard or a "
+                "ChArUco board");
   const Source from{recording, options, memory};
   std::vector<Sight> sights = look_for_boards(from, &plan);
   refuse_wrong_sizes(from, sights);

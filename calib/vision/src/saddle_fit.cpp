@@ -42,6 +42,8 @@ constexpr double kEdgeReach = 4.0;
 constexpr double kCurvatureSigma = 4e-4;
 // Prior of the brightness slope [1/px]: a tenth over ten pixels.
 constexpr double kSlopeSigma = 0.01;
+// A pixel of which markers take more says little of the edges, and more of the marker's bits.
+constexpr double kMaxMarkerCover = 0.2;
 constexpr double kMinBlur = 0.3;  // a pixel alone has sqrt(1/12)
 constexpr double kQuantisationVariance = 1.0 / 12.0;
 constexpr double kFirstNoiseVariance = 4.0;
@@ -116,6 +118,7 @@ BlurredSign blurred_sign(double s1, double s2, double rho, double root) {
 struct Pixel {
   double x, y;  ///< relative to the window's centre
   double grey;
+  double marker = 0.0;  ///< share of its light that a marker takes, twice, with the sign of light squares
 };
 
 struct Edge {
@@ -134,7 +137,8 @@ double model(const Parameters& p, const Edge& first, const Edge& second, double 
   const double s2 = (u2 - 0.5 * p[kCurve2] * t2 * t2) / p[kBlur2];
   const BlurredSign sign = blurred_sign(s1, s2, rho, root);
   const double light = 1.0 + p[kSlopeX] * pixel.x + p[kSlopeY] * pixel.y;
-  const double flat = p[kMean] + p[kContrast] * sign.value;
+  const double seen = sign.value - pixel.marker;
+  const double flat = p[kMean] + p[kContrast] * seen;
   const double w1 = light * p[kContrast] * sign.by_s1 / p[kBlur1];
   const double w2 = light * p[kContrast] * sign.by_s2 / p[kBlur2];
   const Vector2d toward1 = first.across - p[kCurve1] * t1 * first.along;
@@ -147,7 +151,7 @@ double model(const Parameters& p, const Edge& first, const Edge& second, double 
   d[kBlur1] = -w1 * s1;
   d[kBlur2] = -w2 * s2;
   d[kMean] = light;
-  d[kContrast] = light * sign.value;
+  d[kContrast] = light * seen;
   d[kSlopeX] = flat * pixel.x;
   d[kSlopeY] = flat * pixel.y;
   d[kCurve1] = -0.5 * w1 * t1 * t1;
@@ -216,11 +220,44 @@ struct WindowShape {
   }
 };
 
+/// The markers in the two light squares at a corner, as dark squares: what is within their border is left out.
+class MarkerShade {
+ public:
+  MarkerShade(const SaddleWindow& window, const WindowShape& shape, double blur_px)
+      : shape_(shape),
+        begin_(0.5 * (1.0 - window.marker_share)),
+        share_(window.marker_share),
+        per_u_(shape.height_u / blur_px),
+        per_v_(shape.height_v / blur_px),
+        dark_diagonal_(window.dark_diagonal) {}
+
+  /// Share of a pixel's light that they take.
+  double cover(const Vector2d& offset) const {
+    if (share_ <= 0.0) return 0.0;
+    const Vector2d uv = shape_.board_from_pixel * offset;
+    const double side = dark_diagonal_ ? -1.0 : 1.0;
+    return along(uv.x(), per_u_) * along(side * uv.y(), per_v_) +
+           along(-uv.x(), per_u_) * along(-side * uv.y(), per_v_);
+  }
+
+ private:
+  double along(double at, double per_square) const {
+    const NormalTable& table = NormalTable::instance();
+    return 0.5 * (table.step((at - begin_) * per_square) - table.step((at - begin_ - share_) * per_square));
+  }
+
+  const WindowShape& shape_;
+  double begin_, share_, per_u_, per_v_;  ///< blurs in a square
+  bool dark_diagonal_;
+};
+
 bool inside(const Image8& grey, int x, int y) { return x >= 0 && y >= 0 && x < grey.width && y < grey.height; }
 
 // Pixels of the window; absent if the image ends within it.
 std::optional<std::vector<Pixel>> gather(const Image8& grey, const SaddleWindow& window, double blur_px) {
   const WindowShape shape(window, blur_px);
+  const MarkerShade markers(window, shape, blur_px);
+  const double sign = window.dark_diagonal ? 2.0 : -2.0;
   std::vector<Pixel> pixels;
   const int reach = static_cast<int>(kMaxReach) + 1;
   const int cx = static_cast<int>(std::lround(window.centre.x())),
@@ -230,8 +267,10 @@ std::optional<std::vector<Pixel>> gather(const Image8& grey, const SaddleWindow&
     for (int x = cx - reach; x <= cx + reach; ++x) {
       const Vector2d offset = Vector2d(x, y) - window.centre;
       if (offset.squaredNorm() > kMaxReach * kMaxReach || !shape.holds(offset, blur_px)) continue;
+      const double cover = markers.cover(offset);
+      if (cover > kMaxMarkerCover) continue;
       if (inside(grey, x, y))
-        pixels.push_back({offset.x(), offset.y(), static_cast<double>(grey.at(x, y))});
+        pixels.push_back({offset.x(), offset.y(), static_cast<double>(grey.at(x, y)), sign * cover});
       else
         ++missing;
     }

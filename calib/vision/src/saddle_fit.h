@@ -16,6 +16,9 @@ struct SaddleWindow {
   bool dark_diagonal = true;  ///< the squares at +x +y and -x -y of the corner are dark
   double blur_px = 0.8;       ///< first guess of the edges' blur
   bool coarse = false;        ///< stop at a few hundredths of a pixel
+  /// Side of the markers in the middle of the light squares, over the squares'; 0: none. Pixels on them are left out,
+  /// and what their blur leaves of the others' light is part of the model.
+  double marker_share = 0.0;
 };
 
 enum class SaddleStatus { kFitted, kOutsideImage, kNoSaddle, kTooSmall };

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "finding_bytes.h"
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/files.h"
 
 namespace rigproof::detection {
@@ -63,6 +64,10 @@ void write(const Board& board, Writer* to) {
   to->number(board.squares_x);
   to->number(board.squares_y);
   to->number(board.square_m);
+  if (board.type != "charuco") return;
+  to->text(dictionary_of(board).name);
+  to->number(board.marker_side_m());
+  to->number(static_cast<int>(board.legacy_pattern));
 }
 
 Writer begun_key(const char* kind, const std::string& content) {

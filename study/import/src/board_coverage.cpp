@@ -1,14 +1,16 @@
 #include "board_coverage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
-#include "rigproof/calib/vision/checkerboard.h"
+#include "rigproof/calib/vision/charuco.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/calib/vision/observe.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof {
 namespace {
@@ -21,6 +23,23 @@ std::vector<std::size_t> stops_with(const std::vector<BoardView>& views, std::si
   std::vector<std::size_t> counts;
   for (const auto& some : stops) counts.push_back(some.size());
   return counts;
+}
+
+std::string squares_text(int columns, int rows) {
+  return "squares: [" + std::to_string(columns) + ", " + std::to_string(rows) + "]";
+}
+
+// What an image shows, as rig.yaml says it, with squares of 100 mm; empty: no board.
+std::string board_in(const Image8& image) {
+  // First the one with markers: its corners alone look like a checkerboard's.
+  if (const std::optional<Board> board = find_any_charuco(image))
+    return "type: charuco, " + squares_text(board->squares_x, board->squares_y) +
+           ", square_mm: 100, marker_mm: " + number_text(std::round(100.0 * board->marker_side_m())) +
+           ", dictionary: " + board->dictionary + (board->legacy_pattern ? ", legacy_pattern: true" : "");
+  const auto size = find_any_checkerboard(image);
+  if (!size) return "";
+  return "type: checkerboard, " + squares_text(size->inner_corners_long + 1, size->inner_corners_short + 1) +
+         ", square_mm: 100";
 }
 
 void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
@@ -48,7 +67,7 @@ BoardCoverage find_board(const Recording& recording, int threads, const Coverage
 
 BoardCoverage guess_board(const Recording& recording, const CoverageProgress& progress) {
   BoardCoverage coverage;
-  std::map<std::pair<int, int>, int> votes;
+  std::map<std::string, int> votes;
   const std::size_t total = kGuessedImages * recording.frames.size();
   std::size_t done = 0;
   for (const std::vector<CameraFrame>& frames : recording.frames) {
@@ -59,18 +78,17 @@ BoardCoverage guess_board(const Recording& recording, const CoverageProgress& pr
       const auto image = read_grey_image(path_inside(recording.folder, frames[i * frames.size() / count].color_file));
       if (!std::holds_alternative<Image8>(image)) continue;
       ++looked_at;
-      const auto size = find_any_checkerboard(std::get<Image8>(image));
-      if (!size) continue;
+      const std::string board = board_in(std::get<Image8>(image));
+      if (board.empty()) continue;
       ++seen;
-      ++votes[{size->inner_corners_long + 1, size->inner_corners_short + 1}];
+      ++votes[board];
     }
     coverage.stops.push_back(seen);
     coverage.looked_at.push_back(looked_at);
   }
   const auto most =
       std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (most != votes.end())
-    coverage.seen = "[" + std::to_string(most->first.first) + ", " + std::to_string(most->first.second) + "]";
+  if (most != votes.end()) coverage.seen = most->first;
   return coverage;
 }
 

@@ -14,7 +14,8 @@ namespace rigproof {
 struct BoardCoverage {
   std::vector<std::size_t> stops;      ///< [camera] stops at which the whole board was found
   std::vector<std::size_t> looked_at;  ///< [camera] stops that were looked at
-  std::optional<std::string> seen;     ///< the squares of the checkerboard that most images show: "[5, 4]"
+  std::optional<std::string>
+      seen;  ///< the board that most images show: "type: checkerboard, squares: [5, 4], square_mm: 100"
 };
 
 /// Called with images looked at and in all; false interrupts.

@@ -7,6 +7,7 @@
 #include "board_coverage.h"
 #include "folder_import.h"
 #include "rig_files.h"
+#include "rigproof/calib/vision/charuco.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/pcd.h"
@@ -131,7 +132,7 @@ class PictureWriter {
 };
 
 void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
-  const bool known = options.board.has_value() && options.board->type == "checkerboard";
+  const bool known = options.board.has_value() && can_be_detected(*options.board);
   const CoverageProgress progress = [&options](std::uint64_t done, std::uint64_t total) {
     return !options.progress || options.progress("board", done, total);
   };
@@ -141,16 +142,14 @@ void look_for_board(const InitOptions& options, const Recording& recording, Init
   if (known)
     for (std::size_t i = 0; i < report.cameras.size(); ++i) report.cameras[i].board_stops = coverage.stops[i];
   if (known && guess.seen)
-    report.notes.push_back("the board is in no image; a checkerboard with squares " + *guess.seen +
-                           " seems to be there");
+    report.notes.push_back("the board is in no image; another one seems to be there, apart from its size: {" +
+                           *guess.seen + "}");
   if (options.board) return;
-  const std::string squares = guess.seen.value_or("[6, 5]");
-  report.missing.push_back(
-      (guess.seen
-           ? "the board, which seems to have these squares; measure a row of them: `board: {type: checkerboard, "
-             "squares: "
-           : "the board, of which no checkerboard was found in the images: `board: {type: checkerboard, squares: ") +
-      squares + ", square_mm: 100}` in rig.yaml");
+  const std::string board = guess.seen.value_or("type: checkerboard, squares: [6, 5], square_mm: 100");
+  report.missing.push_back((guess.seen
+                                ? "the board, which seems to be this one; measure a row of its squares: `board: {"
+                                : "the board, of which none was found in the images: `board: {") +
+                           board + "}` in rig.yaml");
 }
 
 std::vector<std::string> comments_of(const InitOptions& options, const InitReport& report) {

@@ -3,7 +3,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
+#include "marker_codes.h"
 #include "rigproof/core/random.h"
 #include "rigproof/core/rotation_between.h"
 
@@ -50,6 +53,10 @@ class BoardTexture {
     to_board_.col(1) = R.col(1) * board.square_m;
     to_board_.col(2) = T_camera_board.translation;
     to_board_ = to_board_.inverse().eval();
+    for (const BoardMarker& marker : charuco_markers(board)) marker_at_[{marker.ix, marker.iy}] = marker.id;
+    if (marker_at_.empty()) return;
+    pictures_ = detection::marker_pictures(dictionary_of(board), static_cast<int>(marker_at_.size()));
+    cells_ = dictionary_of(board).bits + 2;
   }
 
   // Coordinates in squares from the outer corner of the first square; false behind the board's horizon.
@@ -70,13 +77,38 @@ class BoardTexture {
     if (*share <= 0.0) return;
     const double inner =
         coverage(s.x(), width.x(), 0.0, board_.squares_x) * coverage(s.y(), width.y(), 0.0, board_.squares_y);
-    // Both waves start with the dark square in the corner: dark where they agree.
-    const double product = mean_wave(s.x(), width.x()) * mean_wave(s.y(), width.y());
+    // Both waves start with the first square: where it is dark it is dark where they agree.
+    const double first = board_.is_dark(0, 0) ? 1.0 : -1.0;
+    const double product = first * mean_wave(s.x(), width.x()) * mean_wave(s.y(), width.y());
     const double squares = 0.5 * (options_.dark + options_.light) - 0.5 * (options_.light - options_.dark) * product;
     *grey = inner * squares + (1.0 - inner) * options_.light;
+    if (!marker_at_.empty()) *grey -= marker_cover(s, width) * (options_.light - options_.dark);
+    const bool hidden = s.x() >= options_.hidden_from_x && s.x() < options_.hidden_to_x;
+    if (hidden) *grey = options_.background;
   }
 
  private:
+  // Share of a footprint that is on dark cells of the marker in its square.
+  double marker_cover(const Vector2d& s, const Vector2d& width) const {
+    const Vector2d first = s.array().floor();
+    const auto marker = marker_at_.find({static_cast<int>(first.x()), static_cast<int>(first.y())});
+    if (marker == marker_at_.end()) return 0.0;
+    const double side = board_.marker_side_m() / board_.square_m / cells_;
+    const Vector2d at = ((s - first).array() - 0.5 * (1.0 - side * cells_)) / side, size = width / side;
+    const auto range = [this](double middle, double extent) {
+      return std::pair(std::max(0, static_cast<int>(std::floor(middle - 0.5 * extent))),
+                       std::min(cells_ - 1, static_cast<int>(std::floor(middle + 0.5 * extent))));
+    };
+    const auto [x0, x1] = range(at.x(), size.x());
+    const auto [y0, y1] = range(at.y(), size.y());
+    double dark = 0.0;
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x)
+        if (pictures_[static_cast<std::size_t>(marker->second)](y + 2, x + 2) == 0.0F)
+          dark += coverage(at.x(), size.x(), x, x + 1.0) * coverage(at.y(), size.y(), y, y + 1.0);
+    return dark;
+  }
+
   // From where the ray meets the plane to where it meets the bent sheet: a bow is small, so each round gains two
   // digits.
   void bend(const Vector2d& ray, Vector2d* squares) const {
@@ -92,6 +124,9 @@ class BoardTexture {
   BoardPictureOptions options_;
   Eigen::Matrix3d to_board_;
   Eigen::Matrix3d R_board_camera_;
+  std::map<std::pair<int, int>, int> marker_at_;  // ids by square
+  std::vector<Eigen::MatrixXf> pictures_;
+  int cells_ = 0;
   Vector3d eye_;  // the camera in the board's frame
 };
 

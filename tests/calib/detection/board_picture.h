@@ -1,4 +1,5 @@
-// Pictures of a checkerboard made from formulas alone, independent of any renderer, to test the detector against.
+// Pictures of checkerboards and ChArUco boards made from formulas alone, independent of any renderer, to test the
+// detector against.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +24,9 @@ struct BoardPictureOptions {
   double noise_sigma = 0.0;   ///< grey levels, white
   double slope_per_px = 0.0;  ///< relative change of the light along x and y
   double border_m = 0.05;     ///< white margin around the squares
-  bool clutter = false;       ///< rectangles, a fine checker texture and speckle behind the board
+  /// Something of the background's grey hides these columns of squares, from .. to [squares from the board's edge].
+  double hidden_from_x = 0.0, hidden_to_x = 0.0;
+  bool clutter = false;  ///< rectangles, a fine checker texture and speckle behind the board
   double background = 120.0;
   std::uint64_t seed = 0;  ///< of noise and clutter
 };

@@ -1,4 +1,4 @@
-// The checkerboard: geometry, corner order and its symmetries.
+// The board: geometry, corner order and its symmetries.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,9 +9,10 @@
 
 namespace rigproof {
 
-/// A checkerboard of squares_x by squares_y squares. Its inner corners carry ids in row order:
+/// A board of squares_x by squares_y squares. Its inner corners carry ids in row order:
 /// id = iy * inner_corners_x() + ix, at (ix * square_m, iy * square_m, 0) in the board frame.
-/// The square diagonally outside corner 0 (in the board's -x -y corner) is dark.
+/// The square diagonally outside corner 0 (in the board's -x -y corner) is dark, unless `legacy_pattern` says
+/// otherwise.
 struct Board {
   std::string type = "checkerboard";
   int squares_x = 5;
@@ -24,6 +25,12 @@ struct Board {
   std::optional<double> bow_sigma_m;
   /// One sigma of where each corner lies against all of these, along each axis; absent: 0.05 mm, of print and paper.
   std::optional<double> print_sigma_m;
+  /// Of a ChArUco board: its markers' dictionary as OpenCV calls it; empty: the smallest of 5 x 5 bits that has enough.
+  std::string dictionary = {};
+  /// Of a ChArUco board: the side of its markers; absent: three quarters of the square's.
+  std::optional<double> marker_m = {};
+  /// Of a ChArUco board with an even number of rows: its first square is light, as OpenCV before 4.6 drew it.
+  bool legacy_pattern = false;
 
   /// From now on exactly as stated.
   void believe() { square_sigma_m = bow_sigma_m = print_sigma_m = 0.0; }
@@ -39,6 +46,7 @@ struct Board {
     return bow_sigma_m.value_or(kOverA3_m / kA3_m * square_m * std::max(squares_x, squares_y));
   }
   double print_sigma() const { return print_sigma_m.value_or(5e-5); }
+  double marker_side_m() const { return marker_m.value_or(0.75 * square_m); }
   int inner_corners_x() const { return squares_x - 1; }
   int inner_corners_y() const { return squares_y - 1; }
   int corner_count() const { return inner_corners_x() * inner_corners_y(); }
@@ -52,12 +60,13 @@ struct Board {
   /// Centre of the squares [board frame, m].
   Eigen::Vector3d centre() const;
   /// True if the square in column ix, row iy (0-based, from the -x -y corner) is dark.
-  static bool is_dark(int ix, int iy) { return (ix + iy) % 2 == 0; }
+  bool is_dark(int ix, int iy) const { return ((ix + iy) % 2 == 0) != (legacy_pattern && squares_y % 2 == 0); }
   /// True if the board turned by 180 degrees looks the same, so that its first corner cannot be told by colours.
   bool ambiguous_under_half_turn() const { return (squares_x + squares_y) % 2 == 0; }
   bool operator==(const Board& other) const {
     return type == other.type && squares_x == other.squares_x && squares_y == other.squares_y &&
-           square_m == other.square_m;
+           square_m == other.square_m && dictionary == other.dictionary && marker_m == other.marker_m &&
+           legacy_pattern == other.legacy_pattern;
   }
 };
 

@@ -1,0 +1,184 @@
+#include "rigproof/calib/vision/charuco.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "board_fit.h"
+#include "board_search.h"
+#include "chessboard.h"
+#include "marker_reading.h"
+#include "rigproof/calib/geometry/homography.h"
+#include "smooth_image.h"
+
+namespace rigproof {
+namespace {
+
+using detection::BoardFit;
+using detection::BoardPlacement;
+using detection::CornerGrid;
+using detection::MarkedPlacement;
+using detection::Pyramid;
+using Eigen::Vector2d;
+
+constexpr int kMinImageSize = 32;
+constexpr std::size_t kMinGrid = 4;
+// Texture and markers chain saddles, too; the board's grids are among the largest.
+constexpr std::size_t kGridsRead = 16;
+
+/// A part of an image, enlarged.
+struct Enlarged {
+  Image8 image;
+  Vector2d origin;  ///< of the part, in pixels of the whole
+  double factor;
+
+  Vector2d in_whole(const Vector2d& pixel) const {
+    return ((pixel.array() + 0.5) / factor - 0.5).matrix() + origin;  // pixel centres are integers
+  }
+};
+
+// For small squares, whose markers are too near to their corners for the search.
+Enlarged enlarge(const Image8& grey, const cv::Rect& part, int factor) {
+  Enlarged result{Image8(factor * part.width, factor * part.height), Vector2d(part.x, part.y),
+                  static_cast<double>(factor)};
+  cv::Mat to = detection::mat_over(result.image);
+  cv::resize(detection::mat_over(grey)(part), to, to.size(), 0.0, 0.0, cv::INTER_CUBIC);
+  return result;
+}
+
+std::vector<CornerGrid> grids_of(const Enlarged& part) {
+  Pyramid pyramid(part.image);
+  std::vector<CornerGrid> grids = detection::search_grids(pyramid, 0, kMinGrid);
+  for (CornerGrid& grid : grids)
+    for (auto& [at, position] : grid.corners) position = part.in_whole(position);
+  return grids;
+}
+
+// Around a grid, with as much on each side as it is large.
+cv::Rect surroundings(const CornerGrid& grid, const Image8& grey) {
+  Eigen::AlignedBox2d box;
+  for (const auto& [at, position] : grid.corners) box.extend(position);
+  const Vector2d low = box.min() - box.sizes(), high = box.max() + box.sizes();
+  const cv::Rect around(static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>((high - low).x()),
+                        static_cast<int>((high - low).y()));
+  return around & cv::Rect(0, 0, grey.width, grey.height);
+}
+
+Vector2d board_position(const Board& board, int id) {
+  return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
+}
+
+// A lens bends a board by less than this from where a plane's corners are expected [squares].
+constexpr double kOffPlane = 0.3;
+
+std::optional<detection::Homography> homography_of(const BoardPlacement& placement, const Board& board) {
+  std::vector<detection::PlanePoint> points;
+  for (const auto& [id, pixel] : placement.seeds) points.push_back({board_position(board, id), pixel});
+  return detection::Homography::fit(points);
+}
+
+// Without corners of markers that were joined to the grid.
+BoardPlacement on_one_plane(BoardPlacement placement, const Board& board) {
+  std::vector<cv::Point2d> pixels, places;
+  for (const auto& [id, pixel] : placement.seeds) {
+    const Vector2d place = board_position(board, id);
+    pixels.emplace_back(pixel.x(), pixel.y());
+    places.emplace_back(place.x(), place.y());
+  }
+  std::vector<unsigned char> on_plane;
+  if (pixels.size() > 4) cv::findHomography(pixels, places, cv::RANSAC, kOffPlane, on_plane);
+  if (on_plane.size() != pixels.size()) return placement;
+  BoardPlacement kept;
+  for (std::size_t i = 0; i < on_plane.size(); ++i)
+    if (on_plane[i] != 0) kept.seeds.push_back(placement.seeds[i]);
+  return kept.seeds.size() >= 4 ? kept : placement;
+}
+
+/// Looks level by level for grids whose markers tell where they lie on the board.
+class CharucoFinder {
+ public:
+  CharucoFinder(const Image8& grey, const Board& board, const CheckerboardOptions& options)
+      : grey_(grey), board_(board), options_(options), reader_(board) {}
+
+  BoardDetection find() {
+    Pyramid pyramid(grey_);
+    for (const std::size_t level : pyramid.search_order()) {
+      read(detection::search_grids(pyramid, level, kMinGrid));
+      if (is_whole()) break;
+    }
+    if (!is_whole()) look_closer();
+    if (parts_.empty()) return BoardNotFound{Finding("board.not_found")};
+    BoardFit fit = fit_board(grey_, board_, joined(), options_);
+    if (fit.corners.empty()) return BoardNotFound{fit.why_not.value_or(Finding("board.not_found"))};
+    return std::move(fit.corners);
+  }
+
+ private:
+  // At twice the size, and where that shows grids of small squares, at four times.
+  void look_closer() {
+    constexpr int kMaxDoubled = 2048, kMaxPart = 480, kLeastPart = 8;
+    constexpr std::size_t kGridsEnlarged = 8;
+    if (std::max(grey_.width, grey_.height) > kMaxDoubled) return;
+    const std::vector<CornerGrid> grids = grids_of(enlarge(grey_, cv::Rect(0, 0, grey_.width, grey_.height), 2));
+    read(grids);
+    for (std::size_t i = 0; i < std::min(grids.size(), kGridsEnlarged) && !is_whole(); ++i) {
+      const cv::Rect part = surroundings(grids[i], grey_);
+      if (std::max(part.width, part.height) <= kMaxPart && std::min(part.width, part.height) >= kLeastPart)
+        read(grids_of(enlarge(grey_, part, 4)));
+    }
+  }
+
+  void read(const std::vector<CornerGrid>& grids) {
+    for (std::size_t i = 0; i < std::min(grids.size(), kGridsRead); ++i)
+      if (auto part = reader_.read(grey_, grids[i])) parts_.push_back(std::move(*part));
+    std::stable_sort(parts_.begin(), parts_.end(),
+                     [](const MarkedPlacement& a, const MarkedPlacement& b) { return a.evidence > b.evidence; });
+  }
+  bool is_whole() const {
+    return !parts_.empty() && parts_.front().placement.seeds.size() == static_cast<std::size_t>(board_.corner_count());
+  }
+
+  // The likeliest part, and of the others what lies where it expects them: something hid what is between, or only one
+  // size of the image showed them.
+  BoardPlacement joined() const {
+    BoardPlacement all = on_one_plane(parts_.front().placement, board_);
+    std::set<int> ids;
+    for (const auto& seed : all.seeds) ids.insert(seed.first);
+    const std::optional<detection::Homography> H = homography_of(all, board_);
+    if (!H) return all;
+    for (std::size_t k = 1; k < parts_.size(); ++k)
+      for (const auto& [id, pixel] : parts_[k].placement.seeds) {
+        Vector2d place;
+        if (!H->unmap(pixel, &place) || (place - board_position(board_, id)).norm() > kOffPlane) continue;
+        if (ids.insert(id).second) all.seeds.emplace_back(id, pixel);
+      }
+    std::sort(all.seeds.begin(), all.seeds.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    return on_one_plane(std::move(all), board_);
+  }
+
+  const Image8& grey_;
+  const Board& board_;
+  const CheckerboardOptions& options_;
+  detection::MarkerReader reader_;
+  std::vector<MarkedPlacement> parts_;  ///< likeliest first
+};
+
+}  // namespace
+
+BoardDetection detect_charuco(const Image8& image, const Board& board, const CheckerboardOptions& options) {
+  if (board.inner_corners_x() < 2 || board.inner_corners_y() < 2)
+    return BoardNotFound{Finding("board.too_few_squares")};
+  if (std::min(image.width, image.height) < kMinImageSize) return BoardNotFound{Finding("image.too_small")};
+  if (image.channels == 1) return CharucoFinder(image, board, options).find();
+  return CharucoFinder(detection::to_grey(image), board, options).find();
+}
+
+bool can_be_detected(const Board& board) { return board.type == "checkerboard" || board.type == "charuco"; }
+
+BoardDetection detect_board(const Image8& image, const Board& board, const CheckerboardOptions& options) {
+  return board.type == "charuco" ? detect_charuco(image, board, options) : detect_checkerboard(image, board, options);
+}
+
+}  // namespace rigproof

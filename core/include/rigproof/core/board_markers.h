@@ -1,0 +1,37 @@
+// Which markers a board has, and where.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rigproof/core/board.h"
+
+namespace rigproof {
+
+/// One of OpenCV's predefined dictionaries.
+struct MarkerDictionary {
+  const char* name;  ///< as OpenCV calls it: "DICT_5X5_50"
+  int number;        ///< OpenCV's, of cv::aruco::getPredefinedDictionary
+  int bits;          ///< along a side, without the border
+  int markers;       ///< that it has
+};
+
+/// All of them; the first of each size of markers is part of its others.
+const std::vector<MarkerDictionary>& marker_dictionaries();
+
+/// The dictionary of a ChArUco board or AprilGrid. Throws Error where it is unknown or has too few markers.
+const MarkerDictionary& dictionary_of(const Board& board);
+
+/// Why a board cannot have its markers: no such dictionary, too few of them; nothing for a board without markers.
+std::optional<std::string> problem_of_markers(const Board& board);
+
+/// A marker's id, and the square that it is in (column, row).
+struct BoardMarker {
+  int id, ix, iy;
+};
+
+/// Of a ChArUco board: one in each light square, ids along the rows from the first one. Empty for other boards.
+std::vector<BoardMarker> charuco_markers(const Board& board);
+
+}  // namespace rigproof

@@ -1,0 +1,40 @@
+// Many views of ChArUco boards, detected and counted.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "board_picture.h"
+#include "rigproof/calib/vision/charuco.h"
+#include "rigproof/core/random.h"
+
+namespace rigproof {
+
+/// A board somewhere in the image, wholly visible, at any turn.
+struct CharucoView {
+  Board board;
+  Camera camera;
+  Rigid3 T_camera_board;
+};
+
+/// Up to 4 m away and up to 60 degrees oblique; boards of several sizes and dictionaries, some with small markers, some
+/// of the legacy pattern.
+CharucoView random_charuco_view(RandomStream& random);
+
+/// What became of many views.
+struct CharucoCounts {
+  int views = 0, missed = 0, wrong = 0, lost = 0, corners = 0;  ///< wrong: a corner more than 1 px from its place
+  double squares = 0.0, nees = 0.0, largest = 0.0;
+  std::map<std::string, int> reasons;
+
+  double rms_px() const { return std::sqrt(0.5 * squares / corners); }
+  double whitened() const { return std::sqrt(0.5 * nees / corners); }
+  void add(const CharucoView& view, const BoardPictureOptions& picture);
+};
+
+CharucoCounts count_views(int views, const BoardPictureOptions& picture, std::uint64_t seed);
+
+}  // namespace rigproof
