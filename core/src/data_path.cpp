@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -87,9 +88,8 @@ struct Preset {
 std::vector<Preset> presets_of(const std::string& kind) {
   std::vector<Preset> presets;
   for (const fs::path& folder : folders_of_kind(kind)) {
-    std::error_code error;
-    for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-      if (it->path().extension() == ".yaml") presets.push_back({name_of(it->path(), folder, kind), it->path()});
+    for (const fs::directory_entry& entry : folder_tree(folder))
+      if (entry.path().extension() == ".yaml") presets.push_back({name_of(entry.path(), folder, kind), entry.path()});
   }
   // Of one name the first folder's.
   std::stable_sort(presets.begin(), presets.end(), [](const Preset& a, const Preset& b) { return a.name < b.name; });

@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/growing_file.h"
 #include "rigproof/core/text.h"
 
@@ -22,18 +23,6 @@ namespace rigproof {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void fail(const fs::path& file, const std::string& action, int error_number) {
-  std::string cause = std::generic_category().message(error_number);
-  if (error_number == ENOSPC || error_number == EDQUOT) cause = "the disk is full";
-  if (error_number == EFBIG) cause = "the file would exceed the largest size allowed here";
-  if (error_number == EACCES || error_number == EPERM) cause = "no permission";
-  if (error_number == EROFS) cause = "the file system is read-only";
-  // Whoever runs the batch may make room, or bring a share back.
-  const bool may_pass = error_number == ENOSPC || error_number == EDQUOT || error_number == ESTALE;
-  throw Error(file.string() + ": cannot " + action + ": " + cause,
-              may_pass ? ExitCode::kTryAgain : ExitCode::kBadInput);
-}
 
 // Owns a file descriptor.
 class Descriptor {
@@ -79,17 +68,14 @@ fs::path temporary_name(const fs::path& file) {
 }
 
 void create_parent(const fs::path& file) {
-  if (!file.has_parent_path()) return;
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  if (error) fail(file.parent_path(), "create the folder", error.value());
+  if (file.has_parent_path()) create_folder(file.parent_path());
 }
 
 void write_all(int descriptor, const char* data, std::size_t size, const fs::path& file) {
   while (size > 0) {
     const ssize_t written = ::write(descriptor, data, size);
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(file, "write", errno);
+    if (written < 0) throw_system_error(file, "write", errno);
     data += written;
     size -= static_cast<std::size_t>(written);
   }
@@ -99,19 +85,20 @@ void write_all(int descriptor, const char* data, std::size_t size, const fs::pat
 void sync_folder_of(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!descriptor.valid() || (::fsync(descriptor.get()) != 0 && errno != EINVAL)) fail(file, "write its folder", errno);
+  if (!descriptor.valid() || (::fsync(descriptor.get()) != 0 && errno != EINVAL))
+    throw_system_error(file, "write its folder", errno);
 }
 
 void sync_file(const fs::path& file) {
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!descriptor.valid() || ::fsync(descriptor.get()) != 0) fail(file, "write", errno);
+  if (!descriptor.valid() || ::fsync(descriptor.get()) != 0) throw_system_error(file, "write", errno);
 }
 
 // A pipe that nobody reads must not hang the writer, and a disk is no place for a file.
 void write_through(const fs::path& file, const char* data, std::size_t size) {
   const Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK));
   if (!descriptor.valid() && errno == ENXIO) throw Error(file.string() + ": cannot write: nobody reads this pipe");
-  if (!descriptor.valid() || ::fcntl(descriptor.get(), F_SETFL, 0) != 0) fail(file, "write", errno);
+  if (!descriptor.valid() || ::fcntl(descriptor.get(), F_SETFL, 0) != 0) throw_system_error(file, "write", errno);
   write_all(descriptor.get(), data, size, file);
 }
 
@@ -135,12 +122,12 @@ void write_bytes(const fs::path& file, const char* data, std::size_t size, bool 
   create_parent(file);
   const fs::path temporary = temporary_name(file);
   Descriptor descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (!descriptor.valid()) fail(file, "write", errno);
+  if (!descriptor.valid()) throw_system_error(file, "write", errno);
   TemporaryFile guard(temporary);
   write_all(descriptor.get(), data, size, file);
-  if (sync && ::fsync(descriptor.get()) != 0) fail(file, "write", errno);
-  if (descriptor.close() != 0) fail(file, "write", errno);
-  if (::rename(temporary.c_str(), file.c_str()) != 0) fail(file, "write", errno);
+  if (sync && ::fsync(descriptor.get()) != 0) throw_system_error(file, "write", errno);
+  if (descriptor.close() != 0) throw_system_error(file, "write", errno);
+  if (::rename(temporary.c_str(), file.c_str()) != 0) throw_system_error(file, "write", errno);
   guard.keep();
   if (sync) sync_folder_of(file);
 }
@@ -148,7 +135,7 @@ void write_bytes(const fs::path& file, const char* data, std::size_t size, bool 
 // Opens a regular file for reading and tells its size. O_NONBLOCK: a pipe must not hang the reader.
 int open_regular(const fs::path& file, std::uintmax_t max_bytes, std::size_t* size) {
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) fail(file, "read", errno);
+  if (descriptor < 0) throw_system_error(file, "read", errno);
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor);
@@ -169,7 +156,7 @@ std::size_t read_some(int descriptor, char* data, std::size_t size, const fs::pa
   while (done < size) {
     const ssize_t count = ::read(descriptor, data + done, size - done);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(file, "read", errno);
+    if (count < 0) throw_system_error(file, "read", errno);
     if (count == 0) break;
     done += static_cast<std::size_t>(count);
   }
@@ -241,7 +228,7 @@ GrowingFile::GrowingFile(fs::path file) : file_(std::move(file)) {
   create_parent(file_);
   temporary_ = temporary_name(file_);
   descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail(file_, "write", errno);
+  if (descriptor_ < 0) throw_system_error(file_, "write", errno);
 }
 
 GrowingFile::~GrowingFile() {
@@ -263,7 +250,8 @@ void GrowingFile::append(std::string_view bytes) {
 
 void GrowingFile::finish() {
   write_out();
-  if (::fsync(descriptor_) != 0 || ::rename(temporary_.c_str(), file_.c_str()) != 0) fail(file_, "write", errno);
+  if (::fsync(descriptor_) != 0 || ::rename(temporary_.c_str(), file_.c_str()) != 0)
+    throw_system_error(file_, "write", errno);
   ::close(descriptor_);
   descriptor_ = -1;
   sync_folder_of(file_);

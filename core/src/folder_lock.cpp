@@ -5,10 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <system_error>
 #include <thread>
 
-#include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 
 namespace rigproof {
 namespace {
@@ -21,17 +20,15 @@ int open_folder(const std::filesystem::path& folder) {
 
 FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& refusal, Kind kind,
                        std::chrono::milliseconds patience) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw Error(folder.string() + ": cannot create the folder: " + error.message());
+  create_folder(folder);
   descriptor_ = open_folder(folder);
-  if (descriptor_ < 0) throw Error(folder.string() + ": cannot open: " + std::generic_category().message(errno));
+  if (descriptor_ < 0) throw_system_error(folder, "open", errno);
   const auto deadline = std::chrono::steady_clock::now() + patience;
   while (::flock(descriptor_, (kind == Kind::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return;  // a file system without locks: go on without
     if (std::chrono::steady_clock::now() > deadline) {
       ::close(descriptor_);
-      throw Error(folder.string() + ": " + refusal, ExitCode::kTryAgain);
+      throw FolderInUse(folder.string() + ": " + refusal);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }

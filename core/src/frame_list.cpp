@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 
 // More files than this in one folder are refused.
 constexpr std::size_t kMaxFiles = 1000000;
+constexpr std::uintmax_t kMaxListBytes = 256U << 20U;
 const std::vector<std::string> kColumns = {"file", "stamp_s", "exposure_s", "depth", "cloud"};
 constexpr const char* kNeeded = "; it needs rows of file,stamp_s, or must go";
 const std::vector<std::string> kColorFolders = {"color", "image", "."};
@@ -75,7 +76,7 @@ class FramesCsvReader {
   }
 
   std::vector<CameraFrame> read() {
-    const std::string text = read_text_file(file_, 256U << 20U);
+    const std::string text = read_text_file(file_, kMaxListBytes);
     if (is_binary(text) || text.empty()) {
       problems_->add({file_, 0, "", "", (text.empty() ? "is empty" : "is no text") + std::string(kNeeded)});
       return {};

@@ -25,6 +25,7 @@ void visit_odometry(FieldVisitor& visitor, Rig& rig) {
 // ----------------------------------------------------------------------------------------------------- segments.csv
 
 constexpr const char* kSegmentsFile = "segments.csv";
+constexpr std::uintmax_t kMaxSegmentsBytes = 1U << 20U;
 const std::vector<std::string> kSegmentColumns = {"kind", "begin_s", "end_s"};
 
 std::optional<RecordingSegment> read_segment(const CsvColumns& columns, const std::vector<std::string_view>& fields,
@@ -42,7 +43,7 @@ std::optional<RecordingSegment> read_segment(const CsvColumns& columns, const st
 
 std::vector<RecordingSegment> read_segments(const fs::path& file, Problems* problems) {
   std::vector<RecordingSegment> segments;
-  const std::string text = read_text_file(file, 1U << 20U);
+  const std::string text = read_text_file(file, kMaxSegmentsBytes);
   LimitedProblems limited(file.string());
   CsvLines lines(text);
   CsvColumns columns;

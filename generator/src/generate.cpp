@@ -242,7 +242,7 @@ class Generation {
       case WorkerEvent::Kind::kDone:
         return take_news(news_of(event.text));
       case WorkerEvent::Kind::kFailed:
-        throw Error(event.text);
+        throw Error(event.text, event.exit_code);
       case WorkerEvent::Kind::kDied:
         throw Error("a render process " + event.text + " " + name_of_job(scenario_, event.job) +
                         "; what is finished is kept: the same command goes on from there",

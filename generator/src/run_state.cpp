@@ -7,6 +7,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
 #include "rigproof/generator/generator_version.h"
@@ -36,7 +37,7 @@ bool is_temporary(const fs::path& file) {
 }
 
 std::string first_foreign_entry(const fs::path& folder) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+  for (const fs::directory_entry& entry : folder_entries(folder)) {
     if (!is_temporary(entry.path())) return entry.path().filename().string();
   }
   return "";

@@ -21,7 +21,7 @@ constexpr std::size_t kQueueLength = 2;
 // Longest message: a result lists a few files; an error message is cut off.
 constexpr std::size_t kMaxMessage = 32768;
 
-// First byte of a message from a process.
+// First byte of a message from a process. The second of a failure is its exit code.
 constexpr char kTagReady = 'R', kTagDone = 'D', kTagFailed = 'F';
 
 std::string cause(int error_number) { return std::generic_category().message(error_number); }
@@ -30,6 +30,10 @@ void send_message(int socket, const std::string& message) {
   const std::size_t size = std::min(message.size(), kMaxMessage);
   // The owner is gone: so is the reason to go on.
   if (::send(socket, message.data(), size, MSG_NOSIGNAL) < 0) ::_exit(1);
+}
+
+void send_failure(int socket, const std::string& what, ExitCode exit_code) {
+  send_message(socket, std::string{kTagFailed, static_cast<char>(exit_code)} + what);
 }
 
 [[noreturn]] void serve(int socket, const WorkerPool::Prepare& prepare) {
@@ -42,10 +46,12 @@ void send_message(int socket, const std::string& message) {
       send_message(socket, kTagDone + handler(job));
     }
     ::_exit(0);
+  } catch (const Error& error) {
+    send_failure(socket, error.what(), error.exit_code());
   } catch (const std::exception& error) {
-    send_message(socket, kTagFailed + std::string(error.what()));
+    send_failure(socket, error.what(), ExitCode::kBadInput);
   } catch (...) {
-    send_message(socket, kTagFailed + std::string("unknown exception"));
+    send_failure(socket, "unknown exception", ExitCode::kBadInput);
   }
   ::_exit(1);
 }
@@ -141,8 +147,9 @@ WorkerEvent WorkerPool::read_event(std::size_t index) {
   message.resize(static_cast<std::size_t>(size));
   worker.last_heard = std::chrono::steady_clock::now();
   if (message[0] == kTagFailed) {
-    WorkerEvent event = bury(index, message.substr(1));
+    WorkerEvent event = bury(index, message.substr(2));
     event.kind = WorkerEvent::Kind::kFailed;
+    event.exit_code = static_cast<ExitCode>(message[1]);
     return event;
   }
   WorkerEvent event;

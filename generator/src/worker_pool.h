@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rigproof/core/child_process.h"
+#include "rigproof/core/error.h"
 
 namespace rigproof {
 
@@ -23,6 +24,7 @@ struct WorkerEvent {
   Kind kind = Kind::kDone;
   std::uint32_t job = 0;  ///< kDone: which; kFailed, kDied: the first unfinished one, or kNoJob
   std::string text;
+  ExitCode exit_code = ExitCode::kBadInput;  ///< kFailed: that of the exception
 
   static constexpr std::uint32_t kNoJob = 0xFFFFFFFFU;
 };

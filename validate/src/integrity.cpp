@@ -6,6 +6,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/validate/figures.h"
 
 namespace rigproof {
@@ -55,11 +56,11 @@ std::optional<IntegrityProblem> problem_of(const RunFolder& run, const std::stri
 
 std::vector<IntegrityProblem> extras(const RunFolder& run, const Manifest& manifest, const fs::path& folder) {
   std::vector<IntegrityProblem> problems;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->is_directory(error) && !it->is_symlink(error)) continue;
-    const std::string file = it->path().lexically_relative(run.root).generic_string();
-    if (it->path() == run.proof_file() || manifest.files.count(file) > 0) continue;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : folder_tree(folder)) {
+    if (entry.is_directory(ignored) && !entry.is_symlink(ignored)) continue;
+    const std::string file = entry.path().lexically_relative(run.root).generic_string();
+    if (entry.path() == run.proof_file() || manifest.files.count(file) > 0) continue;
     problems.push_back({Kind::kExtra, file, "extra: not in the manifest"});
   }
   return problems;

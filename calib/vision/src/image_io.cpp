@@ -26,6 +26,7 @@ std::variant<Bytes, Unreadable> read_bytes(const fs::path& file) {
     if (bytes.empty()) return Unreadable{"file is empty"};
     return bytes;
   } catch (const Error& failure) {
+    if (failure.exit_code() == ExitCode::kTryAgain) throw;  // of the machine and not of the image
     return Unreadable{failure.what()};
   }
 }
@@ -72,6 +73,12 @@ std::optional<Size> jpeg_size(const Bytes& bytes) {
   return std::nullopt;
 }
 
+// A block of 8x8 pixels takes at least one bit of a Huffman code; a header that promises more lies, and libjpeg would
+// allocate for it and fill it with grey.
+bool too_few_for(const Size& size, const Bytes& bytes) {
+  return std::uint64_t{size.width} * size.height / (64 * 8) > bytes.size();
+}
+
 // libjpeg fills what a truncated file lacks with grey and only warns; the end marker tells.
 bool jpeg_ends(const Bytes& bytes) {
   static constexpr std::uint8_t kEnd[] = {0xFF, 0xD9};
@@ -107,6 +114,7 @@ std::variant<Image8, Unreadable> decode_jpeg(const Bytes& bytes) {
   if (!size || size->width == 0 || size->height == 0) return Unreadable{"damaged JPEG (header)"};
   if (too_large(size->width, size->height)) return Unreadable{size_problem(size->width, size->height)};
   if (!jpeg_ends(bytes)) return Unreadable{"truncated JPEG"};
+  if (too_few_for(*size, bytes)) return Unreadable{"damaged JPEG (fewer pixels than its header says)"};
   return decode_with_opencv(bytes);
 }
 

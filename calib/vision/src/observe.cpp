@@ -124,6 +124,7 @@ std::optional<Value> read(const Recording& recording, const std::string& relativ
   try {
     return take<Value>(read_file(path_inside(recording.folder, relative)), reason);
   } catch (const Error& failure) {
+    if (failure.exit_code() == ExitCode::kTryAgain) throw;
     *reason = failure.what();
     const std::string path = (recording.folder / relative).string() + ": ";
     if (reason->rfind(path, 0) == 0) reason->erase(0, path.size());

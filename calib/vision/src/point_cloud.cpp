@@ -189,7 +189,7 @@ struct Layout {
 
 std::optional<Layout> layout_of(const PcdHeader& header) {
   Layout layout{};
-  int found = 0;
+  std::array<int, 3> found{};
   std::size_t column = 0, offset = 0;
   for (const PcdField& field : header.fields) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -197,12 +197,12 @@ std::optional<Layout> layout_of(const PcdHeader& header) {
       if (field.type != 'F' || field.size != 4 || field.count != 1) return std::nullopt;
       layout.columns[axis] = column;
       layout.offsets[axis] = offset;
-      ++found;
+      ++found[axis];
     }
     column += field.count;
     offset += field.size * field.count;
   }
-  if (found != 3) return std::nullopt;
+  if (found != std::array<int, 3>{1, 1, 1}) return std::nullopt;
   return layout;
 }
 

@@ -7,6 +7,7 @@
 #include "bag_metadata.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "unpack.h"
 
 namespace rigproof {
@@ -26,7 +27,7 @@ std::unique_ptr<BagFile> open_bag_file(const fs::path& file, const fs::path& scr
     case BagContainer::kZstd: {
       if (unpacked_before > 0) throw Error(file.string() + ": is compressed twice; unpack it: zstd -d");
       require_disk_space(scratch.parent_path(), static_cast<double>(fs::file_size(file)));
-      fs::create_directories(scratch);
+      create_folder(scratch);
       const fs::path unpacked = scratch / file.stem();
       unpack_zstd_file(file, unpacked);
       return open_bag_file(unpacked, scratch, unpacked_before + 1);

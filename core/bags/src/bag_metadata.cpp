@@ -7,6 +7,7 @@
 #include "rigproof/bags/bag.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/yaml.h"
 
@@ -31,10 +32,9 @@ bool numbered_before(const fs::path& a, const fs::path& b) {
 
 std::vector<fs::path> bag_files_in(const fs::path& folder) {
   std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (has_bag_name(it->path()) && it->is_regular_file(error)) files.push_back(it->path());
-  if (error) throw Error(folder.string() + ": " + error.message());
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : folder_entries(folder))
+    if (has_bag_name(entry.path()) && entry.is_regular_file(ignored)) files.push_back(entry.path());
   std::sort(files.begin(), files.end(), numbered_before);
   return files;
 }

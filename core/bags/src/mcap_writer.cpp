@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "rigproof/bags/bag_writer.h"
 #include "rigproof/bags/messages.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/version.h"
 #include "unpack.h"
 
@@ -111,11 +112,9 @@ class BagWriter::File {
     std::error_code error;
     if (fs::exists(fs::symlink_status(file_, error)))
       throw Error(file_.string() + ": there is something already; name a new file");
-    if (file_.has_parent_path()) fs::create_directories(file_.parent_path(), error);
+    if (file_.has_parent_path()) create_folder(file_.parent_path());
     descriptor_ = ::open(making_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) throw Error(file_.string() + ": " + std::strerror(errno));
-    put(kMagic);
-    put(record(kHeader, Bytes().text("ros2").text(std::string("rigproof ") + version()).str()));
+    if (descriptor_ < 0) throw_system_error(file_, "write", errno);
   }
   ~File() {
     if (descriptor_ >= 0) ::close(descriptor_);
@@ -123,6 +122,12 @@ class BagWriter::File {
   }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
+
+  // Not in the constructor: what fails there leaves no object that would take the file away again.
+  void begin() {
+    put(kMagic);
+    put(record(kHeader, Bytes().text("ros2").text(std::string("rigproof ") + version()).str()));
+  }
 
   void write(const std::string& name, const std::string& type, std::int64_t log_time_ns, std::string_view message) {
     Topic& topic = described(name, type);
@@ -216,19 +221,17 @@ class BagWriter::File {
     while (!bytes.empty()) {
       const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
       if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) throw Error(file_.string() + ": " + std::strerror(errno));
+      if (count <= 0) throw_system_error(file_, "write", errno);
       bytes.remove_prefix(static_cast<std::size_t>(count));
     }
   }
 
   void close() {
-    const bool synced = ::fsync(descriptor_) == 0;
-    const bool closed = ::close(descriptor_) == 0;
-    descriptor_ = -1;
-    if (!synced || !closed) throw Error(file_.string() + ": " + std::strerror(errno));
+    if (::fsync(descriptor_) != 0) throw_system_error(file_, "write", errno);
+    if (::close(std::exchange(descriptor_, -1)) != 0) throw_system_error(file_, "write", errno);
     std::error_code error;
     fs::rename(making_, file_, error);
-    if (error) throw Error(file_.string() + ": " + error.message());
+    if (error) throw_system_error(file_, "write", error.value());
     done_ = true;
   }
 
@@ -247,7 +250,9 @@ class BagWriter::File {
   Times chunk_times_, times_;
 };
 
-BagWriter::BagWriter(const fs::path& file, BagPacking packing) : file_(std::make_unique<File>(file, packing)) {}
+BagWriter::BagWriter(const fs::path& file, BagPacking packing) : file_(std::make_unique<File>(file, packing)) {
+  file_->begin();
+}
 BagWriter::~BagWriter() = default;
 
 void BagWriter::write(const std::string& topic, const std::string& type, std::int64_t log_time_ns,

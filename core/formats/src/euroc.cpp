@@ -5,6 +5,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/yaml.h"
 #include "rigproof/formats/format.h"
@@ -79,7 +80,7 @@ ConvertReport write_euroc(const WriteJob& job) {
   const std::size_t total = image_total(recording);
   for (std::size_t k = 0; k < recording.rig.cameras.size(); ++k) {
     const fs::path folder = job.folder / "mav0" / ("cam" + std::to_string(k));
-    fs::create_directories(folder / "data");
+    create_folder(folder / "data");
     std::string list = "#timestamp [ns],filename\n";
     for (const CameraFrame& frame : recording.frames[k]) {
       const fs::path image = path_inside(recording.folder, frame.color_file);

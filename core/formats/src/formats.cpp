@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 #include "rigproof/formats/format.h"
 
@@ -119,10 +120,10 @@ bool has_file(const fs::path& folder, const std::string& name) {
 }
 
 void copy_file_into(const fs::path& from, const fs::path& to) {
+  create_folder(to.parent_path());
   std::error_code error;
-  fs::create_directories(to.parent_path(), error);
-  if (!error) fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (error) throw Error(from.string() + ": cannot be copied to " + to.string() + ": " + error.message());
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) throw_system_error(to, "copy " + from.string() + " there", error.value());
 }
 
 }  // namespace rigproof

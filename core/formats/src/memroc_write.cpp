@@ -6,6 +6,7 @@
 #include "memroc.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -116,9 +117,9 @@ bool write_frame(const WriteJob& job, std::size_t number, std::size_t k, const f
 }
 
 void make_camera_folder(const RigCamera& camera, const fs::path& folder) {
-  fs::create_directories(folder / "image");
-  fs::create_directories(folder / "pose");
-  if (camera.depth) fs::create_directories(folder / "clouds");
+  create_folder(folder / "image");
+  create_folder(folder / "pose");
+  if (camera.depth) create_folder(folder / "clouds");
   write_file_atomically_unsynced(folder / kMemrocIntrinsicsFile, intrinsics(camera.camera));
 }
 

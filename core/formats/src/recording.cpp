@@ -1,5 +1,6 @@
 // A recording of our own without a run around it.
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/formats/format.h"
 
 namespace rigproof {
@@ -37,7 +38,7 @@ ConvertReport write_recording(const WriteJob& job) {
       job.step(++report.images, total);
     }
   }
-  for (const RigCamera& camera : copy.rig.cameras) fs::create_directories(job.folder / camera.folder);
+  for (const RigCamera& camera : copy.rig.cameras) create_folder(job.folder / camera.folder);
   save_recording(copy);
   return report;
 }

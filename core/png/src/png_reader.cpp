@@ -101,21 +101,22 @@ std::variant<Scanlines, Unreadable> inflate(const Bytes& bytes, const PngHeader&
   return lines;
 }
 
-// Calls use(y, row) with each row's bytes in turn.
-template <typename Use>
-std::optional<Unreadable> for_each_row(const Bytes& bytes, const PngHeader& header, Use use) {
+// Calls use(image, y, row) with each row's bytes in turn. The image is made when there is what fills it.
+template <typename Image, typename Use>
+std::variant<Image, Unreadable> image_of(const Bytes& bytes, const PngHeader& header, int channels, Use use) {
   std::variant<Scanlines, Unreadable> inflated = inflate(bytes, header);
   if (auto* failure = std::get_if<Unreadable>(&inflated)) return *failure;
   Scanlines& lines = std::get<Scanlines>(inflated);
+  Image image(static_cast<int>(header.width), static_cast<int>(header.height), channels);
   const Bytes zeros(lines.row_bytes + png_detail::kUnfilterPadding, 0);
   for (std::size_t y = 0; y < header.height;) {
     const std::uint8_t* above = y == 0 ? zeros.data() : lines.row(y - 1) + 1;
     const std::size_t done =
         png_detail::unfilter_rows(above, lines.row(y), header.height - y, lines.row_bytes, header.pixel_bytes());
     if (done == 0) return Unreadable{"damaged PNG (unknown filter)"};
-    for (const std::size_t end = y + done; y < end; ++y) use(static_cast<int>(y), lines.row(y) + 1);
+    for (const std::size_t end = y + done; y < end; ++y) use(&image, static_cast<int>(y), lines.row(y) + 1);
   }
-  return std::nullopt;
+  return image;
 }
 
 void to_grey(const std::uint8_t* row, std::size_t channels, std::uint8_t* grey, std::size_t width) {
@@ -157,31 +158,24 @@ std::optional<Unreadable> find_png_damage(const Bytes& bytes) {
 }
 
 std::variant<Image8, Unreadable> decode_png_grey(const Bytes& bytes, const PngHeader& header) {
-  Image8 image(static_cast<int>(header.width), static_cast<int>(header.height));
   const auto channels = static_cast<std::size_t>(header.channels());
-  const auto failure = for_each_row(
-      bytes, header, [&](int y, const std::uint8_t* row) { to_grey(row, channels, image.row(y), header.width); });
-  if (failure) return *failure;
-  return image;
+  return image_of<Image8>(bytes, header, 1, [&](Image8* image, int y, const std::uint8_t* row) {
+    to_grey(row, channels, image->row(y), header.width);
+  });
 }
 
 std::variant<Image8, Unreadable> decode_png_rgb(const Bytes& bytes, const PngHeader& header) {
-  Image8 image(static_cast<int>(header.width), static_cast<int>(header.height), 3);
-  const auto failure = for_each_row(
-      bytes, header, [&](int y, const std::uint8_t* row) { std::copy_n(row, image.row_length(), image.row(y)); });
-  if (failure) return *failure;
-  return image;
+  return image_of<Image8>(bytes, header, 3, [](Image8* image, int y, const std::uint8_t* row) {
+    std::copy_n(row, image->row_length(), image->row(y));
+  });
 }
 
 std::variant<Image16, Unreadable> decode_png_16(const Bytes& bytes, const PngHeader& header) {
-  Image16 image(static_cast<int>(header.width), static_cast<int>(header.height));
-  const auto failure = for_each_row(bytes, header, [&](int y, const std::uint8_t* row) {
-    std::uint16_t* target = image.row(y);
+  return image_of<Image16>(bytes, header, 1, [&](Image16* image, int y, const std::uint8_t* row) {
+    std::uint16_t* target = image->row(y);
     for (std::size_t x = 0; x < header.width; ++x)
       target[x] = static_cast<std::uint16_t>((row[2 * x] << 8) | row[2 * x + 1]);
   });
-  if (failure) return *failure;
-  return image;
 }
 
 }  // namespace rigproof

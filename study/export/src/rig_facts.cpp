@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/recording.h"
 #include "rigproof/core/text.h"
 #include "rigproof/formats/format.h"
@@ -15,15 +16,13 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 
 std::vector<fs::path> results_in(const fs::path& folder) {
   std::vector<fs::path> files;
-  std::error_code ignored;
   for (const fs::path& place : {folder / "results", folder}) {
-    for (fs::directory_iterator it(place, ignored), end; !ignored && it != end; it.increment(ignored))
-      if (it->path().extension() == ".yaml" && it->path().filename() != "rig.yaml" &&
-          it->path().filename() != "run.yaml")
-        files.push_back(it->path());
+    for (const fs::directory_entry& entry : folder_entries(place))
+      if (const fs::path& file = entry.path();
+          file.extension() == ".yaml" && file.filename() != "rig.yaml" && file.filename() != "run.yaml")
+        files.push_back(file);
     if (!files.empty()) break;
   }
-  std::sort(files.begin(), files.end());
   return files;
 }
 

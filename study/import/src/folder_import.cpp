@@ -9,6 +9,7 @@
 #include "import_words.h"
 #include "rig_files.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/odometry_csv.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/text.h"
@@ -26,10 +27,10 @@ struct CameraFolder {
 
 std::vector<CameraFolder> find_cameras(const fs::path& source) {
   std::vector<CameraFolder> cameras;
-  std::error_code error;
-  for (fs::directory_iterator it(source, error), end; !error && it != end; it.increment(error))
-    if (it->is_directory(error) && it->path().filename() != "depth" && has_images(it->path()))
-      cameras.push_back({it->path().filename().string(), it->path()});
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : folder_entries(source))
+    if (entry.is_directory(ignored) && entry.path().filename() != "depth" && has_images(entry.path()))
+      cameras.push_back({entry.path().filename().string(), entry.path()});
   std::sort(cameras.begin(), cameras.end(),
             [](const CameraFolder& a, const CameraFolder& b) { return a.name < b.name; });
   // The usual folders below one camera are not cameras.
@@ -213,9 +214,9 @@ class FolderPlanner {
 fs::path find_trajectory(const InitOptions& options) {
   if (!options.odometry.empty()) return options.odometry;
   std::vector<std::string> found;
-  std::error_code error;
-  for (fs::directory_iterator it(options.source, error), end; !error && it != end; it.increment(error))
-    if (it->is_regular_file(error) && is_trajectory(it->path())) found.push_back(it->path().string());
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : folder_entries(options.source))
+    if (entry.is_regular_file(ignored) && is_trajectory(entry.path())) found.push_back(entry.path().string());
   if (found.size() == 1) return found.front();
   throw Error(options.source.string() + ": " +
               (found.empty() ? std::string("holds no trajectory; give one with --odometry FILE: odometry.csv "

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 #include "rigproof/formats/trajectory.h"
 
@@ -24,10 +25,8 @@ bool is_image(const fs::path& file) {
 
 std::vector<fs::path> images_in(const fs::path& folder) {
   std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (is_image(it->path())) files.push_back(it->path());
-  std::sort(files.begin(), files.end());
+  for (const fs::directory_entry& entry : folder_entries(folder))
+    if (is_image(entry.path())) files.push_back(entry.path());
   return files;
 }
 

@@ -9,6 +9,8 @@ namespace rigproof {
 namespace {
 
 constexpr std::size_t kSizeBytes = 8;
+// Ten bytes may hold any number of empty pixels: room is made for what a depth camera can have.
+constexpr int kMaxPixels = 1 << 26;
 
 // Numbers of three bits a nibble, the lowest first; the fourth bit says that there are more. Nibbles come from the
 // highest of each little-endian word of 32 bits.
@@ -55,6 +57,9 @@ RvlSize read_rvl_size(std::string_view data) {
   if (size.width < 1 || size.height < 1 || size.width > kMaxImageSide || size.height > kMaxImageSide)
     throw Error("RVL depth of " + std::to_string(size.width) + "x" + std::to_string(size.height) + " pixels; 1 to " +
                 std::to_string(kMaxImageSide) + " are allowed");
+  if (size.width > kMaxPixels / size.height)
+    throw Error("RVL depth of " + std::to_string(size.width) + "x" + std::to_string(size.height) + " pixels; " +
+                std::to_string(kMaxPixels) + " in all are allowed");
   return size;
 }
 

@@ -8,6 +8,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 
 namespace rigproof {
 namespace {
@@ -100,12 +101,12 @@ PackRange pack_of(std::size_t place, const std::vector<WorkItem>& order) {
 // Single files first: one that is packed meanwhile is then in a pack.
 AnswerStore::AnswerStore(SweepFolder folder, const SweepPlan& plan)
     : folder_(std::move(folder)), plan_(plan), places_(plan.table.methods.size()) {
-  std::error_code error;
-  for (fs::directory_iterator it(folder_.tasks(), error), end; !error && it != end; it.increment(error))
-    singles_.insert(it->path().filename().string());
+  for (const fs::directory_entry& entry : folder_entries(folder_.tasks()))
+    singles_.insert(entry.path().filename().string());
   std::vector<std::pair<fs::file_time_type, fs::path>> files;
-  for (fs::directory_iterator it(folder_.packs(), error), end; !error && it != end; it.increment(error))
-    if (it->path().extension() == ".jsonl") files.emplace_back(it->last_write_time(error), it->path());
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : folder_entries(folder_.packs()))
+    if (entry.path().extension() == ".jsonl") files.emplace_back(entry.last_write_time(ignored), entry.path());
   std::sort(files.begin(), files.end());  // the newest pack of a task counts
   for (const auto& [time, file] : files) list_pack(file);
 }

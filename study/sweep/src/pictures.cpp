@@ -18,8 +18,8 @@ std::optional<FolderLock> wait_for_lock(const PictureSet& set, const PictureWork
     try {
       return std::optional<FolderLock>(std::in_place, work.cache->making_lock(set.key), "in use",
                                        FolderLock::Kind::kAlone, kLockPatience);
-    } catch (const Error& error) {
-      if (error.exit_code() != ExitCode::kTryAgain || !work.keep_going()) throw;
+    } catch (const FolderInUse&) {
+      if (!work.keep_going()) throw;
     }
   }
 }

@@ -10,6 +10,7 @@
 #include "rigproof/core/child_process.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/result.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/workflow/convert.h"
@@ -110,7 +111,7 @@ class ExternalMethod : public Method {
   // The program's working folder holds its input and, afterwards, its answer: nothing in it leads to the truth.
   ProgramReport start(const MethodInput& input, const fs::path& scratch) const {
     const fs::path work = scratch / "work";
-    fs::create_directories(work);
+    create_folder(work);
     const fs::path copy = copy_input(input, work);
     const fs::path output = config_.output_file == "-" ? work / "-" : work / config_.output_file;
     std::vector<std::string> argv;

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 
 namespace rigproof {
 
@@ -15,8 +16,8 @@ FolderInMaking::FolderInMaking(const fs::path& folder)
   if (fs::exists(there) && !(fs::is_directory(there) && fs::is_empty(folder_, error)))
     throw Error(folder_.string() + ": there is something already; name a new folder");
   fs::remove_all(making_, error);
-  fs::create_directories(making_, error);
-  if (error) throw Error(making_.string() + ": " + error.message());
+  if (error) throw_system_error(making_, "remove what an earlier try left", error.value());
+  create_folder(making_);
 }
 
 FolderInMaking::~FolderInMaking() {
@@ -28,7 +29,7 @@ void FolderInMaking::finish() {
   std::error_code error;
   fs::remove(folder_, error);
   fs::rename(making_, folder_, error);
-  if (error) throw Error(folder_.string() + ": " + error.message());
+  if (error) throw_system_error(folder_, "write", error.value());
   done_ = true;
 }
 

@@ -4,6 +4,7 @@
 
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/validate/proof.h"
 
 namespace rigproof {
@@ -24,10 +25,8 @@ std::optional<Truth> truth_beside(const Input& input) {
 
 std::vector<std::filesystem::path> result_files(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
-  if (!std::filesystem::is_directory(folder)) return files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  for (const auto& entry : folder_entries(folder))
     if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
   return files;
 }
 

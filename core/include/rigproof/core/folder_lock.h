@@ -5,7 +5,15 @@
 #include <filesystem>
 #include <string>
 
+#include "rigproof/core/error.h"
+
 namespace rigproof {
+
+/// Another process holds the folder; with ExitCode::kTryAgain.
+class FolderInUse : public Error {
+ public:
+  explicit FolderInUse(const std::string& message) : Error(message, ExitCode::kTryAgain) {}
+};
 
 /// Holds a folder for one process; processes that are forked from it hold it, too, until they end.
 class FolderLock {
@@ -18,7 +26,7 @@ class FolderLock {
   /// Creates the folder where it is missing. Waits for a moment for processes of a killed program to end. On a file
   /// system without locks there is none.
   /// @param refusal what is said, after the folder's name, if another process holds it: "another rigproof ..."
-  /// Throws Error with ExitCode::kTryAgain then, and Error if the folder cannot be made.
+  /// Throws FolderInUse then, and Error if the folder cannot be made.
   FolderLock(const std::filesystem::path& folder, const std::string& refusal, Kind kind = Kind::kAlone,
              std::chrono::milliseconds patience = std::chrono::seconds(5));
   ~FolderLock();
