@@ -30,7 +30,8 @@ std::vector<Eigen::Vector3f> read_cloud(const Recording& recording, const Camera
 std::vector<Eigen::Vector3f> cloud_of(const Recording& recording, const CameraFrame& frame, const RigCamera& camera) {
   try {
     return read_cloud(recording, frame, camera);
-  } catch (const Error&) {
+  } catch (const Error& failure) {
+    if (failure.exit_code() == ExitCode::kTryAgain) throw;
     return {};
   }
 }

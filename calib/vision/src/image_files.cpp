@@ -38,7 +38,8 @@ std::optional<Image8> readable_image(const Recording& recording, const CameraFra
     auto* image = std::get_if<Image8>(&read);
     if (image == nullptr || image->width != camera.width_px || image->height != camera.height_px) return std::nullopt;
     return std::move(*image);
-  } catch (const Error&) {
+  } catch (const Error& failure) {
+    if (failure.exit_code() == ExitCode::kTryAgain) throw;
     return std::nullopt;
   }
 }
