@@ -277,7 +277,8 @@ TEST(BagWriter, AFileAppearsWholeOrNotAtAll) {
   EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
   write_poses(file, BagPacking::kZstd, 1);
   EXPECT_THAT(error_text([&] { BagWriter(file, BagPacking::kZstd); }), HasSubstr("there is something already"));
-  EXPECT_THAT(error_text([&] { BagWriter(scratch / "bag.mcap/a.mcap", BagPacking::kZstd); }), HasSubstr("a.mcap"));
+  EXPECT_THAT(error_text([&] { BagWriter(scratch / "bag.mcap/a.mcap", BagPacking::kZstd); }),
+              HasSubstr("bag.mcap: cannot create the folder"));
 }
 
 // Written by one and read by the other half, and the bytes are those of the tests' own writer.

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(AsDocumented, FileLimits,
                                          FileLimit{"budget", 4 * kMiB}, FileLimit{"result", 16 * kMiB},
                                          FileLimit{"manifest", 128 * kMiB}, FileLimit{"truth", 64 * kMiB},
                                          FileLimit{"odometry", 512 * kMiB}, FileLimit{"trajectory", 512 * kMiB}),
-                         [](const auto& info) { return info.param.reader; });
+                         [](const auto& tested) { return tested.param.reader; });
 
 std::string nested(const std::string& open, const std::string& close, int depth) {
   std::string text;
