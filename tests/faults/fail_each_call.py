@@ -31,7 +31,8 @@ SPARED = re.compile(r"swept/cache/solutions/")
 # Files that tell how far a command is: whole at any time, and others when it goes on.
 GROWING = re.compile(r"(^|/)(run\.yaml|rows\.jsonl|rows\.csv|times\.csv|counters\.json|summary\.[a-z]+|plan\.json|"
                      r"packs/[0-9a-f]+\.jsonl|tasks/.*\.json)$")
-GENERATE = ["--set", "name=tiny", "--set", "poses=6", "--set", "image_scale=0.25", "-j", "1"]
+GENERATE = ["--set", "name=tiny", "--set", "viewpoints.planner=sampled", "--set", "board.place=scene",
+            "--set", "poses=6", "--set", "image_scale=0.25", "-j", "1"]
 SWEEP = """mode: geometric
 run: {poses: 10}
 seeds: 2
