@@ -32,7 +32,7 @@ cv::Mat drawn_view(const Truth& truth, std::size_t stop, std::size_t camera) {
         if (c.camera.project(T_camera_board * corner, &pixel))
           square.emplace_back(static_cast<int>(16 * pixel.x()), static_cast<int>(16 * pixel.y()));
       }
-      const int shade = board.is_dark(ix + 1, iy + 1) ? 30 : 240;
+      const int shade = truth.board.is_dark(ix + 1, iy + 1) ? 30 : 240;
       if (square.size() == 4) cv::fillConvexPoly(image, square, cv::Scalar(shade, shade, shade), cv::LINE_AA, 4);
     }
   }

@@ -52,7 +52,7 @@ class ProofOfImageNoise : public testing::Test {
     const int ix = static_cast<int>(std::floor(p.x())) + 1, iy = static_cast<int>(std::floor(p.y())) + 1;
     const bool inside = ix >= 0 && iy >= 0 && ix < truth_.board.squares_x && iy < truth_.board.squares_y;
     if (!inside) return 0.2 * kFullWell;
-    double share = board.is_dark(ix, iy) ? 0.02 : 0.4;
+    double share = truth_.board.is_dark(ix, iy) ? 0.02 : 0.4;
     if (dirty && (ix + 2 * iy) % 4 == 0) share *= 1.0 + 0.3 * std::sin(90.0 * p.x());
     return kFullWell * share * (1.2 - 0.4 * pixel.x() / c.camera.width_px);
   }
