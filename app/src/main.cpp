@@ -44,7 +44,10 @@ void add_generate_options(CLI::App* command, GenerateArguments& arguments) {
                 "Override a field, e.g. --set poses=20 --set odometry.lambda=5; may be repeated");
   command->add_flag("--fresh", arguments.fresh, "Delete what is in the output and start over; default is to resume");
   add_cache(command, arguments.cache, kCacheHelp);
-  command->add_flag("--dry-run", arguments.dry_run, "Only say how many images, megabytes and minutes it would take");
+  command->add_flag(
+      "--dry-run", arguments.dry_run,
+      "Only say how many images, megabytes and minutes it would take, and where in its images each camera "
+      "would see the board");
   add_jobs(command, arguments.common);
   add_device(command, arguments.device);
   add_common(command, arguments.common);
