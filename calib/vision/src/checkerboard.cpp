@@ -104,7 +104,8 @@ BoardFit fit_hypothesis(const Image8& grey, const Board& board, const BoardHypot
   return whole ? fit_whole(grey, board, hypothesis, options) : complete(grey, board, hypothesis, options);
 }
 
-double longest_side_px(const CornerGrid& grid) {
+// The image ends within one square of the grid, so the rest of the board may lie beyond.
+bool touches_border(const CornerGrid& grid, const Image8& grey) {
   double longest = 0.0;
   for (const auto& [coordinates, p] : grid.corners) {
     const auto next = grid.corners.find({coordinates.first + 1, coordinates.second});
@@ -112,12 +113,6 @@ double longest_side_px(const CornerGrid& grid) {
     if (next != grid.corners.end()) longest = std::max(longest, (next->second - p).norm());
     if (below != grid.corners.end()) longest = std::max(longest, (below->second - p).norm());
   }
-  return longest;
-}
-
-// The image ends within one square of the grid, so the rest of the board may lie beyond.
-bool touches_border(const CornerGrid& grid, const Image8& grey) {
-  const double longest = longest_side_px(grid);
   return std::any_of(grid.corners.begin(), grid.corners.end(), [&](const auto& corner) {
     const Vector2d& p = corner.second;
     return std::min({p.x(), p.y(), grey.width - 1 - p.x(), grey.height - 1 - p.y()}) < 1.3 * longest;
@@ -147,11 +142,11 @@ class BoardFinder {
       if (try_hypotheses(detection::rank_hypotheses({*grid}, board_), part_size())) return std::move(fit_.corners);
     if (why_not_) return BoardNotFound{*why_not_};
     const Finding reason = reason_for_part(*best_part_, grey_, board_);
-    // Where next to no corner of a board is one when looked at closely, nothing hides it: it was never there. Nor are
-    // a few corners of tiny squares: labels and textures have as many.
-    constexpr double kTinyPx = 10.0;
-    const bool never_there = reason.code == "board.partly_hidden" &&
-                             (most_fitted_ < part_size() || longest_side_px(best_part_->grid) < kTinyPx);
+    // Where many of the corners that are seen are none when looked at closely, nothing hides a board: it was never
+    // there. Floors and labels chain as many saddles by chance.
+    constexpr double kMostAreCorners = 0.75;
+    const double least = std::max<double>(part_size(), kMostAreCorners * static_cast<double>(best_part_->corners));
+    const bool never_there = reason.code == "board.partly_hidden" && most_fitted_ < least;
     return BoardNotFound{never_there ? Finding("board.not_found") : reason};
   }
 
