@@ -75,7 +75,7 @@ TEST(Folders, LockedByAnotherIsAnErrorOfItsOwn) {
                FolderInUse);
   const NoDescriptors none;
   try {
-    FolderLock(folder.path(), "in use");
+    const FolderLock second(folder.path(), "in use");
     FAIL() << "was locked without a descriptor";
   } catch (const FolderInUse&) {
     FAIL() << "nobody was asked";
