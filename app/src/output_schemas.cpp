@@ -268,7 +268,7 @@ std::vector<OutputSchema> output_schemas() {
             {"cameras[].name", "text", "the camera"},
             {"cameras[].board_stops", "integer", "stops with the whole board in its image"},
             {"cameras[].cells", "integer", "parts of its image with a corner of the board, of 8 x 6"},
-            {"cameras[].possible_cells", "integer", "parts that any drive could show it"},
+            {"cameras[].possible_cells", "integer", "parts that this or any other drive could show it"},
             {"cameras[].top_row_px", "number", "row of the uppermost corner; 0: none"},
             {"cameras[].bottom_row_px", "number", "row of the lowest corner; 0: none"}}},
           {"sense",

@@ -97,7 +97,7 @@ bool is_told(const Problems& problems, const std::string& message) {
 std::string located_sensor(FieldVisitor& visitor, const std::string& sensor) {
   const YamlTree* given = visitor.given("sensor");
   if (given == nullptr || !names_sensor_file(sensor)) return sensor;
-  return (fs::path(given->file).parent_path() / sensor).lexically_normal().string();
+  return (fs::absolute(given->file).parent_path() / sensor).lexically_normal().string();
 }
 
 bool is_known_sensor(const std::string& name) {

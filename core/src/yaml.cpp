@@ -1,10 +1,12 @@
 #include "rigproof/core/yaml.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <unordered_set>
 
 #include "rigproof/core/files.h"
@@ -64,6 +66,42 @@ class Converter {
   std::size_t max_nodes_;
   std::size_t nodes_ = 0;
 };
+
+// Lines on which documents begin.
+class DocumentStarts : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override { lines.push_back(mark.line + 1); }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                       YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapEnd() override {}
+
+  std::vector<int> lines;
+};
+
+// YAML::LoadAll never ends on ",a:b": each document ends where it began, before a character that begins nothing.
+std::optional<int> line_of_second_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStarts starts;
+  while (starts.lines.size() < 2 && parser.HandleNextDocument(starts)) continue;
+  if (starts.lines.size() < 2) return std::nullopt;
+  return starts.lines[1];
+}
+
+bool has_document_marks(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("---", 0) == 0 || line.rfind("...", 0) == 0) return true;
+  return false;
+}
 
 bool looks_like_number_or_keyword(const std::string& text) {
   static const char* const kKeywords[] = {"true", "false", "yes", "no", "on", "off", "null", "~", "y", "n"};
@@ -268,14 +306,10 @@ YamlTree& YamlTree::add(YamlTree item) {
 YamlTree parse_yaml(const std::string& text, const std::filesystem::path& file) {
   Converter converter(file.string(), text.size());
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) converter.fail(documents[1].Mark().line + 1, "a second document; only one is allowed");
-    if (documents.empty()) {
-      YamlTree nothing;
-      nothing.file = file.string();
-      return nothing;
-    }
-    return converter.convert(documents[0], 0);
+    if (const std::optional<int> line = line_of_second_document(text))
+      converter.fail(*line, has_document_marks(text) ? "a second document; only one is allowed"
+                                                     : "not valid YAML: text that belongs to nothing before it");
+    return converter.convert(YAML::Load(text), 0);
   } catch (const YAML::Exception& error) {
     converter.fail(error.mark.is_null() ? 0 : error.mark.line + 1, "not valid YAML: " + for_message(error.msg));
   }

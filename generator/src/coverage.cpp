@@ -50,6 +50,19 @@ std::vector<CameraCoverage> told(const std::vector<Shown>& shown, const Viewpoin
   return coverages;
 }
 
+void show(const ViewpointSubject& subject, std::size_t camera, const Viewpoint& stop, std::vector<Shown>* shown) {
+  const WorldCamera& seeing = subject.cameras[camera];
+  (*shown)[camera].add(seeing.camera, corners_in_image(seeing, stop.T_scene_robot(), subject));
+}
+
+void show_from(const std::vector<Rigid3>& T_scene_robot, const Places& places, const ViewpointSubject& subject,
+               std::vector<Shown>* shown) {
+  for (const Rigid3& T : T_scene_robot) {
+    const Viewpoint stop = places.at(T.translation.x(), T.translation.y(), yaw_of(T));
+    for (const std::size_t camera : places.seeing(stop)) show(subject, camera, stop, shown);
+  }
+}
+
 // Evenly from one end to the other; one number if they are one.
 std::vector<double> spread(double low, double high, int count) {
   if (low == high) return {low};
@@ -104,25 +117,20 @@ std::vector<Eigen::Vector2d> corners_in_image(const WorldCamera& camera, const R
 
 std::vector<CameraCoverage> coverage_of(const std::vector<Rigid3>& T_scene_robot, const ViewpointConfig& config,
                                         const ViewpointSubject& subject, ViewpointWorld& world) {
-  const Places places(config, subject, world);
   std::vector<Shown> shown(subject.cameras.size());
-  for (const Rigid3& T : T_scene_robot) {
-    const Viewpoint stop = places.at(T.translation.x(), T.translation.y(), yaw_of(T));
-    for (const std::size_t i : places.seeing(stop))
-      shown[i].add(subject.cameras[i].camera, corners_in_image(subject.cameras[i], stop.T_scene_robot(), subject));
-  }
+  show_from(T_scene_robot, Places(config, subject, world), subject, &shown);
   return told(shown, subject);
 }
 
 std::vector<CameraCoverage> possible_coverage(const ViewpointConfig& config, const ViewpointSubject& subject,
-                                              ViewpointWorld& world) {
+                                              ViewpointWorld& world, const std::vector<Rigid3>& T_scene_robot) {
   const Places places(config, subject, world);
   std::vector<Shown> shown(subject.cameras.size());
+  show_from(T_scene_robot, places, subject, &shown);
   for (const Viewpoint& stop : places_around(config, places)) {
     if (!places.inside(stop)) continue;
     for (std::size_t i = 0; i < shown.size(); ++i)
-      if (places.faces(i, stop))
-        shown[i].add(subject.cameras[i].camera, corners_in_image(subject.cameras[i], stop.T_scene_robot(), subject));
+      if (places.faces(i, stop)) show(subject, i, stop, &shown);
   }
   return told(shown, subject);
 }

@@ -338,7 +338,7 @@ GeneratePlan plan_generation(const GenerateConfig& config, const GenerateOptions
   plan.coverage = scenario.plan.coverage;
   plan.cameras = scenario.coverage;
   ComposedViewpointWorld world(*scenario.world);
-  plan.possible = possible_coverage(config.viewpoints, scenario.subject, world);
+  plan.possible = possible_coverage(config.viewpoints, scenario.subject, world, scenario.viewpoint_poses());
   plan.viewpoints = scenario.stop_count() - scenario.plan.straight;
   return plan;
 }

@@ -285,9 +285,7 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
 
 std::vector<CameraCoverage> coverage_at_viewpoints(const Scenario& scenario) {
   ComposedViewpointWorld world(*scenario.world);
-  const std::vector<Rigid3>& at = scenario.T_scene_robot;
-  const std::vector<Rigid3> viewpoints(at.begin(), at.end() - static_cast<std::ptrdiff_t>(scenario.plan.straight));
-  return coverage_of(viewpoints, scenario.config.viewpoints, scenario.subject, world);
+  return coverage_of(scenario.viewpoint_poses(), scenario.config.viewpoints, scenario.subject, world);
 }
 
 // What board and lenses show in every image alike. A board that is not as told is not told to be exact.

@@ -62,6 +62,10 @@ struct Scenario {
   std::string drive_key, drive_bytes;  ///< of a driven run, for its file: see drive_store.h
 
   std::size_t stop_count() const { return T_scene_robot.size(); }
+  /// T_scene_robot without the stops of the straight drive.
+  std::vector<Rigid3> viewpoint_poses() const {
+    return {T_scene_robot.begin(), T_scene_robot.end() - static_cast<std::ptrdiff_t>(plan.straight)};
+  }
   std::size_t camera_count() const { return rig.rig.cameras.size(); }
   bool sensor_images_are_jpeg() const { return config.sensor_noise != "none" && config.sensing.image.jpeg_quality > 0; }
   std::size_t frame_count() const { return frames.size(); }

@@ -425,7 +425,7 @@ TEST(Rig, ASensorMayBeAFileBesideTheRig) {
   RigReadOptions options;
   options.nominal_intrinsics = true;
   const auto read = [&] {
-    read_fields(file, [&](FieldVisitor& visitor) {
+    read_fields(std::filesystem::relative(file), [&](FieldVisitor& visitor) {
       for (const char* key : {"robot", "board"}) visitor.ignored(key, "");
       visit_rig_cameras(visitor, options, cameras, {});
     });
@@ -436,6 +436,7 @@ TEST(Rig, ASensorMayBeAFileBesideTheRig) {
   folder.write("rigs/other.yaml", "color: {width_px: 800, height_px: 480, hfov_deg: 90}\ndepth: none\n");
   read();
   ASSERT_EQ(cameras.size(), 2U);
+  EXPECT_TRUE(std::filesystem::path(cameras[1].sensor).is_absolute()) << "else a preset may be taken for it";
   EXPECT_EQ(cameras[0].camera.width_px, 640);
   EXPECT_EQ(cameras[1].camera.width_px, 800);
   EXPECT_EQ(load_sensor_preset(cameras[0].sensor).camera.fx_px, 320.0);

@@ -34,6 +34,7 @@ TEST(Yaml, RefusesWhatIsNotOnePlainDocument) {
   EXPECT_THAT(parse_error("a: [1, 2"), HasSubstr("f.yaml:1: not valid YAML"));
   EXPECT_EQ(parse_error("a: 1\nb: 2\na: 3\n"), "f.yaml:3: a: the key is given twice");
   EXPECT_THAT(parse_error("a: 1\n---\nb: 2\n"), HasSubstr("a second document"));
+  EXPECT_EQ(parse_error(",d:m"), "f.yaml:1: not valid YAML: text that belongs to nothing before it");
   EXPECT_THAT(parse_error("? [1, 2]\n: 3\n"), HasSubstr("a key must be a word"));
   EXPECT_THAT(parse_error("a: *none\n"), HasSubstr("not valid YAML"));
 }

@@ -30,9 +30,10 @@ std::vector<CameraCoverage> coverage_of(const std::vector<Rigid3>& T_scene_robot
 
 /// The most that any drive on level floor can show each camera of this board where it stands: from every place in the
 /// drivable area at the distances and bearings of `config`, with every heading, were nothing in the way.
+/// @param T_scene_robot places of a plan, which are possible, too: those tried are a grid and may miss a cell
 /// @returns cells and rows; `stops` counts places that were tried, and means nothing
 std::vector<CameraCoverage> possible_coverage(const ViewpointConfig& config, const ViewpointSubject& subject,
-                                              ViewpointWorld& world);
+                                              ViewpointWorld& world, const std::vector<Rigid3>& T_scene_robot = {});
 
 /// "board in 17 of 20, in 28 of 48 parts of its image (possible: 31), rows 34 to 402 of 720 (possible: 20 to 410)".
 std::string describe_camera(const CameraCoverage& seen, const CameraCoverage& possible, std::size_t stops);
