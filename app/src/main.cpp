@@ -236,7 +236,7 @@ void add_board(CLI::App& app, Action& action) {
   command->add_option("--border-mm", arguments.border_mm, "White around the squares")
       ->check(number_in(0.0, 200.0))
       ->capture_default_str();
-  command->add_option("-o,--output", arguments.output, "File; default board.pdf");
+  command->add_option("-o,--output", arguments.output, "File, .pdf; default board.pdf");
   add_common(command, arguments.common);
 }
 

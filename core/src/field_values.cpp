@@ -51,9 +51,15 @@ std::optional<Distribution> distribution_of(Kind kind) {
   return distribution;
 }
 
-std::optional<Distribution> read_uniform(const YamlTree& tree, const std::string& path, Problems* problems) {
-  const auto ends = read_numbers(tree, path, 2, 2, {}, problems);
+// What may lie anywhere within two turns is a direction, in degrees.
+bool is_direction(const NumberRange& range) { return range.min == -360.0 && range.max == 360.0; }
+
+// Of directions from low on to the left: [170, -170] are those around 180.
+std::optional<Distribution> read_uniform(const YamlTree& tree, const std::string& path, const NumberRange& range,
+                                         Problems* problems) {
+  auto ends = read_numbers(tree, path, 2, 2, {}, problems);
   if (!ends) return std::nullopt;
+  if (is_direction(range) && (*ends)[0] > (*ends)[1]) (*ends)[1] += 360.0;
   if ((*ends)[0] <= (*ends)[1]) return distribution_of(Distribution::Uniform{(*ends)[0], (*ends)[1]});
   problems->add({tree.file, tree.line, path, number_text((*ends)[0]) + ", " + number_text((*ends)[1]),
                  "must be [low, high] with low <= high"});
@@ -71,7 +77,8 @@ std::optional<Distribution> read_normal(const YamlTree& tree, const std::string&
   return distribution_of(Distribution::Normal{*mean, *stddev});
 }
 
-std::optional<Distribution> read_distribution(const YamlTree& tree, const std::string& path, Problems* problems) {
+std::optional<Distribution> read_distribution(const YamlTree& tree, const std::string& path, const NumberRange& range,
+                                              Problems* problems) {
   if (tree.is_scalar()) {
     const auto number = read_number(tree, path, {}, problems);
     return number ? std::optional<Distribution>(*number) : std::nullopt;
@@ -83,7 +90,7 @@ std::optional<Distribution> read_distribution(const YamlTree& tree, const std::s
   }
   const auto& [kind, value] = tree.entries.front();
   const std::string inner = path + "." + kind;
-  if (kind == kUniform) return read_uniform(value, inner, problems);
+  if (kind == kUniform) return read_uniform(value, inner, range, problems);
   if (kind == kNormal) return read_normal(value, inner, problems);
   const auto values = read_numbers(value, inner, 1, 10000, {}, problems);
   return values ? distribution_of(Distribution::Choice{*values}) : std::nullopt;
@@ -91,7 +98,7 @@ std::optional<Distribution> read_distribution(const YamlTree& tree, const std::s
 
 void read_distribution_within(Distribution* value, const NumberRange& range, const YamlTree& tree,
                               const std::string& path, Problems* problems) {
-  const auto distribution = read_distribution(tree, path, problems);
+  const auto distribution = read_distribution(tree, path, range, problems);
   if (!distribution) return;
   const double low = distribution->lowest(), high = distribution->highest();
   if (low >= range.min && high <= range.max) {

@@ -49,7 +49,7 @@ void ListedViewpoint::visit(FieldVisitor& visitor) {
 void GridConfig::visit(FieldVisitor& visitor) {
   visitor.field("distances_m", distances_m, {0.3, kMaxDistanceM}, 1, 1000, "distances from the board");
   visitor.field("bearings_deg", bearings_deg, {-90.0, 90.0}, 1, 1000, "bearings as seen from the board");
-  visitor.field("headings_deg", headings_deg, {-180.0, 180.0}, 1, 1000, "headings, 0 = towards the board");
+  visitor.field("headings_deg", headings_deg, {-360.0, 360.0}, 1, 1000, "headings, 0 = towards the board");
 }
 
 void ViewpointConfig::visit(FieldVisitor& visitor) {
@@ -61,8 +61,9 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
                 "covering, sampled: from the board's centre to the robot, along the floor");
   visitor.field("bearing_deg", bearing_deg, {-90.0, 90.0},
                 "covering, sampled: direction from the board to the robot, 0 = straight in front of it");
-  visitor.field("heading_deg", heading_deg, {-180.0, 180.0},
-                "sampled: robot's heading against the direction to the board, 0 = towards it");
+  visitor.field("heading_deg", heading_deg, {-360.0, 360.0},
+                "sampled: robot's heading against the direction to the board, 0 = towards it; uniform [170, -170] goes "
+                "across 180, away from it");
   visitor.field("min_cameras", min_cameras, {0.0, 8.0},
                 "covering, sampled, grid: cameras that must see the whole board");
   visitor.field("all_cameras_share", all_cameras_share, {0.0, 1.0},

@@ -24,6 +24,17 @@ TEST(BoardCommand, WritesAPdfByPresetAndByMeasures) {
   }
 }
 
+TEST(BoardCommand, WritesNoPdfUnderAnotherEnding) {
+  const TempFolder scratch;
+  for (const char* name : {"c.png", "c.svg", "c"}) {
+    const fs::path file = scratch / name;
+    const ProcessOutput output = rigproof_command({"board", "checkerboard_6x5_110mm", "-o", file.string()});
+    EXPECT_EQ(output.exit_code, 2) << name;
+    EXPECT_THAT(output.err, AllOf(HasSubstr("--output"), HasSubstr(name), HasSubstr(".pdf")));
+    EXPECT_FALSE(fs::exists(file)) << name;
+  }
+}
+
 TEST(BoardCommand, MistakesAreNamed) {
   const TempFolder scratch;
   const std::string file = (scratch / "b.pdf").string();

@@ -26,14 +26,23 @@ double odometry_motion(const Stop& from, const Stop& to) {
   return std::hypot(to.x_m - from.x_m, to.y_m - from.y_m) + std::abs(wrap_angle(to.yaw_rad - from.yaw_rad));
 }
 
-// From stop to stop, as far as a camera saw it: whether the odometry stood.
-std::map<std::pair<int, int>, bool> seen_motions(const Observations& observations, const std::vector<ViewPose>& views) {
-  std::map<std::pair<int, int>, bool> motions;
+// A way between two stops that a camera saw, and whether the odometry stood on it.
+struct SeenMotion {
+  int from = -1;
+  bool still = false;
+};
+
+// By the stop at which they end. A camera that missed a stop saw the way past it, which is no further motion: of those
+// that end at one stop the shortest counts.
+std::map<int, SeenMotion> seen_motions(const Observations& observations, const std::vector<ViewPose>& views) {
+  std::map<int, SeenMotion> motions;
   for (int camera = 0; camera < static_cast<int>(observations.cameras.size()); ++camera)
     for (const ViewPair& pair : consecutive_pairs(views, camera)) {
       const auto from = static_cast<std::size_t>(pair.from->stop), to = static_cast<std::size_t>(pair.to->stop);
       const double seen = seen_motion(pair), told = odometry_motion(observations.stops[from], observations.stops[to]);
-      if (seen > kSeen) motions[{pair.from->stop, pair.to->stop}] = told < kStill * seen;
+      if (seen <= kSeen) continue;
+      SeenMotion& motion = motions[pair.to->stop];
+      if (pair.from->stop >= motion.from) motion = {pair.from->stop, told < kStill * seen};
     }
   return motions;
 }
@@ -59,8 +68,9 @@ std::string constant_columns(const std::vector<Stop>& stops) {
 
 std::optional<Finding> find_dead_odometry(const Observations& observations, const std::vector<ViewPose>& views,
                                           bool contradicted) {
-  const std::map<std::pair<int, int>, bool> motions = seen_motions(observations, views);
-  const auto still = std::count_if(motions.begin(), motions.end(), [](const auto& motion) { return motion.second; });
+  const std::map<int, SeenMotion> motions = seen_motions(observations, views);
+  const auto still =
+      std::count_if(motions.begin(), motions.end(), [](const auto& motion) { return motion.second.still; });
   if (still > 1 && kMany * still > static_cast<std::ptrdiff_t>(motions.size()))
     return Finding("odometry.dead", {{"still", still}, {"motions", motions.size()}});
   if (!contradicted || motions.size() < 3) return std::nullopt;
