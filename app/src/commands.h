@@ -172,6 +172,7 @@ struct SuggestArguments {
   double clearance_m = 1.0;
   double min_turn_deg = 3.0;
   int min_cameras = 1;
+  double min_gain_percent = 1.0;
   int candidates = 300;
   std::uint64_t seed = 0;
 };

@@ -170,6 +170,8 @@ Lines suggest_keys() {
                   {"stops[].y_m", "number", "place in the odometry's frame"},
                   {"stops[].yaw_deg", "number", "heading in the odometry's frame"},
                   {"stops[].cameras", "texts", "that see the board from there"},
+                  {"stops[].hoped", "texts", "that have not seen it and may see it from there"},
+                  {"nothing_helps", "boolean", "no further stop would make a sigma that matters smaller"},
                   {"cameras[].camera", "text", "its name"},
                   {"cameras[].now.NAME", "number or null", axes},
                   {"cameras[].then.NAME", "number or null", axes}}});

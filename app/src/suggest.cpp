@@ -15,6 +15,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/yaml.h"
+#include "rigproof/study/export/export.h"
 #include "rigproof/study/workflow/workflow.h"
 #include "rigproof/truth/stop_at.h"
 #include "rigproof/validate/figures.h"
@@ -45,8 +46,24 @@ SuggestOptions options_of(const SuggestArguments& arguments) {
   options.min_turn_rad = deg_to_rad(arguments.min_turn_deg);
   options.min_cameras = arguments.min_cameras;
   options.candidates = arguments.candidates;
+  options.min_gain = 0.01 * arguments.min_gain_percent;
   options.seed = arguments.seed;
   return options;
+}
+
+// By the robot's tree of frames beside the recording, where there is one.
+std::vector<std::optional<Rigid3>> as_mounted(const Input& input, const Observations& observations) {
+  const FrameTree frames = read_rig_facts(input.path).tf_static;
+  std::vector<std::optional<Rigid3>> mounts;
+  for (const RigCamera& camera : observations.cameras) {
+    const std::optional<Rigid3> T_robot_optical =
+        frames.between(observations.robot_frame, optical_frame_name(camera.name, camera.link, camera.optical_frame));
+    const std::optional<Rigid3> T_robot_link = frames.between(observations.robot_frame, camera.link);
+    mounts.push_back(T_robot_optical || !T_robot_link || !camera.T_link_camera
+                         ? T_robot_optical
+                         : std::optional<Rigid3>(*T_robot_link * *camera.T_link_camera));
+  }
+  return mounts;
 }
 
 double in_unit(double sigma, std::size_t axis) { return axis < 3 ? 100.0 * sigma : rad_to_deg(sigma); }
@@ -94,6 +111,14 @@ std::string worst_text(const Suggestion& suggestion) {
   return text;
 }
 
+// "board in left; rear may see it".
+std::string seen_text(const SuggestedStop& stop, const Observations& observations) {
+  std::string text = stop.cameras.empty() ? "" : "board in " + names_of(stop.cameras, observations);
+  if (stop.hoped.empty()) return text;
+  return text + (text.empty() ? "" : "; ") + names_of(stop.hoped, observations) + " may see " +
+         (text.empty() ? "the board" : "it") + ", which " + (stop.hoped.size() == 1 ? "has" : "have") + " no pose yet";
+}
+
 void print(const Terminal& terminal, const Suggestion& suggestion, const Observations& observations) {
   terminal.line(std::to_string(observations.cameras.size()) + " cameras x " +
                 std::to_string(observations.stops.size()) + " stops: " + result_status_name(suggestion.status_now));
@@ -101,8 +126,7 @@ void print(const Terminal& terminal, const Suggestion& suggestion, const Observa
   for (std::size_t i = 0; i < suggestion.stops.size(); ++i) {
     const SuggestedStop& stop = suggestion.stops[i];
     terminal.line((i == 0 ? terminal.colored("NEXT", Color::kGood) : std::string("    ")) + "  " + (i < 9 ? " " : "") +
-                  std::to_string(i + 1) + "  " + stop.command.text() + "  (board in " +
-                  names_of(stop.cameras, observations) + ")");
+                  std::to_string(i + 1) + "  " + stop.command.text() + "  (" + seen_text(stop, observations) + ")");
   }
   for (const std::string& line : gain_lines(suggestion)) terminal.line(line);
   const std::string worst = worst_text(suggestion);
@@ -128,12 +152,15 @@ std::string as_json(const Suggestion& suggestion, const Observations& observatio
                          {"reasons_now", json_of(suggestion.reasons_now)},
                          {"reasons_then", json_of(suggestion.reasons_then)},
                          {"notes", json_of(suggestion.notes)},
+                         {"nothing_helps", suggestion.nothing_helps},
                          {"stops", nlohmann::json::array()},
                          {"cameras", nlohmann::json::array()}};
   for (const SuggestedStop& stop : suggestion.stops) {
-    nlohmann::json cameras = nlohmann::json::array();
-    for (const int camera : stop.cameras)
-      cameras.push_back(observations.cameras[static_cast<std::size_t>(camera)].name);
+    const auto names = [&observations](const std::vector<int>& cameras) {
+      nlohmann::json list = nlohmann::json::array();
+      for (const int camera : cameras) list.push_back(observations.cameras[static_cast<std::size_t>(camera)].name);
+      return list;
+    };
     json["stops"].push_back({{"command", stop.command.text()},
                              {"turn_before_deg", rad_to_deg(stop.command.turn_before_rad)},
                              {"distance_m", stop.command.distance_m},
@@ -141,7 +168,8 @@ std::string as_json(const Suggestion& suggestion, const Observations& observatio
                              {"x_m", stop.T_world_robot.translation.x()},
                              {"y_m", stop.T_world_robot.translation.y()},
                              {"yaw_deg", rad_to_deg(yaw_of(stop.T_world_robot))},
-                             {"cameras", cameras}});
+                             {"cameras", names(stop.cameras)},
+                             {"hoped", names(stop.hoped)}});
   }
   for (const CameraForecast& camera : suggestion.cameras)
     json["cameras"].push_back(
@@ -225,16 +253,17 @@ void save_replay(const std::filesystem::path& file, const Suggestion& suggestion
 
 int suggest_command(const SuggestArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
-  const SuggestOptions options = options_of(arguments);
+  SuggestOptions options = options_of(arguments);
   const Input input = open_input(arguments.input);
   const Observations observations = observe_with_progress(input, arguments.common.jobs, terminal);
+  options.T_robot_camera_as_mounted = as_mounted(input, observations);
   const Suggestion suggestion = suggest_stops(observations, options);
   if (!arguments.output.empty() && !suggestion.stops.empty())
     save_replay(arguments.output, suggestion, observations, input);
   if (arguments.common.json) std::puts(as_json(suggestion, observations).c_str());
   print(terminal, suggestion, observations);
   if (!arguments.output.empty() && !suggestion.stops.empty()) terminal.line("viewpoints  " + arguments.output.string());
-  return static_cast<int>(suggestion.stops.empty() ? ExitCode::kRefused : ExitCode::kGood);
+  return static_cast<int>(suggestion.stops.empty() && !suggestion.nothing_helps ? ExitCode::kRefused : ExitCode::kGood);
 }
 
 }  // namespace rigproof

@@ -32,6 +32,11 @@ void add_places(CLI::App* command, SuggestArguments& arguments) {
   command->add_option("--min-cameras", arguments.min_cameras, "How many cameras must see the whole board at every stop")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  command
+      ->add_option("--min-gain", arguments.min_gain_percent,
+                   "By how much a stop must make the sigmas that matter smaller, per cent; others are not suggested")
+      ->check(number_in(0.0, 99.0))
+      ->capture_default_str();
   command->add_option("--candidates", arguments.candidates, "Number of random places to choose from")
       ->check(CLI::Range(10, 100000))
       ->capture_default_str();

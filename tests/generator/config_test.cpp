@@ -53,6 +53,19 @@ TEST(GenerateConfig, DifferencesNameTheField) {
                                              "viewpoints.distance_m: {uniform: [1.2, 3.6]} there, 2 here"));
 }
 
+TEST(GenerateConfig, HeadingsMayGoAcrossTheBack) {
+  const auto heading = [](const std::string& range) {
+    return parse_generate_config("viewpoints: {planner: sampled, heading_deg: {uniform: " + range + "}}")
+        .viewpoints.heading_deg;
+  };
+  for (const char* range : {"[170, 190]", "[170, -170]"}) {
+    EXPECT_EQ(heading(range).lowest(), 170.0) << range;
+    EXPECT_EQ(heading(range).highest(), 190.0) << range;
+  }
+  EXPECT_THAT(error_of("viewpoints: {planner: sampled, heading_deg: {uniform: [170, 400]}}"), HasSubstr("-360 to 360"));
+  EXPECT_THAT(error_of("viewpoints: {distance_m: {uniform: [3, 2]}}"), HasSubstr("low <= high"));
+}
+
 TEST(GenerateConfig, EveryMistakeIsNamed) {
   const std::string error = error_of("{pose: 10, odometry: {lambda: -1}, sensor_noise: some, board: {squares: [5]}}");
   EXPECT_THAT(error, HasSubstr("poses"));  // the nearest key

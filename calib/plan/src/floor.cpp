@@ -106,6 +106,7 @@ std::string DriveCommand::text() const {
   if (distance_m != 0.0)
     parts.push_back(std::string(distance_m > 0.0 ? "drive " : "back up ") + fixed_text(std::abs(distance_m), 2) + " m");
   add_turn(turn_after_rad);
+  if (distance_m == 0.0 && !parts.empty()) parts.back() += " on the spot";
   return parts.empty() ? "stay" : joined(parts);
 }
 

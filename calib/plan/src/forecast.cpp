@@ -136,7 +136,8 @@ std::optional<Eigen::MatrixXd> Forecast::regular_covariance(const std::vector<co
   const Eigen::LLT<Eigen::MatrixXd> llt(*information);
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Eigen::MatrixXd J = ml::camera_chart(state_, layout_);
-  const Eigen::MatrixXd joint = J * llt.solve(J.transpose());
+  Eigen::MatrixXd joint = J * llt.solve(J.transpose());
+  ml::add_common_errors(knowledge_.estimate.noise.priors, knowledge_.basis.levels.along_way, &joint);
   if (!joint.allFinite()) return std::nullopt;  // LLT lets NaN pass
   std::vector<Eigen::Index> rows;
   for (int c = 0; c < layout_.cameras; ++c)

@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include "rigproof/core/text.h"
 
 namespace rigproof::suggest {
 namespace {
@@ -20,6 +24,7 @@ constexpr std::array<Stated, 7> kStated = {{{"board", "squares"},
                                             {"depth error", "offset"},
                                             {"turning point", "centre"},
                                             {"riding height", "height"}}};
+constexpr std::array<const char*, 6> kAxes = {"x", "y", "z", "roll", "pitch", "yaw"};
 // Of the variance: with less, what is seen counts for more.
 constexpr double kMost = 0.5;
 
@@ -41,10 +46,29 @@ Worst worst_of(const Result& result, const AcceptLimits& limits) {
   return worst;
 }
 
+// "board 80 %, odometry 15 %": the lines of the budget that matter.
+std::string largest_shares(const Worst& worst) {
+  constexpr double kSmall = 0.1;
+  std::vector<std::pair<double, std::string>> lines;
+  for (const EstimatedTransform::Share& line : worst.camera->budget)
+    if (line.share[worst.axis] >= kSmall) lines.emplace_back(line.share[worst.axis], line.source);
+  std::sort(lines.rbegin(), lines.rend());
+  std::vector<std::string> texts;
+  for (const auto& [share, source] : lines) texts.push_back(source + " " + fixed_text(100.0 * share, 0) + " %");
+  return joined(texts);
+}
+
 }  // namespace
 
+Finding what_limits(const Result& then, const AcceptLimits& limits, std::size_t stops, double min_gain) {
+  const Worst worst = worst_of(then, limits);
+  Finding finding("suggest.nothing_helps",
+                  {{"which", stops == 0 ? "no stop" : "no further stop"}, {"gain_percent", 100.0 * min_gain}});
+  if (worst.camera == nullptr || worst.camera->budget.empty()) return finding;
+  return finding.with({{"limits", largest_shares(worst)}}).along({kAxes[worst.axis]}).of(worst.camera->child);
+}
+
 std::optional<Finding> what_to_measure(const Result& then, const AcceptLimits& limits) {
-  constexpr std::array<const char*, 6> kAxes = {"x", "y", "z", "roll", "pitch", "yaw"};
   const Worst worst = worst_of(then, limits);
   if (worst.camera == nullptr || worst.camera->budget.empty()) return std::nullopt;
   const auto share = [&](const EstimatedTransform::Share& line) { return line.share[worst.axis]; };

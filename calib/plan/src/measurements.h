@@ -12,5 +12,8 @@ namespace rigproof::suggest {
 /// known after the drive: what to measure. Absent where drives help, or where nothing is stated.
 /// @param then the result that is expected after the drive
 std::optional<Finding> what_to_measure(const Result& then, const AcceptLimits& limits);
+/// What the largest sigma, in units of the limits, is made of, where further stops do not help.
+/// @param stops that are suggested all the same
+Finding what_limits(const Result& then, const AcceptLimits& limits, std::size_t stops, double min_gain);
 
 }  // namespace rigproof::suggest

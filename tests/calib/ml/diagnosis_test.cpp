@@ -243,6 +243,22 @@ Observations drive_of(int stops) {
   return draw_geometric_run(config).observations;
 }
 
+// Ten stops are nine ways, also where a camera missed a stop and saw the way past it.
+TEST(Diagnosis, CountsEachWayOfADeadOdometryOnce) {
+  Observations observations = drive_of(10);
+  for (Stop& stop : observations.stops) stop.x_m = stop.y_m = stop.yaw_rad = 0.0;
+  std::vector<BoardView>& views = observations.board_views;
+  views.erase(std::remove_if(views.begin(), views.end(),
+                             [](const BoardView& view) { return view.camera == 0 && view.stop % 3 == 1; }),
+              views.end());
+  const std::vector<Finding> reasons = estimate_maximum_likelihood(observations).result.reasons;
+  const auto dead =
+      std::find_if(reasons.begin(), reasons.end(), [](const Finding& reason) { return reason.is("odometry.dead"); });
+  ASSERT_NE(dead, reasons.end()) << testing::PrintToString(worded(reasons));
+  EXPECT_EQ(std::get<double>(dead->find("motions")->value), 9.0);
+  EXPECT_EQ(std::get<double>(dead->find("still")->value), 9.0);
+}
+
 TEST(Diagnosis, NamesFramesInAnotherOrder) {
   const Observations right = drive_of(12);
   std::vector<int> backward(12), text(12);

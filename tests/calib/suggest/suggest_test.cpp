@@ -243,6 +243,19 @@ TEST(Suggest, ForecastComesTrueOverTrials) {
     }
 }
 
+// Without views that nobody foretold: of a board closer to the edge of an image than the forecast relies on.
+Observations as_foretold(Observations observations, const Suggestion& suggestion) {
+  const int before = static_cast<int>(observations.stops.size() - suggestion.stops.size());
+  const auto is_surprise = [&](const BoardView& view) {
+    if (view.stop < before) return false;
+    const std::vector<int>& cameras = suggestion.stops[static_cast<std::size_t>(view.stop - before)].cameras;
+    return std::find(cameras.begin(), cameras.end(), view.camera) == cameras.end();
+  };
+  std::vector<BoardView>& views = observations.board_views;
+  views.erase(std::remove_if(views.begin(), views.end(), is_surprise), views.end());
+  return observations;
+}
+
 // The same against what the method then states of itself; depth without noise shares its error among all planes.
 TEST(Suggest, ForecastThenIsWhatTheMethodWillStateOverTrials) {
   for (const bool clean : {false, true}) {
@@ -258,7 +271,7 @@ TEST(Suggest, ForecastThenIsWhatTheMethodWillStateOverTrials) {
     std::vector<double> mean(18);
     for (int trial = 0; trial < trials.count(); ++trial) {
       config.seed = 1000 + static_cast<std::uint64_t>(trial);
-      const Result result = ml_method().solve(draw(config, scene).observations);
+      const Result result = ml_method().solve(as_foretold(draw(config, scene).observations, suggestion));
       ASSERT_EQ(result.status, ResultStatus::kSolved);
       const std::vector<double> stated = stated_sigmas(result);
       for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += stated[i] / trials.count();
@@ -353,6 +366,93 @@ TEST(Suggest, NamesWhatToMeasureWhereNoDriveHelps) {
   EXPECT_THAT(measures(), ElementsAre(testing::AllOf(
                               HasSubstr("comes from: board; stops hardly change that: measure the side of ten squares"),
                               testing::EndsWith("`square_sigma_mm`."))));
+}
+
+// The third camera's images were searched for the board in vain, or left out for another reason.
+Observations with_blind_camera(int stops, GeometricDrive drive, const char* why = "board.not_found") {
+  Observations observations = draw_geometric_run(short_drive(drive, stops)).observations;
+  std::vector<BoardView>& views = observations.board_views;
+  views.erase(std::remove_if(views.begin(), views.end(), [](const BoardView& view) { return view.camera == 2; }),
+              views.end());
+  for (int stop = 0; stop < stops; ++stop) observations.exclusions.push_back({2, stop, "a.png", Finding(why), false});
+  return observations;
+}
+
+double bearing_of_board(const Suggestion& suggestion, const Observations& observations, std::size_t stop) {
+  const Eigen::Vector3d board = suggestion.T_world_board * observations.board.centre();
+  const Eigen::Vector3d p = suggestion.stops[stop].T_world_robot.inverse() * board;
+  return std::atan2(p.y(), p.x());
+}
+
+TEST(Suggest, TurnsOnTheSpotForACameraThatHasNotSeenTheBoard) {
+  const Observations observations = with_blind_camera(8, GeometricDrive::kRandom);
+  const Suggestion suggestion = suggest_stops(observations, wide_floor());
+  ASSERT_GE(suggestion.stops.size(), 1U);
+  std::vector<double> bearings;
+  for (std::size_t i = 0; i < suggestion.stops.size(); ++i) {
+    EXPECT_THAT(suggestion.stops[i].hoped, ElementsAre(2));
+    EXPECT_EQ(suggestion.stops[i].command.distance_m, 0.0);
+    EXPECT_THAT(suggestion.stops[i].command.text(), testing::EndsWith(" on the spot"));
+    bearings.push_back(std::abs(rad_to_deg(bearing_of_board(suggestion, observations, i))));
+  }
+  // The board was ahead of the robot: one of the turns brings it behind.
+  EXPECT_GT(*std::max_element(bearings.begin(), bearings.end()), 140.0);
+}
+
+TEST(Suggest, TurnsACameraToTheBoardAsItIsMounted) {
+  const Observations observations = with_blind_camera(8, GeometricDrive::kRandom);
+  SuggestOptions options = wide_floor();
+  options.T_robot_camera_as_mounted.resize(3);
+  for (const double looks_deg : {90.0, 180.0, -120.0}) {
+    Rigid3 mounted;
+    mounted.rotation = Eigen::AngleAxisd(deg_to_rad(looks_deg), Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+                       (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished();
+    options.T_robot_camera_as_mounted[2] = mounted;
+    const Suggestion suggestion = suggest_stops(observations, options);
+    ASSERT_FALSE(suggestion.stops.empty());
+    EXPECT_THAT(suggestion.stops[0].hoped, ElementsAre(2));
+    // Whole degrees, of the direction and of the command.
+    const double off = wrap_angle(bearing_of_board(suggestion, observations, 0) - deg_to_rad(looks_deg));
+    EXPECT_LT(std::abs(rad_to_deg(off)), 2.0) << looks_deg;
+    EXPECT_EQ(suggestion.stops[0].command.distance_m, 0.0);
+    ASSERT_EQ(suggestion.stops.size(), 3U);  // one turn is enough; the others are for the cameras that see
+    EXPECT_TRUE(suggestion.stops[1].hoped.empty());
+    EXPECT_FALSE(suggestion.stops[1].cameras.empty());
+  }
+}
+
+// Images that were lost to clocks say nothing of where a camera looks.
+TEST(Suggest, TurnsForNoCameraWhoseImagesWereNotSearched) {
+  const Observations observations = with_blind_camera(8, GeometricDrive::kRandom, "odometry.none");
+  for (const SuggestedStop& stop : suggest_stops(observations, wide_floor()).stops) EXPECT_TRUE(stop.hoped.empty());
+}
+
+// A drive that is long enough: what is left is what was stated of the board.
+TEST(Suggest, SaysThatNothingMoreHelps) {
+  Observations observations = draw_geometric_run(short_drive(GeometricDrive::kRandom, 20)).observations;
+  observations.board.square_sigma_m = 0.03 * observations.board.square_m;
+  observations.accept = AcceptLimits{0.02, 0.001, deg_to_rad(1.0)};
+  const Suggestion suggestion = suggest_stops(observations, wide_floor());
+  EXPECT_TRUE(suggestion.nothing_helps);
+  EXPECT_TRUE(suggestion.stops.empty());
+  EXPECT_THAT(worded(suggestion.notes),
+              testing::Contains(testing::AllOf(HasSubstr("Nothing more helps: no stop makes"),
+                                               HasSubstr("what limits center along or about x: board "))));
+}
+
+// Of what is suggested every stop helps by what was asked for.
+TEST(Suggest, SuggestsNoStopThatHelpsTooLittle) {
+  const GeometricRun run = draw_geometric_run(short_drive(GeometricDrive::kRandom, 20));
+  SuggestOptions options = wide_floor();
+  options.stops = 6;
+  options.min_gain = 0.08;
+  const Suggestion few = suggest_stops(run.observations, options);
+  EXPECT_LT(few.stops.size(), 6U);
+  EXPECT_TRUE(few.nothing_helps);
+  options.min_gain = 0.0;
+  const Suggestion all = suggest_stops(run.observations, options);
+  EXPECT_EQ(all.stops.size(), 6U);
+  EXPECT_FALSE(all.nothing_helps);
 }
 
 TEST(Suggest, RefusesWhatItCannotStartFrom) {

@@ -43,8 +43,12 @@ struct SuggestOptions {
   int min_cameras = 1;              ///< that see the whole board from every stop
   double max_obliquity_rad = 1.05;  ///< between the board's normal and the view
   int candidates = 300;             ///< places among which is chosen
-  std::uint64_t seed = 0;           ///< of the places
-  MlOptions ml;                     ///< as the calibration is asked for: its priors count, now and then
+  /// By which a stop must make the criterion smaller [share of a standard deviation]; others are not suggested.
+  double min_gain = 0.01;
+  std::uint64_t seed = 0;  ///< of the places
+  /// [camera] where it is mounted by the robot's drawings, if they are known: where it looks before it saw the board.
+  std::vector<std::optional<Rigid3>> T_robot_camera_as_mounted = {};
+  MlOptions ml;  ///< as the calibration is asked for: its priors count, now and then
 };
 
 /// What a robot on wheels does: turn, drive straight, turn. Turns are positive to the left.
@@ -54,7 +58,7 @@ struct DriveCommand {
   double turn_after_rad = 0.0;
 
   Rigid3 motion() const;  ///< T_before_after
-  /// "turn 34 deg left, drive 1.20 m, turn 10 deg right".
+  /// "turn 34 deg left, drive 1.20 m, turn 10 deg right", "turn 140 deg left on the spot".
   std::string text() const;
 };
 
@@ -62,6 +66,7 @@ struct SuggestedStop {
   DriveCommand command;      ///< from the stop before, the first from the last one of the observations
   Rigid3 T_world_robot;      ///< planar
   std::vector<int> cameras;  ///< that will see the whole board
+  std::vector<int> hoped;    ///< that have not seen it and may see it from there
 };
 
 /// Standard deviations tx ty tz rx ry rz [m, rad]; absent: not determined.
@@ -81,6 +86,7 @@ struct Suggestion {
   ResultStatus status_then = ResultStatus::kRefused;  ///< of `ml` on the observations with the forecast ones
   std::vector<Finding> reasons_now;
   std::vector<Finding> reasons_then;
+  bool nothing_helps = false;  ///< fewer stops than asked for, since no further one would make the criterion smaller
   /// Why fewer stops than asked for are suggested, or what the forecast leaves out.
   std::vector<Finding> notes;
   /// As estimated. Undetermined x, y or yaw have small, consistent values.
@@ -88,11 +94,13 @@ struct Suggestion {
   std::vector<Rigid3> T_world_robot;  ///< of the stops so far
 };
 
-/// Places are drawn on the free floor, aimed so that a camera sees the whole board; the best ones are chosen one by one
-/// (greedy) and then exchanged as long as that helps. The information of a stop is that of `ml`, linearised at the
-/// estimate with its noise levels; the covariances of its views are those of the nearest views so far, and the odometry
-/// links it to the previous stop. Works from a refused result as well: undetermined directions count as one metre or
-/// radian. Throws Error on options out of range, and where no camera ever saw the board.
+/// First come turns on the spot for cameras in whose images no board was found. Places are drawn on the free floor,
+/// aimed so that a camera sees the whole board, beside turns where the robot stands; the best ones are chosen one by
+/// one (greedy; of those about as good the nearest) and then exchanged as long as that helps. The information of a stop
+/// is that of `ml`, linearised at the estimate with its noise levels; the covariances of its views are those of the
+/// nearest views so far, and the odometry links it to the previous stop. Works from a refused result as well:
+/// undetermined directions count as one metre or radian. Throws Error on options out of range, and where no camera ever
+/// saw the board.
 Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options = {});
 
 }  // namespace rigproof

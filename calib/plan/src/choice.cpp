@@ -1,0 +1,165 @@
+#include "choice.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace rigproof::suggest {
+namespace {
+
+constexpr double kImpossible = std::numeric_limits<double>::infinity();
+
+// Smooth enough that every candidate that helps a little is told from one that does not.
+double worst_axis(const Eigen::VectorXd& relative_sigmas) {
+  constexpr double kPower = 8.0;
+  const double largest = relative_sigmas.maxCoeff();
+  return largest * std::pow((relative_sigmas / largest).array().pow(kPower).mean(), 1.0 / kPower);
+}
+
+double limit_of(const AcceptLimits& limits, std::size_t axis) {
+  return axis < 2 ? limits.xy_m : axis == 2 ? limits.z_m : limits.angle_rad;
+}
+
+// Of all axes one after the other; 0 where nothing is determined.
+std::vector<double> relative(const std::vector<AxisSigmas>& cameras, const AcceptLimits& limits) {
+  std::vector<double> shares;
+  for (const AxisSigmas& sigmas : cameras)
+    for (std::size_t axis = 0; axis < 6; ++axis) shares.push_back(sigmas[axis].value_or(0.0) / limit_of(limits, axis));
+  return shares;
+}
+
+}  // namespace
+
+bool Choice::may_take(std::size_t candidate) const {
+  return given_up.count(candidate) == 0 && std::find(places.begin(), places.end(), candidate) == places.end();
+}
+
+Choice Choice::without(std::size_t candidate) const {
+  Choice rest = *this;
+  rest.given_up.insert(candidate);
+  rest.places.erase(std::find(rest.places.begin(), rest.places.end(), candidate));
+  return rest;
+}
+
+double cost_between(const Floor& floor, const Place& from, const Place& to) {
+  constexpr double kBlocked = 1e3;
+  const DriveCommand command = command_between(from, to, 0.0);
+  return std::abs(command.distance_m) + std::abs(command.turn_before_rad) + std::abs(command.turn_after_rad) +
+         (floor.may_drive(from, to) ? 0.0 : kBlocked);
+}
+
+Chooser::Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::vector<Place>& places,
+                 const std::vector<Place>& first)
+    : outlook_(outlook),
+      limits_(limits),
+      places_(places),
+      wanted_(std::min(static_cast<std::size_t>(outlook.options.stops) - first.size(), places.size())) {
+  const auto inform = [&](const std::vector<Place>& from, std::vector<StopInformation>* information) {
+    for (const Place& place : from) information->push_back(outlook.forecast.information_of(outlook.foresight, place));
+  };
+  inform(first, &first_);
+  inform(places, &information_);
+  const Place start = first.empty() ? outlook.last_place() : first.back();
+  for (const Place& place : places) cost_.push_back(cost_between(outlook.floor, start, place));
+  matters_ = axes_that_matter();
+}
+
+std::vector<const StopInformation*> Chooser::stops_of(const std::vector<std::size_t>& chosen) const {
+  std::vector<const StopInformation*> stops;
+  for (const StopInformation& stop : first_) stops.push_back(&stop);
+  for (const std::size_t i : chosen) stops.push_back(&information_[i]);
+  return stops;
+}
+
+// Those beyond a limit that the user gave, or near the worst one, as far as all places together would make them
+// smaller: what limits the others was stated beforehand, and no drive changes it.
+std::vector<bool> Chooser::axes_that_matter() const {
+  constexpr double kHelped = 0.9, kNearWorst = 0.25;
+  std::vector<std::size_t> everywhere(places_.size());
+  std::iota(everywhere.begin(), everywhere.end(), std::size_t{0});
+  const std::vector<double> now = relative(outlook_.forecast.sigmas({}), limits_);
+  if (!outlook_.knowledge.determined || places_.empty()) return std::vector<bool>(now.size(), true);
+  const std::vector<double> best = relative(outlook_.forecast.sigmas(stops_of(everywhere)), limits_);
+  const double worst = *std::max_element(now.begin(), now.end());
+  const double least = outlook_.used().accept && worst > 1.0 ? 1.0 : kNearWorst * worst;
+  std::vector<bool> matters;
+  for (std::size_t i = 0; i < now.size(); ++i) matters.push_back(now[i] >= least && best[i] <= kHelped * now[i]);
+  return matters;
+}
+
+// In standard deviations relative to the limits, by the criterion.
+double Chooser::score(const std::vector<std::size_t>& chosen) const {
+  const std::optional<Eigen::MatrixXd> joint = outlook_.forecast.regular_covariance(stops_of(chosen));
+  if (!joint) return kImpossible;
+  Eigen::VectorXd inverse_limits(joint->rows());
+  for (Eigen::Index i = 0; i < joint->rows(); ++i)
+    inverse_limits[i] = 1.0 / limit_of(limits_, static_cast<std::size_t>(i) % 6);
+  const Eigen::MatrixXd relative = inverse_limits.asDiagonal() * *joint * inverse_limits.asDiagonal();
+  switch (outlook_.options.criterion) {
+    case SuggestCriterion::kDeterminant:
+      return std::exp(relative.llt().matrixLLT().diagonal().array().log().mean());
+    case SuggestCriterion::kEigenvalue:
+      return std::sqrt(
+          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(relative, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
+    case SuggestCriterion::kWorstAxis:
+      break;
+  }
+  std::vector<Eigen::Index> axes;
+  for (std::size_t i = 0; i < matters_.size(); ++i)
+    if (matters_[i]) axes.push_back(static_cast<Eigen::Index>(i));
+  return worst_axis(relative.diagonal()(axes).cwiseMax(0.0).cwiseSqrt());
+}
+
+// The nearest candidate of those that are about as good as the best one, at the given position of the choice; false if
+// it is what is there.
+bool Chooser::improve(std::size_t position, Choice* choice) const {
+  constexpr double kOfGain = 0.1, kOfScore = 0.02;  // about as good
+  std::vector<std::size_t> trial = choice->places;
+  const std::size_t present = trial[position];
+  trial.erase(trial.begin() + static_cast<std::ptrdiff_t>(position));
+  const double without = score(trial);
+  trial.insert(trial.begin() + static_cast<std::ptrdiff_t>(position), present);
+  std::vector<double> scores(places_.size(), kImpossible);
+  double best = kImpossible;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (i != present && !choice->may_take(i)) continue;
+    trial[position] = i;
+    scores[i] = score(trial);
+    best = std::min(best, scores[i]);
+  }
+  if (!std::isfinite(best)) return false;
+  const double good = best + std::max(0.0, std::min(kOfGain * (without - best), kOfScore * best));
+  std::size_t taken = present;
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    if (scores[i] <= good && (taken >= places_.size() || scores[taken] > good || cost_[i] < cost_[taken])) taken = i;
+  choice->places[position] = taken;
+  choice->score = scores[taken];
+  return taken != present;
+}
+
+Choice Chooser::completed(Choice choice) const {
+  constexpr int kExchanges = 2;
+  const bool measured = outlook_.knowledge.determined;  // else what one stop tells may show with the next one only
+  choice.nothing_helps = wanted_ > 0 && outlook_.options.criterion == SuggestCriterion::kWorstAxis &&
+                         std::find(matters_.begin(), matters_.end(), true) == matters_.end();
+  while (choice.places.size() < wanted_ && !choice.nothing_helps) {
+    const Choice before = choice;
+    choice.places.push_back(places_.size());  // no candidate yet
+    const bool any = improve(choice.places.size() - 1, &choice);
+    choice.nothing_helps = any && measured && choice.score > (1.0 - outlook_.options.min_gain) * score(before.places);
+    if (any && !choice.nothing_helps) continue;
+    choice.places = before.places;
+    choice.score = before.score;
+    break;
+  }
+  bool better = choice.places.size() > 1;
+  for (int round = 0; better && round < kExchanges; ++round) {
+    better = false;
+    for (std::size_t i = 0; i < choice.places.size(); ++i) better = improve(i, &choice) || better;
+  }
+  return choice;
+}
+
+}  // namespace rigproof::suggest
