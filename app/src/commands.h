@@ -160,6 +160,20 @@ struct PaperArguments {
 };
 int paper_command(const PaperArguments& arguments);
 
+struct RecordCheckArguments {
+  CommonArguments common;
+  std::filesystem::path source;
+  bool follow = false;
+  double until_idle_s = 0.0;  ///< 0: until interrupted
+  std::string board;          ///< preset or file
+  std::string squares;        ///< "6x5"
+  std::filesystem::path odometry;
+  std::vector<std::string> topics, camera_infos;
+  std::string stamps = "header";
+};
+/// Tells what a drive shows of the board.
+int record_check_command(const RecordCheckArguments& arguments);
+
 struct SuggestArguments {
   CommonArguments common;
   std::filesystem::path input;

@@ -324,6 +324,7 @@ void add_all_commands(CLI::App& app, Action& action) {
     for (; first < commands.size(); ++first) commands[first]->group(name);
   };
   add_board(app, action);
+  add_record_check_command(app, action);
   add_init_command(app, action);
   add_observe(app, action);
   add_calibrate(app, action);

@@ -234,6 +234,31 @@ Lines init_keys() {
         {"unpacked_bytes", "integer", "of its messages"}}});
 }
 
+Lines record_check_keys() {
+  return all_of({{{"stops", "integer", "places at which images were taken"},
+                  {"duration_s", "number", "from the first stop to the last"},
+                  {"board", "text", "type and squares; empty: not known"},
+                  {"board_guessed", "boolean", "the images told which board it is"},
+                  {"waiting", "integer", "images that are not whole yet"}},
+                 below("cameras[]", {{".name", "text", "of the camera"},
+                                     {".stops", "integer", "stops with an image of it"},
+                                     {".board_stops", "integer", "those with the whole board in it"},
+                                     {".cells", "integer", "parts of its image with a corner of the board, of 8 x 6"},
+                                     {".edge_px", "number or null", "width of the board's edges, the median"},
+                                     {".blurred", "integer", "stops"},
+                                     {".overexposed", "integer", "stops"},
+                                     {".underexposed", "integer", "stops"},
+                                     {".unreadable", "integer", "stops"}}),
+                 finding_keys("cameras[].left_out", "why images show no board, each with its count"),
+                 {{"pairs[].cameras", "texts", "two cameras"},
+                  {"pairs[].stops", "integer", "at which both have the board"},
+                  {"next[].cameras", "texts", "that it is for"},
+                  {"next[].turn_deg", "number", "turn to the left, from `from_stop`; 0: drive nearer or farther"},
+                  {"next[].from_stop", "integer", "the stop at which the robot stands, or is to stand"},
+                  {"next[].image_part", "text or null", "third of the image without the board; null: never seen"},
+                  {"next[].text", "text", "in words"}}});
+}
+
 }  // namespace
 
 std::vector<OutputSchema> output_schemas() {
@@ -247,6 +272,7 @@ std::vector<OutputSchema> output_schemas() {
             {"ground_planes", "integer", "how many"},
             {"left_out", "integer", "how many"}}},
           {"init", "", init_keys()},
+          {"record-check", "; with --follow one a line for each change", record_check_keys()},
           {"moved", "", moved_keys()},
           {"suggest", "", suggest_keys()},
           {"generate",

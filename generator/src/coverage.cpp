@@ -96,14 +96,6 @@ std::string describe_camera(const CameraCoverage& seen, const CameraCoverage& po
          std::to_string(seen.rows) + " (possible: " + rows(possible) + ")";
 }
 
-std::size_t image_cell(const Camera& camera, const Eigen::Vector2d& pixel) {
-  const auto part = [](double at, int size, int parts) {
-    return std::clamp(static_cast<int>(std::floor((at + 0.5) * parts / size)), 0, parts - 1);
-  };
-  return static_cast<std::size_t>(part(pixel.y(), camera.height_px, kCellsDown) * kCellsAcross +
-                                  part(pixel.x(), camera.width_px, kCellsAcross));
-}
-
 std::vector<Eigen::Vector2d> corners_in_image(const WorldCamera& camera, const Rigid3& T_scene_robot,
                                               const ViewpointSubject& subject) {
   const Rigid3 T_camera_board = (T_scene_robot * camera.T_robot_camera).inverse() * subject.T_scene_board;

@@ -65,6 +65,43 @@ std::string bag_of(const Recording& recording, bool with_frames = false) {
   return mcap_bytes(messages, layout);
 }
 
+TEST(RecordCheck, TellsTheSameOfARunAndOfItsBagAndFollowsUntilNothingChanges) {
+  const TempFolder scratch;
+  const Recording recording = load_recording(small_run() / "recording");
+  const fs::path bag = scratch.write("run.mcap", bag_of(recording));
+  const ProcessOutput of_run = rigproof_command({"record-check", small_run().string(), "--json"});
+  ASSERT_EQ(of_run.exit_code, 0) << of_run.err;
+  const ProcessOutput of_bag =
+      rigproof_command({"record-check", bag.string(), "--board", "checkerboard_5x4_100mm", "--json"});
+  ASSERT_EQ(of_bag.exit_code, 0) << of_bag.err;
+  const json run = json::parse(of_run.out);
+  EXPECT_EQ(run["stops"], 10);
+  EXPECT_EQ(run["cameras"], json::parse(of_bag.out)["cameras"]);
+  const ProcessOutput followed =
+      rigproof_command({"record-check", small_run().string(), "--follow", "--until-idle", "1"});
+  EXPECT_EQ(followed.exit_code, 0) << followed.err;
+  EXPECT_THAT(followed.out, AllOf(HasSubstr("stop 9: "), HasSubstr("parts of 48"), HasSubstr("10 stops in ")));
+  // No terminal: nothing is written over.
+  EXPECT_EQ(followed.out.find('\033'), std::string::npos);
+}
+
+TEST(RecordCheck, MistakesAreNamed) {
+  const TempFolder scratch;
+  const auto error = [](const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {"record-check"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const ProcessOutput output = rigproof_command(all);
+    EXPECT_EQ(output.exit_code, 2) << output.out;
+    return output.err;
+  };
+  EXPECT_THAT(error({(scratch / "nowhere").string(), "--follow"}), HasSubstr("no such file or folder"));
+  EXPECT_THAT(error({small_run().string(), "--until-idle", "3"}), HasSubstr("--follow"));
+  EXPECT_THAT(error({small_run().string(), "--squares", "6b5"}), HasSubstr("6b5"));
+  EXPECT_THAT(error({small_run().string(), "--odometry", "x.csv"}), HasSubstr("is a recording"));
+  fs::create_directories(scratch / "empty");
+  EXPECT_THAT(error({(scratch / "empty").string(), "--follow", "--until-idle", "1"}), HasSubstr("no trajectory"));
+}
+
 TEST(InitCommand, ABagCalibratesToTheSamePosesAsItsRecording) {
   const TempFolder scratch;
   const Recording recording = load_recording(small_run() / "recording");

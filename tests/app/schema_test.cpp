@@ -128,6 +128,7 @@ TEST(Schema, WhatIsWrittenKeepsToTheirs) {
   expect_output({"report", recording.string()}, "report_output");
   expect_output({"moved", observations, out + "/ml.yaml"}, "moved_output");
   expect_output({"suggest", observations, "--stops", "1"}, "suggest_output");
+  expect_output({"record-check", run}, "record_check_output");
   const auto expect_file = [](const fs::path& file, const std::string& name) {
     EXPECT_EQ(schema_violations(content_of(file), schema_of_file(name)), "") << file;
   };

@@ -29,22 +29,29 @@ std::string squares_text(int columns, int rows) {
   return "squares: [" + std::to_string(columns) + ", " + std::to_string(rows) + "]";
 }
 
-// What an image shows, as rig.yaml says it, with squares of 100 mm; empty: no board.
-std::string board_in(const Image8& image) {
-  // First the one with markers: its corners alone look like a checkerboard's.
-  if (const std::optional<Board> board = find_any_charuco(image))
-    return "type: charuco, " + squares_text(board->squares_x, board->squares_y) +
-           ", square_mm: 100, marker_mm: " + number_text(std::round(100.0 * board->marker_side_m())) +
-           ", dictionary: " + board->dictionary + (board->legacy_pattern ? ", legacy_pattern: true" : "");
-  const auto size = find_any_checkerboard(image);
-  if (!size) return "";
-  return "type: checkerboard, " + squares_text(size->inner_corners_long + 1, size->inner_corners_short + 1) +
-         ", square_mm: 100";
+// As rig.yaml says it, with squares of 100 mm.
+std::string text_of(const Board& board) {
+  const std::string text =
+      "type: " + board.type + ", " + squares_text(board.squares_x, board.squares_y) + ", square_mm: 100";
+  if (board.type != "charuco") return text;
+  return text + ", marker_mm: " + number_text(std::round(100.0 * board.marker_side_m() / board.square_m)) +
+         ", dictionary: " + board.dictionary + (board.legacy_pattern ? ", legacy_pattern: true" : "");
 }
 
 void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
 
 }  // namespace
+
+std::optional<Board> any_board(const Image8& image) {
+  // First the one with markers: its corners alone look like a checkerboard's.
+  if (std::optional<Board> board = find_any_charuco(image)) return board;
+  const auto size = find_any_checkerboard(image);
+  if (!size) return std::nullopt;
+  Board board;
+  board.squares_x = size->inner_corners_long + 1;
+  board.squares_y = size->inner_corners_short + 1;
+  return board;
+}
 
 BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress) {
   BoardCoverage coverage;
@@ -78,10 +85,10 @@ BoardCoverage guess_board(const Recording& recording, const CoverageProgress& pr
       const auto image = read_grey_image(path_inside(recording.folder, frames[i * frames.size() / count].color_file));
       if (!std::holds_alternative<Image8>(image)) continue;
       ++looked_at;
-      const std::string board = board_in(std::get<Image8>(image));
-      if (board.empty()) continue;
+      const std::optional<Board> board = any_board(std::get<Image8>(image));
+      if (!board) continue;
       ++seen;
-      ++votes[board];
+      ++votes[text_of(*board)];
     }
     coverage.stops.push_back(seen);
     coverage.looked_at.push_back(looked_at);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/core/board.h"
+#include "rigproof/core/image.h"
 #include "rigproof/core/recording.h"
 
 namespace rigproof {
@@ -20,6 +22,9 @@ struct BoardCoverage {
 
 /// Called with images looked at and in all; false interrupts.
 using CoverageProgress = std::function<bool(std::uint64_t, std::uint64_t)>;
+
+/// The board in an image, a ChArUco board or a checkerboard of whatever size; its squares' side means nothing.
+std::optional<Board> any_board(const Image8& image);
 
 /// The board that the recording's rig states, at every stop.
 BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress);

@@ -6,13 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/core/image_cell.h"
 #include "rigproof/generator/viewpoints.h"
 
 namespace rigproof {
-
-/// An image is told in this many equal cells.
-constexpr int kCellsAcross = 8, kCellsDown = 6;
-constexpr int kImageCells = kCellsAcross * kCellsDown;
 
 struct CameraCoverage {
   std::string camera;
@@ -37,9 +34,6 @@ std::vector<CameraCoverage> possible_coverage(const ViewpointConfig& config, con
 
 /// "board in 17 of 20, in 28 of 48 parts of its image (possible: 31), rows 34 to 402 of 720 (possible: 20 to 410)".
 std::string describe_camera(const CameraCoverage& seen, const CameraCoverage& possible, std::size_t stops);
-
-/// Index of the cell that a pixel of the image lies in, row by row.
-std::size_t image_cell(const Camera& camera, const Eigen::Vector2d& pixel);
 
 /// Pixels of all corners of the board; those of a corner that cannot be projected are left out.
 std::vector<Eigen::Vector2d> corners_in_image(const WorldCamera& camera, const Rigid3& T_scene_robot,

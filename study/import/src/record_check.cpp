@@ -1,0 +1,210 @@
+#include "rigproof/study/import/record_check.h"
+
+#include <algorithm>
+#include <bitset>
+#include <chrono>
+#include <map>
+
+#include "board_coverage.h"
+#include "picture_source.h"
+#include "record_advice.h"
+#include "rigproof/calib/vision/charuco.h"
+#include "rigproof/calib/vision/sharpness.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/exclusions.h"
+#include "rigproof/core/image_cell.h"
+#include "rigproof/core/median.h"
+#include "rigproof/core/text.h"
+#include "rigproof/study/workflow/scratch_folder.h"
+
+namespace rigproof {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kBlurred_px = 3.0;  // a sharp edge has 1 to 2
+
+PictureCheck checked(const Image8& grey, const std::optional<Board>& board) {
+  PictureCheck check;
+  const BoardDetection found =
+      board ? detect_board(grey, *board) : BoardDetection(BoardNotFound{Finding("board.not_found")});
+  std::vector<CornerObservation> corners;
+  if (const auto* seen = std::get_if<std::vector<CornerObservation>>(&found))
+    corners = *seen;
+  else
+    check.why_not = std::get<BoardNotFound>(found).why;
+  check.board = !corners.empty();
+  if (check.board) check.edge_px = edge_width_px(grey, *board, corners);
+  for (const CornerObservation& corner : corners) check.corners.push_back(corner.pixel);
+  const Exposure exposure = exposure_of(grey, corners);
+  check.overexposed = exposure == Exposure::kOver;
+  check.underexposed = exposure == Exposure::kUnder;
+  return check;
+}
+
+PictureCheck unreadable(const std::string& reason) {
+  PictureCheck check;
+  check.why_not = Finding("image.unreadable", {{"text", reason}});
+  return check;
+}
+
+bool is_blurred(const PictureCheck& picture) {
+  return picture.edge_px.value_or(0.0) > kBlurred_px || (picture.why_not && picture.why_not->is("board.blurred"));
+}
+
+CameraCheck told(const RigCamera& camera, std::size_t index, const RecordCheck& check) {
+  CameraCheck told;
+  told.name = camera.name;
+  std::bitset<kImageCells> cells;
+  std::vector<double> edges;
+  std::vector<Finding> left_out;
+  for (const auto& stop : check.pictures) {
+    if (!stop[index]) continue;
+    const PictureCheck& picture = *stop[index];
+    ++told.stops;
+    told.board_stops += picture.board;
+    told.blurred += is_blurred(picture);
+    told.overexposed += picture.overexposed;
+    told.underexposed += picture.underexposed;
+    told.unreadable += picture.why_not && picture.why_not->is("image.unreadable");
+    if (picture.why_not) left_out.push_back(*picture.why_not);
+    if (picture.edge_px) edges.push_back(*picture.edge_px);
+    for (const Eigen::Vector2d& corner : picture.corners) cells.set(image_cell(camera.camera, corner));
+  }
+  told.cells = cells.count();
+  told.left_out = counted(left_out);
+  if (!edges.empty()) told.edge_px = median(std::move(edges));
+  return told;
+}
+
+std::vector<PairCheck> pairs_of(const RecordCheck& check) {
+  std::vector<PairCheck> pairs;
+  for (std::size_t a = 0; a < check.cameras.size(); ++a)
+    for (std::size_t b = a + 1; b < check.cameras.size(); ++b) {
+      PairCheck pair{check.cameras[a].name, check.cameras[b].name};
+      for (const auto& stop : check.pictures) pair.stops += stop[a] && stop[b] && stop[a]->board && stop[b]->board;
+      pairs.push_back(pair);
+    }
+  return pairs;
+}
+
+}  // namespace
+
+class RecordWatch::Impl {
+ public:
+  explicit Impl(RecordCheckOptions options)
+      : options_(std::move(options)),
+        scratch_("record-check"),
+        source_(open_pictures(options_.source, options_.growing, scratch_.path() / "lists")),
+        board_(options_.source.board) {}
+
+  RecordCheck look() {
+    const Recording recording = source_->choose();
+    if (!board_ && source_->knows_board()) board_ = recording.rig.board;
+    if (board_ && !can_be_detected(*board_))
+      throw Error("boards of type " + for_message(board_->type) + " are not detected in images");
+    const std::vector<detection::PlannedStop> stops = detection::plan_stops(recording, {}).stops;
+    waiting_ = 0;
+    see(recording, stops);
+    return told_of(recording, stops);
+  }
+
+ private:
+  using Key = std::pair<std::string, double>;  // camera, stamp
+
+  Key key_of(const Recording& recording, const PictureSource::Place& place) const {
+    return {recording.rig.cameras[place.first].name, recording.frames[place.first][place.second].stamp_s};
+  }
+
+  // What has not been looked at yet.
+  void see(const Recording& recording, const std::vector<detection::PlannedStop>& stops) {
+    std::vector<PictureSource::Place> wanted;
+    for (const detection::PlannedStop& stop : stops)
+      for (std::size_t camera = 0; camera < stop.frames.size(); ++camera) {
+        if (stop.frames[camera].empty()) continue;
+        const PictureSource::Place place(camera, static_cast<std::size_t>(stop.frames[camera].front()));
+        if (seen_.count(key_of(recording, place)) == 0) wanted.push_back(place);
+      }
+    const bool known = board_.has_value();
+    std::size_t done = 0;
+    source_->read(wanted, [&](const PictureSource::Place& place, const std::variant<Image8, Unreadable>& image) {
+      if (options_.progress && !options_.progress(done++, wanted.size()))
+        throw Error("interrupted", ExitCode::kTryAgain);
+      take(recording, place, image);
+    });
+    if (known || !board_) return;
+    seen_.clear();  // the board was guessed from one of these
+    see(recording, stops);
+  }
+
+  void take(const Recording& recording, const PictureSource::Place& place,
+            const std::variant<Image8, Unreadable>& image) {
+    const Camera& lens = recording.rig.cameras[place.first].camera;
+    const Key key = key_of(recording, place);
+    const auto* grey = std::get_if<Image8>(&image);
+    const bool fits = grey != nullptr && grey->width == lens.width_px && grey->height == lens.height_px;
+    if (fits) {
+      if (!board_) guess(*grey);
+      seen_[key] = checked(*grey, board_);
+    } else if (const std::string why =
+                   grey == nullptr ? std::get<Unreadable>(image).reason : "it has another size than its intrinsics";
+               is_given_up(key)) {
+      seen_[key] = unreadable(why);
+    } else {
+      ++waiting_;
+    }
+  }
+
+  // What is being written cannot be read for a while.
+  bool is_given_up(const Key& key) {
+    constexpr std::chrono::seconds kPatience(5);
+    if (!options_.growing) return true;
+    return Clock::now() - first_failed_.try_emplace(key, Clock::now()).first->second > kPatience;
+  }
+
+  void guess(const Image8& grey) {
+    constexpr int kGuesses = 24;  // each takes up to a second
+    if (guesses_++ < kGuesses) board_ = any_board(grey);
+    guessed_ = board_.has_value();
+  }
+
+  RecordCheck told_of(const Recording& recording, const std::vector<detection::PlannedStop>& stops) const {
+    RecordCheck check;
+    check.stops = stops.size();
+    check.waiting = waiting_;
+    check.duration_s = stops.back().stop.stamp_s - stops.front().stop.stamp_s;
+    check.board_guessed = guessed_;
+    if (board_)
+      check.board = board_->type + " " + std::to_string(board_->squares_x) + "x" + std::to_string(board_->squares_y);
+    for (const detection::PlannedStop& stop : stops) {
+      check.pictures.emplace_back(stop.frames.size());
+      for (std::size_t camera = 0; camera < stop.frames.size(); ++camera) {
+        if (stop.frames[camera].empty()) continue;
+        const auto found =
+            seen_.find(key_of(recording, {camera, static_cast<std::size_t>(stop.frames[camera].front())}));
+        if (found != seen_.end()) check.pictures.back()[camera] = found->second;
+      }
+    }
+    for (std::size_t camera = 0; camera < recording.rig.cameras.size(); ++camera)
+      check.cameras.push_back(told(recording.rig.cameras[camera], camera, check));
+    check.pairs = pairs_of(check);
+    if (board_) check.next = advice_for(recording.rig.cameras, stops, check, *board_);
+    return check;
+  }
+
+  RecordCheckOptions options_;
+  ScratchFolder scratch_;
+  std::unique_ptr<PictureSource> source_;
+  std::optional<Board> board_;
+  bool guessed_ = false;
+  int guesses_ = 0;
+  std::size_t waiting_ = 0;
+  std::map<Key, PictureCheck> seen_;
+  std::map<Key, Clock::time_point> first_failed_;
+};
+
+RecordWatch::RecordWatch(RecordCheckOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+RecordWatch::~RecordWatch() = default;
+RecordCheck RecordWatch::look() { return impl_->look(); }
+
+}  // namespace rigproof
