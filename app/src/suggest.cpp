@@ -111,28 +111,39 @@ std::string worst_text(const Suggestion& suggestion) {
   return text;
 }
 
-// "board in left; rear may see it".
-std::string seen_text(const SuggestedStop& stop, const Observations& observations) {
-  std::string text = stop.cameras.empty() ? "" : "board in " + names_of(stop.cameras, observations);
-  if (stop.hoped.empty()) return text;
-  return text + (text.empty() ? "" : "; ") + names_of(stop.hoped, observations) + " may see " +
-         (text.empty() ? "the board" : "it") + ", which " + (stop.hoped.size() == 1 ? "has" : "have") + " no pose yet";
+// "board in left; rear may see it": what is known of a camera's mount tells more than its images so far.
+std::string seen_text(const SuggestedStop& stop, const Observations& observations, const SuggestOptions& options) {
+  std::vector<int> mounted, unknown;
+  for (const int camera : stop.hoped)
+    (options.T_robot_camera_as_mounted[static_cast<std::size_t>(camera)] ? mounted : unknown).push_back(camera);
+  std::vector<std::string> parts;
+  if (!stop.cameras.empty()) parts.push_back("board in " + names_of(stop.cameras, observations));
+  if (!mounted.empty())
+    parts.push_back(names_of(mounted, observations) + (mounted.size() == 1 ? " sees" : " see") +
+                    " the board, as mounted");
+  if (!unknown.empty()) parts.push_back(names_of(unknown, observations) + " may see the board");
+  return joined(parts, "; ");
 }
 
-void print(const Terminal& terminal, const Suggestion& suggestion, const Observations& observations) {
+void print(const Terminal& terminal, const Suggestion& suggestion, const Observations& observations,
+           const SuggestOptions& options) {
   terminal.line(std::to_string(observations.cameras.size()) + " cameras x " +
                 std::to_string(observations.stops.size()) + " stops: " + result_status_name(suggestion.status_now));
-  for (const std::string& reason : words::sentences_of(suggestion.reasons_now)) terminal.line("NOW      " + reason);
+  const std::vector<std::string> reasons_now = words::sentences_of(suggestion.reasons_now);
+  for (const std::string& reason : reasons_now) terminal.line("NOW      " + reason);
   for (std::size_t i = 0; i < suggestion.stops.size(); ++i) {
     const SuggestedStop& stop = suggestion.stops[i];
     terminal.line((i == 0 ? terminal.colored("NEXT", Color::kGood) : std::string("    ")) + "  " + (i < 9 ? " " : "") +
-                  std::to_string(i + 1) + "  " + stop.command.text() + "  (" + seen_text(stop, observations) + ")");
+                  std::to_string(i + 1) + "  " + stop.command.text() + "  (" + seen_text(stop, observations, options) +
+                  ")");
   }
   for (const std::string& line : gain_lines(suggestion)) terminal.line(line);
   const std::string worst = worst_text(suggestion);
   terminal.line(std::string("THEN     ") + result_status_name(suggestion.status_then) +
                 (worst.empty() ? "" : "; " + worst));
-  for (const std::string& reason : words::sentences_of(suggestion.reasons_then)) terminal.line("         " + reason);
+  for (const std::string& reason : words::sentences_of(suggestion.reasons_then))
+    if (std::find(reasons_now.begin(), reasons_now.end(), reason) == reasons_now.end())
+      terminal.line("         " + reason);
   for (const std::string& note : words::sentences_of(suggestion.notes))
     terminal.line(terminal.colored("NOTE", Color::kWarning) + "     " + note);
 }
@@ -261,7 +272,7 @@ int suggest_command(const SuggestArguments& arguments) {
   if (!arguments.output.empty() && !suggestion.stops.empty())
     save_replay(arguments.output, suggestion, observations, input);
   if (arguments.common.json) std::puts(as_json(suggestion, observations).c_str());
-  print(terminal, suggestion, observations);
+  print(terminal, suggestion, observations, options);
   if (!arguments.output.empty() && !suggestion.stops.empty()) terminal.line("viewpoints  " + arguments.output.string());
   return static_cast<int>(suggestion.stops.empty() && !suggestion.nothing_helps ? ExitCode::kRefused : ExitCode::kGood);
 }
