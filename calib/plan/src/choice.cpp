@@ -22,12 +22,22 @@ double limit_of(const AcceptLimits& limits, std::size_t axis) {
   return axis < 2 ? limits.xy_m : axis == 2 ? limits.z_m : limits.angle_rad;
 }
 
-// Of all axes one after the other; 0 where nothing is determined.
-std::vector<double> relative(const std::vector<AxisSigmas>& cameras, const AcceptLimits& limits) {
-  std::vector<double> shares;
-  for (const AxisSigmas& sigmas : cameras)
-    for (std::size_t axis = 0; axis < 6; ++axis) shares.push_back(sigmas[axis].value_or(0.0) / limit_of(limits, axis));
-  return shares;
+// All axes one after the other; 0 where nothing is determined.
+Eigen::VectorXd in_a_row(const std::vector<AxisSigmas>& cameras) {
+  Eigen::VectorXd row(6 * static_cast<Eigen::Index>(cameras.size()));
+  for (std::size_t i = 0; i < 6 * cameras.size(); ++i)
+    row[static_cast<Eigen::Index>(i)] = cameras[i / 6][i % 6].value_or(0.0);
+  return row;
+}
+
+// One over the limits, times what is stated over what the forecast holds of it.
+Eigen::VectorXd weights(const Eigen::VectorXd& stated, const Eigen::VectorXd& foreseen, const AcceptLimits& limits) {
+  Eigen::VectorXd weight(foreseen.size());
+  for (Eigen::Index i = 0; i < weight.size(); ++i) {
+    const bool both = stated[i] > 0.0 && foreseen[i] > 0.0;
+    weight[i] = (both ? stated[i] / foreseen[i] : 1.0) / limit_of(limits, static_cast<std::size_t>(i) % 6);
+  }
+  return weight;
 }
 
 }  // namespace
@@ -50,10 +60,9 @@ double cost_between(const Floor& floor, const Place& from, const Place& to) {
          (floor.may_drive(from, to) ? 0.0 : kBlocked);
 }
 
-Chooser::Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::vector<Place>& places,
-                 const std::vector<Place>& first)
+Chooser::Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::vector<AxisSigmas>& stated,
+                 const std::vector<Place>& places, const std::vector<Place>& first)
     : outlook_(outlook),
-      limits_(limits),
       places_(places),
       wanted_(std::min(static_cast<std::size_t>(outlook.options.stops) - first.size(), places.size())) {
   const auto inform = [&](const std::vector<Place>& from, std::vector<StopInformation>* information) {
@@ -63,6 +72,7 @@ Chooser::Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::
   inform(places, &information_);
   const Place start = first.empty() ? outlook.last_place() : first.back();
   for (const Place& place : places) cost_.push_back(cost_between(outlook.floor, start, place));
+  weight_ = weights(in_a_row(stated), in_a_row(outlook.forecast.sigmas({})), limits);
   matters_ = axes_that_matter();
 }
 
@@ -79,13 +89,14 @@ std::vector<bool> Chooser::axes_that_matter() const {
   constexpr double kHelped = 0.9, kNearWorst = 0.25;
   std::vector<std::size_t> everywhere(places_.size());
   std::iota(everywhere.begin(), everywhere.end(), std::size_t{0});
-  const std::vector<double> now = relative(outlook_.forecast.sigmas({}), limits_);
-  if (!outlook_.knowledge.determined || places_.empty()) return std::vector<bool>(now.size(), true);
-  const std::vector<double> best = relative(outlook_.forecast.sigmas(stops_of(everywhere)), limits_);
-  const double worst = *std::max_element(now.begin(), now.end());
+  const Eigen::VectorXd now = in_a_row(outlook_.forecast.sigmas({})).cwiseProduct(weight_);
+  if (!outlook_.knowledge.determined || places_.empty())
+    return std::vector<bool>(static_cast<std::size_t>(now.size()), true);
+  const Eigen::VectorXd best = in_a_row(outlook_.forecast.sigmas(stops_of(everywhere))).cwiseProduct(weight_);
+  const double worst = now.maxCoeff();
   const double least = outlook_.used().accept && worst > 1.0 ? 1.0 : kNearWorst * worst;
   std::vector<bool> matters;
-  for (std::size_t i = 0; i < now.size(); ++i) matters.push_back(now[i] >= least && best[i] <= kHelped * now[i]);
+  for (Eigen::Index i = 0; i < now.size(); ++i) matters.push_back(now[i] >= least && best[i] <= kHelped * now[i]);
   return matters;
 }
 
@@ -93,10 +104,7 @@ std::vector<bool> Chooser::axes_that_matter() const {
 double Chooser::score(const std::vector<std::size_t>& chosen) const {
   const std::optional<Eigen::MatrixXd> joint = outlook_.forecast.regular_covariance(stops_of(chosen));
   if (!joint) return kImpossible;
-  Eigen::VectorXd inverse_limits(joint->rows());
-  for (Eigen::Index i = 0; i < joint->rows(); ++i)
-    inverse_limits[i] = 1.0 / limit_of(limits_, static_cast<std::size_t>(i) % 6);
-  const Eigen::MatrixXd relative = inverse_limits.asDiagonal() * *joint * inverse_limits.asDiagonal();
+  const Eigen::MatrixXd relative = weight_.asDiagonal() * *joint * weight_.asDiagonal();
   switch (outlook_.options.criterion) {
     case SuggestCriterion::kDeterminant:
       return std::exp(relative.llt().matrixLLT().diagonal().array().log().mean());

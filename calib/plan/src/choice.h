@@ -1,6 +1,7 @@
 // Which places to go to: those that tell most, and of equals the near ones.
 #pragma once
 
+#include <Eigen/Core>
 #include <limits>
 #include <set>
 #include <vector>
@@ -26,9 +27,11 @@ double cost_between(const Floor& floor, const Place& from, const Place& to);
 /// Chooses among candidates by what they would tell.
 class Chooser {
  public:
+  /// @param stated what the method states now, of the cameras that saw the board: what the forecast does not hold of it
+  /// is taken to shrink as the rest does
   /// @param first stops that come before, whatever is chosen
-  Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::vector<Place>& places,
-          const std::vector<Place>& first);
+  Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::vector<AxisSigmas>& stated,
+          const std::vector<Place>& places, const std::vector<Place>& first);
 
   /// With as many places as are wanted and help, each the next best one, then exchanged.
   Choice completed(Choice choice) const;
@@ -40,12 +43,12 @@ class Chooser {
   std::vector<bool> axes_that_matter() const;
 
   const Outlook& outlook_;
-  const AcceptLimits& limits_;
   const std::vector<Place>& places_;
   std::size_t wanted_ = 0;
   std::vector<StopInformation> first_, information_;
   std::vector<double> cost_;   // of going there at once
-  std::vector<bool> matters_;  // of all axes of all cameras that saw the board
+  Eigen::VectorXd weight_;     // of all axes of all cameras that saw the board: in units of the limits
+  std::vector<bool> matters_;  // likewise
 };
 
 }  // namespace rigproof::suggest

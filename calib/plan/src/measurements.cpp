@@ -34,15 +34,17 @@ struct Worst {
   double sigma_of_limit = 0.0;
 };
 
-Worst worst_of(const Result& result, const AcceptLimits& limits) {
+// Of what is foretold.
+Worst worst_of(const Result& result, const Suggestion& suggestion) {
+  const AcceptLimits& limits = suggestion.limits;
   Worst worst;
   for (const EstimatedTransform& camera : result.camera_to_robot)
-    for (std::size_t axis = 0; camera.covariance && axis < 6; ++axis) {
-      const auto i = static_cast<Eigen::Index>(axis);
-      const double limit = axis < 2 ? limits.xy_m : axis == 2 ? limits.z_m : limits.angle_rad;
-      const double share = std::sqrt((*camera.covariance)(i, i)) / limit;
-      if (camera.observable[axis] && share > worst.sigma_of_limit) worst = {&camera, axis, share};
-    }
+    for (const CameraForecast& forecast : suggestion.cameras)
+      for (std::size_t axis = 0; forecast.camera == camera.child && axis < 6; ++axis) {
+        const double limit = axis < 2 ? limits.xy_m : axis == 2 ? limits.z_m : limits.angle_rad;
+        const double share = forecast.then[axis].value_or(0.0) / limit;
+        if (share > worst.sigma_of_limit) worst = {&camera, axis, share};
+      }
   return worst;
 }
 
@@ -60,16 +62,16 @@ std::string largest_shares(const Worst& worst) {
 
 }  // namespace
 
-Finding what_limits(const Result& then, const AcceptLimits& limits, std::size_t stops, double min_gain) {
-  const Worst worst = worst_of(then, limits);
-  Finding finding("suggest.nothing_helps",
-                  {{"which", stops == 0 ? "no stop" : "no further stop"}, {"gain_percent", 100.0 * min_gain}});
+Finding what_limits(const Result& then, const Suggestion& suggestion, double min_gain) {
+  const Worst worst = worst_of(then, suggestion);
+  Finding finding("suggest.nothing_helps", {{"which", suggestion.stops.empty() ? "no stop" : "no further stop"},
+                                            {"gain_percent", 100.0 * min_gain}});
   if (worst.camera == nullptr || worst.camera->budget.empty()) return finding;
   return finding.with({{"limits", largest_shares(worst)}}).along({kAxes[worst.axis]}).of(worst.camera->child);
 }
 
-std::optional<Finding> what_to_measure(const Result& then, const AcceptLimits& limits) {
-  const Worst worst = worst_of(then, limits);
+std::optional<Finding> what_to_measure(const Result& then, const Suggestion& suggestion) {
+  const Worst worst = worst_of(then, suggestion);
   if (worst.camera == nullptr || worst.camera->budget.empty()) return std::nullopt;
   const auto share = [&](const EstimatedTransform::Share& line) { return line.share[worst.axis]; };
   const auto largest = std::max_element(worst.camera->budget.begin(), worst.camera->budget.end(),

@@ -158,6 +158,32 @@ void note_drive(const Outlook& outlook, const Choice& choice, Suggestion* sugges
     suggestion->notes.push_back(Finding("suggest.few_places", {{"places", suggestion->stops.size()}}));
 }
 
+// What the method refuses has no figure.
+AxisSigmas only_answered(const EstimatedTransform* transform, AxisSigmas sigmas) {
+  for (std::size_t axis = 0; axis < 6; ++axis)
+    if (transform == nullptr || !transform->observable[axis]) sigmas[axis].reset();
+  return sigmas;
+}
+
+AxisSigmas stated_of(const Result& result, const std::string& robot, const std::string& camera) {
+  const EstimatedTransform* transform = result.find(robot, camera);
+  AxisSigmas sigmas;
+  if (transform == nullptr || !transform->covariance) return sigmas;
+  for (Eigen::Index axis = 0; axis < 6; ++axis)
+    sigmas[static_cast<std::size_t>(axis)] = std::sqrt((*transform->covariance)(axis, axis));
+  return only_answered(transform, sigmas);
+}
+
+// Of the cameras that saw the board.
+std::vector<AxisSigmas> stated_now(const CalibrationSoFar& knowledge) {
+  std::vector<AxisSigmas> stated;
+  for (std::size_t c = 0; c < knowledge.has_pose.size(); ++c)
+    if (knowledge.has_pose[c])
+      stated.push_back(
+          stated_of(knowledge.estimate.result, knowledge.basis.used.robot_frame, knowledge.basis.used.cameras[c].name));
+  return stated;
+}
+
 // The stops, and the choice that led to them.
 Choice choose_stops(const Outlook& outlook, Suggestion* suggestion) {
   const std::vector<Place> places = suggest::candidates_of(outlook);
@@ -165,7 +191,7 @@ Choice choose_stops(const Outlook& outlook, Suggestion* suggestion) {
   std::vector<Place> first;
   for (const SuggestedStop& stop : looking) first.push_back(Place::of(stop.T_world_robot));
   const Place start = first.empty() ? outlook.last_place() : first.back();
-  const Chooser chooser(outlook, suggestion->limits, places, first);
+  const Chooser chooser(outlook, suggestion->limits, stated_now(outlook.knowledge), places, first);
   Choice choice = chooser.completed({});
   while (true) {
     suggestion->stops = looking;
@@ -183,22 +209,6 @@ Result foreseen(const Outlook& outlook, const Observations& observations) {
   options.suspension_height_sigma_m = outlook.forecast.levels().suspension_height_m;
   options.suspension_tilt_sigma_rad = outlook.forecast.levels().suspension_tilt_rad;
   return estimate_maximum_likelihood(observations, options).result;
-}
-
-// What the method refuses has no figure.
-AxisSigmas only_answered(const EstimatedTransform* transform, AxisSigmas sigmas) {
-  for (std::size_t axis = 0; axis < 6; ++axis)
-    if (transform == nullptr || !transform->observable[axis]) sigmas[axis].reset();
-  return sigmas;
-}
-
-AxisSigmas stated_of(const Result& result, const std::string& robot, const std::string& camera) {
-  const EstimatedTransform* transform = result.find(robot, camera);
-  AxisSigmas sigmas;
-  if (transform == nullptr || !transform->covariance) return sigmas;
-  for (Eigen::Index axis = 0; axis < 6; ++axis)
-    sigmas[static_cast<std::size_t>(axis)] = std::sqrt((*transform->covariance)(axis, axis));
-  return only_answered(transform, sigmas);
 }
 
 // What the forecast does not hold (where it is open which odometry model is true, the method states both) is taken
@@ -228,6 +238,14 @@ void add_cameras(const CalibrationSoFar& knowledge, const Result& result_then, c
   }
 }
 
+// First among the notes.
+void note_limits(const Result& then, double min_gain, Suggestion* suggestion) {
+  std::vector<Finding> notes;
+  if (suggestion->nothing_helps) notes.push_back(suggest::what_limits(then, *suggestion, min_gain));
+  if (const auto measure = suggest::what_to_measure(then, *suggestion)) notes.push_back(*measure);
+  suggestion->notes.insert(suggestion->notes.begin(), notes.begin(), notes.end());
+}
+
 void foretell(const Outlook& outlook, Suggestion* suggestion) {
   Observations observations = outlook.foresight.as_expected(outlook.forecast.levels());
   const Result now = foreseen(outlook, observations);
@@ -242,13 +260,10 @@ void foretell(const Outlook& outlook, Suggestion* suggestion) {
   const Result then = foreseen(outlook, observations);
   suggestion->status_then = then.status;
   suggestion->reasons_then = then.reasons;
-  if (suggestion->nothing_helps)
-    suggestion->notes.push_back(
-        suggest::what_limits(then, suggestion->limits, suggestion->stops.size(), outlook.options.min_gain));
-  if (const auto measure = suggest::what_to_measure(then, suggestion->limits)) suggestion->notes.push_back(*measure);
   std::vector<const StopInformation*> stops;
   for (const StopInformation& stop : information) stops.push_back(&stop);
   add_cameras(outlook.knowledge, then, outlook.forecast.sigmas({}), outlook.forecast.sigmas(stops), suggestion);
+  note_limits(then, outlook.options.min_gain, suggestion);
 }
 
 }  // namespace
