@@ -25,6 +25,7 @@ struct GenerateArguments {
   int device = -2;
   std::filesystem::path cache;  ///< of clean renders; empty = nothing is kept
   bool render = true;           ///< false: only from the cache
+  bool observations = false;    ///< only they are kept
 };
 int generate_command(const GenerateArguments& arguments);
 

@@ -11,6 +11,7 @@
 #include "rigproof/core/run_folder.h"
 #include "rigproof/core/text.h"
 #include "rigproof/generator/dataset.h"
+#include "rigproof/study/sweep/observed_run.h"
 #include "rigproof/study/sweep/run_config.h"
 
 namespace rigproof {
@@ -83,7 +84,7 @@ GenerateReport generate_with_progress(RunsAhead* ahead, std::size_t number, cons
   {
     ProgressLine progress(terminal, "generate", "images");
     options.progress = progress.callback();
-    report = generate(*scenario, options);
+    report = arguments.observations ? generate_observed(*scenario, options).report : generate(*scenario, options);
   }
   if (!told && on_renderer) on_renderer(report.gl_renderer);
   if (!report.complete)
@@ -172,6 +173,7 @@ int generate_one(RunsAhead* ahead, std::size_t number) {
     std::puts(json_text(json).c_str());
   }
   terminal.line(report.coverage);
+  if (arguments.observations) terminal.line("observations  " + RunFolder{output}.observations_file().string());
   terminal.line("run        " + output.string());
   return 0;
 }

@@ -58,6 +58,9 @@ void add_generate(CLI::App& app, Action& action) {
       add_command(app, action, "generate", "Render a run: images, depth, odometry, and the truth apart",
                   "rigproof generate demo.yaml -o runs/demo", generate_command);
   add_generate_options(command, arguments);
+  command->add_flag("--observations", arguments.observations,
+                    "Keep observations.json, the truth and the hashes of all pictures, but no picture: they are looked "
+                    "at in memory");
 }
 
 void add_sense(CLI::App& app, Action& action) {

@@ -44,6 +44,9 @@ static void visit_fields(FieldVisitor& visitor, Manifest& manifest) {
   visitor.choice("state", manifest.complete, {{"complete", true}, {"partial", false}},
                  "partial: generation was interrupted");
   visitor.map("files", map_by_name(manifest.files), "size and hash of every file, by its path in the run");
+  if (visitor.takes("not_kept", !manifest.not_kept.empty()))
+    visitor.map("not_kept", map_by_name(manifest.not_kept),
+                "pictures of generate --observations: size and hash of the files that they would have been");
 }
 
 Manifest load_manifest(const fs::path& file) {

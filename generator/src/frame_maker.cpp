@@ -91,23 +91,39 @@ FileEntries FrameMaker::make(std::size_t frame) {
   const FrameSeed seed{seed_, static_cast<std::int64_t>(job.stop), static_cast<std::int32_t>(job.camera)};
   const Sensor& sensor = sensors_[job.camera];
   take_clean_frame(frame, job);
-  FileEntries entries;
   const double unit_m = job.files.depth_file.empty() ? 1.0 : scenario_.rig.rig.cameras[job.camera].depth->unit_m;
   // Depth first: its sensor looks at the clean colours, or has a picture of its own.
   const Image8& looked_at = clean_.imager.empty() ? clean_.color : clean_.imager;
   if (!job.files.depth_file.empty()) sensor.sense_depth(clean_.depth_m, looked_at, unit_m, seed, &depth_);
   sensor.sense_color(seed, &clean_.color);
-  write(job.files.color_file, encoded_color(clean_.color), &entries);
-  if (job.files.depth_file.empty()) return entries;
-  write(job.files.depth_file, png_.encode(depth_), &entries);
-  if (job.files.cloud_file.empty()) return entries;
-  write(job.files.cloud_file, encode_pcd(clouds_[job.camera].points(depth_, unit_m)), &entries);
+  FileEntries entries = encode(job, unit_m);
+  if (source_.look) show(job, entries);
   return entries;
 }
 
-void FrameMaker::write(const std::string& file_in_recording, std::string_view bytes, FileEntries* entries) {
-  write_file_atomically_unsynced(run_.recording() / file_in_recording, bytes);
+FileEntries FrameMaker::encode(const FrameJob& job, double unit_m) {
+  FileEntries entries;
+  keep(job.files.color_file, encoded_color(clean_.color), &entries);
+  if (job.files.depth_file.empty()) return entries;
+  keep(job.files.depth_file, png_.encode(depth_), &entries);
+  if (job.files.cloud_file.empty()) return entries;
+  keep(job.files.cloud_file, encode_pcd(clouds_[job.camera].points(depth_, unit_m)), &entries);
+  return entries;
+}
+
+void FrameMaker::keep(const std::string& file_in_recording, std::string_view bytes, FileEntries* entries) {
+  if (!source_.look) write_file_atomically_unsynced(run_.recording() / file_in_recording, bytes);
+  if (source_.look && scenario_.sensor_images_are_jpeg() && entries->empty()) jpeg_bytes_ = bytes;
   (*entries)[kRecordingPrefix + file_in_recording] = {bytes.size(), sha256_hex(bytes)};
+}
+
+void FrameMaker::show(const FrameJob& job, const FileEntries& entries) {
+  static const Image16 kNone;
+  FramePictures pictures{
+      job.files, job.camera, clean_.color, jpeg_bytes_, job.files.depth_file.empty() ? kNone : depth_, {}};
+  for (const auto& [path, entry] : entries)
+    pictures.sha256[path.substr(std::string(kRecordingPrefix).size())] = entry.sha256;
+  source_.look(pictures);
 }
 
 std::vector<std::string> files_of_frame(const Scenario& scenario, std::size_t frame) {

@@ -10,6 +10,7 @@
 #include "clean_cache.h"
 #include "jpeg_encoder.h"
 #include "rigproof/core/run_folder.h"
+#include "rigproof/generator/generate.h"
 #include "rigproof/generator/point_cloud.h"
 #include "rigproof/generator/sensors.h"
 #include "rigproof/png/png_encoder.h"
@@ -22,10 +23,11 @@ using FileEntries = std::map<std::string, Manifest::Entry>;
 
 /// Where clean frames come from.
 struct FrameSource {
-  int device = -2;                    ///< as RenderOptions::device
-  bool may_render = true;             ///< false: the cache holds every frame, no context is made
-  const CleanCache* cache = nullptr;  ///< null = everything is rendered and nothing kept
-  std::vector<std::string> keys;      ///< of every frame; empty without a cache
+  int device = -2;                                 ///< as RenderOptions::device
+  bool may_render = true;                          ///< false: the cache holds every frame, no context is made
+  const CleanCache* cache = nullptr;               ///< null = everything is rendered and nothing kept
+  std::vector<std::string> keys;                   ///< of every frame; empty without a cache
+  std::function<void(const FramePictures&)> look;  ///< as GenerateOptions::look
 };
 
 class FrameMaker {
@@ -33,8 +35,8 @@ class FrameMaker {
   /// Makes the EGL context, unless nothing may be rendered. The scenario and the source outlive this.
   FrameMaker(const Scenario& scenario, const std::filesystem::path& run, const FrameSource& source);
 
-  /// Writes the files of a frame (whole or not at all, not yet synced) and tells their sizes and hashes, by path
-  /// relative to the run.
+  /// Writes the files of a frame (whole or not at all, not yet synced), or has them looked at, and tells their sizes
+  /// and hashes, by path relative to the run.
   FileEntries make(std::size_t frame);
 
   /// Whether the last frame was rendered, instead of taken from the cache.
@@ -47,7 +49,9 @@ class FrameMaker {
   void take_clean_frame(std::size_t frame, const FrameJob& job);
   void render(const FrameJob& job);
   std::string_view encoded_color(const Image8& image);
-  void write(const std::string& file_in_recording, std::string_view bytes, FileEntries* entries);
+  FileEntries encode(const FrameJob& job, double unit_m);
+  void keep(const std::string& file_in_recording, std::string_view bytes, FileEntries* entries);
+  void show(const FrameJob& job, const FileEntries& entries);
 
   const Scenario& scenario_;
   const FrameSource& source_;
@@ -60,6 +64,7 @@ class FrameMaker {
   Image16 depth_;
   PngEncoder png_;
   JpegEncoder jpeg_;
+  std::string_view jpeg_bytes_;  ///< of the last image; empty where it is no JPEG
   std::vector<Sensor> sensors_;
   std::vector<CloudMaker> clouds_;
 };

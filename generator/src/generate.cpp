@@ -130,12 +130,18 @@ FileEntries write_texts(const RunFolder& run, const Scenario& scenario) {
   return entries;
 }
 
-std::vector<std::uint32_t> missing_frames(const Scenario& scenario, const Manifest& manifest) {
+// A picture that was looked at is done where looking at it is all that is wanted.
+std::vector<std::uint32_t> missing_frames(const Scenario& scenario, const Manifest& manifest,
+                                          const GenerateOptions& options) {
+  const auto looked_at = [&](const std::string& file) {
+    return options.look && manifest.not_kept.count(file) > 0 &&
+           options.again.count(fs::path(file).lexically_relative("recording").generic_string()) == 0;
+  };
   std::vector<std::uint32_t> missing;
   for (std::size_t frame = 0; frame < scenario.frame_count(); ++frame) {
     const std::vector<std::string> files = files_of_frame(scenario, frame);
     const bool done = std::all_of(files.begin(), files.end(), [&](const std::string& file) {
-      return manifest.files.find(file) != manifest.files.end();
+      return looked_at(file) || manifest.files.find(file) != manifest.files.end();
     });
     if (!done) missing.push_back(static_cast<std::uint32_t>(frame));
   }
@@ -183,6 +189,7 @@ class Generation {
   Generation(const Scenario& scenario, const RunFolder& run, const GenerateOptions& options, ManifestKeeper* keeper)
       : scenario_(scenario), run_(run), options_(options), keeper_(keeper), cache_(options.cache) {
     source_.device = options.device;
+    source_.look = options.look;
     if (options.cache.empty()) return;
     source_.cache = &cache_;
     source_.keys = clean_frame_keys(scenario);
@@ -251,7 +258,10 @@ class Generation {
   }
 
   void take_news(const FrameNews& news) {
-    keeper_->add(news.entries);
+    if (options_.look)
+      keeper_->add_not_kept(news.entries);
+    else
+      keeper_->add(news.entries);
     ++rendered_;
     if (!news.rendered) ++from_cache_;
   }
@@ -362,14 +372,15 @@ GenerateReport generate(const Scenario& scenario, const GenerateOptions& options
   Manifest manifest = open_run(run, scenario, options.fresh);
   const std::size_t files_known = manifest.files.size();
   drop_damaged(run, &manifest);
-  const std::vector<std::uint32_t> missing = missing_frames(scenario, manifest);
-  if (manifest.complete && missing.empty() && manifest.files.size() == files_known) {
+  const std::vector<std::uint32_t> missing = missing_frames(scenario, manifest, options);
+  const bool has_texts = fs::exists(run.recording()) || fs::exists(run.observations_file());
+  if (manifest.complete && missing.empty() && manifest.files.size() == files_known && has_texts) {
     if (options.progress) options.progress(scenario.frame_count(), scenario.frame_count());
     return make_report(scenario, manifest);
   }
   remove_temporary_files(run.root);
   const double share = static_cast<double>(missing.size()) / static_cast<double>(scenario.frame_count());
-  require_disk_space(run.root, 1e6 * expected_mb(scenario) * share, kSureShareOfSize);
+  if (!options.look) require_disk_space(run.root, 1e6 * expected_mb(scenario) * share, kSureShareOfSize);
   manifest.complete = false;
   save_manifest(manifest, run.manifest_file());
   ManifestKeeper keeper(run, std::move(manifest));

@@ -27,8 +27,8 @@ const char* const kInputMark = "# input ";
 
 // Everything that a generation or a calibration writes into a run.
 std::vector<fs::path> own_paths(const RunFolder& run) {
-  return {run.manifest_file(),      run.recording(), run.truth(),   run.observations_file(),
-          run.root / "report.html", run.results(),   run.pictures()};
+  return {run.manifest_file(),      run.recording(), run.truth(),    run.observations_file(),
+          run.root / "report.html", run.results(),   run.pictures(), run.root / "findings"};
 }
 
 bool is_temporary(const fs::path& file) {
@@ -170,8 +170,15 @@ void ManifestKeeper::set_gl_renderer(const std::string& name) { manifest_.gl_ren
 void ManifestKeeper::add(const FileEntries& entries) {
   for (const auto& [path, entry] : entries) {
     manifest_.files[path] = entry;
+    manifest_.not_kept.erase(path);
     unsynced_.push_back(run_.root / path);
   }
+  has_news_ = true;
+}
+
+void ManifestKeeper::add_not_kept(const FileEntries& entries) {
+  for (const auto& [path, entry] : entries) manifest_.not_kept[path] = entry;
+  has_news_ = true;
 }
 
 void ManifestKeeper::tick() {
@@ -180,8 +187,9 @@ void ManifestKeeper::tick() {
     const double period_s = std::max(kWritePeriodS, write_.get() / kWriteShare);
     next_write_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s));
   }
-  if (!unsynced_.empty() && Clock::now() >= next_write_)
-    write_ = write_aside(run_, manifest_, std::exchange(unsynced_, {}));
+  if (!has_news_ || Clock::now() < next_write_) return;
+  has_news_ = false;
+  write_ = write_aside(run_, manifest_, std::exchange(unsynced_, {}));
 }
 
 void ManifestKeeper::finish(bool complete) {

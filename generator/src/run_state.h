@@ -37,6 +37,8 @@ class ManifestKeeper {
   const Manifest& manifest() const { return manifest_; }
   void set_gl_renderer(const std::string& name);
   void add(const FileEntries& entries);
+  /// Of pictures that were looked at and not kept.
+  void add_not_kept(const FileEntries& entries);
   /// Starts writing if there is news, the last time is long enough ago, and no write is under way.
   void tick();
   /// Writes everything; returns when it is on the disk.
@@ -46,6 +48,7 @@ class ManifestKeeper {
   RunFolder run_;
   Manifest manifest_;
   std::vector<std::filesystem::path> unsynced_;
+  bool has_news_ = false;
   std::future<double> write_;  ///< gives the seconds that it took
   std::chrono::steady_clock::time_point next_write_;
 };

@@ -66,6 +66,8 @@ TEST_F(RenderedSweep, OdometryRendersAndDetectsOnce) {
   EXPECT_EQ(count(report, "planes fitted"), kImages);
   EXPECT_EQ(count(report, "corners from cache"), 9 * kImages);
   EXPECT_EQ(count(report, "planes from cache"), 9 * kImages);
+  for (const auto& file : fs::recursive_directory_iterator(folder_ / "cache" / "pictures"))
+    EXPECT_NE(file.path().extension(), ".png") << "that nobody reads: " << file.path();
   const SweepRows rows = load_sweep_rows(folder_ / "a");
   std::map<std::string, double> largest;
   for (const SweepRow& row : rows.rows)
@@ -189,7 +191,10 @@ TEST_F(RenderedSweep, TheGeometricModeAgreesWithIt) {
   const auto set = std::find_if(fs::directory_iterator(pictures), fs::directory_iterator(),
                                 [](const auto& entry) { return entry.is_directory(); });
   ASSERT_NE(set, fs::directory_iterator());
-  save_observations(observe(load_recording(RunFolder{set->path()}.recording())), folder_ / "measured.json");
+  const RunFolder first{set->path()};
+  const SweepCache cache(folder_ / "cache");
+  CachedFindings findings(cache, first);
+  save_observations(observe(load_recording_of(first), {}, &findings), folder_ / "measured.json");
   sweep_of("drawn", "mode: geometric\ngeometric: {rig: run, measured: measured.json}\n" + run + common);
 
   const auto rows = [this](const std::string& name) {

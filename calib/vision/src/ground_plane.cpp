@@ -497,10 +497,14 @@ DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int
   return result;
 }
 
-DepthPoints sampled_depth(const Image16& depth, const RigCamera& camera, int most) {
+int sampling_stride(int width, int height, int most) {
   int stride = 1;
-  while ((depth.width / stride) * (depth.height / stride) > most) ++stride;
-  return points_from_depth(depth, camera, stride);
+  while ((width / stride) * (height / stride) > most) ++stride;
+  return stride;
+}
+
+DepthPoints sampled_depth(const Image16& depth, const RigCamera& camera, int most) {
+  return points_from_depth(depth, camera, sampling_stride(depth.width, depth.height, most));
 }
 
 namespace {

@@ -9,6 +9,7 @@
 
 #include "board_depth.h"
 #include "depth_check.h"
+#include "looking.h"
 #include "parallel.h"
 #include "rigproof/calib/geometry/trajectory_alignment.h"
 #include "rigproof/calib/geometry/view_poses.h"
@@ -33,8 +34,6 @@ using detection::PlannedStop;
 using detection::Sight;
 using detection::StopPlan;
 
-// Depth images are sampled so that about this many points remain: more tell little about a plane and cost time.
-constexpr int kDepthPoints = 12000;
 // Readable images looked at to tell which board is in them when the stated one is in none.
 constexpr std::size_t kDiagnosedImages = 12;
 
@@ -42,11 +41,6 @@ constexpr std::size_t kDiagnosedImages = 12;
 constexpr double kMaxUncertaintyRatio = 10.0;
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
-
-Finding wrong_size(const char* code, int width, int height, const Camera& rig) {
-  return Finding(code,
-                 {{"width", width}, {"height", height}, {"rig_width", rig.width_px}, {"rig_height", rig.height_px}});
-}
 
 std::string sizes_text(const Finding& wrong) {
   const auto value = [&wrong](const char* name) { return static_cast<int>(std::get<double>(wrong.find(name)->value)); };
@@ -133,22 +127,12 @@ std::optional<Value> read(const Recording& recording, const std::string& relativ
 }
 
 void search(const Source& from, Sight* sight) {
+  detection::tell_opened(from.memory, from.frame(*sight).color_file);
   std::string unreadable;
   const auto image = read<Image8>(from.recording, from.frame(*sight).color_file, read_grey_image, &unreadable);
   if (!image) sight->why_not = Finding("image.unreadable", {{"text", unreadable}});
   if (!image) return;
-  const Camera& camera = from.camera(*sight).camera;
-  sight->wrong_size = image->width != camera.width_px || image->height != camera.height_px;
-  if (sight->wrong_size) {
-    sight->why_not = wrong_size("image.wrong_size", image->width, image->height, camera);
-    return;
-  }
-  sight->readable = true;
-  BoardDetection detection = detect_board(*image, from.recording.rig.board);
-  if (auto* missing = std::get_if<BoardNotFound>(&detection))
-    sight->why_not = missing->why;
-  else
-    sight->corners = std::move(std::get<std::vector<CornerObservation>>(detection));
+  detection::search_image(*image, from.camera(*sight).camera, from.recording.rig.board, sight);
 }
 
 void look(const Source& from, Sight* sight) {
@@ -296,9 +280,18 @@ DepthPoints points_of_cloud(std::vector<Eigen::Vector3f> cloud, const DepthStrea
   DepthPoints points;
   points.min_m = depth.min_m;
   points.max_m = depth.max_m;
-  const std::size_t step = cloud.size() / static_cast<std::size_t>(kDepthPoints) + 1;
+  const std::size_t step = cloud.size() / static_cast<std::size_t>(detection::kDepthPoints) + 1;
   for (std::size_t i = 0; i < cloud.size(); i += step) points.points.push_back(cloud[i]);
   return points;
+}
+
+// What is looked at of it, where the memory has that.
+std::optional<Image16> read_depth(const Source& from, const Sight& sight, std::string* unreadable) {
+  const std::string& file = from.frame(sight).depth_file;
+  const std::string content = detection::content_of(from.memory, file);
+  if (std::optional<Image16> depth = detection::recall_depth(from.memory, content)) return depth;
+  detection::tell_opened(from.memory, file);
+  return read<Image16>(from.recording, file, read_depth_image, unreadable);
 }
 
 std::optional<DepthPoints> read_points(const Source& from, const Sight& sight, std::optional<Finding>* why_not) {
@@ -306,11 +299,11 @@ std::optional<DepthPoints> read_points(const Source& from, const Sight& sight, s
   const RigCamera& camera = from.camera(sight);
   std::string unreadable;
   if (!frame.depth_file.empty()) {
-    const auto depth = read<Image16>(from.recording, frame.depth_file, read_depth_image, &unreadable);
+    const auto depth = read_depth(from, sight, &unreadable);
     const Camera& optics = camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
     if (depth && depth->width == optics.width_px && depth->height == optics.height_px)
-      return sampled_depth(*depth, camera, kDepthPoints);
-    *why_not = depth ? wrong_size("depth.wrong_size", depth->width, depth->height, optics)
+      return sampled_depth(*depth, camera, detection::kDepthPoints);
+    *why_not = depth ? detection::wrong_size("depth.wrong_size", depth->width, depth->height, optics)
                      : Finding("depth.unreadable", {{"text", unreadable}});
     return std::nullopt;
   }
@@ -352,12 +345,12 @@ std::function<std::optional<DepthPoints>(detection::DepthReading)> any_points(co
       return points_of_cloud(std::move(points), *camera.depth);
     };
   }
-  const auto depth = read<Image16>(from.recording, frame.depth_file, read_depth_image, &ignored);
+  const auto depth = read_depth(from, sight, &ignored);
   const Camera& optics = camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
   const bool fits = depth && depth->width == optics.width_px && depth->height == optics.height_px;
   return [depth, camera, fits](DepthReading reading) -> std::optional<DepthPoints> {
     if (!fits || reading == DepthReading::kBodyAxes) return std::nullopt;
-    return sampled_depth(turned(*depth, reading), camera, kDepthPoints);
+    return sampled_depth(turned(*depth, reading), camera, detection::kDepthPoints);
   };
 }
 
@@ -378,9 +371,9 @@ PlaneSight look_at_depth(const Source& from, const Sight& sight, const std::opti
   const std::string content = detection::content_of(from.memory, from.depth_file(sight));
   const RigCamera& camera = from.camera(sight);
   const Board& board = from.recording.rig.board;
-  const std::string key = content.empty()
-                              ? content
-                              : detection::planes_key(content, camera, board, kDepthPoints, T_camera_board, up_camera);
+  const std::string key = content.empty() ? content
+                                          : detection::planes_key(content, camera, board, detection::kDepthPoints,
+                                                                  T_camera_board, up_camera);
   PlaneSight planes;
   detection::recall_or(from.memory, PictureMemory::Finding::kPlanes, key, &planes, [&] {
     std::optional<Finding> unreadable;
@@ -607,6 +600,8 @@ bool repeats_depth(const Source& from, const Boards& boards, const Sight& before
   const bool repeated_image = sight.why_not && sight.why_not->is("image.repeats");
   const bool both_show_board = board_at(boards, before) != nullptr && board_at(boards, sight) != nullptr;
   if (!repeated_image && !both_show_board) return false;
+  const std::string content = detection::content_of(from.memory, from.depth_file(sight));
+  if (!content.empty()) return content == detection::content_of(from.memory, from.depth_file(before));
   const std::filesystem::path& folder = from.recording.folder;
   return same_bytes(folder / from.depth_file(before), folder / from.depth_file(sight));
 }

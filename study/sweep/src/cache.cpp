@@ -73,9 +73,7 @@ const std::string& program_hash() {
   return hash;
 }
 
-fs::path SweepCache::finding(const std::string& key) const {
-  return folder_ / "findings" / key.substr(0, 2) / key.substr(2);
-}
+fs::path SweepCache::finding(const std::string& key) const { return findings() / key.substr(0, 2) / key.substr(2); }
 
 fs::path SweepCache::solution_file(const std::string& task, const std::string& method) const {
   const std::string key = sha256_hex(program_hash() + " " + task + " " + method);
@@ -95,6 +93,7 @@ bool SweepCache::has_pictures(const std::string& key, bool with_images) const {
   if (!is_file(run.manifest_file())) return false;
   try {
     const Manifest manifest = load_manifest(run.manifest_file());
+    if (with_images && !manifest.not_kept.empty()) return false;
     return manifest.complete && std::all_of(manifest.files.begin(), manifest.files.end(), [&](const auto& entry) {
              return (!with_images && is_image(entry.first)) || is_file(run.root / entry.first);
            });
@@ -114,6 +113,11 @@ bool SweepCache::is_observed(const std::string& key) const {
 
 void SweepCache::mark_observed(const std::string& key) const {
   write_file_atomically_unsynced(mark(key, "observed"), program_hash());
+}
+
+void SweepCache::forget_observed(const std::string& key) const {
+  std::error_code ignored;
+  fs::remove(mark(key, "observed"), ignored);
 }
 
 void SweepCache::mark_used(const std::string& key) const { write_file_atomically_unsynced(mark(key, "used"), ""); }
@@ -157,12 +161,42 @@ void SweepCache::shrink_to(std::uint64_t bytes, const std::set<std::string>& nee
   }
 }
 
+// Depth images and clouds are told by lying beside the image of the same stem, and these lie nowhere.
+Recording load_recording_of(const RunFolder& run) {
+  Recording recording = load_recording(run.recording());
+  const Manifest manifest = load_manifest(run.manifest_file());
+  std::map<fs::path, std::string> files;  // by folder and stem
+  for (const auto& [path, entry] : manifest.not_kept)
+    files[fs::path(path).replace_extension()] = path.substr(std::string(kRecording).size());
+  const auto beside = [&](const std::string& color_file, const char* folder) {
+    const fs::path color(kRecording + color_file);
+    const auto found = files.find(color.parent_path().parent_path() / folder / color.stem());
+    return found == files.end() ? std::string() : found->second;
+  };
+  for (std::vector<CameraFrame>& frames : recording.frames)
+    for (CameraFrame& frame : frames) {
+      if (frame.depth_file.empty()) frame.depth_file = beside(frame.color_file, "depth");
+      if (frame.cloud_file.empty()) frame.cloud_file = beside(frame.color_file, "cloud");
+    }
+  return recording;
+}
+
 CachedFindings::CachedFindings(const SweepCache& cache, const RunFolder& run) : cache_(cache) {
   const std::string prefix = kRecording;
   const Manifest manifest = load_manifest(run.manifest_file());
   gl_renderer_ = manifest.gl_renderer;
   for (const auto& [path, entry] : manifest.files)
     if (path.rfind(prefix, 0) == 0) contents_[path.substr(prefix.size())] = entry.sha256;
+  for (const auto& [path, entry] : manifest.not_kept) {
+    contents_[path.substr(prefix.size())] = entry.sha256;
+    not_kept_.insert(path.substr(prefix.size()));
+  }
+}
+
+void CachedFindings::opens(const std::string& file) {
+  if (not_kept_.count(file) == 0) return;
+  const std::lock_guard<std::mutex> guard(mutex_);
+  unanswered_.insert(file);
 }
 
 std::string CachedFindings::content_of(const std::string& file) const {
@@ -189,15 +223,15 @@ void CachedFindings::keep(Finding finding, const std::string& key, const std::st
 }
 
 void CachedFindings::tell(const std::function<void(const std::string& name, std::uint64_t more)>& count) {
-  // In the order of Finding.
-  static const std::array<std::array<const char*, 2>, kFindings> kNames = {
+  // In the order of Finding; depths, of which planes are made, are last and no work of their own.
+  static const std::array<std::array<const char*, 2>, kFindings - 1> kNames = {
       {{"corners detected", "corners from cache"},
        {"planes fitted", "planes from cache"},
        {"clouds searched", "clouds from cache"},
        {"chessboards searched", "chessboards from cache"},
        {"images matched", "matches from cache"},
        {"motions found", "motions from cache"}}};
-  for (std::size_t i = 0; i < kFindings; ++i) {
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
     count(kNames[i][0], kept_[i].exchange(0));
     count(kNames[i][1], recalled_[i].exchange(0));
   }

@@ -14,6 +14,7 @@
 
 #include "rigproof/calib/vision/picture_memory.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/recording.h"
 #include "rigproof/core/run_folder.h"
 
 namespace rigproof {
@@ -40,6 +41,7 @@ class SweepCache {
   std::filesystem::path making_lock(const std::string& key) const { return folder_ / "locks" / key; }
   /// Held shared by processes that read images of a set, exclusively by the one that deletes them.
   std::filesystem::path reading_lock(const std::string& key) const { return folder_ / "locks" / (key + ".read"); }
+  std::filesystem::path findings() const { return folder_ / "findings"; }
   std::filesystem::path finding(const std::string& key) const;
 
   /// The answer of a method to a task; absent unless this very program gave it.
@@ -51,6 +53,7 @@ class SweepCache {
   /// Whether this program has looked at all of a set's pictures.
   bool is_observed(const std::string& key) const;
   void mark_observed(const std::string& key) const;
+  void forget_observed(const std::string& key) const;
   /// For the order in which pictures are deleted.
   void mark_used(const std::string& key) const;
 
@@ -65,16 +68,26 @@ class SweepCache {
   std::filesystem::path folder_;
 };
 
-/// Findings in the pictures of one set, kept as small files. A file that cannot be written is reported later by
+/// The recording of a run with the names of pictures that were not kept, too.
+Recording load_recording_of(const RunFolder& run);
+
+/// Findings in the pictures of one run, kept as small files. A file that cannot be written is reported later by
 /// rethrow() as MachineError: a full disk is no property of a picture.
 class CachedFindings : public PictureMemory {
  public:
   CachedFindings(const SweepCache& cache, const RunFolder& run);
+  /// In pictures of these SHA-256, by file of the recording.
+  CachedFindings(const SweepCache& cache, std::map<std::string, std::string> contents)
+      : cache_(cache), contents_(std::move(contents)) {}
 
   std::string content_of(const std::string& file) const override;
   std::optional<std::string> recall(Finding finding, const std::string& key) override;
   void keep(Finding finding, const std::string& key, const std::string& bytes) override;
+  void opens(const std::string& file) override;
   void rethrow() const;
+
+  /// Pictures that were not kept, and of which something is not known that observing had to know.
+  const std::set<std::string>& unanswered() const { return unanswered_; }
 
   /// That drew the pictures.
   const std::string& gl_renderer() const { return gl_renderer_; }
@@ -90,6 +103,8 @@ class CachedFindings : public PictureMemory {
   const SweepCache& cache_;
   std::string gl_renderer_;
   std::map<std::string, std::string> contents_;  ///< SHA-256 by file of the recording
+  std::set<std::string> not_kept_;
+  std::set<std::string> unanswered_;
   std::array<std::atomic<std::uint64_t>, kFindings> recalled_ = {};
   std::array<std::atomic<std::uint64_t>, kFindings> kept_ = {};
   std::mutex mutex_;

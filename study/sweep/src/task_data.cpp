@@ -53,7 +53,7 @@ TaskData rendered_data(const std::string& pictures, const TaskSettings& task, co
   }
   TaskData data;
   data.truth = load_truth(run.truth_file());
-  data.recording = load_recording(run.recording());
+  data.recording = load_recording_of(run);
   if (odometry_is_apart(task.config)) replace_odometry(task.config, &*data.recording, &data.truth);
   if (task.images > 0) keep_first_stops(task.images, data.truth, &*data.recording);
   data.findings = std::make_shared<CachedFindings>(cache, run);
@@ -70,6 +70,13 @@ TaskData rendered_data(const std::string& pictures, const TaskSettings& task, co
     throw;
   }
   findings.tell(count);
+  if (!findings.unanswered().empty()) {
+    cache.forget_observed(pictures);
+    throw MachineError(run.root.string() +
+                           ": the cache lost what was found in its pictures; the same command makes "
+                           "it again",
+                       ExitCode::kTryAgain);
+  }
   data.observations.source.clear();  // names the cache's folder
   findings.rethrow();
   return data;

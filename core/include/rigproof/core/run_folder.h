@@ -37,6 +37,8 @@ struct Manifest {
   std::string config_sha256;  ///< of the resolved configuration: a resume must find the same
   bool complete = false;
   std::map<std::string, Entry> files;  ///< by path relative to the run
+  /// Pictures that were looked at in memory: what their files would hold.
+  std::map<std::string, Entry> not_kept;
 };
 
 Manifest load_manifest(const std::filesystem::path& file);

@@ -4,16 +4,31 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "rigproof/core/image.h"
+#include "rigproof/core/recording.h"
 #include "rigproof/generator/config.h"
 #include "rigproof/generator/coverage.h"
 
 namespace rigproof {
 
 struct Scenario;
+
+/// The pictures of a frame, for who looks at them before they are gone.
+struct FramePictures {
+  const CameraFrame& files;  ///< that they would be
+  std::size_t camera = 0;
+  const Image8& color;          ///< RGB
+  std::string_view color_jpeg;  ///< the bytes of a file that loses something; empty = it would hold `color`
+  const Image16& depth;         ///< empty without a depth file
+  std::map<std::string, std::string> sha256;  ///< of each file
+};
 
 struct GenerateOptions {
   std::filesystem::path output;  ///< the run's folder
@@ -22,6 +37,10 @@ struct GenerateOptions {
   int device = -2;               ///< as RenderOptions::device
   std::filesystem::path cache;   ///< clean renders are taken from here and kept here; empty = nothing is kept
   bool render = true;            ///< false: the cache must hold every clean render, and no driver is needed
+  /// Called in the render processes with each frame instead of writing its files, of which the manifest keeps the
+  /// hashes. A frame is done once this has returned.
+  std::function<void(const FramePictures&)> look;
+  std::set<std::string> again;  ///< of the files that were looked at, by path in the recording: to look at once more
   /// (images done, images in all); return false to interrupt. Called from the main process only.
   std::function<bool(std::size_t, std::size_t)> progress;
   /// motion: drive, while the drive is simulated, which happens once a run: (viewpoints reached, viewpoints in all);

@@ -31,7 +31,9 @@ struct DepthPoints {
 /// Points of a 16-bit depth image on a grid of every `stride` pixels, inside the sensor's range. Throws Error if the
 /// camera has no depth stream or the image another size.
 DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int stride);
-/// With the smallest stride at which there are no more than `most` pixels.
+/// The smallest stride at which there are no more than `most` pixels.
+int sampling_stride(int width, int height, int most);
+/// With that stride.
 DepthPoints sampled_depth(const Image16& depth, const RigCamera& camera, int most);
 
 struct GroundPlaneOptions {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "rigproof/calib/vision/observe.h"
+#include "rigproof/core/image.h"
 
 namespace rigproof {
 
@@ -19,10 +20,11 @@ class PictureMemory {
     kClouds,       ///< in a depth image or a cloud: the plane that memroc_reference takes
     kChessboards,  ///< in an image: the corners that memroc_reference takes
     kMatches,      ///< features that two images share
-    kMotions       ///< of the camera between two images, from their matches
+    kMotions,      ///< of the camera between two images, from their matches
+    kDepths        ///< in a depth image: what is looked at of it
   };
 
-  static constexpr std::size_t kFindings = 6;
+  static constexpr std::size_t kFindings = 7;
 
   virtual ~PictureMemory() = default;
   /// A hash of what a file of the recording holds; empty if nobody knows: then nothing is recalled or kept of it.
@@ -30,9 +32,22 @@ class PictureMemory {
   /// The bytes that were kept under a key. Called from many threads at once, as keep() is.
   virtual std::optional<std::string> recall(Finding finding, const std::string& key) = 0;
   virtual void keep(Finding finding, const std::string& key, const std::string& bytes) = 0;
+  /// Told when observing has to open a file, because its findings are not known.
+  virtual void opens(const std::string& /*file*/) {}
 };
 
 /// As observe(), to the bit, but pictures that the memory knows are not opened.
 Observations observe(const Recording& recording, const ObserveOptions& options, PictureMemory* memory);
+
+/// A frame whose pictures are in memory.
+struct FrameInMemory {
+  const CameraFrame& files;  ///< in which they would be
+  std::size_t camera = 0;
+  const Image8& color;   ///< grey or RGB, as its file would be read
+  const Image16& depth;  ///< empty = none
+};
+
+/// Looks at a frame as observe() does and has the memory keep what it needs of it: observe() opens neither file then.
+void look_at(const Recording& recording, const FrameInMemory& frame, PictureMemory* memory);
 
 }  // namespace rigproof
