@@ -17,6 +17,7 @@ What `rigproof COMMAND --help` prints; this page is written from it. Defaults st
 | `RIGPROOF_DATA` | another folder with `models/`, `scenes/` and `config/` than the one beside the program |
 | `RIGPROOF_PATH` | folders of your own of the same layout, separated by `:`; what they have comes before what ships |
 | `RIGPROOF_LIBEGL` | another EGL library than `libEGL.so.1` |
+| `RIGPROOF_PARSE_ONLY` | set: a command line is checked, and nothing is done |
 | `NO_COLOR` | set: no colours on a terminal |
 | `LP_NUM_THREADS` | threads of Mesa's software renderer in each process; 1 unless you set it |
 
