@@ -54,6 +54,7 @@ inline void add_overrides(CLI::App* command, std::vector<std::string>& set, cons
 }
 
 /// Command lines that have files of their own. Parsing a command sets the action.
+void add_bench_command(CLI::App& app, Action& action);
 void add_init_command(CLI::App& app, Action& action);
 void add_record_check_command(CLI::App& app, Action& action);
 void add_sweep_command(CLI::App& app, Action& action);

@@ -231,6 +231,18 @@ struct ConvertArguments {
 };
 int convert_command(const ConvertArguments& arguments);
 
+struct BenchExportArguments {
+  CommonArguments common;
+  std::string name;              ///< of a case, or a run's folder
+  std::string to;                ///< one of bench_layouts()
+  std::filesystem::path output;  ///< empty = bench/NAME
+  std::vector<std::string> set;
+  std::filesystem::path cache;
+  int device = -2;
+};
+std::vector<std::string> bench_layouts();
+int bench_export_command(const BenchExportArguments& arguments);
+
 struct DoctorArguments {
   CommonArguments common;
   std::filesystem::path run;  ///< empty = the machine

@@ -345,6 +345,7 @@ void add_all_commands(CLI::App& app, Action& action) {
   group("Data whose truth is known");
   add_sweep_command(app, action);
   add_paper_command(app, action);
+  add_bench_command(app, action);
   group("Experiments");
   add_list(app, "methods", "The calibration methods: what each needs and gives", action);
   add_scenes(app, action);

@@ -187,6 +187,86 @@ TEST(Convert, ToOpenCvIsWhatItsFileStorageReads) {
   EXPECT_EQ(cameras, 2);
 }
 
+// One view of two corners by the second camera at the last stop.
+Observations one_view(const Recording& recording) {
+  Observations observations;
+  observations.board = recording.rig.board;
+  observations.cameras = recording.rig.cameras;
+  BoardView view;
+  view.camera = 1;
+  view.stop = 2;
+  view.file = recording.frames[1][2].color_file;
+  view.corners.resize(2);
+  view.corners[0].id = 0;
+  view.corners[0].pixel = {10.25, 20.5};
+  view.corners[1].id = 5;
+  view.corners[1].pixel = {11.0, 21.0};
+  observations.board_views.push_back(view);
+  return observations;
+}
+
+TEST(Convert, ToMrcalTellsEveryCornerAndNoExtrinsics) {
+  const TempFolder scratch;
+  const Recording recording = small_recording(scratch / "original");
+  const Observations observations = one_view(recording);
+  ConvertOptions options;
+  options.observations = &observations;
+  EXPECT_EQ(convert(recording, "mrcal", scratch / "there", options).images, 1U);
+  const std::string corners = read_text_file(scratch / "there/corners.vnl");
+  EXPECT_THAT(corners, HasSubstr("# filename x y level\nright/0002.png 10.25 20.5 0\nright/0002.png 0 0 -\n"));
+  EXPECT_THAT(corners, HasSubstr("right/0002.png 11 21 0\n"));
+  const Board& board = recording.rig.board;
+  EXPECT_EQ(std::count(corners.begin(), corners.end(), '\n'), 1 + board.inner_corners_x() * board.inner_corners_y());
+  EXPECT_EQ(read_text_file(scratch / "there/right/0002.png"), bytes(recording, 1, 2));
+  const std::string model = read_text_file(scratch / "there/right.cameramodel");
+  EXPECT_THAT(model, HasSubstr("'intrinsics': [ 41.5, "));
+  EXPECT_THAT(model, HasSubstr("'extrinsics': [ 0, 0, 0, 0, 0, 0 ]"));
+  EXPECT_THAT(read_text_file(scratch / "there/arguments.txt"), HasSubstr("left/*.png\nright/*.png\n"));
+  Recording fisheye = recording;
+  fisheye.rig.cameras[0].camera.lens = Lens::kKannalaBrandt;
+  EXPECT_THAT(error_text([&] { convert(fisheye, "mrcal", scratch / "refused", options); }),
+              HasSubstr("cameras.left.lens"));
+  EXPECT_FALSE(fs::exists(scratch / "refused"));
+}
+
+TEST(Convert, ToMcCalibIsWhatFileStorageReads) {
+  const TempFolder scratch;
+  const Recording recording = small_recording(scratch / "original");
+  const Observations observations = one_view(recording);
+  ConvertOptions options;
+  options.observations = &observations;
+  EXPECT_EQ(convert(recording, "mcalib", scratch / "there", options).images, 1U);
+  const auto opened = [&](const char* name) {
+    return cv::FileStorage((scratch / "there" / name).string(), cv::FileStorage::READ);
+  };
+  const cv::FileStorage settings = opened("calib_param.yml"), lenses = opened("camera_params.yml"),
+                        keypoints = opened("detected_keypoints_data.yml");
+  EXPECT_EQ(static_cast<int>(settings["number_camera"]), 2);
+  EXPECT_EQ(static_cast<double>(settings["square_size"]), recording.rig.board.square_m);
+  cv::Mat K;
+  lenses["camera_1"]["camera_matrix"] >> K;
+  EXPECT_EQ(K.at<double>(0, 0), 41.5);
+  const cv::FileNode seen = keypoints["camera_1"];
+  EXPECT_EQ(static_cast<int>(seen["frame_idxs"][0]), 2);
+  EXPECT_EQ(static_cast<int>(seen["charuco_idxs"][0][1]), 5);
+  EXPECT_EQ(static_cast<double>(seen["pts_2d"][0][0]), 10.25);
+  EXPECT_EQ(read_text_file(scratch / "there" / static_cast<std::string>(seen["frame_paths"][0])),
+            bytes(recording, 1, 2));
+}
+
+TEST(Convert, ToColmapHasPixelsThatBeginAtTheirCorner) {
+  const TempFolder scratch;
+  const Recording recording = small_recording(scratch / "original");
+  EXPECT_EQ(convert(recording, "colmap", scratch / "there").images, 6U);
+  const Camera& lens = recording.rig.cameras[1].camera;
+  const YamlTree rig = read_yaml_file(scratch / "there/rig_config.json");  // JSON is YAML, too
+  const YamlTree& right = rig.items[0].find("cameras")->items[1];
+  EXPECT_EQ(right.find("image_prefix")->scalar, "rig/right/");
+  EXPECT_EQ(std::stod(right.find("camera_params")->items[2].scalar), lens.cx_px + 0.5);
+  EXPECT_EQ(read_text_file(scratch / "there/images/rig/right/0001.png"), bytes(recording, 1, 1));
+  EXPECT_THAT(read_text_file(scratch / "there/odometry.csv"), HasSubstr("stop,x_m,y_m,yaw_rad\n0000,"));
+}
+
 TEST(Convert, AnInterruptedOneLeavesNothing) {
   const TempFolder scratch;
   Recording recording = small_recording(scratch / "original");

@@ -15,11 +15,15 @@ Format memroc_format();
 Format observations_format();
 Format euroc_format();
 Format opencv_format();
+Format mrcal_format();
+Format mcalib_format();
+Format colmap_format();
 
 // A format is a line here. The order decides where a folder could be of several.
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
-      run_format(), recording_format(), memroc_format(), observations_format(), euroc_format(), opencv_format(),
+      run_format(),    recording_format(), memroc_format(), observations_format(), euroc_format(),
+      opencv_format(), mrcal_format(),     mcalib_format(), colmap_format(),
   };
   return all;
 }

@@ -2,6 +2,7 @@
 
 #include "rigproof/calib/vision/ground_plane.h"
 #include "rigproof/calib/vision/image_io.h"
+#include "rigproof/calib/vision/observe.h"
 #include "rigproof/calib/vision/stops.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -55,10 +56,15 @@ ConvertReport convert(const Recording& recording, const std::string& format, con
                       const ConvertOptions& options) {
   const Format& to = writable_format(format);
   FolderInMaking making(folder);
-  WriteJob job{recording, making.path(), {}, 0, {}, {}};
+  WriteJob job{recording, making.path(), {}, 0, {}, {}, {}};
   if (to.wants_stops) add_stops(recording, &job);
   job.points_of = [&](const RigCamera& camera, const CameraFrame& frame) {
     return points_of(recording, camera, frame, options.max_cloud_points);
+  };
+  job.observations = [&] {
+    ObserveOptions observe_options;
+    observe_options.progress = options.progress;
+    return options.observations != nullptr ? *options.observations : observe(recording, observe_options);
   };
   job.step = [&](std::size_t done, std::size_t total) { step(options, done, total); };
   ConvertReport report = to.write(job);

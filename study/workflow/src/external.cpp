@@ -126,6 +126,7 @@ class ExternalMethod : public Method {
 
   fs::path copy_input(const MethodInput& input, const fs::path& work) const {
     ConvertOptions options;
+    options.observations = &input.observations;
     if (options_.keep_going) options.progress = [this](std::size_t, std::size_t) { return options_.keep_going(); };
     if (config_.input == "observations") {
       Observations copy = input.observations;
@@ -239,9 +240,10 @@ void ExternalConfig::visit(FieldVisitor& visitor) {
   visitor.field("command", command,
                 "The program and its arguments, one an item, no shell between. {input} is the copy of the input, "
                 "{output} the file to write, {here} the folder of this description");
-  visitor.field("input", input, TextChoices{{"recording", "observations", "memroc"}},
-                "What the program is given: a recording's folder, observations.json, or a folder in the layout of the "
-                "MEMROC authors' program");
+  std::vector<std::string> inputs = writable_formats();
+  inputs.emplace_back("observations");
+  visitor.field("input", input, TextChoices{inputs},
+                "What the program is given: observations.json, or a folder as `convert --to` writes it");
   visitor.field("output", output, TextChoices{{"result", "matrices"}},
                 "What it writes: a result in YAML or JSON, or text that holds a 4x4 matrix for each camera");
   visitor.field("output_file", output_file, TextChoices{},

@@ -13,6 +13,8 @@ namespace rigproof {
 struct ConvertOptions {
   /// Clouds made of depth images are thinned to at most this many points.
   int max_cloud_points = 12000;
+  /// What was observed in the recording, if it was: formats with corners then search none.
+  const Observations* observations = nullptr;
   /// Called with (images done, images in all); return false to interrupt, which throws Error with kTryAgain.
   std::function<bool(std::size_t, std::size_t)> progress;
 };
