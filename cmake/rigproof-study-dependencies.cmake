@@ -1,2 +1,6 @@
 find_dependency(OpenCV COMPONENTS core features2d imgproc imgcodecs)
 find_dependency(pugixml)
+find_dependency(PkgConfig)
+if(NOT TARGET PkgConfig::ZSTD)
+  pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+endif()

@@ -226,6 +226,7 @@ struct ConvertArguments {
   std::filesystem::path output;
   std::string to;  ///< a writable format, or mcap; empty = by the output's name, else the one that the input is not
   int cloud_points = 12000;
+  int shard_mib = 1024;          ///< of files in a shard of an archive
   bool compressed = false;       ///< pictures in a bag stay PNG or JPEG
   std::string packing = "zstd";  ///< of a bag's chunks
 };

@@ -9,6 +9,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/formats/format.h"
 #include "rigproof/study/record/bag_of_recording.h"
+#include "rigproof/study/workflow/archive.h"
 #include "terminal.h"
 
 namespace rigproof {
@@ -41,6 +42,16 @@ Converted into_bag(const ConvertArguments& arguments, const Recording& recording
           report.images, report.clouds, report.notes};
 }
 
+Converted into_archive(const ConvertArguments& arguments, const Input& input, ProgressLine& progress) {
+  ArchiveOptions options;
+  options.shard_bytes = static_cast<std::uint64_t>(arguments.shard_mib) << 20U;
+  options.progress = progress.callback();
+  const ArchiveReport report = write_archive(input.path, arguments.output, options);
+  return {std::to_string(report.files) + " files in " + std::to_string(report.shards) +
+              (report.shards == 1 ? " shard" : " shards"),
+          0, 0, {}};
+}
+
 Converted into_folder(const ConvertArguments& arguments, const Recording& recording, const std::string& to,
                       ProgressLine& progress) {
   ConvertOptions options;
@@ -59,9 +70,10 @@ int convert_command(const ConvertArguments& arguments) {
   if (!input.recording)
     throw Error(arguments.input.string() + ": holds observations without images; there is nothing to convert");
   const std::string to = layout_for(arguments, input);
-  ProgressLine progress(terminal, "convert", "images");
-  const Converted made = to == kBagLayout ? into_bag(arguments, *input.recording, progress)
-                                          : into_folder(arguments, *input.recording, to, progress);
+  ProgressLine progress(terminal, "convert", to == kArchiveLayout ? "files" : "images");
+  const Converted made = to == kBagLayout       ? into_bag(arguments, *input.recording, progress)
+                         : to == kArchiveLayout ? into_archive(arguments, input, progress)
+                                                : into_folder(arguments, *input.recording, to, progress);
   if (arguments.common.json) {
     const nlohmann::json json = {{"output", arguments.output.string()},
                                  {"layout", to},

@@ -20,6 +20,7 @@
 #include "rigproof/sim/board_pattern.h"
 #include "rigproof/sim/board_pdf.h"
 #include "rigproof/study/record/bag_of_recording.h"
+#include "rigproof/study/workflow/archive.h"
 #include "rigproof/words/sentences.h"
 #include "terminal.h"
 
@@ -196,6 +197,7 @@ void add_convert(CLI::App& app, Action& action) {
                   "rigproof convert runs/demo demo.mcap", convert_command);
   std::vector<std::string> layouts = writable_formats();
   layouts.emplace_back(kBagLayout);
+  layouts.emplace_back(kArchiveLayout);
   command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(true))->required();
   command->add_option("OUTPUT", arguments.output, "A new folder, or a new file FILE.mcap")->required();
   command
@@ -206,6 +208,10 @@ void add_convert(CLI::App& app, Action& action) {
       ->add_option("--cloud-points", arguments.cloud_points,
                    "Limit on the points of a cloud that is made from a depth image")
       ->check(CLI::Range(100, 10000000))
+      ->capture_default_str();
+  command
+      ->add_option("--shard-mib", arguments.shard_mib, "Limit on the files in a shard of an archive, before packing, MiB")
+      ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command->add_flag("--compressed", arguments.compressed,
                     "Pictures in a bag stay PNG or JPEG (CompressedImage); default: unpacked (Image)");
