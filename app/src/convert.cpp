@@ -49,7 +49,9 @@ Converted into_archive(const ConvertArguments& arguments, const Input& input, Pr
   const ArchiveReport report = write_archive(input.path, arguments.output, options);
   return {std::to_string(report.files) + " files in " + std::to_string(report.shards) +
               (report.shards == 1 ? " shard" : " shards"),
-          0, 0, {}};
+          0,
+          0,
+          {}};
 }
 
 Converted into_folder(const ConvertArguments& arguments, const Recording& recording, const std::string& to,

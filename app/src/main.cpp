@@ -210,7 +210,8 @@ void add_convert(CLI::App& app, Action& action) {
       ->check(CLI::Range(100, 10000000))
       ->capture_default_str();
   command
-      ->add_option("--shard-mib", arguments.shard_mib, "Limit on the files in a shard of an archive, before packing, MiB")
+      ->add_option("--shard-mib", arguments.shard_mib,
+                   "Limit on the files in a shard of an archive, before packing, MiB")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command->add_flag("--compressed", arguments.compressed,

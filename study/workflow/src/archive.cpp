@@ -13,19 +13,19 @@
 #include <string>
 #include <vector>
 
-#include "folder_in_making.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
+#include "rigproof/study/workflow/folder_in_making.h"
 
 namespace rigproof {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBlock = 512;                               // of tar
-constexpr std::uintmax_t kTooLarge = std::uintmax_t{8} << 30U;    // eleven octal digits
-constexpr std::size_t kLongestName = 100, kLongestFolder = 155;   // of a POSIX ustar header
+constexpr std::size_t kBlock = 512;                              // of tar
+constexpr std::uintmax_t kTooLarge = std::uintmax_t{8} << 30U;   // eleven octal digits
+constexpr std::size_t kLongestName = 100, kLongestFolder = 155;  // of a POSIX ustar header
 
 struct Member {
   std::string name;  // relative
@@ -57,9 +57,8 @@ std::string header_of(const Member& member) {
   put(257, "ustar");
   put(263, "00");
   if (start > 0) put(345, member.name.substr(0, start - 1));
-  const unsigned sum = std::accumulate(header.begin(), header.end(), 0U, [](unsigned total, char c) {
-    return total + static_cast<unsigned char>(c);
-  });
+  const unsigned sum = std::accumulate(header.begin(), header.end(), 0U,
+                                       [](unsigned total, char c) { return total + static_cast<unsigned char>(c); });
   std::snprintf(size.data(), size.size(), "%06o", sum);
   put(148, std::string(size.data()) + '\0' + ' ');
   return header;

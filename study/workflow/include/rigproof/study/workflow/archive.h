@@ -21,9 +21,9 @@ struct ArchiveReport {
 };
 
 /// Writes every file below `from` into the new folder `to`, which appears whole or not at all: data-00000.tar.zst, ..,
-/// what lies under truth/ in truth-00000.tar.zst, .., index.csv (shard, file, size and SHA-256) and SHA256SUMS. The same
-/// files give the same bytes: sorted by path, without times and owners.
-/// Throws Error with every file that cannot be archived: links, paths too long for tar, files of 8 GiB or more.
+/// what lies under truth/ in truth-00000.tar.zst, .., index.csv (shard, file, size and SHA-256) and SHA256SUMS. The
+/// same files give the same bytes: sorted by path, without times and owners. Throws Error with every file that cannot
+/// be archived: links, paths too long for tar, files of 8 GiB or more.
 ArchiveReport write_archive(const std::filesystem::path& from, const std::filesystem::path& to,
                             const ArchiveOptions& options = {});
 
