@@ -28,10 +28,20 @@ macro(rigproof_package component name section summary description)
           COMPONENT ${component})
 endmacro()
 
+# What the target's program is made of, written when the package is: it has the time of the package.
+function(rigproof_sbom component name target)
+  set(sbom ${PROJECT_BINARY_DIR}/${name}/sbom.spdx.json)
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/${name})
+  install(CODE "execute_process(COMMAND ${PROJECT_SOURCE_DIR}/scripts/sbom ${PROJECT_BINARY_DIR} $<TARGET_FILE:${target}>
+                                -o ${sbom} --name ${name} --loads ${ARGN} COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+  install(FILES ${sbom} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
+endfunction()
+
 set(calibrates "Rigproof finds the poses of a mobile robot's cameras in its robot frame
 from views of a checkerboard and odometry, states their uncertainty, and
 proves both on generated data whose truth is known.")
 rigproof_package(program rigproof science "calibration of a robot's cameras, with proof" "${calibrates}" libegl1 libgl1)
+rigproof_sbom(program rigproof rigproof_app libegl1 libgl1)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libgl1-mesa-dri, python3")
 rigproof_package(development librigproof-dev libdevel "calibration of a robot's cameras: libraries"
@@ -48,6 +58,7 @@ if(TARGET rigproof_python)
   rigproof_package(python python3-rigproof python "calibration of a robot's cameras: Python package"
     "${calibrates}\n.\nThis package has the module rigproof for Python 3."
     "rigproof ${same_version}" "python3 (>= 3.${Python3_VERSION_MINOR})" "python3 (<< 3.${next_minor})" python3-numpy)
+  rigproof_sbom(python python3-rigproof rigproof_python libegl1 libgl1)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/postinst
       ${PROJECT_SOURCE_DIR}/cmake/debian/prerm)

@@ -3,7 +3,7 @@
 
 namespace rigproof {
 
-/// "0.1.0", from CMake's project version.
+/// "0.2.0", from CMake's project version.
 const char* version();
 
 }  // namespace rigproof
