@@ -17,9 +17,14 @@ def needs(what, package):
 
 
 def run(*command, **environment):
-    """Runs a program whose output stays in the log."""
+    """Runs a program and returns its output, which stays in the log as well."""
     print("$", *command, flush=True)
-    subprocess.run([str(word) for word in command], check=True, **environment)
+    done = subprocess.run([str(word) for word in command], check=False, text=True, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, **environment)
+    print(done.stdout, flush=True)
+    if done.returncode != 0:
+        sys.exit(f"{command[0]}: exit code {done.returncode}")
+    return done.stdout
 
 
 class Recording:
@@ -82,7 +87,10 @@ def transform(parent, child, R, t):
             "quaternion_xyzw": [float(x) / norm for x in q]}
 
 
-def write_result(file, method, camera_to_robot=(), camera_to_camera=(), status="solved"):
-    result = {"format": "rigproof-result", "version": 1, "method": method, "status": status,
-              "camera_to_robot": list(camera_to_robot), "camera_to_camera": list(camera_to_camera)}
+def write_result(file, method, camera_to_robot=(), camera_to_camera=()):
+    result = {"format": "rigproof-result", "version": 1, "method": method, "camera_to_robot": list(camera_to_robot),
+              "camera_to_camera": list(camera_to_camera)}
+    if not result["camera_to_robot"] and not result["camera_to_camera"]:
+        sys.exit(f"{method} found no pose")
+    result["status"] = "solved"
     Path(file).write_text(json.dumps(result), encoding="utf-8")

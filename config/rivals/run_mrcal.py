@@ -1,6 +1,7 @@
 """Camera to camera by mrcal-calibrate-cameras, on corners of ours: its detector reads square grids alone.
 Usage: run_mrcal.py FOLDER RESULT (a folder as `rigproof convert --to mrcal` writes it)"""
 import os
+import re
 import sys
 from itertools import combinations
 from pathlib import Path
@@ -9,6 +10,8 @@ from rival import needs, run, transform, write_result
 
 program = needs("mrcal-calibrate-cameras", "mrcal")
 mrcal = needs("mrcal", "python3-mrcal")
+# What its manual calls a failed solve; corners are good to hundredths.
+MOST_RMS_PX = 1.0
 
 
 def main():
@@ -20,7 +23,10 @@ def main():
     focals = ",".join(str(model.intrinsics()[1][0]) for model in models)
     lens = "OPENCV5" if any(any(model.intrinsics()[1][4:]) for model in models) else "PINHOLE"
     os.makedirs("solved")
-    run(program, "--lensmodel", f"LENSMODEL_{lens}", "--focal", focals, "--outdir", "solved", *arguments)
+    said = run(program, "--lensmodel", f"LENSMODEL_{lens}", "--focal", focals, "--outdir", "solved", *arguments)
+    rms_px = float(re.findall(r"RMS reprojection error: (\S+)", said)[-1])
+    if rms_px > MOST_RMS_PX:
+        sys.exit(f"mrcal did not converge: RMS reprojection error {rms_px} px")
     solved = [mrcal.cameramodel(f"solved/camera-{k}.cameramodel") for k in range(len(names))]
     poses = []
     for (parent, at), (child, model) in combinations(zip(names, solved), 2):

@@ -61,6 +61,7 @@ std::string lens_text(const Camera& camera, std::size_t k) {
 }
 
 std::string list_text(const std::string& key, const std::vector<std::string>& items) {
+  if (items.empty()) return "   " + key + ": []\n";
   std::string text = "   " + key + ":\n";
   for (const std::string& item : items) text += "      - " + item + "\n";
   return text;
