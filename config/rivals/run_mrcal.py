@@ -10,7 +10,7 @@ from rival import needs, run, transform, write_result
 
 program = needs("mrcal-calibrate-cameras", "mrcal")
 mrcal = needs("mrcal", "python3-mrcal")
-# What its manual calls a failed solve; corners are good to hundredths.
+# Corners are good to hundredths of a pixel; a solve above this is astray.
 MOST_RMS_PX = 1.0
 
 

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <vector>
 
-static bool read(vpHomogeneousMatrix *T) {
+static bool read(vpHomogeneousMatrix* T) {
   for (unsigned i = 0; i < 12; ++i)
     if (!(std::cin >> (*T)[i / 4][i % 4])) return false;
   return true;

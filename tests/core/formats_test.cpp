@@ -142,7 +142,8 @@ TEST(Formats, WhatIsNoInputSaysWhatWasLookedForAndFound) {
 TEST(Formats, TellWhatTheyAre) {
   EXPECT_EQ(inputs_in_words(true), "a run, a recording, or a folder in the MEMROC layout");
   EXPECT_EQ(inputs_in_words(false), "a run, a recording, a folder in the MEMROC layout, or an observations.json");
-  EXPECT_THAT(writable_formats(), testing::ElementsAre("recording", "memroc", "euroc", "opencv", "mrcal", "mcalib", "colmap"));
+  EXPECT_THAT(writable_formats(),
+              testing::ElementsAre("recording", "memroc", "euroc", "opencv", "mrcal", "mcalib", "colmap"));
   EXPECT_THAT(error_text([] { writable_format("memrok"); }), HasSubstr("memroc"));
 }
 

@@ -41,7 +41,8 @@ struct WriteJob {
   std::size_t frames_without_stop = 0;
   /// Points of a frame's cloud or depth image in the colour camera's frame [m], thinned.
   std::function<std::vector<Eigen::Vector3f>(const RigCamera&, const CameraFrame&)> points_of;
-  /// The corners in the recording's images, for layouts that hold corners: their stops are not those above. Throws Error.
+  /// The corners in the recording's images, for layouts that hold corners: their stops are not those above. Throws
+  /// Error.
   std::function<Observations()> observations;
   /// Called after each image with (done, all); throws to interrupt.
   std::function<void(std::size_t, std::size_t)> step;
