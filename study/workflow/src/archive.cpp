@@ -36,7 +36,7 @@ struct Member {
 std::optional<std::size_t> name_start(const std::string& path) {
   if (path.size() <= kLongestName) return 0;
   const std::size_t slash = path.find('/', path.size() - kLongestName - 1);
-  if (slash == std::string::npos || slash > kLongestFolder || slash == 0) return std::nullopt;
+  if (slash > kLongestFolder) return std::nullopt;  // npos as well
   return slash + 1;
 }
 
