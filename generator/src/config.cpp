@@ -55,8 +55,11 @@ void GridConfig::visit(FieldVisitor& visitor) {
 void ViewpointConfig::visit(FieldVisitor& visitor) {
   visitor.field("planner", planner, TextChoices{{"covering", "sampled", "grid", "list"}},
                 "covering: drawn from the distributions below, with the heading that shows each camera the board where "
-                "it has not been yet; sampled: drawn, with headings from heading_deg; grid: every combination in "
-                "`grid`; list: as in `list`");
+                "it has not been yet; sampled: drawn, with headings from heading_deg, the default where that or "
+                "all_cameras_share is given; grid: every combination in `grid`; list: as in `list`");
+  // So configurations of 0.1 mean, when it was the only planner that drew.
+  const bool gives_sampled = visitor.given("heading_deg") != nullptr || visitor.given("all_cameras_share") != nullptr;
+  if (visitor.is_reading() && gives_sampled && visitor.given("planner") == nullptr) planner = "sampled";
   visitor.field("distance_m", distance_m, {0.3, kMaxDistanceM},
                 "covering, sampled: from the board's centre to the robot, along the floor");
   visitor.field("bearing_deg", bearing_deg, {-90.0, 90.0},
@@ -84,12 +87,12 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
       "list_frame", list_frame, TextChoices{{"scene", "board"}},
       "frame of the list: scene; or board, on the floor below the board's centre, x towards its viewers, z up");
   const ViewpointConfig plain;
-  const bool covers = planner == "covering";  // configurations from when it was not the default would be another drive
+  const bool covers = planner == "covering";
   visitor.check(!covers || all_cameras_share == plain.all_cameras_share, "all_cameras_share",
-                "belongs to planner sampled: name that, or leave this out");
+                "belongs to planner sampled; leave one of them out");
   visitor.check(!covers || (heading_deg.lowest() == plain.heading_deg.lowest() &&
                             heading_deg.highest() == plain.heading_deg.highest()),
-                "heading_deg", "belongs to planner sampled: name that, or leave this out");
+                "heading_deg", "belongs to planner sampled; leave one of them out");
   visitor.check(planner != "list" || !list.empty(), "list", "planner list needs at least one {x_m, y_m, yaw_deg}");
 }
 

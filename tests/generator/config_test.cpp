@@ -53,6 +53,17 @@ TEST(GenerateConfig, DifferencesNameTheField) {
                                              "viewpoints.distance_m: {uniform: [1.2, 3.6]} there, 2 here"));
 }
 
+TEST(GenerateConfig, WhatOnlyOnePlannerTakesChoosesIt) {
+  const auto planner = [](const std::string& keys) {
+    return parse_generate_config("viewpoints: {" + keys + "}").viewpoints.planner;
+  };
+  EXPECT_EQ(planner("distance_m: 2"), "covering");
+  EXPECT_EQ(planner("heading_deg: 10"), "sampled");
+  EXPECT_EQ(planner("all_cameras_share: 0.9"), "sampled") << "given, though it is the default";
+  EXPECT_EQ(planner("planner: grid, heading_deg: 10"), "grid");
+  EXPECT_THAT(error_of("viewpoints: {planner: covering, heading_deg: 10}"), HasSubstr("belongs to planner sampled"));
+}
+
 TEST(GenerateConfig, HeadingsMayGoAcrossTheBack) {
   const auto heading = [](const std::string& range) {
     return parse_generate_config("viewpoints: {planner: sampled, heading_deg: {uniform: " + range + "}}")
