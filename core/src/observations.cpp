@@ -40,6 +40,24 @@ bool is_positive(const Eigen::Matrix3d& c) {
   return minors >= -1e-9 && r.determinant() >= -1e-9;
 }
 
+// By index other parts name a camera, and programs that rewrite JSON may sort the keys of `cameras`.
+void visit_camera_order(FieldVisitor& visitor, std::vector<RigCamera>& cameras) {
+  std::vector<std::string> order;
+  for (const RigCamera& camera : cameras) order.push_back(camera.name);
+  if (!visitor.takes("camera_order", cameras.size() > 1)) return;
+  const std::vector<std::string> names = order;
+  visitor.field("camera_order", order, "names of the cameras in the order of their indices; without it, as in cameras");
+  const bool names_each =
+      order.size() == names.size() && std::is_permutation(order.begin(), order.end(), names.begin());
+  visitor.check(names_each, "camera_order", "must name each of the cameras once: " + joined(names));
+  if (!visitor.is_reading() || !names_each) return;
+  const auto index_of = [&order](const RigCamera& camera) {
+    return std::find(order.begin(), order.end(), camera.name) - order.begin();
+  };
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [&](const RigCamera& a, const RigCamera& b) { return index_of(a) < index_of(b); });
+}
+
 // What rig.yaml has, too, in the same words.
 void visit_head(FieldVisitor& visitor, Observations& o) {
   visitor.format(kFormat, kVersion);
@@ -51,6 +69,7 @@ void visit_head(FieldVisitor& visitor, Observations& o) {
   visitor.nested("accept", o.accept, "limits of rig.yaml on the stated uncertainty");
   visitor.require("cameras", "an object of cameras by name");
   visit_rig_cameras(visitor, {}, o.cameras);
+  visit_camera_order(visitor, o.cameras);
 }
 
 void visit_index(FieldVisitor& visitor, const char* key, int& index, int low, std::size_t count) {

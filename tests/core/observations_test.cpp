@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "error_text.h"
 #include "sample_data.h"
 #include "temp_folder.h"
@@ -55,6 +57,22 @@ TEST(Observations, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(b.exclusions[1].stop, -1);
   save_observations(b, folder / "again.json");
   EXPECT_EQ(folder.read("o.json"), folder.read("again.json"));
+}
+
+TEST(Observations, KeysThatWereSortedExchangeNoCameras) {
+  const SavedObservations folder;
+  const auto sorted = nlohmann::json::parse(folder.read("o.json"));
+  folder.write("sorted.json", sorted.dump());
+  const Observations o = load_observations(folder / "sorted.json");
+  std::vector<std::string> names;
+  for (const RigCamera& camera : o.cameras) names.push_back(camera.name);
+  EXPECT_THAT(names, testing::ElementsAre("left", "center", "right"));
+  EXPECT_EQ(o.cameras[1].camera.fx_px, sample_observations().cameras[1].camera.fx_px);
+  nlohmann::json wrong = sorted;
+  wrong["camera_order"] = {"left", "left", "right"};
+  folder.write("wrong.json", wrong.dump());
+  EXPECT_THAT(error_text([&] { load_observations(folder / "wrong.json"); }),
+              HasSubstr("camera_order: a list of 3: must name each of the cameras once: "));
 }
 
 TEST(Observations, OneElementALine) {
