@@ -15,7 +15,9 @@ Observations observations_of(const Input& input, const ObserveOptions& options) 
 }
 
 std::filesystem::path product_folder(const Input& input) {
-  return input.is_bare_observations() ? std::filesystem::absolute(input.path).parent_path() : input.path;
+  std::error_code ignored;
+  const bool is_file = input.is_bare_observations() && !std::filesystem::is_directory(input.path, ignored);
+  return is_file ? std::filesystem::absolute(input.path).parent_path() : input.path;
 }
 
 std::optional<Truth> truth_beside(const Input& input) {
