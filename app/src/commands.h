@@ -213,8 +213,8 @@ int inspect_command(const InspectArguments& arguments);
 
 struct ReportArguments {
   CommonArguments common;
-  std::filesystem::path input;
-  std::filesystem::path output;  ///< empty = report.html beside the input
+  std::vector<std::filesystem::path> inputs;  ///< several: recordings of one rig over time
+  std::filesystem::path output;  ///< empty = report.html beside the input; of several: history.html beside the last
   std::string method;            ///< shown first; empty = ml
   std::filesystem::path budget;
 };

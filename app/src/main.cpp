@@ -181,10 +181,15 @@ void add_report(CLI::App& app, Action& action) {
   const auto [command, arguments] = add_command(
       app, action, "report", "Write one HTML file to look at: verdict, poses, uncertainty, the rig in 3-D, images",
       "rigproof report monday/ -o monday.html", report_command);
-  command->add_option("INPUT", arguments.input, "With results: " + inputs_in_words(true) + "; or the folder of a sweep")
+  command
+      ->add_option("INPUT", arguments.inputs,
+                   "With results: " + inputs_in_words(true) +
+                       "; or the folder of a sweep; or several recordings of one rig, for its history")
       ->required();
-  command->add_option("-o,--output", arguments.output, "File; default report.html beside the input");
-  command->add_option("-m,--method", arguments.method, "Result to show first; default ml. All of results/ are in it");
+  command->add_option("-o,--output", arguments.output,
+                      "File; default report.html beside the input, history.html beside the last of several");
+  command->add_option("-m,--method", arguments.method,
+                      "Result to show first, or whose history; default ml. All of results/ are in a report of one");
   command->add_option("--budget", arguments.budget,
                       "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations");
   add_jobs(command, arguments.common);

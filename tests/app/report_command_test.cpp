@@ -1,5 +1,6 @@
 // `rigproof report` as a user types it.
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "cli_fixture.h"
 
@@ -42,6 +43,71 @@ TEST(ReportCommand, SaysWhatIsMissing) {
   const ProcessOutput unknown = rigproof_command({"report", recording.string(), "-m", "mll"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("did you mean \"ml\""));
+}
+
+// A rig that was recorded and calibrated on several days, as observations with dates.
+class ReportHistory : public testing::Test {
+ protected:
+  ReportHistory() {
+    const fs::path recording = copy_of_recording(scratch_);
+    EXPECT_EQ(rigproof_command({"observe", recording.string(), "-q"}).exit_code, 0);
+    EXPECT_EQ(rigproof_command({"calibrate", (recording / "observations.json").string(), "-q"}).exit_code, 0);
+    for (const auto& [name, days] : {std::pair("monday", 0), std::pair("tuesday", 1), std::pair("friday", 4)}) {
+      nlohmann::json observations = nlohmann::json::parse(read_whole_file(recording / "observations.json"));
+      for (nlohmann::json& stop : observations["stops"])
+        stop["stamp_s"] = stop["stamp_s"].get<double>() + 1.79e9 + 86400.0 * days;
+      fs::create_directories(scratch_ / name / "results");
+      write_whole_file(scratch_ / name / "observations.json", observations.dump());
+      fs::copy(recording / "results" / "ml.yaml", scratch_ / name / "results" / "ml.yaml");
+    }
+  }
+  ProcessOutput report(const std::vector<std::string>& names, const std::vector<std::string>& options = {}) {
+    std::vector<std::string> arguments = {"report"};
+    for (const std::string& name : names) arguments.push_back((scratch_ / name).string());
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return rigproof_command(arguments);
+  }
+  std::string page(const std::string& name) const { return read_whole_file(scratch_ / name / "history.html"); }
+
+  TempFolder scratch_;
+};
+
+TEST_F(ReportHistory, NothingMovedInTheOrderOfTheDays) {
+  const ProcessOutput output = report({"friday", "monday", "tuesday"});
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_THAT(output.out, HasSubstr((scratch_ / "tuesday" / "history.html").string()));
+  EXPECT_THAT(page("tuesday"),
+              AllOf(HasSubstr("\"word\":\"STANDS\""), HasSubstr("No camera has shifted in 3 recordings."),
+                    HasSubstr("\"title\":\"monday to friday\""), HasSubstr("\"is_dated\":true")));
+}
+
+TEST_F(ReportHistory, ACameraThatMovedIsNamedWithTheDaysBetween) {
+  // What was calibrated on friday is not asked; the one result that everything is compared with had `left` elsewhere.
+  const fs::path first = scratch_ / "monday" / "results" / "ml.yaml";
+  const std::string text = read_whole_file(first);
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(text, found, std::regex("translation_m: \\[([-0-9.e]+),")));
+  std::string moved = text;
+  moved.replace(static_cast<std::size_t>(found.position(1)), static_cast<std::size_t>(found.length(1)),
+                std::to_string(std::stod(found[1]) + 0.05));
+  write_whole_file(first, moved);
+  const ProcessOutput output = report({"monday", "tuesday", "friday"});
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_THAT(page("friday"), AllOf(HasSubstr("\"word\":\"MOVED\""), HasSubstr("left moved between monday"),
+                                    HasSubstr(" and tuesday: 5 cm")));
+}
+
+TEST_F(ReportHistory, SaysWhatIsWrong) {
+  EXPECT_THAT(report({"monday", "tuesday"}, {"-m", "memroc"}).err, HasSubstr("there is no result of memroc"));
+  const ProcessOutput budget = report({"monday", "tuesday"}, {"--budget", "ci"});
+  EXPECT_EQ(budget.exit_code, 2);
+  EXPECT_THAT(budget.err, HasSubstr("--budget: judges one run against its truth"));
+  fs::remove_all(scratch_ / "tuesday" / "results");
+  const ProcessOutput without = report({"monday", "tuesday"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err,
+              AllOf(HasSubstr("tuesday"), HasSubstr("holds no result; make one with: rigproof calibrate")));
+  EXPECT_FALSE(fs::exists(scratch_ / "tuesday" / "history.html"));
 }
 
 }  // namespace

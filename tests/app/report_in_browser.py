@@ -6,6 +6,7 @@ Usage: report_in_browser.py RIGPROOF SMALL_RUN [FOLDER]    FOLDER: keep screensh
 """
 import base64
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -84,6 +85,21 @@ def make_sweep_report(program, scratch):
     subprocess.run([program, "sweep", "start", config, "-o", folder, "-q"], check=True)
     subprocess.run([program, "report", folder, "-q"], check=True)
     return folder / "report.html"
+
+
+def make_history(program, small_run, scratch):
+    """Three recordings, in a folder with a name that would run; the first result has one camera elsewhere."""
+    days = [scratch / (HOSTILE.replace("data", day)) for day in ("monday", "tuesday", "friday")]
+    for day in days:
+        shutil.copytree(small_run / "recording", day)
+        subprocess.run([program, "observe", day, "-q"], check=True)
+        subprocess.run([program, "calibrate", day / "observations.json", "-q"], check=True)
+    first = days[0] / "results/ml.yaml"
+    text = first.read_text()
+    x = re.search(r"translation_m: \[([-0-9.e]+),", text)
+    first.write_text(text[:x.start(1)] + str(float(x.group(1)) + 0.05) + text[x.end(1):])
+    subprocess.run([program, "report", *days, "-o", scratch / "history.html", "-q"], check=True)
+    return scratch / "history.html"
 
 
 def picture_of(browser, selector):
@@ -209,11 +225,32 @@ def check_sweep(browser, page, folder):
     check_whole_page(browser, "sweep", folder)
 
 
+def check_history(browser, page, folder):
+    for name, width, height, mobile in (("history", 1280, 900, False), ("history_phone", 390, 844, True)):
+        browser.size(width, height, mobile)
+        browser.dark(mobile)
+        browser.open(url_of(page))
+        expect(browser.js("document.querySelector('.verdict .word').textContent") == "MOVED", "the verdict stands first")
+        expect("left moved between" in browser.js("document.querySelector('.verdict').innerText"), "and names the camera")
+        expect(browser.js("document.querySelectorAll('#drift svg[role=img]').length") == 6, "a picture of each axis")
+        expect(browser.js("document.querySelectorAll('#drift svg circle').length") > 50, "with its points")
+        expect(browser.js("document.querySelectorAll('#verdicts tbody tr').length") == 6, "two recordings, three cameras")
+        expect(browser.js("document.querySelectorAll('#poses tbody tr').length") == 9, "three recordings, three cameras")
+        words = browser.js("document.body.innerText").split()
+        expect(not {"null", "undefined", "NaN"} & set(words), "nothing that is missing is written as a word")
+        expect(browser.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), "nothing sticks out")
+        check_whole_page(browser, name, folder)
+    before = browser.js("document.querySelectorAll('#drift svg circle').length")
+    choose(browser, 0, 1)
+    expect(browser.js("document.querySelectorAll('#drift svg circle').length") < before, "one camera alone")
+    expect(browser.js("window.hacked") is None, "a name was run")
+
+
 def url_of(page):
     return "file://" + urllib.parse.quote(str(page))
 
 
-def check(browser, page, sweep, folder):
+def check(browser, page, sweep, history, folder):
     url = url_of(page)
     for name, width, height, mobile, dark in (("desktop", 1280, 900, False, False), ("phone", 390, 844, True, True)):
         browser.size(width, height, mobile)
@@ -228,6 +265,7 @@ def check(browser, page, sweep, folder):
             check_corners(browser)
             check_methods(browser)
     check_sweep(browser, sweep, folder)
+    check_history(browser, history, folder)
     expect(browser.pdf()[:5] == b"%PDF-", "it prints")
     expect(not browser.said, "the console says: " + "\n".join(browser.said))
     expect(not browser.asked_for, f"it asks a network for {browser.asked_for}")
@@ -242,9 +280,10 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         page = make_report(program, small_run, pathlib.Path(scratch))
         sweep = make_sweep_report(program, pathlib.Path(scratch))
+        history = make_history(program, pathlib.Path(small_run), pathlib.Path(scratch))
         browser = chromium.Chromium()
         try:
-            check(browser, page, sweep, folder)
+            check(browser, page, sweep, history, folder)
         finally:
             browser.close()
     return 0

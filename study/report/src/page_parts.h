@@ -62,6 +62,11 @@ struct PageVerdict {
 PageVerdict verdict_of(const Result& result, const std::optional<Comparison>& comparison, const Budget& budget,
                        const Observations& observations, const CornerFit& fit);
 
+/// Code, severity, sentence and what to do.
+Json findings_list(const std::vector<Finding>& findings);
+/// A pose in the robot: x y z roll pitch yaw of the camera's body axes with their sigmas, and which axes are answered.
+Json pose_json(const EstimatedTransform& stated);
+
 /// A result with its verdict.
 Json result_json(const InspectInput& input, const Result& result, const std::vector<Frame>& frames,
                  const std::vector<TransformBound>& bounds, const PageOptions& options);

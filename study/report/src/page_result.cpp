@@ -19,6 +19,8 @@ std::string remedy_of(const std::string& code) {
   return "";
 }
 
+}  // namespace
+
 Json findings_list(const std::vector<Finding>& findings) {
   Json list = Json::array();
   for (const Finding& finding : findings)
@@ -28,6 +30,8 @@ Json findings_list(const std::vector<Finding>& findings) {
                     {"remedy", remedy_of(finding.code)}});
   return list;
 }
+
+namespace {
 
 Json sigmas_of(const std::optional<Matrix6d>& covariance) {
   return covariance ? list_of(covariance->diagonal().cwiseMax(0.0).cwiseSqrt()) : Json();
@@ -75,6 +79,8 @@ Json transform_json(const EstimatedTransform& stated) {
   return json;
 }
 
+}  // namespace
+
 Json pose_json(const EstimatedTransform& stated) {
   const EstimatedTransform transform = heading_free(stated);
   Json json = transform_json(stated);
@@ -89,6 +95,8 @@ Json pose_json(const EstimatedTransform& stated) {
   }
   return json;
 }
+
+namespace {
 
 Json left_out_json(const std::vector<Exclusion>& left_out) {
   Json list = Json::array();

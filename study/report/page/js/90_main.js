@@ -16,4 +16,5 @@ function show(index) {
   redrawAll();
 }
 if (data.kind === "sweep") showSweep(data);
+else if (data.kind === "history") showHistory(data);
 else show(0);

@@ -1,10 +1,11 @@
-// The report: a run, a recording and what calibration made of it, or a sweep, as one HTML file that a browser opens
-// without a network.
+// The report: a run, a recording and what calibration made of it, a rig over time, or a sweep, as one HTML file that a
+// browser opens without a network.
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "rigproof/study/report/inspect.h"
 #include "rigproof/study/sweep/rows.h"
@@ -37,6 +38,17 @@ PageContent page_content(const InspectInput& input, const PageOptions& options =
 /// The same of a sweep, finished or not: a row for each answer about a camera or a pair, errors to three significant
 /// digits, and why answers failed. Throws Error if nothing has been answered.
 PageContent sweep_page_content(const SweepRows& rows);
+
+/// One of several recordings of a rig, and what calibration made of it.
+struct HistoryEntry {
+  std::string name;  ///< of its folder, or its path
+  Observations observations;
+  Result result;
+};
+/// A rig over time: each recording against the first result and against the one before, as `moved` judges it. In the
+/// order of the images' stamps where those of all are dates (after the year 2000), else as given. Throws Error if there
+/// are fewer than two, or if the first result states no uncertainty or has none of another recording's cameras.
+PageContent history_page_content(std::vector<HistoryEntry> entries);
 
 /// The page. Nothing in `content` can end the elements that it is placed in, or be run.
 std::string page_html(const PageContent& content);
