@@ -167,6 +167,8 @@ def check_images(browser):
     expect(browser.js("document.querySelector('dialog').open"), "an image opens")
     expect(browser.js("document.querySelectorAll('dialog ellipse').length") > 5, "expected corners with their ellipses")
     expect("null" not in browser.js("document.querySelector('dialog').innerText"), "nothing missing is written there")
+    expect(browser.js("document.querySelectorAll('dialog svg.ground rect').length") > 5, "where the ground is")
+    expect("on the ground plane" in browser.js("document.querySelector('dialog').innerText"), "and what green means")
     before = browser.js("document.querySelector('dialog h3').textContent")
     browser.press("ArrowRight")
     expect(browser.js("document.querySelector('dialog h3').textContent") != before, "the next image")

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -247,7 +248,8 @@ TEST_F(Page, ImagesAreSmallAndTheBoardIsCutOut) {
   EXPECT_EQ(std::count(images.begin(), images.end(), nullptr), static_cast<std::ptrdiff_t>(frames) - 4);
   images = json::parse(page_content(input_).images);
   EXPECT_EQ(std::count(images.begin(), images.end(), nullptr), 1);
-  EXPECT_EQ(images[0].size(), 2U);
+  ASSERT_EQ(images[0].size(), 3U);
+  EXPECT_TRUE(images[0][2].is_null()) << "no depth, no ground";
   EXPECT_EQ(images[0][0].get<std::string>().rfind("/9j/", 0), 0U) << "a JPEG in base 64";
   EXPECT_LT(images[0][0].get<std::string>().size(), 20000U);
   options.max_frames = 3;
@@ -255,6 +257,57 @@ TEST_F(Page, ImagesAreSmallAndTheBoardIsCutOut) {
   EXPECT_EQ(data(options)["frames"].size(), 3U);
   options.progress = [](std::size_t done, std::size_t) { return done < 2; };
   EXPECT_THROW(page_content(input_, options), Error);
+}
+
+// 1/z = a . ray of the ground z = 0, in the camera.
+PlaneObservation ground_plane(const Truth& truth, const BoardView& view, const std::string& file) {
+  const Rigid3 T_world_camera = truth.stops[static_cast<std::size_t>(view.stop)].T_world_robot *
+                                truth.cameras[static_cast<std::size_t>(view.camera)].T_robot_camera;
+  PlaneObservation plane;
+  plane.stop = view.stop;
+  plane.camera = view.camera;
+  plane.file = file;
+  plane.inverse_depth_plane =
+      -(T_world_camera.rotation.conjugate() * Eigen::Vector3d::UnitZ()) / T_world_camera.translation.z();
+  plane.residual_rms = 1.0;
+  return plane;
+}
+
+TEST_F(Page, WhereTheGroundIsSeenIsTold) {
+  const TempFolder folder;
+  DepthFaults furniture;
+  furniture.furniture = true;  // in the left quarter
+  input_.input.recording = make_depth_recording(truth_, folder.path(), furniture);
+  BoardView& view = input_.observations.board_views[0];
+  const Camera& camera = truth_.cameras[static_cast<std::size_t>(view.camera)].camera;
+  view.file = "image.png";
+  cv::imwrite((folder / view.file).string(), cv::Mat(camera.height_px, camera.width_px, CV_8UC3, cv::Scalar::all(90)));
+  const auto& frames = input_.input.recording->frames[static_cast<std::size_t>(view.camera)];
+  const PlaneObservation plane = ground_plane(truth_, view, frames[static_cast<std::size_t>(view.stop)].depth_file);
+  input_.observations.ground_planes = {plane};
+  const json listed = data()["frames"];
+  const auto shown = std::find_if(listed.begin(), listed.end(), [&](const json& f) { return f["file"] == view.file; });
+  const auto index = static_cast<std::size_t>(shown - listed.begin());
+  const json ground = json::parse(page_content(input_).images).at(index).at(2);
+  const int columns = ground[0];
+  const std::string cells = ground[1];
+  const int rows = static_cast<int>(cells.size()) / columns;
+  int right = 0, above = 0, left = 0;
+  for (int i = 0; i < columns * rows; ++i) {
+    Eigen::Vector3d ray;
+    const Eigen::Vector2d centre((i % columns + 0.5) * camera.width_px / columns - 0.5,
+                                 (i / columns + 0.5) * camera.height_px / rows - 0.5);
+    camera.unproject(centre, &ray);
+    const bool ground_here = cells[static_cast<std::size_t>(i)] == 'g';
+    if (plane.inverse_depth_plane.dot(ray) < 0.0) above += ground_here;
+    if (i / columns == rows - 1) (4 * (i % columns) < columns - 8 ? left : right) += ground_here;
+  }
+  EXPECT_EQ(above, 0) << "no ground above the horizon";
+  EXPECT_EQ(left, 0) << "things stand there";
+  EXPECT_GE(right, columns * 3 / 4) << "the lowest row is floor";
+  std::filesystem::remove(folder / plane.file);
+  EXPECT_TRUE(json::parse(page_content(input_).images).at(index).at(2).is_null())
+      << "depth that cannot be read is no error";
 }
 
 SweepRows two_answers() {

@@ -35,6 +35,8 @@ constexpr double kFloorShare = 0.2;
 // A better sensor than stated drops what lies beyond three of its own sigmas, but near points, which rounding governs,
 // must stay.
 constexpr double kMinScale = 0.3;
+// A sensor that is noisier than it says keeps its inliers, up to this many times.
+constexpr double kMaxScale = 3.0;
 // Residual noise is never believed to be less than this share of the sensor's.
 constexpr double kMinNoiseShare = 0.05;
 
@@ -45,20 +47,23 @@ struct Measurement {
   double sigma;
 };
 
+// Of point i; none where it has no depth.
+std::optional<Measurement> measurement_of(const DepthPoints& points, std::size_t i, const DepthNoise& noise) {
+  const Vector3d p = points.points[i].cast<double>();
+  if (!p.allFinite() || !(p.z() > 0.0)) return std::nullopt;
+  const std::vector<double>& own_sigmas = points.inverse_depth_sigmas_per_m;
+  const double sensor = own_sigmas.empty() ? noise.inverse_depth_sigma(p.z()) : own_sigmas[i];
+  const double rounding = points.unit_m * points.unit_m / 12.0 / std::pow(p.z(), 4);
+  // An exact sensor still has a scale to tell inliers by.
+  const double sigma = std::max(1e-6, std::sqrt(sensor * sensor + rounding));
+  return Measurement{Vector3d(p.x() / p.z(), p.y() / p.z(), 1.0), 1.0 / p.z(), sigma};
+}
+
 std::vector<Measurement> measurements_of(const DepthPoints& points, const DepthNoise& noise) {
   std::vector<Measurement> measurements;
   measurements.reserve(points.points.size());
-  const double rounding_variance = points.unit_m * points.unit_m / 12.0;
-  const std::vector<double>& own_sigmas = points.inverse_depth_sigmas_per_m;
-  for (std::size_t i = 0; i < points.points.size(); ++i) {
-    const Vector3d p = points.points[i].cast<double>();
-    if (!p.allFinite() || !(p.z() > 0.0)) continue;
-    const double sensor = own_sigmas.empty() ? noise.inverse_depth_sigma(p.z()) : own_sigmas[i];
-    const double rounding = rounding_variance / std::pow(p.z(), 4);
-    // An exact sensor still has a scale to tell inliers by.
-    const double sigma = std::max(1e-6, std::sqrt(sensor * sensor + rounding));
-    measurements.push_back({Vector3d(p.x() / p.z(), p.y() / p.z(), 1.0), 1.0 / p.z(), sigma});
-  }
+  for (std::size_t i = 0; i < points.points.size(); ++i)
+    if (const auto measurement = measurement_of(points, i, noise)) measurements.push_back(*measurement);
   return measurements;
 }
 
@@ -292,8 +297,7 @@ std::optional<Refined> refine(const std::vector<Measurement>& measurements, cons
     if (refined.inliers.size() < 3) return std::nullopt;
     if (settled) break;
     if (!fit(&refined)) return std::nullopt;
-    // A sensor that is noisier than it says keeps its inliers, up to three times; one that is better drops more.
-    refined.scale = std::clamp(robust_scale(refined.inliers, refined.a), min_scale, 3.0);
+    refined.scale = std::clamp(robust_scale(refined.inliers, refined.a), min_scale, kMaxScale);
   }
   return refined;
 }
@@ -507,6 +511,19 @@ DepthPoints sampled_depth(const Image16& depth, const RigCamera& camera, int mos
   return points_from_depth(depth, camera, sampling_stride(depth.width, depth.height, most));
 }
 
+DepthPoints points_from_cloud(std::vector<Eigen::Vector3f> cloud, const DepthStream& depth, int most) {
+  const auto min = static_cast<float>(depth.min_m), max = static_cast<float>(depth.max_m);
+  cloud.erase(std::remove_if(cloud.begin(), cloud.end(),
+                             [&](const Eigen::Vector3f& p) { return !(p.z() >= min && p.z() <= max); }),
+              cloud.end());
+  DepthPoints points;
+  points.min_m = depth.min_m;
+  points.max_m = depth.max_m;
+  const std::size_t step = cloud.size() / static_cast<std::size_t>(most) + 1;
+  for (std::size_t i = 0; i < cloud.size(); i += step) points.points.push_back(cloud[i]);
+  return points;
+}
+
 namespace {
 
 Finding too_few(const DepthPoints& points, std::size_t measurements) {
@@ -539,6 +556,17 @@ GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noi
   const Refined& floor = floor_of(planes);
   const std::optional<Refined> rounded = refine_as_rounded(floor, limits, points.unit_m, options.inlier_sigmas);
   return {to_observation(rounded ? *rounded : floor, points.points_per_measurement), {}};
+}
+
+std::vector<bool> lie_on_plane(const DepthPoints& points, const DepthNoise& noise, const PlaneObservation& plane,
+                               double sigmas) {
+  const double width = sigmas * std::clamp(plane.residual_rms, kMinScale, kMaxScale);
+  std::vector<bool> on(points.points.size(), false);
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    const auto measurement = measurement_of(points, i, noise);
+    on[i] = measurement && std::abs(residual_sigmas(*measurement, plane.inverse_depth_plane)) < width;
+  }
+  return on;
 }
 
 }  // namespace rigproof

@@ -271,20 +271,6 @@ std::optional<std::string> board_in_images(const Source& from, const std::vector
   throw FindingError(from.recording.folder.string(), nowhere.by(counted(reasons)));
 }
 
-// Clouds come in the colour camera's frame; only what the sensor can measure counts.
-DepthPoints points_of_cloud(std::vector<Eigen::Vector3f> cloud, const DepthStream& depth) {
-  const auto min = static_cast<float>(depth.min_m), max = static_cast<float>(depth.max_m);
-  cloud.erase(std::remove_if(cloud.begin(), cloud.end(),
-                             [&](const Eigen::Vector3f& p) { return !(p.z() >= min && p.z() <= max); }),
-              cloud.end());
-  DepthPoints points;
-  points.min_m = depth.min_m;
-  points.max_m = depth.max_m;
-  const std::size_t step = cloud.size() / static_cast<std::size_t>(detection::kDepthPoints) + 1;
-  for (std::size_t i = 0; i < cloud.size(); i += step) points.points.push_back(cloud[i]);
-  return points;
-}
-
 // What is looked at of it, where the memory has that.
 std::optional<Image16> read_depth(const Source& from, const Sight& sight, std::string* unreadable) {
   const std::string& file = from.frame(sight).depth_file;
@@ -308,7 +294,7 @@ std::optional<DepthPoints> read_points(const Source& from, const Sight& sight, s
     return std::nullopt;
   }
   auto cloud = read<std::vector<Eigen::Vector3f>>(from.recording, frame.cloud_file, read_point_cloud, &unreadable);
-  if (cloud) return points_of_cloud(std::move(*cloud), *camera.depth);
+  if (cloud) return points_from_cloud(std::move(*cloud), *camera.depth, detection::kDepthPoints);
   *why_not = Finding("depth.unreadable", {{"text", unreadable}});
   return std::nullopt;
 }
@@ -342,7 +328,7 @@ std::function<std::optional<DepthPoints>(detection::DepthReading)> any_points(co
       std::vector<Eigen::Vector3f> points = *cloud;
       if (reading == DepthReading::kBodyAxes)
         for (Eigen::Vector3f& p : points) p = {-p.y(), -p.z(), p.x()};
-      return points_of_cloud(std::move(points), *camera.depth);
+      return points_from_cloud(std::move(points), *camera.depth, detection::kDepthPoints);
     };
   }
   const auto depth = read_depth(from, sight, &ignored);

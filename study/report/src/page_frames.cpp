@@ -98,9 +98,10 @@ std::string pictures_of(const InspectInput& input, const Frame& frame) {
   const Camera& camera = input.observations.cameras[static_cast<std::size_t>(frame.camera)].camera;
   const auto area = frame.view != nullptr ? board_area(*frame.view, camera) : std::nullopt;
   const cv::Rect inside = area ? *area & cv::Rect(0, 0, picture.cols, picture.rows) : cv::Rect();
-  if (!area || inside != *area) return text + "null]";
+  if (!area || inside != *area) return text + "null," + ground_json(input, frame) + "]";
   const double scale = static_cast<double>(kCropSide_px) / std::max(inside.width, inside.height);
-  return text + "\"" + jpeg_base64(no_larger(picture(inside), scale), kCropQuality) + "\"]";
+  return text + "\"" + jpeg_base64(no_larger(picture(inside), scale), kCropQuality) + "\"," +
+         ground_json(input, frame) + "]";
 }
 
 }  // namespace

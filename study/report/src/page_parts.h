@@ -40,6 +40,10 @@ Json frames_json(const InspectInput& input, const std::vector<Frame>& frames);
 /// The pictures of the frames, as PageContent::images has them.
 std::string images_json(const InspectInput& input, const std::vector<Frame>& frames, const PageOptions& options);
 
+/// Where the ground plane of the frame's stop was found in its depth: [columns, cells in rows: g ground, o other depth,
+/// . none], or null where there is no plane or its depth cannot be read. The recording is there.
+std::string ground_json(const InspectInput& input, const Frame& frame);
+
 /// Detected corners minus those of the board that fits all views of a stop best, through the rig as the result has it.
 struct CornerFit {
   /// Of each board view of the observations: [du, dv] of its corners [px]; empty where there is no fit.

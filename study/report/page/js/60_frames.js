@@ -32,6 +32,28 @@ function cornersDrawing(frame, value, box, radius) {
     corners.filter((c) => c.id === 0).map((c) => s("circle", { cx: c.u, cy: c.v, r: radius * 2.6, fill: "none", stroke: "#e02020", "stroke-width": radius * 0.7 })));
 }
 
+// Cells of the image whose depth lies on the ground plane; nothing where there is no plane.
+const groundOf = (index) => (images()[index] || [])[2] || null;
+function groundDrawing([columns, cells]) {
+  const rows = cells.length / columns, nodes = [];
+  for (const found of cells.matchAll(/g+/g)) {
+    // A run may go on in the next row.
+    for (let at = found.index, end = at + found[0].length; at < end; ) {
+      const row = Math.floor(at / columns), stop = Math.min(end, (row + 1) * columns);
+      nodes.push(s("rect", { x: at % columns, y: row, width: stop - at, height: 1 }));
+      at = stop;
+    }
+  }
+  return s("svg", { class: "ground", viewBox: `0 0 ${columns} ${rows}`, preserveAspectRatio: "none", "aria-hidden": "true",
+    fill: "#18c964", "fill-opacity": 0.38, "shape-rendering": "crispEdges" }, nodes);
+}
+function groundSentence(index, camera) {
+  const ground = groundOf(index);
+  if (!ground) return camera.has_depth ? "No ground plane was found in the depth of this image." : "";
+  const on = ground[1].split("g").length - 1, measured = ground[1].replaceAll(".", "").length;
+  return `Green: depth that lies on the ground plane fitted here, ${Math.round((100 * on) / measured)} % of where there is depth.`;
+}
+
 function frameTitle(data, index) {
   const frame = data.frames[index];
   return `${data.cameras[frame.camera].name}, ${frame.stop >= 0 ? "stop " + frame.stop : frame.file}`;
@@ -115,7 +137,8 @@ class FrameDialog {
           h("button", { type: "button", autofocus: true, onclick: () => this.node.close() }, "close"))),
       out ? h("p", { style: { color: color("bad"), marginTop: "6px" } }, `left out: ${out.sentence} `, h("code", {}, out.code)) : null,
       h("div", { class: "big" },
-        picture(whole, [0, 0, camera.width, camera.height], cornersDrawing(frame, cameraColor(frame.camera), [0, 0, camera.width, camera.height], camera.width / 260), "The whole image"),
+        h("div", {}, picture(whole, [0, 0, camera.width, camera.height], [groundOf(index) ? groundDrawing(groundOf(index)) : null, cornersDrawing(frame, cameraColor(frame.camera), [0, 0, camera.width, camera.height], camera.width / 260)], "The whole image"),
+          whole ? h("p", { class: "small soft", style: { marginTop: "6px" } }, groundSentence(index, camera)) : null),
         frame.corners ? h("div", {}, close, h("div", { class: "bar", style: { marginTop: "8px" } }, h("label", {}, "differences", slider, told)),
           h("p", { class: "small soft", style: { marginTop: "6px" } }, "Dot: detected. Ellipse: expected place with twice the detector's stated sigma",
             data.has_truth ? "; green cross: true." : ".", " The expected place is that of the board that fits all views of this stop best through the calibrated rig.")) : null));

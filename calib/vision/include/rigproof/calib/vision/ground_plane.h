@@ -35,6 +35,9 @@ DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int
 int sampling_stride(int width, int height, int most);
 /// With that stride.
 DepthPoints sampled_depth(const Image16& depth, const RigCamera& camera, int most);
+/// Points of a cloud in the colour camera's frame [m] that are inside the sensor's range; of more than `most` every
+/// second, third .. one.
+DepthPoints points_from_cloud(std::vector<Eigen::Vector3f> cloud, const DepthStream& depth, int most);
 
 struct GroundPlaneOptions {
   /// Largest angle between the plane's normal and the expected up direction, if that is known [rad].
@@ -61,5 +64,10 @@ struct GroundPlaneFit {
 GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noise,
                                 const std::optional<Eigen::Vector3d>& up_camera,
                                 const GroundPlaneOptions& options = {});
+
+/// Which of the points lie on the plane as a fit takes its inliers, but for those beside something that stands on it:
+/// within `sigmas` standard deviations, the sensor's times what the plane's own inliers leave of it.
+std::vector<bool> lie_on_plane(const DepthPoints& points, const DepthNoise& noise, const PlaneObservation& plane,
+                               double sigmas = 3.0);
 
 }  // namespace rigproof

@@ -24,7 +24,8 @@ struct PageOptions {
 };
 
 /// What a report holds, as JSON texts: `data` all but the pictures, `images` a list with the two pictures of each of
-/// data.frames (the image made small, and the board cut out of it; JPEG in base 64), or null.
+/// data.frames (the image made small, and the board cut out of it; JPEG in base 64) and where in it the ground was
+/// found, or null.
 struct PageContent {
   std::string title;
   std::string data;
