@@ -1,8 +1,8 @@
 #include "hand_eye_problem.h"
 
-#include <ceres/autodiff_cost_function.h>
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
+#include <ceres/sized_cost_function.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -23,59 +23,132 @@ constexpr double kMinLossScale = 1e-4;
 constexpr double kLossMedians = 3.0;
 constexpr int kRounds = 3;
 
-struct MotionCost {
+template <int kRows>
+using RowMajor = Eigen::Matrix<double, kRows, 6, Eigen::RowMajor>;
+
+// A camera's pose off its reference by the six parameters of the solver, an error of transform_error().
+struct MovedPose {
+  Rigid3 T;
+  // Of (shift, turn along the parent's axes) by the parameters.
+  Matrix6d derivative = Matrix6d::Identity();
+  MovedPose(const Rigid3& reference, const double* error)
+      : T(apply_transform_error(reference, Eigen::Map<const Vector6d>(error))) {
+    derivative.bottomRightCorner<3, 3>() = so3_left_jacobian(Eigen::Map<const Eigen::Vector3d>(error + 3));
+  }
+};
+
+Vector6d residual_of(const Rigid3& A, const Rigid3& X, const Rigid3& B) {
+  Vector6d residual;
+  hand_eye_residual(RigidOf<double>::from(A), RigidOf<double>::from(X), RigidOf<double>::from(B), residual.data());
+  return residual;
+}
+
+// Of that residual by (shift, turn along the parent's axes) of X.
+Matrix6d derivative_of(const Rigid3& A, const Rigid3& X, const Rigid3& B, const Vector6d& residual) {
+  const Eigen::Matrix3d R_A = A.rotation_matrix();
+  Matrix6d D = Matrix6d::Zero();
+  D.topLeftCorner<3, 3>() = R_A - Eigen::Matrix3d::Identity();
+  D.topRightCorner<3, 3>() = skew(X.rotation * B.translation);
+  D.bottomRightCorner<3, 3>() = so3_left_jacobian_inverse(residual.tail<3>()) * X.rotation_matrix().transpose() *
+                                (R_A.transpose() - Eigen::Matrix3d::Identity());
+  return D;
+}
+
+struct MotionCost : ceres::SizedCostFunction<6, 6> {
   Rigid3 A, B, X_reference;
 
-  template <typename T>
-  bool operator()(const T* error, T* residual) const {
-    hand_eye_residual(RigidOf<T>::from(A), RigidOf<T>::at(X_reference, error), RigidOf<T>::from(B), residual);
+  MotionCost(const Rigid3& A_in, const Rigid3& B_in, const Rigid3& reference)
+      : A(A_in), B(B_in), X_reference(reference) {}
+
+  bool Evaluate(const double* const* error, double* residual, double** jacobians) const override {
+    const MovedPose X(X_reference, error[0]);
+    const Vector6d r = residual_of(A, X.T, B);
+    Eigen::Map<Vector6d>{residual} = r;
+    if (jacobians != nullptr && jacobians[0] != nullptr)
+      Eigen::Map<RowMajor<6>>{jacobians[0]} = derivative_of(A, X.T, B, r) * X.derivative;
     return true;
   }
 };
 
 // Both directions of a pair, each with half the weight, so that the order of the cameras does not matter.
-struct CameraPairCost {
+struct CameraPairCost : ceres::SizedCostFunction<12, 6, 6> {
   Rigid3 B_j, B_k, X_reference_j, X_reference_k;
 
-  template <typename T>
-  bool operator()(const T* error_j, const T* error_k, T* residual) const {
-    const RigidOf<T> X_j = RigidOf<T>::at(X_reference_j, error_j), X_k = RigidOf<T>::at(X_reference_k, error_k);
-    const RigidOf<T> motion_j = RigidOf<T>::from(B_j), motion_k = RigidOf<T>::from(B_k);
-    hand_eye_residual(motion_j, X_j.inverse() * X_k, motion_k, residual);
-    hand_eye_residual(motion_k, X_k.inverse() * X_j, motion_j, residual + 6);
-    for (int i = 0; i < 12; ++i) residual[i] *= T(M_SQRT1_2);
+  CameraPairCost(const Rigid3& motion_j, const Rigid3& motion_k, const Rigid3& reference_j, const Rigid3& reference_k)
+      : B_j(motion_j), B_k(motion_k), X_reference_j(reference_j), X_reference_k(reference_k) {}
+
+  static Vector12d residual(const Rigid3& B_j, const Rigid3& B_k, const Rigid3& X_j, const Rigid3& X_k) {
+    Vector12d r;
+    r << residual_of(B_j, X_j.inverse() * X_k, B_k), residual_of(B_k, X_k.inverse() * X_j, B_j);
+    return M_SQRT1_2 * r;
+  }
+
+  bool Evaluate(const double* const* errors, double* residuals, double** jacobians) const override {
+    const MovedPose j(X_reference_j, errors[0]), k(X_reference_k, errors[1]);
+    const Vector12d r = residual(B_j, B_k, j.T, k.T);
+    Eigen::Map<Vector12d>{residuals} = r;
+    if (jacobians == nullptr) return true;
+    const Rigid3 T_j_k = j.T.inverse() * k.T, T_k_j = T_j_k.inverse();
+    const Matrix6d of_j_k = M_SQRT1_2 * derivative_of(B_j, T_j_k, B_k, M_SQRT2 * r.head<6>());
+    const Matrix6d of_k_j = M_SQRT1_2 * derivative_of(B_k, T_k_j, B_j, M_SQRT2 * r.tail<6>());
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<RowMajor<12>> by_j(jacobians[0]);
+      by_j.topRows<6>() = of_j_k * by_first(j.T, k.T) * j.derivative;
+      by_j.bottomRows<6>() = of_k_j * by_second(k.T) * j.derivative;
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<RowMajor<12>> by_k(jacobians[1]);
+      by_k.topRows<6>() = of_j_k * by_second(j.T) * k.derivative;
+      by_k.bottomRows<6>() = of_k_j * by_first(k.T, j.T) * k.derivative;
+    }
     return true;
+  }
+
+ private:
+  // (shift, turn) of first^-1 second by those of either.
+  static Matrix6d by_second(const Rigid3& first) {
+    const Eigen::Matrix3d back = first.rotation_matrix().transpose();
+    Matrix6d D = Matrix6d::Zero();
+    D.topLeftCorner<3, 3>() = D.bottomRightCorner<3, 3>() = back;
+    return D;
+  }
+  static Matrix6d by_first(const Rigid3& first, const Rigid3& second) {
+    Matrix6d D = -by_second(first);
+    D.topRightCorner<3, 3>() = D.topLeftCorner<3, 3>() * skew(first.translation - second.translation);
+    return D;
   }
 };
 
-struct HeightCost {
-  double height_m;
-  Rigid3 X_reference;
+struct HeightCost : ceres::SizedCostFunction<1, 6> {
+  double height_m, reference_m;
 
-  template <typename T>
-  bool operator()(const T* error, T* residual) const {
-    residual[0] = X_reference.translation.z() + error[2] - height_m;
+  HeightCost(double height, double reference) : height_m(height), reference_m(reference) {}
+
+  bool Evaluate(const double* const* error, double* residual, double** jacobians) const override {
+    residual[0] = reference_m + error[0][2] - height_m;
+    if (jacobians != nullptr && jacobians[0] != nullptr)
+      Eigen::Map<Eigen::Matrix<double, 1, 6>>{jacobians[0]} = Eigen::Matrix<double, 1, 6>::Unit(2);
     return true;
   }
 };
 
 Rigid3 relative_view(const Rigid3& from, const Rigid3& to) { return from * to.inverse(); }
 
-MotionCost cost_of(const HandEyeProblem& problem, const MotionTerm& term) {
+std::unique_ptr<MotionCost> cost_of(const HandEyeProblem& problem, const MotionTerm& term) {
   const Rigid3& from = problem.odometry[static_cast<std::size_t>(term.from->stop)];
   const Rigid3& to = problem.odometry[static_cast<std::size_t>(term.to->stop)];
-  return {from.inverse() * to, relative_view(term.from->T_camera_board, term.to->T_camera_board),
-          problem.X[term.camera]};
+  return std::make_unique<MotionCost>(
+      from.inverse() * to, relative_view(term.from->T_camera_board, term.to->T_camera_board), problem.X[term.camera]);
 }
 
-CameraPairCost cost_of(const HandEyeProblem& problem, const CameraPairTerm& term) {
-  return {relative_view(term.from_j->T_camera_board, term.to_j->T_camera_board),
-          relative_view(term.from_k->T_camera_board, term.to_k->T_camera_board), problem.X[term.camera_j],
-          problem.X[term.camera_k]};
+std::unique_ptr<CameraPairCost> cost_of(const HandEyeProblem& problem, const CameraPairTerm& term) {
+  return std::make_unique<CameraPairCost>(relative_view(term.from_j->T_camera_board, term.to_j->T_camera_board),
+                                          relative_view(term.from_k->T_camera_board, term.to_k->T_camera_board),
+                                          problem.X[term.camera_j], problem.X[term.camera_k]);
 }
 
-HeightCost cost_of(const HandEyeProblem& problem, const HeightTerm& term) {
-  return {term.height_m, problem.X[term.camera]};
+std::unique_ptr<HeightCost> cost_of(const HandEyeProblem& problem, const HeightTerm& term) {
+  return std::make_unique<HeightCost>(term.height_m, problem.X[term.camera].translation.z());
 }
 
 // One term with everything that the normal equations need.
@@ -83,7 +156,7 @@ struct Block {
   std::unique_ptr<ceres::CostFunction> cost;
   std::vector<std::size_t> cameras;
   Eigen::VectorXd residual;
-  std::vector<Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>> jacobians;
+  std::vector<RowMajor<Eigen::Dynamic>> jacobians;
   double weight = 1.0;
 };
 
@@ -102,10 +175,9 @@ void evaluate(Block* block) {
   block->cost->Evaluate(parameters.data(), block->residual.data(), jacobians.data());
 }
 
-template <typename Cost, int... kSizes>
-Block make_block(const Cost& cost, std::vector<std::size_t> cameras, double weight) {
+Block make_block(std::unique_ptr<ceres::CostFunction> cost, std::vector<std::size_t> cameras, double weight) {
   Block block;
-  block.cost = std::make_unique<ceres::AutoDiffCostFunction<Cost, kSizes...>>(new Cost(cost));
+  block.cost = std::move(cost);
   block.cameras = std::move(cameras);
   block.weight = weight;
   evaluate(&block);
@@ -119,12 +191,11 @@ struct Blocks {
 Blocks make_blocks(const HandEyeProblem& problem) {
   Blocks blocks;
   for (const MotionTerm& term : problem.motions)
-    blocks.motions.push_back(make_block<MotionCost, 6, 6>(cost_of(problem, term), {term.camera}, term.weight));
+    blocks.motions.push_back(make_block(cost_of(problem, term), {term.camera}, term.weight));
   for (const CameraPairTerm& term : problem.pairs)
-    blocks.pairs.push_back(
-        make_block<CameraPairCost, 12, 6, 6>(cost_of(problem, term), {term.camera_j, term.camera_k}, term.weight));
+    blocks.pairs.push_back(make_block(cost_of(problem, term), {term.camera_j, term.camera_k}, term.weight));
   for (const HeightTerm& term : problem.heights)
-    blocks.heights.push_back(make_block<HeightCost, 1, 6>(cost_of(problem, term), {term.camera}, term.weight));
+    blocks.heights.push_back(make_block(cost_of(problem, term), {term.camera}, term.weight));
   return blocks;
 }
 
@@ -227,12 +298,6 @@ void polish(const std::array<double, 3>& scales, HandEyeProblem* problem) {
 
 using Sensitivity = Eigen::MatrixXd;  // of a residual to a source of noise
 
-Vector6d residual_of(const Rigid3& A, const Rigid3& X, const Rigid3& B) {
-  Vector6d residual;
-  hand_eye_residual(RigidOf<double>::from(A), RigidOf<double>::from(X), RigidOf<double>::from(B), residual.data());
-  return residual;
-}
-
 // Derivative of residual(error) at zero by central differences, along the given axes of the chart.
 template <typename Residual>
 Sensitivity sensitivity(const Residual& residual, const std::vector<int>& axes) {
@@ -300,7 +365,8 @@ class NoisePropagation {
   }
 
   void add_motion(const MotionTerm& term, const Block& block) {
-    const MotionCost cost = cost_of(problem_, term);
+    const std::unique_ptr<MotionCost> cost_function = cost_of(problem_, term);
+    const MotionCost& cost = *cost_function;
     Eigen::Vector2d pnp = Eigen::Vector2d::Zero();
     add_views(
         block, std::array<const ViewPose*, 2>{term.from, term.to},
@@ -309,15 +375,10 @@ class NoisePropagation {
   }
 
   void add_pair(const CameraPairTerm& term, const Block& block) {
-    CameraPairCost cost = cost_of(problem_, term);
+    const Rigid3 &X_j = problem_.X[term.camera_j], &X_k = problem_.X[term.camera_k];
     add_views(block, std::array<const ViewPose*, 4>{term.from_j, term.to_j, term.from_k, term.to_k},
               [&](const auto& T) {
-                constexpr std::array<double, 6> kZero{};
-                cost.B_j = relative_view(T[0], T[1]);
-                cost.B_k = relative_view(T[2], T[3]);
-                Vector12d residual;
-                cost(kZero.data(), kZero.data(), residual.data());
-                return residual;
+                return CameraPairCost::residual(relative_view(T[0], T[1]), relative_view(T[2], T[3]), X_j, X_k);
               });
   }
 
