@@ -54,6 +54,24 @@ Matrix6d derivative_of(const Rigid3& A, const Rigid3& X, const Rigid3& B, const 
   return D;
 }
 
+// Of the same residual by (shift, turn along the parent's axes) of A.
+Matrix6d derivative_by_A(const Rigid3& A, const Rigid3& X, const Vector6d& residual) {
+  Matrix6d D = Matrix6d::Identity();
+  D.topRightCorner<3, 3>() = -skew(A.rotation * X.translation);
+  D.bottomRightCorner<3, 3>() =
+      -so3_left_jacobian_inverse(residual.tail<3>()) * (A.rotation * X.rotation).conjugate().toRotationMatrix();
+  return D;
+}
+
+// And by that of B.
+Matrix6d derivative_by_B(const Rigid3& A, const Rigid3& X, const Vector6d& residual) {
+  Matrix6d D = Matrix6d::Zero();
+  D.topLeftCorner<3, 3>() = -X.rotation_matrix();
+  D.bottomRightCorner<3, 3>() = so3_left_jacobian_inverse(residual.tail<3>()) *
+                                (X.rotation.conjugate() * A.rotation.conjugate() * X.rotation).toRotationMatrix();
+  return D;
+}
+
 struct MotionCost : ceres::SizedCostFunction<6, 6> {
   Rigid3 A, B, X_reference;
 
@@ -133,6 +151,25 @@ struct HeightCost : ceres::SizedCostFunction<1, 6> {
 };
 
 Rigid3 relative_view(const Rigid3& from, const Rigid3& to) { return from * to.inverse(); }
+
+// (shift, turn) of that by those of either view.
+std::array<Matrix6d, 2> relative_view_derivatives(const Rigid3& from, const Rigid3& to) {
+  const Eigen::Matrix3d R = (from.rotation * to.rotation.conjugate()).toRotationMatrix();
+  Matrix6d by_from = Matrix6d::Identity(), by_to = Matrix6d::Zero();
+  by_from.topRightCorner<3, 3>() = skew(R * to.translation);
+  by_to.topLeftCorner<3, 3>() = by_to.bottomRightCorner<3, 3>() = -R;
+  by_to.topRightCorner<3, 3>() = -R * skew(to.translation);
+  return {by_from, by_to};
+}
+
+// (shift, turn) of first * moved * last by those of what is moved.
+Matrix6d product_derivative(const Rigid3& first, const Rigid3& moved, const Rigid3& last) {
+  const Eigen::Matrix3d R = first.rotation_matrix();
+  Matrix6d D = Matrix6d::Zero();
+  D.topLeftCorner<3, 3>() = D.bottomRightCorner<3, 3>() = R;
+  D.topRightCorner<3, 3>() = -R * skew(moved.rotation * last.translation);
+  return D;
+}
 
 std::unique_ptr<MotionCost> cost_of(const HandEyeProblem& problem, const MotionTerm& term) {
   const Rigid3& from = problem.odometry[static_cast<std::size_t>(term.from->stop)];
@@ -298,22 +335,12 @@ void polish(const std::array<double, 3>& scales, HandEyeProblem* problem) {
 
 using Sensitivity = Eigen::MatrixXd;  // of a residual to a source of noise
 
-// Derivative of residual(error) at zero by central differences, along the given axes of the chart.
-template <typename Residual>
-Sensitivity sensitivity(const Residual& residual, const std::vector<int>& axes) {
-  // Third derivatives are of order one: the step's square and rounding over the step are both about 1e-10.
-  constexpr double kStep = 1e-5;
-  Sensitivity D(residual(Vector6d::Zero()).size(), static_cast<Eigen::Index>(axes.size()));
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    Vector6d error = Vector6d::Zero();
-    error(axes[i]) = kStep;
-    D.col(static_cast<Eigen::Index>(i)) = (residual(error) - residual(Vector6d(-error))) / (2.0 * kStep);
-  }
-  return D;
+// The columns of x, y and yaw.
+Sensitivity planar(const Matrix6d& D) {
+  Sensitivity columns(6, 3);
+  columns << D.leftCols<2>(), D.rightCols<1>();
+  return columns;
 }
-
-const std::vector<int> kAllAxes = {0, 1, 2, 3, 4, 5};
-const std::vector<int> kPlanarAxes = {0, 1, 5};
 
 // How the normal equations' right side reacts to one source of noise, summed over the blocks that it enters.
 struct Source {
@@ -365,39 +392,33 @@ class NoisePropagation {
   }
 
   void add_motion(const MotionTerm& term, const Block& block) {
-    const std::unique_ptr<MotionCost> cost_function = cost_of(problem_, term);
-    const MotionCost& cost = *cost_function;
+    const std::unique_ptr<MotionCost> cost = cost_of(problem_, term);
+    const Matrix6d by_motion = derivative_by_B(cost->A, cost->X_reference, block.residual);
+    const auto by_view = relative_view_derivatives(term.from->T_camera_board, term.to->T_camera_board);
     Eigen::Vector2d pnp = Eigen::Vector2d::Zero();
-    add_views(
-        block, std::array<const ViewPose*, 2>{term.from, term.to},
-        [&](const auto& T) { return residual_of(cost.A, cost.X_reference, relative_view(T[0], T[1])); }, &pnp);
-    add_odometry(term, cost, block, pnp);
+    for (const auto& [view, derivative] : {std::pair(term.from, by_view[0]), std::pair(term.to, by_view[1])}) {
+      const Sensitivity D = by_motion * derivative;
+      add_response(block, D, view_source(*view));
+      pnp += explained(D, view->covariance);
+    }
+    add_odometry(term, *cost, block, pnp);
   }
 
   void add_pair(const CameraPairTerm& term, const Block& block) {
-    const Rigid3 &X_j = problem_.X[term.camera_j], &X_k = problem_.X[term.camera_k];
-    add_views(block, std::array<const ViewPose*, 4>{term.from_j, term.to_j, term.from_k, term.to_k},
-              [&](const auto& T) {
-                return CameraPairCost::residual(relative_view(T[0], T[1]), relative_view(T[2], T[3]), X_j, X_k);
-              });
+    const std::unique_ptr<CameraPairCost> cost = cost_of(problem_, term);
+    const Rigid3 T_j_k = cost->X_reference_j.inverse() * cost->X_reference_k, T_k_j = T_j_k.inverse();
+    const Vector6d forward = M_SQRT2 * block.residual.head<6>(), backward = M_SQRT2 * block.residual.tail<6>();
+    Sensitivity by_j(12, 6), by_k(12, 6);
+    by_j << derivative_by_A(cost->B_j, T_j_k, forward), derivative_by_B(cost->B_k, T_k_j, backward);
+    by_k << derivative_by_B(cost->B_j, T_j_k, forward), derivative_by_A(cost->B_k, T_k_j, backward);
+    add_pair_views(block, M_SQRT1_2 * by_j, *term.from_j, *term.to_j);
+    add_pair_views(block, M_SQRT1_2 * by_k, *term.from_k, *term.to_k);
   }
 
-  // The noise of every view that a residual of their poses depends on; `pnp` sums what it explains of the residual.
-  template <std::size_t kViews, typename Residual>
-  void add_views(const Block& block, const std::array<const ViewPose*, kViews>& views, const Residual& residual,
-                 Eigen::Vector2d* pnp = nullptr) {
-    std::array<Rigid3, kViews> T;
-    for (std::size_t i = 0; i < kViews; ++i) T[i] = views[i]->T_camera_board;
-    for (std::size_t i = 0; i < kViews; ++i) {
-      const auto noisy = [&](const Vector6d& error) {
-        std::array<Rigid3, kViews> moved = T;
-        moved[i] = apply_transform_error(T[i], error);
-        return residual(moved);
-      };
-      const Sensitivity D = sensitivity(noisy, kAllAxes);
-      add_response(block, D, view_source(*views[i]));
-      if (pnp != nullptr) *pnp += explained(D, views[i]->covariance);
-    }
+  void add_pair_views(const Block& block, const Sensitivity& by_motion, const ViewPose& from, const ViewPose& to) {
+    const auto by_view = relative_view_derivatives(from.T_camera_board, to.T_camera_board);
+    add_response(block, by_motion * by_view[0], view_source(from));
+    add_response(block, by_motion * by_view[1], view_source(to));
   }
 
   void add_odometry(const MotionTerm& term, const MotionCost& cost, const Block& block, const Eigen::Vector2d& pnp) {
@@ -409,11 +430,13 @@ class NoisePropagation {
       unit += Eigen::Vector3d(D.topLeftCorner<3, 2>().squaredNorm(), D.topRightCorner<3, 1>().squaredNorm(),
                               D.bottomRightCorner<3, 1>().squaredNorm());
     };
+    const Matrix6d by_A = derivative_by_A(cost.A, cost.X_reference, block.residual);
     if (declared_.model == OdometryModel::kPerPose) {
-      add(pose_sensitivity(cost, from, to, true), from);
-      add(pose_sensitivity(cost, from, to, false), to);
+      const auto by_pose = pose_sensitivities(by_A, from, to);
+      add(by_pose[0], from);
+      add(by_pose[1], to);
     } else {
-      for (std::size_t step = from; step < to; ++step) add(step_sensitivity(cost, from, to, step), step);
+      for (std::size_t step = from; step < to; ++step) add(step_sensitivity(by_A, from, to, step), step);
     }
     if (block.weight < kTrustedWeight) return;
     excess_ += Eigen::Vector2d(block.residual.head<3>().squaredNorm(), block.residual.tail<3>().squaredNorm());
@@ -422,26 +445,20 @@ class NoisePropagation {
     ++trusted_motions_;
   }
 
-  Sensitivity pose_sensitivity(const MotionCost& cost, std::size_t from, std::size_t to, bool of_from) const {
-    const Rigid3 &T_from = problem_.odometry[from], &T_to = problem_.odometry[to];
-    return sensitivity(
-        [&](const Vector6d& error) {
-          const Rigid3 A = of_from ? apply_transform_error(T_from, error).inverse() * T_to
-                                   : T_from.inverse() * apply_transform_error(T_to, error);
-          return residual_of(A, cost.X_reference, cost.B);
-        },
-        kPlanarAxes);
+  Sensitivity step_sensitivity(const Matrix6d& by_A, std::size_t from, std::size_t to, std::size_t step) const {
+    const std::vector<Rigid3>& T = problem_.odometry;
+    return planar(by_A * product_derivative(T[from].inverse() * T[step], T[step].inverse() * T[step + 1],
+                                            T[step + 1].inverse() * T[to]));
   }
 
-  Sensitivity step_sensitivity(const MotionCost& cost, std::size_t from, std::size_t to, std::size_t step) const {
-    const std::vector<Rigid3>& T = problem_.odometry;
-    const Rigid3 before = T[from].inverse() * T[step], increment = T[step].inverse() * T[step + 1],
-                 after = T[step + 1].inverse() * T[to];
-    return sensitivity(
-        [&](const Vector6d& error) {
-          return residual_of(before * apply_transform_error(increment, error) * after, cost.X_reference, cost.B);
-        },
-        kPlanarAxes);
+  // By the first and by the last pose of a motion, along the world's axes.
+  std::array<Sensitivity, 2> pose_sensitivities(const Matrix6d& by_A, std::size_t from, std::size_t to) const {
+    const Rigid3 &T_from = problem_.odometry[from], &T_to = problem_.odometry[to];
+    const Rigid3 back = T_from.inverse();
+    Matrix6d by_to = product_derivative(back, T_to, Rigid3());
+    Matrix6d by_from = -by_to;
+    by_from.topRightCorner<3, 3>() = back.rotation_matrix() * skew(T_to.translation - T_from.translation);
+    return {planar(by_A * by_from), planar(by_A * by_to)};
   }
 
   // Variances of (x, y, yaw) that explain what PnP leaves of the residuals.
