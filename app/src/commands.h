@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -268,9 +269,12 @@ struct BoardArguments {
   double square_mm = 0.0;
   std::string paper = "fit";
   double border_mm = 10.0;
-  std::filesystem::path output;  ///< empty = board.pdf
+  double printer_margin_mm = 6.0;
+  bool tiles = false;
+  std::optional<double> overlap_mm;  ///< absent: 10
+  std::filesystem::path output;      ///< .pdf, .svg or .dxf; empty = board.pdf
 };
-/// Writes a board to print, as PDF.
+/// Writes a board to print, in the format that its ending says.
 int board_command(const BoardArguments& arguments);
 
 /// kind: scenes, rigs, sensors, boards or methods.

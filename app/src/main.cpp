@@ -18,7 +18,7 @@
 #include "rigproof/core/version.h"
 #include "rigproof/formats/format.h"
 #include "rigproof/sim/board_pattern.h"
-#include "rigproof/sim/board_pdf.h"
+#include "rigproof/sim/board_print.h"
 #include "rigproof/study/record/bag_of_recording.h"
 #include "rigproof/study/workflow/archive.h"
 #include "rigproof/words/sentences.h"
@@ -238,7 +238,7 @@ void add_doctor(CLI::App& app, Action& action) {
 
 void add_board(CLI::App& app, Action& action) {
   const auto [command, arguments] =
-      add_command(app, action, "board", "Write a board to print, as PDF at true size with a ruler",
+      add_command(app, action, "board", "Write a board to print, at true size with rulers: PDF, SVG or DXF",
                   "rigproof board --squares 6x5 --square-mm 110 --paper a0 -o board.pdf", board_command);
   command->add_option("PRESET", arguments.preset,
                       "As `rigproof boards` lists them; without it give --squares and --square-mm");
@@ -252,7 +252,17 @@ void add_board(CLI::App& app, Action& action) {
   command->add_option("--border-mm", arguments.border_mm, "White around the squares")
       ->check(number_in(0.0, 200.0))
       ->capture_default_str();
-  command->add_option("-o,--output", arguments.output, "File, .pdf; default board.pdf");
+  command
+      ->add_option("--printer-margin-mm", arguments.printer_margin_mm,
+                   "What the printer leaves blank along each edge of a page")
+      ->check(number_in(0.0, 50.0))
+      ->capture_default_str();
+  command->add_flag("--tiles", arguments.tiles,
+                    "Spread a board that is larger than the paper over several pages to glue together");
+  command->add_option("--overlap-mm", arguments.overlap_mm, "How far each tile reaches below the next one (10)")
+      ->check(number_in(2.0, 50.0));
+  command->add_option("-o,--output", arguments.output,
+                      "File, .pdf, .svg or .dxf (both of one page); default board.pdf");
   add_common(command, arguments.common);
 }
 

@@ -342,7 +342,7 @@ std::vector<OutputSchema> output_schemas() {
           {"export", "", export_keys()},
           {"inspect", "", {{"[]", "text", "a picture that was written"}}},
           {"report", "", {{"report", "text", "the file that was written"}}},
-          {"board", "", {{"file", "text", "the PDF"}}},
+          {"board", "", {{"file", "text", "that was written"}, {"pages", "integer", "of it"}}},
           {"methods",
            "; scenes, rigs, robots, sensors and boards likewise, each with facts of its own",
            {{"[].name", "text", "what it is called"}, {"[].NAME", "text", "a fact, in words"}}},

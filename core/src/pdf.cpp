@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <array>
+#include <algorithm>
 
 #include "rigproof/core/text.h"
 
@@ -11,8 +11,8 @@ namespace {
 
 bool is_printable(char c) { return c >= ' ' && c <= '~'; }
 
-std::string file_of(const std::array<std::string, 6>& objects) {
-  std::string pdf = "%PDF-1.6\n";
+std::string file_of(const std::vector<std::string>& objects) {
+  std::string pdf = "%PDF-1.7\n";
   std::string table = "xref\n0 " + std::to_string(objects.size() + 1) + "\n0000000000 65535 f \n";
   for (std::size_t i = 0; i < objects.size(); ++i) {
     table += fmt::format("{:010} 00000 n \n", pdf.size());
@@ -42,16 +42,27 @@ std::string pdf_string(const std::string& words) {
   return "(" + escaped + ")";
 }
 
-std::string pdf_document(const PdfPage& page) {
-  const std::string scaling = page.print_at_true_size ? " /ViewerPreferences << /PrintScaling /None >>" : "";
-  const std::string size = pdf_number(page.width_pt) + " " + pdf_number(page.height_pt);
-  return file_of(
-      {"<< /Type /Catalog /Pages 2 0 R" + scaling + " >>", "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-       "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 " + size +
-           "] /Contents 4 0 R /Resources << /Font << /F1 5 0 R /F2 6 0 R >> " + page.resources + ">> >>",
-       "<< /Length " + std::to_string(page.operators.size()) + " >>\nstream\n" + page.operators + "endstream",
-       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>",
-       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica-Bold >>"});
+std::string pdf_document(const std::vector<PdfPage>& pages) {
+  // The catalog, the pages, two fonts; then each page and its content.
+  std::vector<std::string> objects(4);
+  std::string kids, wishes;
+  for (const PdfPage& page : pages) {
+    const std::string number = std::to_string(objects.size() + 1), content = std::to_string(objects.size() + 2);
+    kids += number + " 0 R ";
+    objects.push_back("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 " + pdf_number(page.width_pt) + " " +
+                      pdf_number(page.height_pt) + "] /Contents " + content +
+                      " 0 R /Resources << /Font << /F1 3 0 R /F2 4 0 R >> " + page.resources + ">> >>");
+    objects.push_back("<< /Length " + std::to_string(page.operators.size()) + " >>\nstream\n" + page.operators +
+                      "endstream");
+  }
+  if (std::any_of(pages.begin(), pages.end(), [](const PdfPage& page) { return page.print_at_true_size; }))
+    wishes =
+        " /ViewerPreferences << /PrintScaling /None" + std::string(pages.size() > 1 ? " /Duplex /Simplex" : "") + " >>";
+  objects[0] = "<< /Type /Catalog /Pages 2 0 R" + wishes + " >>";
+  objects[1] = "<< /Type /Pages /Kids [" + kids + "] /Count " + std::to_string(pages.size()) + " >>";
+  objects[2] = "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>";
+  objects[3] = "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica-Bold >>";
+  return file_of(objects);
 }
 
 }  // namespace rigproof

@@ -24,15 +24,50 @@ TEST(BoardCommand, WritesAPdfByPresetAndByMeasures) {
   }
 }
 
-TEST(BoardCommand, WritesNoPdfUnderAnotherEnding) {
+TEST(BoardCommand, WritesTheFormatOfItsEndingAndNoOther) {
   const TempFolder scratch;
-  for (const char* name : {"c.png", "c.svg", "c"}) {
+  for (const auto& [name, begin] :
+       {std::pair("b.svg", "<svg "), {"b.dxf", "0\nSECTION\n2\nHEADER\n"}, {"b.PDF", "%PDF-"}}) {
+    const fs::path file = scratch / name;
+    EXPECT_EQ(rigproof_command({"board", "checkerboard_6x5_110mm", "-o", file.string()}).exit_code, 0) << name;
+    EXPECT_THAT(read_whole_file(file), testing::StartsWith(begin));
+  }
+  for (const char* name : {"c.png", "c.eps", "c"}) {
     const fs::path file = scratch / name;
     const ProcessOutput output = rigproof_command({"board", "checkerboard_6x5_110mm", "-o", file.string()});
     EXPECT_EQ(output.exit_code, 2) << name;
-    EXPECT_THAT(output.err, AllOf(HasSubstr("--output"), HasSubstr(name), HasSubstr(".pdf")));
+    EXPECT_THAT(output.err, AllOf(HasSubstr("--output"), HasSubstr(name), HasSubstr(".pdf, .svg or .dxf")));
     EXPECT_FALSE(fs::exists(file)) << name;
   }
+}
+
+TEST(BoardCommand, SpreadsALargeBoardOverTiles) {
+  const TempFolder scratch;
+  const std::string file = (scratch / "b.pdf").string();
+  const std::vector<std::string> command = {
+      "board", "checkerboard_6x5_110mm", "--paper", "a4", "--tiles", "--overlap-mm", "15", "-o", file};
+  const ProcessOutput output = rigproof_command(command);
+  EXPECT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_THAT(output.out, HasSubstr("4 rows x 3 columns of a4"));
+  EXPECT_THAT(read_whole_file(file), AllOf(HasSubstr("row 4, column 3 of 4 x 3"), HasSubstr("/Count 13")));
+}
+
+TEST(BoardCommand, OptionsThatContradictAreNamedTogether) {
+  const TempFolder scratch;
+  const auto error = [&](const char* name, std::vector<std::string> arguments) {
+    const fs::path file = scratch / name;
+    arguments.insert(arguments.begin(), {"board", "checkerboard_6x5_110mm"});
+    arguments.insert(arguments.end(), {"-o", file.string()});
+    const ProcessOutput output = rigproof_command(arguments);
+    EXPECT_EQ(output.exit_code, 2) << output.out;
+    EXPECT_FALSE(fs::exists(file));
+    return output.err;
+  };
+  EXPECT_THAT(error("b.svg", {"--tiles"}), AllOf(HasSubstr("--tiles: contradicts .svg"),
+                                                 HasSubstr("--tiles: contradicts --paper fit"), HasSubstr("a4")));
+  EXPECT_THAT(error("b.dxf", {"--tiles", "--paper", "a4"}), HasSubstr("--tiles: contradicts .dxf"));
+  EXPECT_THAT(error("b.pdf", {"--paper", "a0", "--overlap-mm", "12"}), HasSubstr("--overlap-mm: "));
+  EXPECT_THAT(error("b.pdf", {"--printer-margin-mm", "51"}), HasSubstr("50"));
 }
 
 TEST(BoardCommand, MistakesAreNamed) {

@@ -1,38 +1,23 @@
-// What is printed on boards, read back: markers by OpenCV's own detector, the PDF by rendering it, defects by
-// measuring.
+// What is drawn on boards, read back: markers by OpenCV's own detector, defects by measuring.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <opencv2/aruco.hpp>
 #include <opencv2/aruco/charuco.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "board_model.h"
 #include "error_text.h"
-#include "process.h"
-#include "rigproof/core/files.h"
+#include "printed_board.h"
 #include "rigproof/sim/board_pattern.h"
-#include "rigproof/sim/board_pdf.h"
 #include "rigproof/sim/models.h"
-#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-Board board_of(const std::string& type, int columns, int rows, double square_m) {
-  Board board;
-  board.type = type;
-  board.squares_x = columns;
-  board.squares_y = rows;
-  board.square_m = square_m;
-  return board;
-}
 
 // The board's texture in grey; the first square begins `frame` squares from its corner.
 cv::Mat picture(const Board& board, const BoardDefects& defects = {}) {
@@ -89,119 +74,6 @@ TEST(BoardPattern, TooManyMarkersAndUnknownTypesAreRefused) {
   EXPECT_THAT(error_text([] { dark_areas(board_of("aprilgrid", 30, 30, 0.1)); }),
               AllOf(HasSubstr("900 markers"), HasSubstr("587")));
   EXPECT_THAT(error_text([] { dark_areas(board_of("circles", 5, 4, 0.1)); }), HasSubstr("circles"));
-}
-
-// Dark and light runs along a line of pixels, in pixels: edges are where the level crosses the middle.
-std::vector<double> edges_of(const cv::Mat& line) {
-  std::vector<double> edges;
-  const auto level = [&](int i) { return static_cast<double>(line.at<std::uint8_t>(i)); };
-  for (int i = 1; i < static_cast<int>(line.total()); ++i) {
-    const double a = level(i - 1), b = level(i);
-    if ((a < 128.0) != (b < 128.0)) edges.push_back(i - 1 + (128.0 - a) / (b - a));
-  }
-  return edges;
-}
-
-class BoardPdfTest : public testing::Test {
- protected:
-  static constexpr int kDotsPerInch = 300;
-  static constexpr double kPixelsPerMm = kDotsPerInch / 25.4;
-
-  cv::Mat render(const std::string& pdf) {
-    std::ofstream(folder_ / "board.pdf", std::ios::binary) << pdf;
-    const ProcessOutput result = run_process({"pdftoppm", "-r", std::to_string(kDotsPerInch), "-gray", "-singlefile",
-                                              (folder_ / "board.pdf").string(), (folder_ / "page").string()});
-    EXPECT_EQ(result.exit_code, 0) << "pdftoppm is in the package poppler-utils\n" << result.err;
-    return cv::imread((folder_ / "page.pgm").string(), cv::IMREAD_GRAYSCALE);
-  }
-
-  // The ruler's base line is the longest dark run below the board, which ends there.
-  static double ruler_mm(const cv::Mat& page, double board_end_mm) {
-    int longest = 0;
-    for (int y = static_cast<int>(board_end_mm * kPixelsPerMm); y < page.rows; ++y) {
-      int run = 0;
-      for (int x = 0; x < page.cols; ++x)
-        longest = std::max(longest, run = page.at<std::uint8_t>(y, x) < 200 ? run + 1 : 0);
-    }
-    return longest / kPixelsPerMm;
-  }
-
-  const TempFolder folder_;
-};
-
-TEST_F(BoardPdfTest, SquaresAndRulerHaveTheirTrueSize) {
-  const cv::Mat page = render(board_pdf(board_of("checkerboard", 6, 5, 0.025), {"a4", 0.01}));
-  ASSERT_FALSE(page.empty());
-  // A4 upright holds 150 mm of squares.
-  EXPECT_NEAR(page.cols, 210.0 * kPixelsPerMm, 1.0);
-  EXPECT_NEAR(page.rows, 297.0 * kPixelsPerMm, 1.0);
-  // The first row of squares, 6 + 10 mm below the edge of the page: dark, light, dark, light, dark and a last light
-  // one.
-  const int row = static_cast<int>((16.0 + 12.5) * kPixelsPerMm);
-  const std::vector<double> edges = edges_of(page.row(row));
-  ASSERT_EQ(edges.size(), 6U);
-  // The renderer rounds edges to whole pixels of 0.085 mm.
-  for (std::size_t i = 1; i < edges.size(); ++i) EXPECT_NEAR((edges[i] - edges[i - 1]) / kPixelsPerMm, 25.0, 0.1);
-  EXPECT_NEAR(edges.front() / kPixelsPerMm, 0.5 * (210.0 - 150.0), 0.1) << "in the middle of the page";
-  const std::vector<double> down = edges_of(page.col(static_cast<int>(42.5 * kPixelsPerMm)));
-  ASSERT_GE(down.size(), 6U);
-  for (std::size_t i = 1; i < 6; ++i) EXPECT_NEAR((down[i] - down[i - 1]) / kPixelsPerMm, 25.0, 0.1);
-  EXPECT_NEAR(down.front() / kPixelsPerMm, 16.0, 0.1);
-  EXPECT_NEAR(ruler_mm(page, 155.0), 150.0, 0.4) << "an A4 page has room for 150 mm";
-}
-
-TEST_F(BoardPdfTest, MarkersOfAPrintedCharucoBoardAreFound) {
-  const cv::Mat page = render(board_pdf(board_of("charuco", 7, 5, 0.04), {"fit", 0.01}));
-  std::vector<int> ids;
-  std::vector<std::vector<cv::Point2f>> corners;
-  cv::aruco::detectMarkers(page, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_50), corners, ids);
-  EXPECT_EQ(ids.size(), 17U);
-  EXPECT_NEAR(cv::norm(corners.at(0)[1] - corners.at(0)[0]) / kPixelsPerMm, 30.0, 0.2);
-  EXPECT_GE(ruler_mm(page, 220.0), 100.0);
-}
-
-TEST_F(BoardPdfTest, TagsOfAPrintedAprilGridHaveTheirTrueSizeAndTheirRuler) {
-  const cv::Mat page = render(board_pdf(board_of("aprilgrid", 5, 3, 0.04), {"fit", 0.01}));
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->markerBorderBits = 2;
-  std::vector<int> ids;
-  std::vector<std::vector<cv::Point2f>> corners;
-  cv::aruco::detectMarkers(page, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11), corners, ids,
-                           parameters);
-  ASSERT_EQ(ids.size(), 15U);
-  // Corners of contours are whole pixels of 0.085 mm inside of the tag, two to three in all.
-  for (const std::vector<cv::Point2f>& tag : corners)
-    EXPECT_NEAR(cv::norm(tag[1] - tag[0]) / kPixelsPerMm, 40.0 / 1.3, 0.3);
-  EXPECT_GE(ruler_mm(page, 145.0), 100.0);
-}
-
-TEST_F(BoardPdfTest, ABoardThatFitsOnlyOnItsSideIsTurned) {
-  // 6 x 5 squares of 35 mm, 210 x 175 mm: with the lines below too high for A4 across, too wide for it upright.
-  const cv::Mat page = render(board_pdf(board_of("checkerboard", 6, 5, 0.035), {"a4", 0.005}));
-  ASSERT_FALSE(page.empty());
-  EXPECT_NEAR(page.cols, 210.0 * kPixelsPerMm, 1.0);
-  // The first row of squares runs down the right: five along the page's width, six along its height.
-  const std::vector<double> across = edges_of(page.row(static_cast<int>((11.0 + 17.5) * kPixelsPerMm)));
-  ASSERT_GE(across.size(), 5U);
-  EXPECT_NEAR(across.back() / kPixelsPerMm, 0.5 * (210.0 + 175.0), 0.2) << "dark at the top right";
-  const std::vector<double> down = edges_of(page.col(static_cast<int>((0.5 * (210.0 + 175.0) - 17.5) * kPixelsPerMm)));
-  ASSERT_GE(down.size(), 6U);
-  for (std::size_t i = 1; i < 6; ++i) EXPECT_NEAR((down[i] - down[i - 1]) / kPixelsPerMm, 35.0, 0.2);
-}
-
-TEST(BoardPdf, SaysWhatWouldFit) {
-  EXPECT_THAT(error_text([] {
-                board_pdf(board_of("checkerboard", 6, 5, 0.11), {"a4", 0.01});
-              }),
-              AllOf(HasSubstr("a4"), HasSubstr("110 mm do not fit"), HasSubstr("squares of up to 35 mm")));
-  EXPECT_THAT(error_text([] { board_pdf(Board(), {"a7", 0.01}); }), HasSubstr("a4, a3"));
-}
-
-TEST(BoardPdf, IsTheSameAgainAndHasTheInstructions) {
-  const std::string pdf = board_pdf(Board(), {});
-  EXPECT_EQ(pdf, board_pdf(Board(), {}));
-  EXPECT_THAT(pdf, AllOf(HasSubstr("Print at 100 %"), HasSubstr("divided by 5 as square_mm"),
-                         HasSubstr("/PrintScaling /None")));
 }
 
 double share_that_differs(const cv::Mat& a, const cv::Mat& b, int by) {

@@ -1,7 +1,8 @@
-// The least of PDF: one page of vector graphics with Helvetica.
+// The least of PDF: pages of vector graphics with Helvetica.
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace rigproof {
 
@@ -11,11 +12,11 @@ struct PdfPage {
   double height_pt = 0.0;
   std::string operators;            ///< content stream; fonts F1 (Helvetica) and F2 (Helvetica-Bold) are there
   std::string resources;            ///< further entries of the resource dictionary
-  bool print_at_true_size = false;  ///< asks viewers not to scale it to the paper
+  bool print_at_true_size = false;  ///< asks viewers not to scale the document to the paper
 };
 
-/// The document's bytes; the same for the same page.
-std::string pdf_document(const PdfPage& page);
+/// The document's bytes; the same for the same pages. Several of true size ask to be printed on one side of the paper.
+std::string pdf_document(const std::vector<PdfPage>& pages);
 
 /// Without needless zeros.
 std::string pdf_number(double value, int decimals = 4);
