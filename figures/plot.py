@@ -33,6 +33,7 @@ import matplotlib.ticker as ticker  # noqa: E402
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8A6FB0", "#7F7F7F"]
 INK, GREY = "#222222", "#888888"
 AXES = ["tx", "ty", "tz", "roll", "pitch", "yaw"]
+MEASURED = ["measured", "far"]  # what is far off is in no mean, but its method is named
 
 plt.rcParams.update({
     "font.size": 8, "axes.titlesize": 8, "axes.edgecolor": GREY, "axes.grid": True, "axes.axisbelow": True,
@@ -99,9 +100,9 @@ def head(figure, title, subtitle, entries):
 
 # ---------------------------------------------------------------------------------------------- the paper's experiments
 
-def draw_dots(rows, panels, methods, title, name, writer):
+def draw_dots(rows, panels, methods, successes, title, name, writer):
     """A line of six charts a panel: for each method the mean of |error|, its quartiles, and what was published."""
-    shown = {panel: [m for m in methods if any(r["panel"] == panel and r["method"] == m and r["source"] == "measured"
+    shown = {panel: [m for m in methods if any(r["panel"] == panel and r["method"] == m and r["source"] in MEASURED
                                                for r in rows)] for panel in panels}
     panels = [panel for panel in panels if shown[panel]]
     heights = [0.8 + 0.2 * len(shown[panel]) for panel in panels]
@@ -113,7 +114,7 @@ def draw_dots(rows, panels, methods, title, name, writer):
         for axes, quantity in zip(part.subplots(1, len(AXES), sharey=True), AXES):
             own = [r for r in rows if r["panel"] == panel and r["quantity"] == quantity]
             axes.set(xscale="log", title=quantity + (" [%s]" % own[0]["unit"] if own else ""))
-            axes.set_yticks(range(len(names)), names)
+            axes.set_yticks(range(len(names)), [m + successes.get((panel, m), "") for m in names])
             axes.set_ylim(-0.7, len(names) - 0.3)
             for y, method in enumerate(names):
                 errors = [abs(float(r["error"])) for r in own if r["method"] == method and r["source"] == "measured"]
@@ -125,7 +126,8 @@ def draw_dots(rows, panels, methods, title, name, writer):
                 if published:
                     axes.plot(published[0], y, "o", color=INK, markersize=7, fillstyle="none")
             whole_decades(axes, "x")
-    head(figure, title, "disc: mean of |error|; line: quartiles; ring: published mean (Allegro et al. 2024)", {})
+    head(figure, title, "disc: mean of |error| of answers within 1 m and 20 deg; line: quartiles; ring: published mean "
+         "(Allegro et al. 2024); beside the method in how many tasks it succeeded", {})
     writer.save(figure, name)
 
 
@@ -155,7 +157,7 @@ def draw_curves(rows, panels, methods, title, name, writer):
             for method in methods:
                 at = collections.defaultdict(list)
                 for row in own:
-                    if row["method"] == method:
+                    if row["method"] == method and row["source"] == "measured":
                         at[float(row["x"])].append(float(row["error"]))
                 if not at:
                     continue
@@ -172,7 +174,8 @@ def draw_curves(rows, panels, methods, title, name, writer):
             means = [y for y in means if y > 0]
             if means:  # a band may reach down to zero
                 axes.set_ylim(10.0 ** math.floor(math.log10(min(means))), 10.0 ** math.ceil(math.log10(max(means))))
-    head(figure, title, "mean length of the error, with a band of one standard deviation over tasks and cameras", entries)
+    head(figure, title, "mean length of the error of answers within 1 m and 20 deg, with a band of one standard "
+         "deviation over tasks and cameras", entries)
     writer.save(figure, name)
 
 
@@ -187,10 +190,14 @@ def draw_repeatability(rows, camera, methods, writer):
         axes.set(title=quantity + (" [%s]" % these[0]["unit"] if these else ""), xlabel="run")
         axes.axhline(0, color=GREY, linewidth=0.8)
         for place, method in enumerate(methods):
-            points = sorted((float(r["x"]), float(r["error"])) for r in these if r["method"] == method)
+            points, apart = (sorted((float(r["x"]), float(r["error"])) for r in these
+                                    if r["method"] == method and r["source"] == source)
+                             for source in ("measured", "few_motions"))
+            look, errors = look_of(methods, method), [y for _, y in points]
+            for x, y in apart:
+                axes.plot(x, y, "x", color=look["color"], markersize=5)
             if not points:
                 continue
-            look, errors = look_of(methods, method), [y for _, y in points]
             fill = "none" if look["hollow"] else "full"
             line, = axes.plot(*zip(*points), "o-", color=look["color"], markersize=3.5, linewidth=1, fillstyle=fill)
             beside = max(float(x) for x in runs) + 0.9 + 1.4 * place / len(methods)
@@ -199,7 +206,8 @@ def draw_repeatability(rows, camera, methods, writer):
             entries.setdefault(method, line)
         axes.xaxis.set_major_locator(ticker.MaxNLocator(integer=True))
     head(figure, "Repeatability of %s over %d runs" % (camera, len(runs)),
-         "estimate minus mounting; at the right mean and standard deviation", entries)
+         "estimate minus mounting; at the right mean and standard deviation; cross: fewer than 10 motions, in no mean",
+         entries)
     writer.save(figure, "repeatability_" + camera)
 
 
@@ -242,10 +250,13 @@ def draw_paper(path, options, writer):
     name = os.path.splitext(os.path.basename(path))[0]
     methods = unique(r["method"] for r in rows)
     title = options.title or name
-    for kind, draw in (("dots", draw_dots), ("curves", draw_curves)):
-        own = [r for r in rows if r["figure"] == kind]
-        if own:
-            draw(own, unique(r["panel"] for r in own), methods, title, name, writer)
+    successes = {(r["panel"], r["method"]): "  %g/%g" % (float(r["error"]), float(r["x"]))
+                 for r in rows if r["figure"] == "success"}
+    dots, curves = ([r for r in rows if r["figure"] == kind] for kind in ("dots", "curves"))
+    if dots:
+        draw_dots(dots, unique(r["panel"] for r in dots), methods, successes, title, name, writer)
+    if curves:
+        draw_curves(curves, unique(r["panel"] for r in curves), methods, title, name, writer)
     steps = [r for r in rows if r["figure"] == "waterfall"]
     if steps:
         draw_waterfall(steps, unique(r["panel"] for r in steps), title, name, writer)

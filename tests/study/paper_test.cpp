@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <sstream>
+#include <tuple>
 
 #include "error_text.h"
 #include "rigproof/core/error.h"
@@ -78,6 +79,14 @@ const std::vector<std::string>* find_row(const PaperTable& table, const std::str
   return nullptr;
 }
 
+std::vector<std::string> lines_with(const std::string& text, const std::string& part) {
+  std::vector<std::string> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(part) != std::string::npos) found.push_back(line);
+  return found;
+}
+
 SweepRows table1_rows() {
   SweepRows rows = frame_of({"images", "world"}, {{"clean"}, {"lab", "office"}}, {"ml", "memroc", "li"});
   rows.pooled[1] = true;
@@ -139,6 +148,100 @@ TEST(Paper, TableThreeIsToldAgainstLi) {
   EXPECT_EQ((*find_row(tables[2], "left ml"))[2], "+.20+-.10");
 }
 
+// A metre off is 100 / sqrt(3) on every axis, 20 degrees are 11.5.
+SweepRows rows_with_far_answers() {
+  SweepRows rows = frame_of({"images", "world"}, {{"clean"}, {"lab", "office"}}, {"ml", "tsai", "park", "memroc"});
+  rows.pooled[1] = true;
+  const std::vector<std::string> lab = {"clean", "lab"}, office = {"clean", "office"};
+  for (const auto& [task, levels] : {std::make_pair("a", lab), std::make_pair("b", office)}) {
+    rows.tasks.push_back({task, {0, levels == lab ? 0U : 1U}, 0, {}});
+    add_answers(task, levels, "ml", 0.1, 0.1, &rows);
+    add_answers(task, levels, "tsai", levels == lab ? 21121.8 : 0.3, 0.2, &rows);
+    add_answers(task, levels, "park", 0.2, levels == lab ? 11.6 : 150.0, &rows);
+    add_answers(task, levels, "memroc", levels == lab ? 57.7 : -57.7, 11.5, &rows);
+  }
+  return rows;
+}
+
+TEST(Paper, AnswersThatAreFarOffCountAgainstSuccessAndAreInNoMean) {
+  const std::vector<PaperTable> tables = paper_tables(find_paper_experiment("table1"), rows_with_far_answers());
+  for (const PaperTable& table : tables) {
+    EXPECT_EQ(table.head[1], "success");
+    EXPECT_THAT(*find_row(table, "ml"), ElementsAre("ml", "2/2", ".10", ".10", ".10", ".10", ".10", ".10"));
+    EXPECT_THAT(*find_row(table, "tsai"), ElementsAre("tsai", "1/2", ".30", ".30", ".30", ".20", ".20", ".20"));
+    EXPECT_THAT(*find_row(table, "park"), ElementsAre("park", "0/2", "-", "-", "-", "-", "-", "-"));
+    EXPECT_EQ((*find_row(table, "memroc"))[1], "2/2") << "just within a metre and 20 degrees";
+    EXPECT_THAT(table.notes, testing::Contains(HasSubstr("within 1 m and 20 deg")));
+    EXPECT_THAT(table.notes, testing::Contains("far off: tsai 1 of 2 answers; park 2 of 2 answers"));
+  }
+}
+
+TEST(Paper, CurvesAndFiguresLeaveOutTheSameAnswers) {
+  SweepRows rows = frame_of({"stops"}, {{"5", "100"}}, {"ml", "tsai", "park"});
+  rows.level_values = {{5.0, 100.0}};
+  for (const auto& [task, level, tsai_cm] :
+       {std::make_tuple("a", "5", 0.1), {"b", "5", 70.0}, {"c", "100", 0.2}, {"d", "100", 0.2}}) {
+    add_answers(task, {level}, "ml", 0.1, 0.1, &rows);
+    add_answers(task, {level}, "tsai", tsai_cm, 0.1, &rows);
+    add_answers(task, {level}, "park", 300.0, 90.0, &rows);
+  }
+  const PaperTable table = paper_tables(find_paper_experiment("quantity"), rows).front();
+  ASSERT_EQ(table.rows.size(), 5U);
+  EXPECT_THAT(table.rows[1], ElementsAre("tsai", ".17", ".35"));
+  EXPECT_THAT(table.rows[2], ElementsAre("  success", "1/2", "2/2"));
+  EXPECT_THAT(table.rows[3], ElementsAre("park", "-", "-"));
+  EXPECT_THAT(table.rows[4], ElementsAre("  success", "0/2", "0/2"));
+  const TempFolder folder;
+  write_paper(find_paper_experiment("quantity"), rows, folder.path());
+  const std::string csv = read_text_file(folder / "quantity.csv");
+  for (const auto& [text, count] :
+       {std::make_pair(",tsai,measured,", 12U), {",tsai,far,", 4U}, {",park,far,", 16U}, {",park,measured,", 0U}})
+    EXPECT_EQ(lines_with(csv, text).size(), count) << text;
+  write_paper(find_paper_experiment("table1"), rows_with_far_answers(), folder / "dots");
+  EXPECT_THAT(lines_with(read_text_file(folder / "dots" / "table1.csv"), "success,\"camera to robot, images clean\""),
+              testing::Contains("success,\"camera to robot, images clean\",tasks,successes,tsai,measured,,,2,,1"));
+  EXPECT_THAT(read_text_file(folder / "dots" / "table1.svg"),
+              testing::AllOf(HasSubstr("tsai  1/2"), HasSubstr("20 deg")));
+}
+
+// `right` moved seven times in the office.
+TEST(Paper, TableThreeShowsACameraThatHardlyMovedApart) {
+  SweepRows rows = frame_of({"world"}, {{"lab", "office", "home"}}, {"ml", "li"});
+  for (const std::string& world : rows.levels[0]) {
+    for (const char* method : {"ml", "li"}) {
+      rows.rows.push_back(row_of(world, {world}, method, SweepSubject::kRig, "all"));
+      for (const auto& [subject, name] : {std::make_pair(SweepSubject::kCamera, "left"),
+                                          {SweepSubject::kCamera, "right"},
+                                          {SweepSubject::kPair, "left-center"},
+                                          {SweepSubject::kPair, "left-right"}}) {
+        rows.rows.push_back(row_of(world, {world}, method, subject, name));
+        const bool few = world == "office" && std::string(name).find("right") != std::string::npos;
+        rows.rows.back().motions = few ? 7 : 17;
+        set_error(std::string(method) == "li" ? 0.0 : few ? 22.0 : 0.1, 0.01, &rows.rows.back());
+      }
+    }
+  }
+  const std::vector<PaperTable> tables = paper_tables(find_paper_experiment("table3"), rows);
+  ASSERT_EQ(tables.size(), 6U);
+  EXPECT_EQ((*find_row(tables[0], "ml"))[2], "3.75");
+  EXPECT_THAT(tables[1].title, HasSubstr("without cameras of fewer than 10 motions: right in office (7)"));
+  EXPECT_THAT(*find_row(tables[1], "ml"), ElementsAre("ml", "3/3", ".10", ".10", ".10", "0", "0", "0"));
+  EXPECT_THAT(tables[2].title, HasSubstr("pairs of cameras of fewer than 10 motions"));
+  EXPECT_THAT(*find_row(tables[2], "ml"), ElementsAre("ml", "1/1", "22.00", "22.00", "22.00", "0", "0", "0"));
+  EXPECT_EQ((*find_row(tables[3], "ml"))[2], "3.75") << "all of them against the truth";
+  EXPECT_EQ((*find_row(tables[4], "left ml"))[1], "3/3");
+  EXPECT_EQ((*find_row(tables[4], "right ml"))[1], "2/2");
+  EXPECT_EQ((*find_row(tables[4], "right ml"))[2], "+.10+-0");
+  EXPECT_EQ((*find_row(tables[5], "right ml"))[2], "+22.00");
+  EXPECT_EQ(find_row(tables[5], "left ml"), nullptr);
+  const TempFolder folder;
+  write_paper(find_paper_experiment("table3"), rows, folder.path());
+  const std::string csv = read_text_file(folder / "table3.csv");
+  EXPECT_THAT(lines_with(csv, ",tx,cm,ml,few_motions,"),
+              ElementsAre("repeatability,camera to robot,tx,cm,ml,few_motions,office,right,2,run,22"));
+  EXPECT_EQ(lines_with(csv, "without cameras of fewer than 10 motions\",tx,cm,ml,measured,").size(), 5U);
+}
+
 TEST(Paper, CurvesTellTheGoal) {
   SweepRows rows = frame_of({"model", "lambda"}, {{"per_increment", "per_pose"}, {"0", "10"}}, {"ml", "joint_memroc"});
   for (const std::string& model : rows.levels[0])
@@ -156,14 +259,6 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& file
   std::vector<std::string> names;
   for (const auto& file : files) names.push_back(file.filename().string());
   return names;
-}
-
-std::vector<std::string> lines_with(const std::string& text, const std::string& part) {
-  std::vector<std::string> found;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);)
-    if (line.find(part) != std::string::npos) found.push_back(line);
-  return found;
 }
 
 /// Sets a variable of the environment for a while.

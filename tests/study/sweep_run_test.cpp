@@ -12,6 +12,7 @@
 #include "rigproof/core/child_process.h"
 #include "rigproof/core/folder_lock.h"
 #include "sweep_folders.h"
+#include "work.h"
 
 namespace rigproof {
 namespace {
@@ -66,6 +67,29 @@ TEST_F(SweepRun, GivesOneRowForEachTaskMethodAndCamera) {
             "pitch_deg,yaw_deg,");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 57);
   EXPECT_THAT(folder_.read("a/times.csv"), HasSubstr("solve_s,cpu_s,observe_s"));
+}
+
+// Views at stops 0 1 2 5 are two motions, 4 6 none.
+TEST(SweepRowsOfAResult, CountHowOftenACameraSawTheBoardAtTwoStopsInARow) {
+  TaskData data;
+  data.truth.cameras.resize(2);
+  data.truth.cameras[0].name = "left";
+  data.truth.cameras[1].name = "right";
+  for (const auto& [stop, camera] : {std::make_pair(0, 0), {1, 0}, {2, 0}, {4, 1}, {5, 0}, {6, 1}}) {
+    BoardView view;
+    view.stop = stop;
+    view.camera = camera;
+    data.observations.board_views.push_back(view);
+  }
+  SweepAnswer answer;
+  answer.rows = rows_of(Result(), SweepStatus::kRefused, data);
+  for (const std::vector<SweepRow>& rows : {answer.rows, read_answer(text_of(answer)).value().rows}) {
+    ASSERT_EQ(rows.size(), 4U);
+    EXPECT_FALSE(rows[0].motions.has_value());
+    EXPECT_EQ(rows[1].motions, 2);
+    EXPECT_EQ(rows[2].motions, 0);
+    EXPECT_EQ(rows[3].motions, 0) << "of the pair the smaller";
+  }
 }
 
 TEST_F(SweepRun, GivesTheSameBytesAtAnyNumberOfJobs) {

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "paper_csv.h"
+#include "paper_error_table.h"
 #include "paper_samples.h"
+#include "paper_table3.h"
 #include "paper_why.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/report/figures.h"
 #include "rigproof/validate/figures.h"
-#include "rigproof/validate/published.h"
 #include "rigproof/validate/text_table.h"
 
 namespace rigproof {
@@ -23,83 +23,9 @@ using namespace paper;
 constexpr const char* kConditionAxis = "images";
 constexpr double kSignificant = 0.05;
 
-std::string cell(const std::optional<double>& value) {
-  return value ? figure(*value, std::max(2, decimals_for(*value, 2))) : "-";
-}
-
-std::string count_cell(const Sample& sample) {
-  return std::to_string(sample.answered) + "/" + std::to_string(sample.tasks);
-}
-
-// Published numbers have two decimals.
-bool above(double ours, double published) { return std::round(100.0 * ours) > std::round(100.0 * published); }
-
-// The most frequent reason why a method gave nothing.
-std::string why_nothing(const SweepRows& rows, const Condition& condition, const std::string& method) {
-  std::vector<SweepRow> unsolved;
-  for (const SweepRow& row : rows.rows)
-    if (row.method == method && meets(row, condition) && !row.reason.empty()) unsolved.push_back(row);
-  const std::vector<FailureCount> failures = count_failures(unsolved);
-  return failures.empty() ? std::string() : ": " + failures.front().reason;
-}
-
-// Methods without a single figure are named below the table, not in it.
-std::vector<std::string> methods_with_figures(const SweepRows& rows, const Condition& condition, SweepSubject subject,
-                                              PaperTable* table) {
-  std::vector<std::string> methods;
-  for (const std::string& method : rows.methods) {
-    const Sample sample = sample_of(rows, condition, method, subject);
-    if (sample.states_anything())
-      methods.push_back(method);
-    else if (sample.tasks > 0)
-      table->notes.push_back(method + " says nothing about " + subject_title(subject) +
-                             why_nothing(rows, condition, method));
-  }
-  return methods;
-}
-
-void add_method(const std::string& method, const Sample& sample, const PublishedTable& published, PaperTable* table,
-                std::string* above_published) {
-  const PublishedRow* row = published_row(published, method);
-  std::vector<std::string> cells = {method, count_cell(sample)}, theirs;
-  if (row != nullptr) theirs = {"  published " + row->method, ""};
-  std::string axes;
-  for (std::size_t i = 0; i < 6; ++i) {
-    const std::optional<double> ours = sample.mean_absolute(i);
-    cells.push_back(cell(ours));
-    if (row == nullptr) continue;
-    theirs.push_back(row->error[i] ? figure(*row->error[i], 2) : "-");
-    if (ours && row->error[i] && above(*ours, *row->error[i])) axes += std::string(" ") + kPaperAxes[i];
-  }
-  table->rows.push_back(cells);
-  if (row != nullptr) table->rows.push_back(theirs);
-  if (!axes.empty()) *above_published += (above_published->empty() ? "" : "; ") + method + axes;
-}
-
-std::vector<std::string> head_of_axes(const char* what, const char* count) {
-  std::vector<std::string> head = {what, count};
-  for (std::size_t i = 0; i < 6; ++i)
-    head.push_back(kPaperAxes[i] + std::string(i == 2 ? " [cm]" : i == 5 ? " [deg]" : ""));
-  return head;
-}
-
-PaperTable error_table(const SweepRows& rows, const Condition& condition, SweepSubject subject, bool synthetic,
-                       const std::string& title) {
-  PaperTable table;
-  table.title = title;
-  table.head = head_of_axes("mean |error|", "answered");
-  std::string above_published;
-  for (const std::string& method : methods_with_figures(rows, condition, subject, &table))
-    add_method(method, sample_of(rows, condition, method, subject), published_table(subject, synthetic), &table,
-               &above_published);
-  table.notes.insert(table.notes.begin(), above_published.empty() ? "no mean is above the published one"
-                                                                  : "above the published mean: " + above_published);
-  return table;
-}
-
 // Cells in which a method beats the reference beyond chance.
 std::string better_than_reference(const SweepRows& rows) {
-  const SweepSummary summary = summarise(rows);
+  const SweepSummary summary = summarise(without_far(rows));
   std::string cells;
   for (const SummaryRow& row : summary.rows) {
     const PairedTest& test = row.against_reference;
@@ -128,6 +54,19 @@ std::vector<double> figures_of(const Sample& sample, bool rotation) {
   return rotation ? sample.angles_deg : sample.lengths_cm;
 }
 
+// The cells of a method over the levels of an axis, and below them the counts of success where not every task is one.
+void add_levels(const std::string& method, const std::vector<Sample>& samples, bool rotation, PaperTable* table) {
+  std::vector<std::string> cells = {method}, counts = {"  success"};
+  bool all = true;
+  for (const Sample& sample : samples) {
+    cells.push_back(cell(mean(figures_of(sample, rotation))));
+    counts.push_back(success_cell(sample));
+    all = all && sample.success == sample.tasks;
+  }
+  table->rows.push_back(cells);
+  if (!all) table->rows.push_back(counts);
+}
+
 // Methods in rows, levels of an axis in columns, the mean length of the error in the cells.
 PaperTable matrix(const SweepRows& rows, std::size_t axis, const Condition& rest, SweepSubject subject, bool rotation,
                   const std::string& title) {
@@ -135,24 +74,20 @@ PaperTable matrix(const SweepRows& rows, std::size_t axis, const Condition& rest
   table.title = title;
   table.head = {rotation ? "mean error [deg]" : "mean error [cm]"};
   for (const std::string& level : rows.levels[axis]) table.head.push_back(level);
-  std::string missing;
+  std::vector<std::pair<std::string, Sample>> totals;
   for (const std::string& method : rows.methods) {
-    std::vector<std::string> cells = {method};
-    bool any = false;
+    std::vector<Sample> samples;
     for (const std::string& level : rows.levels[axis]) {
       Condition condition = rest;
       condition[axis] = level;
-      const Sample sample = sample_of(rows, condition, method, subject);
-      const std::optional<double> value = mean(figures_of(sample, rotation));
-      any = any || value;
-      cells.push_back(cell(value) + (value && sample.answered < sample.tasks ? "*" : ""));
+      samples.push_back(sample_of(rows, condition, method, subject));
     }
-    if (any) table.rows.push_back(cells);
+    totals.emplace_back(method, sample_of(rows, rest, method, subject));
+    const Sample& total = totals.back().second;
+    if (total.stated[rotation ? 3 : 0] > 0) add_levels(method, samples, rotation, &table);
   }
-  const bool starred = std::any_of(table.rows.begin(), table.rows.end(), [](const auto& row) {
-    return std::any_of(row.begin(), row.end(), [](const std::string& text) { return text.back() == '*'; });
-  });
-  if (starred) table.notes.push_back("* not every task was answered; the mean is over those that were");
+  table.notes = {success_note()};
+  if (const std::string far = far_note(totals); !far.empty()) table.notes.push_back(far);
   return table;
 }
 
@@ -181,48 +116,11 @@ std::string goal_note(const SweepRows& rows, const std::string& method, double l
     for (std::size_t i = 0; i < 6; ++i)
       (i < 3 ? worst_cm : worst_deg) = std::max(i < 3 ? worst_cm : worst_deg, sample.mean_absolute(i).value_or(NAN));
     text += " " + level + " " +
-            (sample.states_anything() ? short_figure(worst_cm) + " cm " + short_figure(worst_deg) + " deg" : "-") + ";";
+            (sample.answers > sample.far ? short_figure(worst_cm) + " cm " + short_figure(worst_deg) + " deg" : "-") +
+            ";";
   }
   text.pop_back();
   return text;
-}
-
-PaperTable spread_table(const SweepRows& rows) {
-  PaperTable table;
-  table.title =
-      "Repeatability: mean and standard deviation over the runs of each camera's pose in the robot, minus its mounting";
-  table.head = head_of_axes("mean +- sd", "runs");
-  std::set<std::string> cameras;
-  for (const SweepRow& row : rows.rows)
-    if (row.subject == SweepSubject::kCamera) cameras.insert(row.camera);
-  for (const std::string& camera : cameras) {
-    SweepRows own = rows;
-    own.rows.erase(std::remove_if(own.rows.begin(), own.rows.end(),
-                                  [&](const SweepRow& row) {
-                                    return row.subject == SweepSubject::kCamera && row.camera != camera;
-                                  }),
-                   own.rows.end());
-    for (const std::string& method : rows.methods) {
-      const Sample sample = sample_of(own, {}, method, SweepSubject::kCamera);
-      if (!sample.states_anything()) continue;
-      std::vector<std::string> cells = {camera + " " + method, count_cell(sample)};
-      for (std::size_t i = 0; i < 6; ++i) {
-        const std::optional<double> middle = mean(sample.values[i]), spread = deviation(sample.values[i]);
-        cells.push_back(!middle ? "-"
-                                : signed_figure(*middle, 2) +
-                                      (spread ? "+-" + figure(*spread, std::max(2, decimals_for(*spread, 2))) : ""));
-      }
-      table.rows.push_back(cells);
-    }
-  }
-  return table;
-}
-
-std::vector<PaperTable> tables_of_table3(const SweepRows& rows) {
-  const SweepRows against_li = against_method(rows, "li");
-  return {
-      error_table(against_li, {}, SweepSubject::kPair, false, "Table 3, camera to camera, against li as in the paper"),
-      error_table(rows, {}, SweepSubject::kPair, false, "Camera to camera, against the truth"), spread_table(rows)};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "paper_samples.h"
+#include "paper_table3.h"
 #include "paper_why.h"
 #include "rigproof/study/sweep/table_text.h"
 
@@ -22,7 +23,22 @@ CsvLine line_of(const std::string& figure, const std::string& panel, const Sweep
   line.method = row.method;
   line.task = row.task;
   line.camera = row.camera;
+  if (is_far(row)) line.source = "far";
   return line;
+}
+
+// In how many of its tasks a method succeeded, with x for all.
+std::string success_line(const std::string& panel, const std::string& method, const Sample& sample) {
+  if (sample.answers == 0) return "";
+  CsvLine line;
+  line.figure = "success";
+  line.panel = panel;
+  line.quantity = "tasks";
+  line.unit = "successes";
+  line.method = method;
+  line.x = sample.tasks;
+  line.error = sample.success;
+  return text_of(line);
 }
 
 // The six errors of a row that it gives.
@@ -52,6 +68,7 @@ std::string dots(const SweepRows& rows, const Condition& condition, SweepSubject
   for_each_row(rows, condition, subject,
                [&](const SweepRow& row) { text += axis_lines(line_of("dots", panel, row), paper_error(row)); });
   for (const std::string& method : rows.methods) {
+    text += success_line(panel, method, sample_of(rows, condition, method, subject));
     const PublishedRow* theirs = published_row(published_table(subject, synthetic), method);
     if (theirs == nullptr) continue;
     CsvLine line;
@@ -94,6 +111,7 @@ std::string repeatability(const SweepRows& rows) {
     const auto level = std::find(rows.levels[world].begin(), rows.levels[world].end(), row.levels[world]);
     line.x = static_cast<double>(level - rows.levels[world].begin() + 1);
     line.x_title = "run";
+    if (line.source == "measured" && has_few_motions(row)) line.source = "few_motions";
     text += axis_lines(line, paper_error(row));
   });
   return text;
@@ -115,11 +133,16 @@ std::string paper_csv(const std::string& experiment, const SweepRows& rows) {
   if (experiment == "quantity") return text + curves(rows, "stops", "");
   if (experiment == "odometry") return text + curves(rows, "lambda", "model");
   if (experiment == "why") return text + why_csv(rows);
-  if (experiment == "table3")
-    return text +
-           dots(against_method(rows, "li"), {}, SweepSubject::kPair, false,
-                "camera to camera, against li as in the paper") +
-           dots(rows, {}, SweepSubject::kPair, false, "camera to camera, against the truth") + repeatability(rows);
+  if (experiment == "table3") {
+    const SweepRows against_li = against_method(rows, "li");
+    const std::string panel = "camera to camera, against li as in the paper";
+    text += dots(against_li, {}, SweepSubject::kPair, false, panel);
+    if (std::any_of(rows.rows.begin(), rows.rows.end(), has_few_motions))
+      text += dots(only(against_li, SweepSubject::kPair, false), {}, SweepSubject::kPair, false,
+                   panel + ", without cameras of " + few_motions_in_words());
+    return text + dots(rows, {}, SweepSubject::kPair, false, "camera to camera, against the truth") +
+           repeatability(rows);
+  }
   for (const auto& [label, condition] : conditions_along(rows, "images"))
     for (const SweepSubject subject : {SweepSubject::kCamera, SweepSubject::kPair})
       text += dots(rows, condition, subject, true, panel_name(subject, label.empty() ? "" : "images " + label));

@@ -6,6 +6,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/study/report/paper.h"
+#include "rigproof/validate/figures.h"
 
 namespace rigproof::paper {
 namespace {
@@ -15,11 +16,41 @@ std::optional<double> difference(const std::optional<double>& a, const std::opti
   return *a - *b;
 }
 
+// Of what is stated of three figures.
+double stated_length(const AxisFigures& figures, std::size_t first) {
+  double squares = 0.0;
+  for (std::size_t i = first; i < first + 3; ++i) squares += std::pow(figures[i].value_or(0.0), 2);
+  return std::sqrt(squares);
+}
+
+bool states_anything(const AxisFigures& figures) {
+  return std::any_of(figures.begin(), figures.end(), [](const auto& figure) { return figure.has_value(); });
+}
+
 }  // namespace
 
 AxisFigures paper_error(const SweepRow& row) {
   return {row.error[0],          row.error[1],          row.error[2],
           row.roll_pitch_yaw[0], row.roll_pitch_yaw[1], row.roll_pitch_yaw[2]};
+}
+
+AxisFigures vector_error(const SweepRow& row) { return row.error; }
+
+bool is_far(const SweepRow& row) {
+  return stated_length(row.error, 0) > kFarCm || stated_length(row.error, 3) > kFarDeg;
+}
+
+SweepRows without_far(SweepRows rows) {
+  for (SweepRow& row : rows.rows) {
+    if (!is_far(row)) continue;
+    row.error = {};
+    row.roll_pitch_yaw = {};
+  }
+  return rows;
+}
+
+std::string limits_in_words() {
+  return "within " + plain_figure(0.01 * kFarCm) + " m and " + plain_figure(kFarDeg) + " deg";
 }
 
 const char* subject_title(SweepSubject subject) {
@@ -60,11 +91,15 @@ std::vector<NamedCondition> conditions_along(const SweepRows& rows, const std::s
 
 std::optional<double> Sample::mean_absolute(std::size_t axis) const { return mean(absolute(values[axis])); }
 
-bool Sample::states_anything() const {
-  return std::any_of(values.begin(), values.end(), [](const auto& list) { return !list.empty(); });
+std::optional<double> Sample::rmse(std::size_t axis) const {
+  std::vector<double> squares = values[axis];
+  for (double& value : squares) value *= value;
+  const std::optional<double> square = mean(squares);
+  return square ? std::optional<double>(std::sqrt(*square)) : std::nullopt;
 }
 
-Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject) {
+Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject,
+                 AxisFigures (*error_of)(const SweepRow&)) {
   Sample sample;
   std::map<std::string, std::array<int, 6>> stated;  // rows of a task that state an axis
   std::map<std::string, int> wanted;                 // rows of a task
@@ -72,9 +107,15 @@ Sample sample_of(const SweepRows& rows, const Condition& condition, const std::s
     if (row.method != method || !meets(row, condition)) continue;
     sample.tasks += row.subject == SweepSubject::kRig;
     if (row.subject != subject) continue;
-    const AxisFigures error = paper_error(row);
+    const AxisFigures error = error_of(row);
     std::array<int, 6>& counts = stated[row.task];
     ++wanted[row.task];
+    sample.answers += states_anything(error);
+    for (std::size_t i = 0; i < 6; ++i) sample.stated[i] += error[i].has_value();
+    if (is_far(row)) {
+      ++sample.far;
+      continue;
+    }
     for (std::size_t i = 0; i < 6; ++i) {
       if (!error[i]) continue;
       sample.values[i].push_back(*error[i]);
@@ -84,9 +125,9 @@ Sample sample_of(const SweepRows& rows, const Condition& condition, const std::s
     if (const auto angle = length_of(error, 3)) sample.angles_deg.push_back(*angle);
   }
   for (const auto& [task, counts] : stated) {
-    bool all = sample.states_anything();
+    bool all = sample.answers > sample.far;
     for (std::size_t i = 0; i < 6; ++i) all = all && (sample.values[i].empty() || counts[i] == wanted[task]);
-    sample.answered += all;
+    sample.success += all;
   }
   return sample;
 }

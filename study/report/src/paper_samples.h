@@ -1,4 +1,4 @@
-// Errors of a method from a sweep's rows, as the paper counts them.
+// Errors of a method from a sweep's rows, success before any error.
 #pragma once
 
 #include <array>
@@ -16,6 +16,19 @@ namespace rigproof::paper {
 AxisFigures paper_error(const SweepRow& row);
 /// Names of these.
 inline constexpr std::array<const char*, 6> kPaperAxes = {"tx", "ty", "tz", "roll", "pitch", "yaw"};
+
+/// tx ty tz [cm], rx ry rz [deg], as `validate` and bench-v1 read rotations.
+AxisFigures vector_error(const SweepRow& row);
+
+/// An answer farther off than this is none, for any method: it counts against success, and no mean has it. The limits
+/// of bench-v1: a mean over answers that are metres off says how far the worst one is, and nothing of the others.
+inline constexpr double kFarCm = 100.0, kFarDeg = 20.0;
+/// Whether what the row states, as far as it states it, is that far off in translation or rotation.
+bool is_far(const SweepRow& row);
+/// The same rows with nothing stated where they are far.
+SweepRows without_far(SweepRows rows);
+/// "within 1 m and 20 deg".
+std::string limits_in_words();
 
 /// "camera to robot" or "camera to camera".
 const char* subject_title(SweepSubject subject);
@@ -39,18 +52,22 @@ struct NamedCondition {
 };
 std::vector<NamedCondition> conditions_along(const SweepRows& rows, const std::string& name);
 
-/// What a method answered under a condition.
+/// What a method answered under a condition. Errors are those of answers that are not far.
 struct Sample {
   std::array<std::vector<double>, 6> values;   ///< signed, tasks and cameras in the rows' order
   std::vector<double> lengths_cm, angles_deg;  ///< norms of errors in all three axes
-  int answered = 0;                            ///< tasks in which it stated for every camera all that it ever states
+  int success = 0;  ///< tasks in which it stated for every camera all that it ever states, and none of it far
   int tasks = 0;
+  int answers = 0, far = 0;        ///< cameras (pairs) of which it stated anything; those of them that are far off
+  std::array<int, 6> stated = {};  ///< how many of all these state an axis
 
-  /// Mean of the absolute value; absent without any.
+  /// Mean of the absolute value, and root of the mean square; absent without any.
   std::optional<double> mean_absolute(std::size_t axis) const;
-  bool states_anything() const;
+  std::optional<double> rmse(std::size_t axis) const;
 };
-Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject);
+/// `error_of` reads the errors of a row.
+Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject,
+                 AxisFigures (*error_of)(const SweepRow&) = paper_error);
 
 std::optional<double> mean(const std::vector<double>& values);
 /// With n - 1; absent for fewer than two.

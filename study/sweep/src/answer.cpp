@@ -44,7 +44,8 @@ json json_of(const SweepRow& row) {
           {"bound", json_of(row.bound)},
           {"rpy", json_of(row.roll_pitch_yaw)},
           {"nees", json_of(row.nees)},
-          {"nees_dof", row.nees_degrees_of_freedom}};
+          {"nees_dof", row.nees_degrees_of_freedom},
+          {"motions", row.motions ? json(*row.motions) : json(nullptr)}};
 }
 
 SweepRow row_of(const json& object) {
@@ -62,6 +63,8 @@ SweepRow row_of(const json& object) {
   read(object.at("rpy"), &row.roll_pitch_yaw);
   row.nees = optional_of(object.at("nees"));
   row.nees_degrees_of_freedom = object.at("nees_dof").get<int>();
+  // Answers of version 0.1 have none.
+  if (object.contains("motions") && !object["motions"].is_null()) row.motions = object["motions"].get<int>();
   return row;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
@@ -58,6 +59,15 @@ void add_error(const TransformError& error, SweepRow* row) {
   for (std::size_t i = 0; i < 3; ++i) row->roll_pitch_yaw[i] = rad_to_deg(angles[static_cast<Eigen::Index>(i)]);
 }
 
+// Where methods of consecutive views find the camera's motions.
+int motions_of(const Observations& observations, std::size_t camera) {
+  std::set<int> stops;
+  for (const BoardView& view : observations.board_views)
+    if (view.camera == static_cast<int>(camera)) stops.insert(view.stop);
+  return static_cast<int>(
+      std::count_if(stops.begin(), stops.end(), [&](int stop) { return stops.count(stop + 1) > 0; }));
+}
+
 void give_reasons(const std::vector<Finding>& reasons, SweepRow* row) {
   row->reason = words::text_of(reasons);
   row->code = reasons.empty() ? "" : reasons.front().code;
@@ -88,8 +98,11 @@ std::vector<SweepRow> rows_of(const Result& result, SweepStatus status, const Ta
   std::vector<SweepRow> rows = {rig};
   rows.front().nees = comparison.nees;
   rows.front().nees_degrees_of_freedom = comparison.nees_degrees_of_freedom;
+  std::vector<int> motions;
   for (const TrueCamera& camera : data.truth.cameras) {
     SweepRow row = subject_row(SweepSubject::kCamera, camera.name, rig);
+    motions.push_back(motions_of(data.observations, motions.size()));
+    row.motions = motions.back();
     add_bound(data, "robot", camera.name, &row);
     if (const TransformError* error = error_of(comparison.camera_to_robot, "", camera.name)) add_error(*error, &row);
     for (const CameraNees& nees : comparison.camera_nees) {
@@ -103,6 +116,7 @@ std::vector<SweepRow> rows_of(const Result& result, SweepStatus status, const Ta
     for (std::size_t k = j + 1; k < data.truth.cameras.size(); ++k) {
       const std::string &parent = data.truth.cameras[j].name, &child = data.truth.cameras[k].name;
       SweepRow row = subject_row(SweepSubject::kPair, parent + "-" + child, rig);
+      row.motions = std::min(motions[j], motions[k]);
       add_bound(data, parent, child, &row);
       if (const TransformError* error = error_of(comparison.camera_to_camera, parent, child)) add_error(*error, &row);
       rows.push_back(std::move(row));

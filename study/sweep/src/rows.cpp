@@ -46,6 +46,7 @@ void visit_columns(const SweepRow& row, const Text& text, const Number& number) 
   number("nees", row.nees);
   number("nees_dof", row.nees ? std::optional<double>(row.nees_degrees_of_freedom) : std::nullopt);
   text("code", row.code);
+  number("motions", row.motions ? std::optional<double>(*row.motions) : std::nullopt);
 }
 
 std::string csv_header(const SweepRows& table) {

@@ -50,6 +50,8 @@ struct SweepRow {
   std::array<std::optional<double>, 3> roll_pitch_yaw;
   std::optional<double> nees;  ///< of this camera alone; of all cameras together for the rig
   int nees_degrees_of_freedom = 0;
+  /// How often the camera saw the board at two stops in a row; of a pair the smaller number. Absent for the rig.
+  std::optional<int> motions;
 
   /// error / sigma.
   std::optional<double> z(std::size_t axis) const;
