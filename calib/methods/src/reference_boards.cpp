@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "rigproof/calib/vision/image_findings.h"
+#include "rigproof/calib/vision/recall.h"
 #include "rigproof/calib/vision/reference_corners.h"
 
 namespace rigproof::rivals {
@@ -22,11 +24,6 @@ struct View {
   Finding why_not = Finding("board.not_found");  ///< where there are none
 };
 using Views = std::map<std::pair<int, int>, View>;  // by (stop, camera)
-
-struct FoundPose {
-  Rigid3 T_camera_board;
-  double squared_px = 0.0;  ///< mean over the corners
-};
 
 /// What OpenCV is told of a camera. It has no pinhole with a fisheye's distortion: there pixels are those that a
 /// pinhole of the same focal length would have seen.
@@ -64,7 +61,7 @@ double mean_squared_px(const ChessboardCorners& corners, const Board& board, con
   return sum / static_cast<double>(corners.pixels.size());
 }
 
-std::optional<FoundPose> ransac_pose(const ChessboardCorners& corners, const Board& board, const Camera& camera) {
+std::optional<ReferencePose> ransac_pose(const ChessboardCorners& corners, const Board& board, const Camera& camera) {
   const std::optional<OpenCvView> view = opencv_view(corners, camera);
   if (!view) return std::nullopt;
   std::vector<cv::Point3f> points;
@@ -82,7 +79,21 @@ std::optional<FoundPose> ransac_pose(const ChessboardCorners& corners, const Boa
   const Eigen::Vector3d phi(rotation.ptr<double>()), t(translation.ptr<double>());
   if (!phi.allFinite() || !t.allFinite()) return std::nullopt;
   const Rigid3 T_camera_board(so3_exp(phi), t);
-  return FoundPose{T_camera_board, mean_squared_px(corners, board, camera, T_camera_board)};
+  return ReferencePose{T_camera_board, mean_squared_px(corners, board, camera, T_camera_board)};
+}
+
+// A hundred samples of EPnP take a hundred times as long as the rest of the method takes for a view, and the odometry
+// does not enter.
+std::optional<ReferencePose> pose_of(const ChessboardCorners& corners, const MethodInput& input, std::size_t camera) {
+  const Board& board = input.observations.board;
+  const Camera& lens = input.observations.cameras[camera].camera;
+  const std::string key = input.memory == nullptr ? std::string() : reference_pose_key(corners, lens, board);
+  std::optional<ReferencePose> pose;
+  detection::recall_or(input.memory, PictureMemory::Finding::kBoardPoses, key, &pose, [&] {
+    pose = ransac_pose(corners, board, lens);
+    return true;
+  });
+  return pose;
 }
 
 // In the order of ids, if all were seen.
@@ -136,8 +147,8 @@ ReferenceBoards reference_boards(const MethodInput& input, const FramesByStop& f
   std::vector<double> squared_px(cameras, 0.0);
   for (const auto& [at, view] : views) {
     const auto k = static_cast<std::size_t>(at.second);
-    std::optional<FoundPose> pose;
-    if (view.corners) pose = ransac_pose(*view.corners, observations.board, observations.cameras[k].camera);
+    std::optional<ReferencePose> pose;
+    if (view.corners) pose = pose_of(*view.corners, input, k);
     if (!pose) {
       const Finding why = view.corners ? Finding("view.corner_outliers") : view.why_not;
       boards.use[k].left_out.push_back({at.second, at.first, view.file, why});

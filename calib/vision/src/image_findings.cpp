@@ -49,6 +49,13 @@ constexpr auto kChessboardParts = [](auto& archive, auto& corners) {
   for (auto& corner : corners->pixels) archive.matrix(corner);
 };
 
+constexpr auto kReferencePoseParts = [](auto& archive, auto& pose) {
+  archive.kind("reference pose");
+  if (!archive.present(pose)) return;
+  detection::kTransformParts(archive, pose->T_camera_board);
+  archive.number(pose->squared_px);
+};
+
 }  // namespace
 
 std::string bytes_of(const std::vector<PixelMatch>& matches) { return bytes_of_parts(kFormat, matches, kMatchesParts); }
@@ -57,6 +64,10 @@ std::string bytes_of(const std::optional<CloudPlane>& plane) { return bytes_of_p
 
 std::string bytes_of(const std::optional<ChessboardCorners>& corners) {
   return bytes_of_parts(kFormat, corners, kChessboardParts);
+}
+
+std::string bytes_of(const std::optional<ReferencePose>& pose) {
+  return bytes_of_parts(kFormat, pose, kReferencePoseParts);
 }
 
 bool read_bytes(const std::string& bytes, std::vector<PixelMatch>* matches) {
@@ -70,6 +81,9 @@ bool read_bytes(const std::string& bytes, std::optional<CloudPlane>* plane) {
 }
 bool read_bytes(const std::string& bytes, std::optional<ChessboardCorners>* corners) {
   return read_parts(kFormat, bytes, corners, kChessboardParts);
+}
+bool read_bytes(const std::string& bytes, std::optional<ReferencePose>* pose) {
+  return read_parts(kFormat, bytes, pose, kReferencePoseParts);
 }
 
 std::string matches_key(const std::string& source, const std::string& content_a, const std::string& content_b,
@@ -103,6 +117,14 @@ std::string chessboard_key(const std::string& content, const Camera& camera, con
   key.text(content);
   for (const int number : {camera.width_px, camera.height_px, board.inner_corners_x(), board.inner_corners_y()})
     key.number(number);
+  return sha256_hex(key.bytes());
+}
+
+std::string reference_pose_key(const ChessboardCorners& corners, const Camera& camera, const Board& board) {
+  Writer key = key_of("reference pose");
+  for (const Eigen::Vector2f& pixel : corners.pixels) key.matrix(pixel);
+  write(camera, &key);
+  for (const Eigen::Vector3d& corner : board.corners()) key.matrix(corner);
   return sha256_hex(key.bytes());
 }
 

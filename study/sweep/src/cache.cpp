@@ -1,5 +1,7 @@
 #include "cache.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <fstream>
 #include <memory>
@@ -66,6 +68,29 @@ std::vector<Deletable> clean_renders_in(const fs::path& folder) {
   return found;
 }
 
+/// Which file it was, by what changes when another one takes its place.
+struct ReadManifest {
+  ino_t file = 0;
+  off_t bytes = 0;
+  timespec written = {};
+  Manifest manifest;
+};
+
+// A task asks for the manifest of its run half a dozen times, and reading one takes longer than most methods do.
+Manifest manifest_of(const RunFolder& run) {
+  static std::mutex mutex;
+  static std::map<std::string, ReadManifest> known;
+  const std::string file = run.manifest_file().string();
+  struct stat now = {};
+  if (stat(file.c_str(), &now) != 0) return load_manifest(file);
+  const std::lock_guard<std::mutex> guard(mutex);
+  ReadManifest& read = known[file];
+  const bool same = read.file == now.st_ino && read.bytes == now.st_size && read.written.tv_sec == now.st_mtim.tv_sec &&
+                    read.written.tv_nsec == now.st_mtim.tv_nsec;
+  if (!same) read = {now.st_ino, now.st_size, now.st_mtim, load_manifest(file)};
+  return read.manifest;
+}
+
 }  // namespace
 
 const std::string& program_hash() {
@@ -92,7 +117,7 @@ bool SweepCache::has_pictures(const std::string& key, bool with_images) const {
   const RunFolder run = pictures(key);
   if (!is_file(run.manifest_file())) return false;
   try {
-    const Manifest manifest = load_manifest(run.manifest_file());
+    const Manifest manifest = manifest_of(run);
     if (with_images && !manifest.not_kept.empty()) return false;
     return manifest.complete && std::all_of(manifest.files.begin(), manifest.files.end(), [&](const auto& entry) {
              return (!with_images && is_image(entry.first)) || is_file(run.root / entry.first);
@@ -164,7 +189,7 @@ void SweepCache::shrink_to(std::uint64_t bytes, const std::set<std::string>& nee
 // Depth images and clouds are told by lying beside the image of the same stem, and these lie nowhere.
 Recording load_recording_of(const RunFolder& run) {
   Recording recording = load_recording(run.recording());
-  const Manifest manifest = load_manifest(run.manifest_file());
+  const Manifest manifest = manifest_of(run);
   std::map<fs::path, std::string> files;  // by folder and stem
   for (const auto& [path, entry] : manifest.not_kept)
     files[fs::path(path).replace_extension()] = path.substr(std::string(kRecording).size());
@@ -183,7 +208,7 @@ Recording load_recording_of(const RunFolder& run) {
 
 CachedFindings::CachedFindings(const SweepCache& cache, const RunFolder& run) : cache_(cache) {
   const std::string prefix = kRecording;
-  const Manifest manifest = load_manifest(run.manifest_file());
+  const Manifest manifest = manifest_of(run);
   gl_renderer_ = manifest.gl_renderer;
   for (const auto& [path, entry] : manifest.files)
     if (path.rfind(prefix, 0) == 0) contents_[path.substr(prefix.size())] = entry.sha256;
@@ -229,6 +254,7 @@ void CachedFindings::tell(const std::function<void(const std::string& name, std:
        {"planes fitted", "planes from cache"},
        {"clouds searched", "clouds from cache"},
        {"chessboards searched", "chessboards from cache"},
+       {"board poses found", "board poses from cache"},
        {"images matched", "matches from cache"},
        {"motions found", "motions from cache"}}};
   for (std::size_t i = 0; i < kNames.size(); ++i) {

@@ -110,10 +110,13 @@ TEST(MemrocReferenceImages, AreSearchedOnce) {
   EXPECT_EQ(memory.kept[PictureMemory::Finding::kChessboards], 10);
   EXPECT_EQ(numbers(run_method(reference(), made.input(&memory))), first);
   EXPECT_EQ(memory.recalled[PictureMemory::Finding::kChessboards], 10);
+  EXPECT_EQ(memory.kept[PictureMemory::Finding::kBoardPoses], 10);
+  EXPECT_EQ(memory.recalled[PictureMemory::Finding::kBoardPoses], 10);
   EXPECT_EQ(numbers(run_method(reference(), made.input())), first);
   memory.damage();
   EXPECT_EQ(numbers(run_method(reference(), made.input(&memory))), first);
   EXPECT_EQ(memory.kept[PictureMemory::Finding::kChessboards], 20);
+  EXPECT_EQ(memory.kept[PictureMemory::Finding::kBoardPoses], 20);
 }
 
 TEST(MemrocReferenceImages, ThatCannotBeReadLeaveTheObservedCorners) {

@@ -25,16 +25,24 @@ struct FoundMotion {
   std::vector<std::uint8_t> agrees;
 };
 
+/// The board in a camera, by the corners of reference_chessboards().
+struct ReferencePose {
+  Rigid3 T_camera_board;
+  double squared_px = 0.0;  ///< squared reprojection error, mean over the corners
+};
+
 /// Findings to the bit.
 std::string bytes_of(const std::vector<PixelMatch>& matches);
 std::string bytes_of(const FoundMotion& motion);
 std::string bytes_of(const std::optional<CloudPlane>& plane);
 std::string bytes_of(const std::optional<ChessboardCorners>& corners);
+std::string bytes_of(const std::optional<ReferencePose>& pose);
 /// False if the bytes are no such finding.
 bool read_bytes(const std::string& bytes, std::vector<PixelMatch>* matches);
 bool read_bytes(const std::string& bytes, FoundMotion* motion);
 bool read_bytes(const std::string& bytes, std::optional<CloudPlane>* plane);
 bool read_bytes(const std::string& bytes, std::optional<ChessboardCorners>* corners);
+bool read_bytes(const std::string& bytes, std::optional<ReferencePose>* pose);
 
 /// Hashes of all that a finding depends on.
 /// @param source FeatureSource::identity()
@@ -44,5 +52,6 @@ std::string matches_key(const std::string& source, const std::string& content_a,
 std::string motion_key(const std::string& matches, const Camera& camera, double sigma);
 std::string cloud_key(const std::string& content, const RigCamera& camera, int points);
 std::string chessboard_key(const std::string& content, const Camera& camera, const Board& board);
+std::string reference_pose_key(const ChessboardCorners& corners, const Camera& camera, const Board& board);
 
 }  // namespace rigproof::rivals

@@ -19,12 +19,13 @@ class PictureMemory {
     kPlanes,       ///< in a depth image or a cloud: ground and board
     kClouds,       ///< in a depth image or a cloud: the plane that memroc_reference takes
     kChessboards,  ///< in an image: the corners that memroc_reference takes
+    kBoardPoses,   ///< of such corners: the pose of the board that memroc_reference takes
     kMatches,      ///< features that two images share
     kMotions,      ///< of the camera between two images, from their matches
     kDepths        ///< in a depth image: what is looked at of it
   };
 
-  static constexpr std::size_t kFindings = 7;
+  static constexpr std::size_t kFindings = 8;
 
   virtual ~PictureMemory() = default;
   /// A hash of what a file of the recording holds; empty if nobody knows: then nothing is recalled or kept of it.

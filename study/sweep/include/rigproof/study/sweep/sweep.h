@@ -17,9 +17,9 @@ namespace rigproof {
 
 /// What was done and what was taken from the cache, by name: "images rendered", "images from clean renders",
 /// "image sets from cache", "corners detected", "corners from cache", "planes fitted", "planes from cache",
-/// "clouds searched", "clouds from cache", "chessboards searched", "chessboards from cache", "images matched", "matches
-/// from cache", "motions found", "motions from cache", "observations made", "answers solved", "answers from cache",
-/// "answers already there".
+/// "clouds searched", "clouds from cache", "chessboards searched", "chessboards from cache", "board poses found",
+/// "board poses from cache", "images matched", "matches from cache", "motions found", "motions from cache",
+/// "observations made", "answers solved", "answers from cache", "answers already there".
 using SweepCounters = std::map<std::string, std::uint64_t>;
 
 struct SweepProgress {
