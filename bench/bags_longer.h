@@ -19,8 +19,8 @@ struct KeptMessage {
 /// All of them.
 std::vector<KeptMessage> messages_of(const std::filesystem::path& bag);
 
-/// Each message again, `times` at 30 Hz, before the next stop begins: what has one time of recording is one stop. Stamps
-/// of headers move with the times of recording; poses and pictures are the same.
+/// Each message again, `times` at 30 Hz, before the next stop begins: what has one time of recording is one stop.
+/// Stamps of headers move with the times of recording; poses and pictures are the same.
 void repeat_messages(const std::vector<KeptMessage>& messages, int times,
                      const std::function<void(const KeptMessage&)>& take);
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <map>
 
-#include "parallel.h"
 #include "rigproof/calib/vision/image_files.h"
 #include "rigproof/calib/vision/image_findings.h"
+#include "rigproof/calib/vision/parallel.h"
 #include "rigproof/calib/vision/recall.h"
 #include "rigproof/calib/vision/straight_drive.h"
 #include "rigproof/core/error.h"

@@ -1,4 +1,4 @@
-#include "parallel.h"
+#include "rigproof/calib/vision/parallel.h"
 
 #include <algorithm>
 #include <atomic>

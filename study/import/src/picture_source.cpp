@@ -49,7 +49,9 @@ class RecordingPictures : public PictureSource {
 
   void read(const std::vector<Place>& wanted, const Take& take) override {
     for (const Place& place : wanted)
-      take(place, read_grey_image(path_inside(folder_, chosen_.frames[place.first][place.second].color_file)));
+      take(place, [file = path_inside(folder_, chosen_.frames[place.first][place.second].color_file)] {
+        return read_grey_image(file);
+      });
   }
 
   bool knows_board() const override { return true; }
@@ -103,7 +105,8 @@ class FolderPictures : public PictureSource {
 
   void read(const std::vector<Place>& wanted, const Take& take) override {
     for (const Place& place : wanted)
-      take(place, read_grey_image(files_.at(chosen_.frames[place.first][place.second].color_file)));
+      take(place,
+           [file = files_.at(chosen_.frames[place.first][place.second].color_file)] { return read_grey_image(file); });
   }
 
  private:
@@ -140,18 +143,19 @@ class BagPictures : public PictureSource {
     for (const auto& [place, frame] : places) in_bag.push_back(place);
     bag_->read_at(in_bag, [&](const BagMessage& message) {
       const Place& place = places.at(message.place);
-      take(place, picture_of(place.first, message));
+      take(place,
+           [this, camera = place.first, bytes = std::string(message.data)] { return picture_of(camera, bytes); });
     });
   }
 
  private:
-  std::variant<Image8, Unreadable> picture_of(std::size_t camera, const BagMessage& message) {
+  std::variant<Image8, Unreadable> picture_of(std::size_t camera, const std::string& message) const {
     const std::vector<double>& to_undo = plan_.to_undo[camera];
     try {
       std::optional<Rectifier> rectifier;
       if (!to_undo.empty()) rectifier.emplace(plan_.recording.rig.cameras[camera].camera, to_undo);
-      const PictureFile file =
-          maker_.color(plan_.images[camera]->type, message.data, rectifier ? &*rectifier : nullptr);
+      PictureMaker maker;
+      const PictureFile file = maker.color(plan_.images[camera]->type, message, rectifier ? &*rectifier : nullptr);
       return decode_grey_image({file.bytes.begin(), file.bytes.end()});
     } catch (const Error& error) {
       return Unreadable{error.what()};
@@ -163,7 +167,6 @@ class BagPictures : public PictureSource {
   std::optional<Bag> bag_;
   BagSurvey survey_;
   ImportPlan plan_;  // points into the survey
-  PictureMaker maker_;
 };
 
 }  // namespace

@@ -19,12 +19,14 @@ class PictureSource {
  public:
   /// Camera, and frame in Recording::frames[camera].
   using Place = std::pair<std::size_t, std::size_t>;
-  using Take = std::function<void(const Place&, const std::variant<Image8, Unreadable>&)>;
+  /// Reads the picture; may be called from any thread, also after read() is through.
+  using Picture = std::function<std::variant<Image8, Unreadable>()>;
+  using Take = std::function<void(const Place&, Picture)>;
 
   virtual ~PictureSource() = default;
   /// As the source is now: rig, odometry, and the frames that are worth a look. Throws Error.
   virtual Recording choose() = 0;
-  /// Frames of the latest choice, in any order.
+  /// Frames of the latest choice, in any order; of a bag the message is held by the picture.
   virtual void read(const std::vector<Place>& wanted, const Take& take) = 0;
   /// Whether its rig says which board it is.
   virtual bool knows_board() const { return false; }

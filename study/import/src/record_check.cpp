@@ -4,11 +4,14 @@
 #include <bitset>
 #include <chrono>
 #include <map>
+#include <thread>
+#include <utility>
 
 #include "board_coverage.h"
 #include "picture_source.h"
 #include "record_advice.h"
 #include "rigproof/calib/vision/charuco.h"
+#include "rigproof/calib/vision/parallel.h"
 #include "rigproof/calib/vision/sharpness.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/exclusions.h"
@@ -126,33 +129,66 @@ class RecordWatch::Impl {
         if (seen_.count(key_of(recording, place)) == 0) wanted.push_back(place);
       }
     const bool known = board_.has_value();
-    std::size_t done = 0;
-    source_->read(wanted, [&](const PictureSource::Place& place, const std::variant<Image8, Unreadable>& image) {
-      if (options_.progress && !options_.progress(done++, wanted.size()))
-        throw Error("interrupted", ExitCode::kTryAgain);
-      take(recording, place, image);
+    done_ = 0;
+    batch_.clear();  // of a look that was broken off
+    source_->read(wanted, [&](const PictureSource::Place& place, PictureSource::Picture picture) {
+      // Where the board is not known it is guessed from one picture after the other.
+      batch_.push_back({place, std::move(picture)});
+      if (batch_.size() >= (may_guess() ? 1 : most_at_once())) look_at_batch(recording, wanted.size());
     });
+    look_at_batch(recording, wanted.size());
     if (known || !board_) return;
     seen_.clear();  // the board was guessed from one of these
     see(recording, stops);
   }
 
-  void take(const Recording& recording, const PictureSource::Place& place,
-            const std::variant<Image8, Unreadable>& image) {
+  struct Waiting {
+    PictureSource::Place place;
+    PictureSource::Picture picture;
+  };
+  // What is held in memory: a few for each thread.
+  std::size_t most_at_once() const {
+    const int threads = options_.source.threads;
+    return 4 * std::max<std::size_t>(
+                   1, threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency());
+  }
+
+  void look_at_batch(const Recording& recording, std::size_t of) {
+    const std::vector<Waiting> batch = std::exchange(batch_, {});
+    std::vector<std::variant<PictureCheck, Unreadable>> results(batch.size());
+    if (may_guess())
+      for (const Waiting& waiting : batch) guess(recording, waiting);
+    const auto look = [&](std::size_t i) { results[i] = looked_at(recording, batch[i]); };
+    const auto proceed = [&](std::size_t) { return !options_.progress || options_.progress(done_++, of); };
+    if (!detection::for_each_parallel(batch.size(), options_.source.threads, look, proceed))
+      throw Error("interrupted", ExitCode::kTryAgain);
+    for (std::size_t i = 0; i < batch.size(); ++i) keep(key_of(recording, batch[i].place), std::move(results[i]));
+  }
+
+  static constexpr int kGuesses = 24;  // each takes up to a second
+  bool may_guess() const { return !board_ && guesses_ < kGuesses; }
+
+  static bool fits(const Recording& recording, const PictureSource::Place& place,
+                   const std::variant<Image8, Unreadable>& image) {
     const Camera& lens = recording.rig.cameras[place.first].camera;
-    const Key key = key_of(recording, place);
     const auto* grey = std::get_if<Image8>(&image);
-    const bool fits = grey != nullptr && grey->width == lens.width_px && grey->height == lens.height_px;
-    if (fits) {
-      if (!board_) guess(*grey);
-      seen_[key] = checked(*grey, board_);
-    } else if (const std::string why =
-                   grey == nullptr ? std::get<Unreadable>(image).reason : "it has another size than its intrinsics";
-               is_given_up(key)) {
-      seen_[key] = unreadable(why);
-    } else {
+    return grey != nullptr && grey->width == lens.width_px && grey->height == lens.height_px;
+  }
+
+  std::variant<PictureCheck, Unreadable> looked_at(const Recording& recording, const Waiting& waiting) const {
+    std::variant<Image8, Unreadable> image = waiting.picture();
+    if (fits(recording, waiting.place, image)) return checked(std::get<Image8>(image), board_);
+    if (auto* why = std::get_if<Unreadable>(&image)) return std::move(*why);
+    return Unreadable{"it has another size than its intrinsics"};
+  }
+
+  void keep(const Key& key, std::variant<PictureCheck, Unreadable> result) {
+    if (auto* check = std::get_if<PictureCheck>(&result))
+      seen_[key] = std::move(*check);
+    else if (is_given_up(key))
+      seen_[key] = unreadable(std::get<Unreadable>(result).reason);
+    else
       ++waiting_;
-    }
   }
 
   // What is being written cannot be read for a while.
@@ -162,9 +198,11 @@ class RecordWatch::Impl {
     return Clock::now() - first_failed_.try_emplace(key, Clock::now()).first->second > kPatience;
   }
 
-  void guess(const Image8& grey) {
-    constexpr int kGuesses = 24;  // each takes up to a second
-    if (guesses_++ < kGuesses) board_ = any_board(grey);
+  void guess(const Recording& recording, const Waiting& waiting) {
+    const std::variant<Image8, Unreadable> image = waiting.picture();
+    if (!fits(recording, waiting.place, image)) return;
+    ++guesses_;
+    board_ = any_board(std::get<Image8>(image));
     guessed_ = board_.has_value();
   }
 
@@ -199,6 +237,8 @@ class RecordWatch::Impl {
   bool guessed_ = false;
   int guesses_ = 0;
   std::size_t waiting_ = 0;
+  std::size_t done_ = 0;
+  std::vector<Waiting> batch_;
   std::map<Key, PictureCheck> seen_;
   std::map<Key, Clock::time_point> first_failed_;
 };
