@@ -153,6 +153,106 @@ TEST(Bags, UnfinishedMcapIsReadAsFarAsItGoes) {
   expect_whole(zeros);
 }
 
+// In place, as a recorder does.
+void overwrite(const std::filesystem::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
+// Reads on, and holds that each message comes once, in its order.
+void read_on(Bag* bag, ReadBag* so_far) {
+  bag->read(wants_odometry, [&](const BagMessage& message) {
+    so_far->x_m.push_back(read_odometry_message(message.data).T_odom_child.translation.x());
+    so_far->places.push_back(message.place);
+  });
+  so_far->topics = bag->topics().size();
+  std::size_t again = 0;
+  bag->read_at(so_far->places, [&](const BagMessage& message) {
+    EXPECT_EQ(read_odometry_message(message.data).T_odom_child.translation.x(), so_far->x_m.at(again++));
+  });
+  EXPECT_EQ(again, so_far->x_m.size()) << "what was read before can be read again";
+}
+
+TEST(Bags, OfAnMcapThatGrowsOnlyWhatHasComeIsRead) {
+  const TempFolder scratch;
+  for (const char* compression : {"", "lz4", "zstd"}) {
+    McapLayout layout;
+    layout.compression = compression;
+    layout.chunk_bytes = 1024;
+    const std::string bytes = mcap_bytes(some_messages(), layout);
+    const auto file = scratch.write("bag.mcap", bytes.substr(0, 100));
+    Bag bag(file, scratch / "scratch");
+    ReadBag so_far;
+    read_on(&bag, &so_far);
+    std::size_t before = 0, came = 0;
+    for (std::size_t size = 100; size < bytes.size(); size += bytes.size() / 7) {
+      overwrite(file, bytes.substr(0, size));
+      ASSERT_TRUE(bag.goes_on());
+      read_on(&bag, &so_far);
+      EXPECT_THAT(bag.notes(), testing::ElementsAre(HasSubstr("as far as it goes")));
+      came += so_far.x_m.size() > before;
+      before = so_far.x_m.size();
+    }
+    EXPECT_GT(came, 2U);
+    overwrite(file, bytes);
+    ASSERT_TRUE(bag.goes_on());
+    read_on(&bag, &so_far);
+    expect_whole(so_far);
+    EXPECT_THAT(bag.notes(), IsEmpty());
+    const std::uint64_t unpacked = bag.unpacked_bytes();
+    ASSERT_TRUE(bag.goes_on());
+    read_on(&bag, &so_far);
+    expect_whole(so_far);
+    EXPECT_EQ(bag.unpacked_bytes(), unpacked) << "nothing is unpacked twice";
+  }
+}
+
+TEST(Bags, OfSqliteThatGrowsOnlyWhatHasComeIsRead) {
+  const TempFolder scratch;
+  const std::vector<Recorded> messages = some_messages();
+  write_sqlite_bag(scratch / "first.db3", {messages.begin(), messages.begin() + 30});
+  write_sqlite_bag(scratch / "whole.db3", messages);
+  const auto file = scratch.write("bag.db3", scratch.read("first.db3"));
+  Bag bag(file, scratch / "scratch");
+  ReadBag so_far;
+  read_on(&bag, &so_far);
+  EXPECT_EQ(so_far.x_m.size(), 15U);
+  const std::uint64_t unpacked = bag.unpacked_bytes();
+  overwrite(file, scratch.read("whole.db3"));
+  ASSERT_TRUE(bag.goes_on());
+  read_on(&bag, &so_far);
+  expect_whole(so_far);
+  EXPECT_LT(bag.unpacked_bytes() - unpacked, 2 * unpacked);
+}
+
+TEST(Bags, FurtherFilesOfABagThatGrowsAreRead) {
+  const TempFolder scratch;
+  const std::vector<Recorded> messages = some_messages();
+  scratch.write("bag/bag_0.mcap", mcap_bytes({messages.begin(), messages.begin() + 30}));
+  Bag bag(scratch / "bag", scratch / "scratch");
+  ReadBag so_far;
+  read_on(&bag, &so_far);
+  scratch.write("bag/bag_1.mcap", mcap_bytes({messages.begin() + 30, messages.end()}));
+  ASSERT_TRUE(bag.goes_on());
+  read_on(&bag, &so_far);
+  expect_whole(so_far);
+}
+
+TEST(Bags, WhatWasReplacedOrCutDoesNotGoOn) {
+  const TempFolder scratch;
+  const std::string bytes = mcap_bytes(some_messages());
+  const auto file = scratch.write("bag.mcap", bytes);
+  Bag replaced(file, scratch / "scratch");
+  // Another file in its place, while the first is still held.
+  scratch.write("new.mcap", bytes);
+  std::filesystem::rename(scratch / "new.mcap", file);
+  EXPECT_FALSE(replaced.goes_on());
+  Bag cut(file, scratch / "scratch");
+  overwrite(file, bytes.substr(0, bytes.size() / 2));
+  EXPECT_FALSE(cut.goes_on());
+  const auto packed = scratch.write("bag.mcap.zstd", zstd_packed(bytes));
+  EXPECT_FALSE(Bag(packed, scratch / "scratch").goes_on());
+}
+
 TEST(Bags, AnyFlippedByteOfAChunkIsFound) {
   const TempFolder scratch;
   for (const char* compression : {"", "lz4", "zstd"}) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "bag_bytes.h"
 #include "error_text.h"
 #include "rigproof/bags/messages.h"
@@ -11,6 +13,7 @@
 #include "rigproof/core/recording.h"
 #include "rigproof/formats/frame_tree.h"
 #include "rigproof/png/png_encoder.h"
+#include "rigproof/study/import/record_check.h"
 #include "temp_folder.h"
 
 namespace rigproof {
@@ -418,6 +421,35 @@ TEST_F(Init, DamagedMessagesNameTheirTopic) {
   EXPECT_THAT(failure(options), AllOf(HasSubstr("topic /odom"), HasSubstr("no plain CDR")));
   options.source = scratch_.write("text.txt", "hello");
   EXPECT_THAT(failure(options), HasSubstr("no bag"));
+}
+
+// What is told of a bag that grows is what is told of it as it lies there.
+TEST_F(Init, OfABagThatGrowsTheSameIsToldAsOfOneThatIsReadAnew) {
+  McapLayout layout;
+  layout.chunk_bytes = 65536;
+  layout.compression = "zstd";
+  const std::string bytes = mcap_bytes(messages_of(Robot()), layout);
+  RecordCheckOptions options;
+  options.source.board = Board();
+  options.source.source = scratch_.write("bag.mcap", bytes.substr(0, bytes.size() / 4));
+  options.growing = true;
+  RecordWatch watch(options);
+  std::size_t last = 0;
+  for (int part = 2; part <= 8; ++part) {
+    std::ofstream(options.source.source, std::ios::binary)
+        << bytes.substr(0, bytes.size() * static_cast<std::size_t>(part) / 8);
+    const RecordCheck grown = watch.look(), anew = RecordWatch(options).look();
+    EXPECT_EQ(grown.stops, anew.stops) << part;
+    EXPECT_EQ(grown.duration_s, anew.duration_s) << part;
+    ASSERT_EQ(grown.cameras.size(), anew.cameras.size());
+    for (std::size_t i = 0; i < grown.cameras.size(); ++i) {
+      EXPECT_EQ(grown.cameras[i].stops, anew.cameras[i].stops) << part;
+      EXPECT_EQ(grown.cameras[i].underexposed, anew.cameras[i].underexposed) << part;
+      EXPECT_EQ(grown.cameras[i].left_out.size(), anew.cameras[i].left_out.size()) << part;
+    }
+    last = grown.stops;
+  }
+  EXPECT_EQ(last, 5U);
 }
 
 }  // namespace

@@ -223,6 +223,34 @@ TEST_F(Watched, WaitsForWhatIsHalfWritten) {
   EXPECT_EQ(after.cameras[0].board_stops, 3U);
 }
 
+TEST_F(Watched, TellsTheSameWithAnyNumberOfThreads) {
+  std::vector<double> headings_deg(12, 0.0);
+  write_poses(headings_deg);
+  for (int stop = 0; stop < 12; ++stop) {
+    picture("left", stop, stop % 4 == 3 ? empty_picture() : board_at(100.0 + 10.0 * stop, 120.0));
+    picture("right", stop, stop % 5 == 4 ? std::string("no picture") : board_at(220.0 - 10.0 * stop, 110.0));
+  }
+  RecordCheckOptions one = with_board(), many = with_board();
+  one.source.threads = 1;
+  many.source.threads = 5;
+  std::size_t steps = 0;
+  many.progress = [&steps](std::size_t done, std::size_t of) { return of == 24 && done == steps++; };
+  const RecordCheck a = RecordWatch(one).look(), b = RecordWatch(many).look();
+  EXPECT_EQ(steps, 24U);
+  ASSERT_EQ(a.pictures.size(), 12U);
+  ASSERT_EQ(b.pictures.size(), 12U);
+  for (std::size_t stop = 0; stop < 12; ++stop)
+    for (std::size_t camera = 0; camera < 2; ++camera) {
+      ASSERT_TRUE(a.pictures[stop][camera] && b.pictures[stop][camera]);
+      const PictureCheck &x = *a.pictures[stop][camera], &y = *b.pictures[stop][camera];
+      EXPECT_EQ(x.board, y.board);
+      EXPECT_EQ(x.corners, y.corners);
+      EXPECT_EQ(x.edge_px, y.edge_px);
+    }
+  EXPECT_EQ(b.cameras[0].board_stops, 9U);
+  EXPECT_EQ(b.cameras[1].unreadable, 2U);
+}
+
 TEST_F(Watched, GrowsFromNothing) {
   fs::create_directories(scratch_ / "in");
   RecordWatch watch(with_board(true));

@@ -46,10 +46,28 @@ bool operator<(const BagPlace& a, const BagPlace& b) {
   return std::tie(a.file, a.chunk, a.offset) < std::tie(b.file, b.chunk, b.offset);
 }
 
-Bag::Bag(const fs::path& path, const fs::path& scratch) {
+Bag::Bag(const fs::path& path, const fs::path& scratch) : path_(path), scratch_(scratch) {
   BagFiles found = find_bag_files(path);
   notes_ = std::move(found.notes);
-  for (const fs::path& file : found.files) files_.push_back(open_bag_file(file, scratch));
+  open_further(found.files);
+}
+
+void Bag::open_further(const std::vector<fs::path>& files) {
+  for (std::size_t i = files_.size(); i < files.size(); ++i) {
+    files_.push_back(open_bag_file(files[i], scratch_));
+    names_.push_back(files[i]);
+  }
+}
+
+bool Bag::goes_on() {
+  BagFiles found = find_bag_files(path_);
+  if (found.files.size() < names_.size() || !std::equal(names_.begin(), names_.end(), found.files.begin()))
+    return false;
+  for (std::size_t i = 0; i < files_.size(); ++i)
+    if (container_of(names_[i]) == BagContainer::kZstd || !files_[i]->goes_on()) return false;
+  notes_ = std::move(found.notes);
+  open_further(found.files);
+  return true;
 }
 
 Bag::~Bag() = default;

@@ -32,10 +32,13 @@ class BagFile {
  public:
   virtual ~BagFile() = default;
   virtual std::uint64_t size_bytes() const = 0;
+  /// What has not been read before: of a file that grows, what has come since.
   /// @param index of this file in the bag, for places
   virtual void read(std::uint32_t index, const BagSink& sink) = 0;
   /// @param places of this file, ascending
   virtual void read_at(const std::vector<BagPlace>& places, const BagSink& sink) = 0;
+  /// Takes note of what has come since. False if what was read is no more what the file begins with.
+  virtual bool goes_on() = 0;
 };
 
 std::unique_ptr<BagFile> open_mcap_file(const std::filesystem::path& file);

@@ -31,6 +31,17 @@ FileWindow::FileWindow(const std::filesystem::path& file) : file_(file) {
 
 FileWindow::~FileWindow() { ::close(descriptor_); }
 
+bool FileWindow::has_grown_or_stayed() {
+  struct stat opened {
+  }, named{};
+  if (::fstat(descriptor_, &opened) != 0 || ::stat(file_.c_str(), &named) != 0) return false;
+  const auto size = static_cast<std::uint64_t>(std::max<off_t>(opened.st_size, 0));
+  if (opened.st_dev != named.st_dev || opened.st_ino != named.st_ino || size < size_) return false;
+  size_ = size;
+  filled_ = 0;  // space that was reserved may have been written since
+  return true;
+}
+
 std::string_view FileWindow::at(std::uint64_t position, std::size_t length) {
   if (position >= begin_ && position + length <= begin_ + filled_)
     return {buffer_.data() + (position - begin_), length};

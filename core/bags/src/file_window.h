@@ -18,6 +18,8 @@ class FileWindow {
   FileWindow& operator=(const FileWindow&) = delete;
 
   std::uint64_t size() const { return size_; }
+  /// Takes note that the file has grown. False if another file has its name now, or it is shorter.
+  bool has_grown_or_stayed();
   /// Bytes of the file, which has them; valid until the next call. Throws Error if they cannot be read.
   std::string_view at(std::uint64_t position, std::size_t length);
 

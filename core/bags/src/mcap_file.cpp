@@ -33,25 +33,29 @@ struct Chunk {
 
 class McapFile : public BagFile {
  public:
-  explicit McapFile(const std::filesystem::path& file) : file_(file), window_(file) {
-    const std::uint64_t size = window_.size();
-    finished_ = size >= 2 * kMagic.size() && window_.at(size - kMagic.size(), kMagic.size()) == kMagic;
-  }
+  explicit McapFile(const std::filesystem::path& file) : file_(file), window_(file) { look_for_end(); }
 
   std::uint64_t size_bytes() const override { return window_.size(); }
 
   void read(std::uint32_t index, const BagSink& sink) override {
     index_ = index;
-    std::uint32_t crc = crc32_of(kMagic);
-    std::uint64_t at = kMagic.size();
-    while (const std::optional<Record> record = next_record(at, sink)) {
-      if (record->opcode == kDataEnd) return check_data_end(*record, crc);
-      if (record->opcode == kFooter) throw damaged(at, "a footer before the end of the data");
-      crc = crc32_of(window_.at(at, kRecordHead), crc);
-      crc = read_record(*record, at, sink, crc);
-      at = record->content + record->length;
-      sink.progress(at);
+    while (!ended_) {
+      const std::optional<Record> record = next_record(next_, sink);
+      if (!record) return;
+      ended_ = record->opcode == kDataEnd;
+      if (ended_) return check_data_end(*record, crc_);
+      if (record->opcode == kFooter) throw damaged(next_, "a footer before the end of the data");
+      crc_ = crc32_of(window_.at(next_, kRecordHead), crc_);
+      crc_ = read_record(*record, next_, sink, crc_);
+      next_ = record->content + record->length;
+      sink.progress(next_);
     }
+  }
+
+  bool goes_on() override {
+    if (!window_.has_grown_or_stayed()) return false;
+    look_for_end();
+    return true;
   }
 
   void read_at(const std::vector<BagPlace>& places, const BagSink& sink) override {
@@ -73,6 +77,11 @@ class McapFile : public BagFile {
   }
 
  private:
+  void look_for_end() {
+    const std::uint64_t size = window_.size();
+    finished_ = size >= 2 * kMagic.size() && window_.at(size - kMagic.size(), kMagic.size()) == kMagic;
+  }
+
   Error damaged(std::uint64_t at, const std::string& what) const {
     return Error(file_.string() + ": byte " + std::to_string(at) + ": " + what +
                  "; the file is damaged, `mcap recover` (https://mcap.dev/guides/cli) saves what can be read");
@@ -229,6 +238,10 @@ class McapFile : public BagFile {
   std::filesystem::path file_;
   FileWindow window_;
   bool finished_ = false;
+  // How far it has been read: the next record, the CRC of all before, whether the data have ended.
+  std::uint64_t next_ = kMagic.size();
+  std::uint32_t crc_ = crc32_of(kMagic);
+  bool ended_ = false;
   std::uint32_t index_ = 0;
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, std::size_t> channels_;  // of the file, to topics of the bag

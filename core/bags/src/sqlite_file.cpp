@@ -1,7 +1,12 @@
 // rosbag2's SQLite files: tables topics (id, name, type, serialization_format) and messages (topic_id, timestamp,
 // data), the same in all of their schema versions; what later ones add is not needed.
 #include <sqlite3.h>
+#include <sys/stat.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
 #include <map>
 
 #include "bag_file.h"
@@ -53,20 +58,9 @@ class Statement {
 
 class SqliteFile : public BagFile {
  public:
-  explicit SqliteFile(const fs::path& file) : file_(file), size_(fs::file_size(file)) {
-    // A log of changes beside it holds what is not in the file yet; otherwise nothing is made beside it.
-    std::error_code error;
-    const std::uintmax_t log = fs::file_size(file.string() + "-wal", error);
-    const bool has_log = !error && log > 0;
-    constexpr int kFlags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
-    sqlite3* opened = nullptr;
-    const int code = sqlite3_open_v2(uri_of(file, !has_log).c_str(), &opened, kFlags, nullptr);
-    database_.reset(opened);
-    if (code != SQLITE_OK) throw failed();
-    sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxPiece));
-    sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-    require_tables();
+  explicit SqliteFile(const fs::path& file) : file_(file) {
+    if (!find_file()) throw Error(file.string() + ": " + std::strerror(errno));
+    open();
   }
 
   std::uint64_t size_bytes() const override { return size_; }
@@ -76,17 +70,17 @@ class SqliteFile : public BagFile {
     read_topics(sink, &wanted);
     if (wanted.empty()) return sink.progress(size_);
     std::uint64_t bytes = 0;
-    const Statement rows(database_.get(),
-                         "SELECT rowid, topic_id, timestamp, data FROM messages WHERE topic_id IN (" + wanted + ")");
+    const Statement rows(database_.get(), "SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid > " +
+                                              std::to_string(last_row_) + " AND topic_id IN (" + wanted +
+                                              ") ORDER BY rowid");
     step_through(rows, [&] {
+      last_row_ = rows.integer(0);
       const std::string_view data = rows.bytes(3);
       bytes = std::min(size_, bytes + data.size());
       sink.unpacked(data.size());
       sink.progress(bytes);
-      sink.take({topics_.at(rows.integer(1)),
-                 rows.integer(2),
-                 {index, static_cast<std::uint64_t>(rows.integer(0)), 0},
-                 data});
+      sink.take(
+          {topics_.at(rows.integer(1)), rows.integer(2), {index, static_cast<std::uint64_t>(last_row_), 0}, data});
     });
     sink.progress(size_);
   }
@@ -101,7 +95,40 @@ class SqliteFile : public BagFile {
     }
   }
 
+  bool goes_on() override {
+    const dev_t device = device_;
+    const ino_t node = node_;
+    if (!find_file() || device != device_ || node != node_) return false;
+    open();  // one that was opened as unchanging would not see what has come
+    return true;
+  }
+
  private:
+  bool find_file() {
+    struct stat status {};
+    if (::stat(file_.c_str(), &status) != 0) return false;
+    device_ = status.st_dev;
+    node_ = status.st_ino;
+    size_ = static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0));
+    return true;
+  }
+
+  void open() {
+    // A log of changes beside it holds what is not in the file yet; otherwise nothing is made beside it.
+    std::error_code error;
+    const std::uintmax_t log = fs::file_size(file_.string() + "-wal", error);
+    const bool has_log = !error && log > 0;
+    constexpr int kFlags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
+    sqlite3* opened = nullptr;
+    const int code = sqlite3_open_v2(uri_of(file_, !has_log).c_str(), &opened, kFlags, nullptr);
+    database_.reset(opened);
+    if (code != SQLITE_OK) throw failed();
+    sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxPiece));
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    require_tables();
+  }
+
   Error failed() const {
     const int code = database_ ? sqlite3_errcode(database_.get()) : SQLITE_NOMEM;
     std::string what = file_.string() + ": SQLite: " + sqlite3_errmsg(database_.get());
@@ -142,6 +169,9 @@ class SqliteFile : public BagFile {
 
   fs::path file_;
   std::uint64_t size_ = 0;
+  dev_t device_ = 0;  // which file it is
+  ino_t node_ = 0;
+  std::int64_t last_row_ = std::numeric_limits<std::int64_t>::min();  // that has been read
   std::unique_ptr<sqlite3, decltype(&sqlite3_close)> database_{nullptr, &sqlite3_close};
   std::map<std::int64_t, std::size_t> topics_;  // of the file, to topics of the bag
 };

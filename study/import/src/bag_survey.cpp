@@ -44,28 +44,29 @@ Topic& topic_named(std::vector<Topic>& topics, const std::string& name) {
   return topics.back();
 }
 
-class Surveyor {
- public:
-  Surveyor(Bag& bag, bool log_stamps) : bag_(bag), log_stamps_(log_stamps) {}
+}  // namespace
 
-  BagSurvey run() {
+class BagSurveyor::Impl {
+ public:
+  explicit Impl(bool log_stamps) : log_stamps_(log_stamps) {}
+
+  BagSurvey& read_on(Bag& bag) {
     const auto wants = [](const BagTopic& topic) {
       static const std::set<std::string> kWanted = {kImageType, kCompressedImageType, kCameraInfoType, kOdometryType,
                                                     kTfType,    kPointCloudType};
       return topic.encoding == "cdr" && kWanted.count(full_type(topic.type)) > 0;
     };
-    bag_.read(wants, [this](const BagMessage& message) { take(message); });
-    survey_.topics = bag_.topics();
-    survey_.notes = bag_.notes();
+    bag.read(wants, [&](const BagMessage& message) { take(bag.topics()[message.topic], message); });
+    survey_.topics = bag.topics();
+    survey_.notes = bag.notes();
     for (ImageTopic& topic : survey_.images) sort_images(topic);
     for (std::vector<PoseTopic>* topics : {&survey_.odometry, &survey_.tf})
       for (PoseTopic& topic : *topics) sort_poses(topic);
-    return std::move(survey_);
+    return survey_;
   }
 
  private:
-  void take(const BagMessage& message) {
-    const BagTopic& topic = bag_.topics()[message.topic];
+  void take(const BagTopic& topic, const BagMessage& message) {
     try {
       dispatch(topic, message);
     } catch (const Error& error) {
@@ -159,10 +160,11 @@ class Surveyor {
     topic.poses.erase(std::unique(topic.poses.begin(), topic.poses.end(), same), topic.poses.end());
   }
 
-  Bag& bag_;
   bool log_stamps_;
   BagSurvey survey_;
 };
+
+namespace {
 
 template <typename Topic>
 const Topic* find_named(const std::vector<Topic>& topics, const std::string& name) {
@@ -176,6 +178,10 @@ const Topic* find_named(const std::vector<Topic>& topics, const std::string& nam
 const ImageTopic* BagSurvey::find_image(const std::string& topic) const { return find_named(images, topic); }
 const InfoTopic* BagSurvey::find_info(const std::string& topic) const { return find_named(infos, topic); }
 
-BagSurvey survey_bag(Bag& bag, bool log_stamps) { return Surveyor(bag, log_stamps).run(); }
+BagSurveyor::BagSurveyor(bool log_stamps) : impl_(std::make_unique<Impl>(log_stamps)) {}
+BagSurveyor::~BagSurveyor() = default;
+const BagSurvey& BagSurveyor::read_on(Bag& bag) { return impl_->read_on(bag); }
+
+BagSurvey survey_bag(Bag& bag, bool log_stamps) { return BagSurveyor(log_stamps).read_on(bag); }
 
 }  // namespace rigproof

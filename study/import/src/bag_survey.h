@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -71,5 +72,22 @@ struct BagSurvey {
 /// @param log_stamps the time of recording stands for the headers' stamps
 /// Throws Error that names the topic.
 BagSurvey survey_bag(Bag& bag, bool log_stamps);
+
+/// The same of a bag that grows.
+class BagSurveyor {
+ public:
+  explicit BagSurveyor(bool log_stamps);
+  ~BagSurveyor();
+  BagSurveyor(const BagSurveyor&) = delete;
+  BagSurveyor& operator=(const BagSurveyor&) = delete;
+
+  /// With what has come since the last call; as survey_bag() of the whole bag. Throws Error, after which it is of no
+  /// use.
+  const BagSurvey& read_on(Bag& bag);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace rigproof

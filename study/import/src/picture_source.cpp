@@ -117,7 +117,7 @@ class FolderPictures : public PictureSource {
   Recording chosen_;
 };
 
-// A bag that grows has no place to go on from: it is read anew.
+// Of a bag that grows only what has come is read.
 class BagPictures : public PictureSource {
  public:
   BagPictures(const InitOptions& options, fs::path scratch) : options_(options), scratch_(std::move(scratch)) {
@@ -125,12 +125,8 @@ class BagPictures : public PictureSource {
   }
 
   Recording choose() override {
-    bag_.emplace(options_.source, scratch_);
-    bag_->progress = [this](std::uint64_t done, std::uint64_t total) {
-      return !options_.progress || options_.progress("read", done, total);
-    };
-    survey_ = survey_bag(*bag_, options_.log_stamps);
-    plan_ = plan_import(survey_, options_, scratch_);
+    plan_ = {};
+    plan_ = plan_import(survey(), options_, scratch_);
     return plan_.recording;
   }
 
@@ -149,6 +145,22 @@ class BagPictures : public PictureSource {
   }
 
  private:
+  const BagSurvey& survey() {
+    const bool goes_on = surveyor_ && bag_->goes_on();
+    // A survey that is broken off is begun anew.
+    std::unique_ptr<BagSurveyor> surveyor = std::move(surveyor_);
+    if (!goes_on) {
+      surveyor = std::make_unique<BagSurveyor>(options_.log_stamps);
+      bag_.emplace(options_.source, scratch_);
+      bag_->progress = [this](std::uint64_t done, std::uint64_t total) {
+        return !options_.progress || options_.progress("read", done, total);
+      };
+    }
+    const BagSurvey& survey = surveyor->read_on(*bag_);
+    surveyor_ = std::move(surveyor);
+    return survey;
+  }
+
   std::variant<Image8, Unreadable> picture_of(std::size_t camera, const std::string& message) const {
     const std::vector<double>& to_undo = plan_.to_undo[camera];
     try {
@@ -165,7 +177,7 @@ class BagPictures : public PictureSource {
   InitOptions options_;
   fs::path scratch_;
   std::optional<Bag> bag_;
-  BagSurvey survey_;
+  std::unique_ptr<BagSurveyor> surveyor_;
   ImportPlan plan_;  // points into the survey
 };
 

@@ -39,7 +39,7 @@ bool is_bag(const std::filesystem::path& path);
 
 class BagFile;
 
-/// A bag that is read once through, and again where one wants.
+/// A bag that is read once through, again where one wants, and further as it grows.
 class Bag {
  public:
   /// @param path one file (.mcap, .db3, either also as .zstd), or the folder of a bag: the files that its metadata.yaml
@@ -66,7 +66,11 @@ class Bag {
   using Take = std::function<void(const BagMessage&)>;
   /// All messages of the topics that are wanted, in the order in which they were written. A bag that was never finished
   /// is read as far as it goes (see notes). Throws Error for damage, with file and byte and what to do.
+  /// Called again, after goes_on(): what has come since.
   void read(const std::function<bool(const BagTopic&)>& wants, const Take& take);
+  /// Takes note of what has come since, in its files and in further ones. False where that cannot be read on its own:
+  /// files were replaced, or are compressed as a whole; then the bag is to be opened anew. Throws Error.
+  bool goes_on();
   /// The messages at some places, in the order of the bag, each place once. Only after read().
   void read_at(std::vector<BagPlace> places, const Take& take);
 
@@ -75,7 +79,10 @@ class Bag {
   std::size_t topic_index(const BagTopic& topic);
   void deliver(BagMessage message, const Take& take);
   void note_progress(std::uint64_t bytes_of_file);
+  void open_further(const std::vector<std::filesystem::path>& files);
 
+  std::filesystem::path path_, scratch_;
+  std::vector<std::filesystem::path> names_;  // of the files
   std::vector<std::unique_ptr<BagFile>> files_;
   std::vector<BagTopic> topics_;
   std::vector<std::string> notes_;
