@@ -16,3 +16,12 @@ target_include_directories(bench_detection_foreign PRIVATE
   ${PROJECT_SOURCE_DIR}/tests/calib/detection ${PROJECT_SOURCE_DIR}/calib/vision/src)
 target_link_libraries(bench_detection_foreign PRIVATE rigproof::calib opencv_calib3d opencv_core opencv_imgcodecs opencv_imgproc)
 rigproof_apply_rules(bench_detection_foreign)
+# The same against mrgingham, which is somebody else's program.
+add_executable(bench_detection_mrgingham
+  ${CMAKE_CURRENT_LIST_DIR}/detection_mrgingham.cpp
+  ${PROJECT_SOURCE_DIR}/tests/calib/detection/board_picture.cpp
+  ${PROJECT_SOURCE_DIR}/tests/calib/detection/foreign_picture.cpp)
+target_include_directories(bench_detection_mrgingham PRIVATE
+  ${PROJECT_SOURCE_DIR}/tests/calib/detection ${PROJECT_SOURCE_DIR}/tests/support ${PROJECT_SOURCE_DIR}/calib/vision/src)
+target_link_libraries(bench_detection_mrgingham PRIVATE rigproof::calib opencv_calib3d opencv_core opencv_imgcodecs opencv_imgproc)
+rigproof_apply_rules(bench_detection_mrgingham)

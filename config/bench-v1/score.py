@@ -6,7 +6,7 @@
   score.py truth.yaml theirs.yaml --json
 
 A result is what `rigproof calibrate` writes, or a list of {parent, child, translation_m, quaternion_xyzw}; stddev or
-covariance_m_rad may stand beside each. A budget has the keys of config/budgets/*.yaml; without one every error must be
+covariance_m_rad may stand beside each; or MC-Calib's calibrated_cameras_data.yml. A budget has the keys of config/budgets/*.yaml; without one every error must be
 within 4 of the stated standard deviations. Exit code 0: passed, 1: failed, 2: what was given cannot be read.
 Errors: translation of the estimate minus that of the truth, Log(R_estimate R_truth^-1), metres and radians.
 """
@@ -100,6 +100,8 @@ class Yaml:
             key, rest = found
             if key in entries:
                 self.fail("%s: the key is given twice" % key)
+            if rest == "!!opencv-matrix":  # the one tag that is read: what follows is a block like any other
+                rest = ""
             entries[key] = self.inline(rest, indent) if rest else self.below(indent, True)
         return entries
 
@@ -442,6 +444,8 @@ class Result:
         self.method, self.status, self.joint, self.suspicions = "foreign", "solved", None, []
         if isinstance(tree, dict) and "format" in tree:
             self.read_own(tree, path)
+        elif isinstance(tree, dict) and "nb_camera" in tree and "camera_0" in tree:
+            self.read_mcalib(tree, path)
         else:
             self.read_foreign(tree, path)
         for group in (self.to_robot, self.to_camera):
@@ -467,6 +471,30 @@ class Result:
             rows = [6 * n + i for n, e in enumerate(self.to_robot) for i in range(6) if e.observable[i]]
             self.joint = read_triangle(tree["joint_covariance_m_rad"], rows, 6 * len(self.to_robot),
                                        path + ": joint_covariance_m_rad")
+
+    def read_mcalib(self, tree, path):
+        """MC-Calib's calibrated_cameras_data.yml: poses in its first camera; names from camera_params.yml beside it."""
+        beside = os.path.join(os.path.dirname(path), "camera_params.yml")
+        lenses = read_yaml(beside) if os.path.exists(beside) else {}
+        self.method, self.to_robot, self.to_camera, first = "mcalib", [], [], None
+        for k in range(int(number(tree["nb_camera"], path + ": nb_camera"))):
+            key = "camera_%d" % k
+            where, camera = "%s: %s" % (path, key), tree.get(key)
+            if not isinstance(camera, dict) or not isinstance(camera.get("camera_pose_matrix"), dict):
+                raise Bad(where + ": camera_pose_matrix is missing")
+            m = numbers(camera["camera_pose_matrix"].get("data"), 16, where + ": camera_pose_matrix")
+            T, name = Pose([m[0:3], m[4:7], m[8:11]], [m[3], m[7], m[11]]), key
+            if isinstance(lenses, dict) and isinstance(lenses.get(key), dict):
+                name = lenses[key].get("name") or key
+            if first is None:
+                first = (name, T.inverse(), camera.get("camera_group"))
+            elif camera.get("camera_group") != first[2]:
+                self.status = "partial"
+            else:
+                estimate = Estimate.__new__(Estimate)
+                estimate.parent, estimate.child, estimate.T = first[0], name, first[1] * T
+                estimate.covariance, estimate.observable = None, [True] * 6
+                self.to_camera.append(estimate)
 
     def read_foreign(self, tree, path):
         if isinstance(tree, dict) and "transforms" in tree:

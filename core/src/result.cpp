@@ -6,6 +6,7 @@
 #include <set>
 
 #include "finding_tree.h"
+#include "mcalib_result.h"
 #include "rigproof/core/body_axes.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/file_schemas.h"
@@ -402,6 +403,7 @@ Result read_own(const YamlTree& tree, Problems* problems) {
 
 Result read_result(const YamlTree& tree, Problems* problems) {
   if (tree.is_map() && tree.find("format") != nullptr) return read_own(tree, problems);
+  if (is_mcalib_result(tree)) return read_mcalib_result(tree, problems);
   const YamlTree* transforms = tree.find("transforms");
   if (transforms == nullptr) return read_foreign(tree, "", problems);
   MapReader map(tree, "", problems);

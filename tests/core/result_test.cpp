@@ -236,6 +236,28 @@ TEST(ForeignResult, StandardDeviationsBecomeACovariance) {
   EXPECT_DOUBLE_EQ((*result.camera_to_robot[0].covariance)(5, 5), deg_to_rad(0.3) * deg_to_rad(0.3));
 }
 
+// The poses of MC-Calib's cameras are in its first one, which need not stand at zero.
+TEST(ForeignResult, McCalibsFileIsAResult) {
+  const ResultFile file;
+  const auto camera = [](int k, const std::string& data) {
+    return "camera_" + std::to_string(k) + ":\n   camera_group: 0\n   camera_pose_matrix: !!opencv-matrix\n" +
+           "      rows: 4\n      cols: 4\n      dt: d\n      data: [" + data + "]\n";
+  };
+  const std::string head = "%YAML:1.0\n---\nnb_camera: 2\n";
+  const std::string first = camera(0, "1., 0., 0., 1., 0., 1., 0., 0., 0., 0., 1.,\n         0., 0., 0., 0., 1.");
+  const Result result =
+      file.load(head + first + camera(1, "0., -1., 0., 1.5, 1., 0., 0., 2.5e-01, 0., 0., 1., 0., 0., 0., 0., 1."));
+  ASSERT_EQ(result.camera_to_camera.size(), 1U);
+  const EstimatedTransform& pair = result.camera_to_camera[0];
+  EXPECT_EQ(pair.parent + " " + pair.child, "camera_0 camera_1");
+  EXPECT_LT((pair.T_parent_child.translation - Eigen::Vector3d(0.5, 0.25, 0.0)).norm(), 1e-15);
+  EXPECT_LT((pair.T_parent_child.rotation * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-15);
+  EXPECT_THAT(file.problems(head + first), HasSubstr("camera_1"));
+  EXPECT_THAT(file.problems(head + first + camera(1, "1, 2, 3")), HasSubstr("camera_1.camera_pose_matrix.data"));
+  EXPECT_THAT(file.problems(head + first + camera(1, "2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1")),
+              HasSubstr("must be a rotation"));
+}
+
 TEST(ForeignResult, EveryKindOfProblemIsNamed) {
   const ResultFile f;
   const auto with = [&](const std::string& entry) { return f.problems("- {" + entry + "}\n"); };

@@ -9,6 +9,7 @@
 #include "rigproof/calib/vision/ground_plane.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/result.h"
 #include "rigproof/core/yaml.h"
 #include "rigproof/formats/format.h"
 #include "rigproof/formats/trajectory.h"
@@ -252,6 +253,47 @@ TEST(Convert, ToMcCalibIsWhatFileStorageReads) {
   EXPECT_EQ(static_cast<double>(seen["pts_2d"][0][0]), 10.25);
   EXPECT_EQ(read_text_file(scratch / "there" / static_cast<std::string>(seen["frame_paths"][0])),
             bytes(recording, 1, 2));
+}
+
+// In the way in which MC-Calib writes it, beside what it was given.
+TEST(Convert, WhatMcCalibAnswersIsAResultWithTheNamesOfTheExport) {
+  const TempFolder scratch;
+  const Recording recording = small_recording(scratch / "original");
+  const Observations observations = one_view(recording);
+  ConvertOptions options;
+  options.observations = &observations;
+  convert(recording, "mcalib", scratch / "there", options);
+  const Rigid3 T_left_right(so3_exp({0.1, -0.2, 0.3}), {0.5, 0.01, -0.02});
+  const auto answer = [&](int group_of_right, const fs::path& file) {
+    cv::FileStorage out(file.string(), cv::FileStorage::WRITE);
+    out << "nb_camera" << 2;
+    for (int k = 0; k < 2; ++k) {
+      cv::Mat pose = cv::Mat::eye(4, 4, CV_64F);
+      const Eigen::Matrix4d matrix = k == 0 ? Eigen::Matrix4d::Identity() : T_left_right.matrix();
+      for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 4; ++c) pose.at<double>(r, c) = matrix(r, c);
+      out << "camera_" + std::to_string(k) << "{"
+          << "camera_matrix" << cv::Mat::eye(3, 3, CV_64F) << "distortion_type" << 0 << "camera_group"
+          << (k == 0 ? 0 : group_of_right) << "camera_pose_matrix" << pose << "}";
+    }
+  };
+  answer(0, scratch / "there/calibrated_cameras_data.yml");
+  const Result result = load_result(scratch / "there/calibrated_cameras_data.yml");
+  EXPECT_EQ(result.status, ResultStatus::kSolved);
+  EXPECT_EQ(result.method, "mcalib");
+  EXPECT_TRUE(result.camera_to_robot.empty());
+  ASSERT_EQ(result.camera_to_camera.size(), 1U);
+  EXPECT_EQ(result.camera_to_camera[0].parent, "left");
+  EXPECT_EQ(result.camera_to_camera[0].child, "right");
+  EXPECT_LT(transform_error(result.camera_to_camera[0].T_parent_child, T_left_right).norm(), 1e-12);
+  answer(1, scratch / "there/apart.yml");
+  const Result apart = load_result(scratch / "there/apart.yml");
+  EXPECT_EQ(apart.status, ResultStatus::kPartial);
+  EXPECT_TRUE(apart.camera_to_camera.empty());
+  ASSERT_EQ(apart.reasons.size(), 1U);
+  EXPECT_EQ(apart.reasons[0].code, "cameras.apart");
+  answer(0, scratch / "elsewhere.yml");
+  EXPECT_EQ(load_result(scratch / "elsewhere.yml").camera_to_camera.at(0).child, "camera_1");
 }
 
 TEST(Convert, ToColmapHasPixelsThatBeginAtTheirCorner) {

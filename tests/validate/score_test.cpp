@@ -204,6 +204,34 @@ TEST_F(Score, AgreesWithValidateOnAnyResult) {
   EXPECT_GT(failed, kResults / 4);
 }
 
+TEST_F(Score, ReadsMcCalibsFileAsValidateDoes) {
+  std::string lenses = "%YAML:1.0\n---\nnb_camera: 3\n", answer = lenses;
+  const Rigid3 T_first_robot = truth_.cameras[0].T_robot_camera.inverse();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::string key = "camera_" + std::to_string(k) + ":\n";
+    lenses += key + "   name: \"" + truth_.cameras[k].name + "\"\n";
+    Vector6d error = Vector6d::Zero();
+    if (k > 0) error << 0.01, -0.002, 0.003, 0.001, 0.002, -0.001;
+    const Eigen::Matrix4d T = apply_transform_error(T_first_robot * truth_.cameras[k].T_robot_camera, error).matrix();
+    answer += key + "   camera_group: 0\n   camera_pose_matrix: !!opencv-matrix\n      rows: 4\n      data: [";
+    for (int i = 0; i < 16; ++i)
+      answer += (i == 0 ? "" : i % 4 == 0 ? ",\n         " : ", ") + number_text(T(i / 4, i % 4));
+    answer += "]\n";
+  }
+  folder_.write("camera_params.yml", lenses);
+  folder_.write("calibrated_cameras_data.yml", answer);
+  folder_.write("pairs.yaml", "camera_to_camera: {distance_cm: 2, angle_deg: 0.5}\n");
+  const std::string name = "calibrated_cameras_data.yml";
+  const Comparison comparison = compare(load_result(folder_ / name), truth_);
+  const Budget budget = load_budget(folder_ / "pairs.yaml");
+  const json ours = json::parse(to_json({{name, comparison, budget, apply_budget(comparison, budget)}}));
+  EXPECT_TRUE(ours["passed"]);
+  EXPECT_EQ(ours["results"][0]["camera_to_camera"].size(), 2U) << "pairs of the first camera alone";
+  const ProcessOutput output = score({file("truth.yaml"), file(name), "--budget", file("pairs.yaml"), "--json"});
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  expect_same(ours, json::parse(output.out), "");
+}
+
 TEST_F(Score, NotesOfAnyKindAreReadOrRefusedInWords) {
   const auto exit_code_of = [this](const std::string& notes, const std::string& expected) {
     folder_.write("noted.yaml",

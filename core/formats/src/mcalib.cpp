@@ -55,9 +55,12 @@ std::string size_text(const Camera& camera) {
          "\n";
 }
 
-std::string lens_text(const Camera& camera, std::size_t k) {
-  return camera_key(k) + ":\n" + opencv_lens(camera, "camera_matrix", "distortion_vector", 3) +
-         "   distortion_type: " + lens_index(camera) + "\n" + size_text(camera);
+// MC-Calib does not ask for the name; what reads its answer does.
+std::string lens_text(const RigCamera& rig_camera, std::size_t k) {
+  const Camera& camera = rig_camera.camera;
+  return camera_key(k) + ":\n   name: \"" + rig_camera.name + "\"\n" +
+         opencv_lens(camera, "camera_matrix", "distortion_vector", 3) + "   distortion_type: " + lens_index(camera) +
+         "\n" + size_text(camera);
 }
 
 std::string list_text(const std::string& key, const std::vector<std::string>& items) {
@@ -94,7 +97,7 @@ ConvertReport write_mcalib(const WriteJob& job) {
   std::string lenses = "%YAML:1.0\n---\nnb_camera: " + count + "\n", keypoints = lenses;
   for (std::size_t k = 0; k < observations.cameras.size(); ++k) {
     const std::string folder = "Cam_" + stop_number(k + 1).substr(1);
-    lenses += lens_text(observations.cameras[k].camera, k);
+    lenses += lens_text(observations.cameras[k], k);
     keypoints += keypoints_text(observations, k, copy_board_images(job, observations, k, folder, &report.images));
     report.notes.push_back(observations.cameras[k].name + " is " + folder + " there.");
   }
