@@ -39,7 +39,7 @@ struct View {
   double spacing_px = 0.0;
 };
 
-View view_of(std::uint64_t seed) {
+View view_of(std::uint64_t seed, const ForeignPicture& kind) {
   RandomStream random(seed, "mrgingham view");
   View view;
   view.camera = foreign_view(seed).camera;
@@ -51,7 +51,7 @@ View view_of(std::uint64_t seed) {
   view.T_camera_board =
       board_in_view(view.camera, view.board, distance, deg_to_rad(random.uniform(0.0, 35.0)), random.uniform(0.0, kPi),
                     deg_to_rad(random.uniform(-20.0, 20.0)), {0.5 * width, 0.5 * height});
-  const std::vector<Vector2d> all = true_corners(view.camera, view.board, view.T_camera_board);
+  const std::vector<Vector2d> all = true_corners(view.camera, view.board, view.T_camera_board, kind.picture);
   for (std::size_t id = 0; id < all.size(); ++id)
     if (static_cast<int>(id) % view.board.inner_corners_x() < kGrid && view.camera.contains(all[id], 5.0))
       view.truth[static_cast<int>(id)] = all[id];
@@ -125,7 +125,7 @@ void judge(const ForeignPicture& kind, int views) {
   std::vector<Corners> ours;
   for (int i = 0; i < views; ++i) {
     const auto seed = static_cast<std::uint64_t>(i);
-    seen.push_back(view_of(seed));
+    seen.push_back(view_of(seed, kind));
     const View& view = seen.back();
     ours.push_back(our_corners(draw_foreign(view.camera, view.board, view.T_camera_board, kind, seed), view));
     Image8 image = draw_foreign(view.camera, view.board, view.T_camera_board, without_last_column(kind), seed);
