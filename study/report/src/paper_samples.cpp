@@ -34,8 +34,6 @@ AxisFigures paper_error(const SweepRow& row) {
           row.roll_pitch_yaw[0], row.roll_pitch_yaw[1], row.roll_pitch_yaw[2]};
 }
 
-AxisFigures vector_error(const SweepRow& row) { return row.error; }
-
 bool is_far(const SweepRow& row) {
   return stated_length(row.error, 0) > kFarCm || stated_length(row.error, 3) > kFarDeg;
 }
@@ -91,15 +89,7 @@ std::vector<NamedCondition> conditions_along(const SweepRows& rows, const std::s
 
 std::optional<double> Sample::mean_absolute(std::size_t axis) const { return mean(absolute(values[axis])); }
 
-std::optional<double> Sample::rmse(std::size_t axis) const {
-  std::vector<double> squares = values[axis];
-  for (double& value : squares) value *= value;
-  const std::optional<double> square = mean(squares);
-  return square ? std::optional<double>(std::sqrt(*square)) : std::nullopt;
-}
-
-Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject,
-                 AxisFigures (*error_of)(const SweepRow&)) {
+Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject) {
   Sample sample;
   std::map<std::string, std::array<int, 6>> stated;  // rows of a task that state an axis
   std::map<std::string, int> wanted;                 // rows of a task
@@ -107,7 +97,7 @@ Sample sample_of(const SweepRows& rows, const Condition& condition, const std::s
     if (row.method != method || !meets(row, condition)) continue;
     sample.tasks += row.subject == SweepSubject::kRig;
     if (row.subject != subject) continue;
-    const AxisFigures error = error_of(row);
+    const AxisFigures error = paper_error(row);
     std::array<int, 6>& counts = stated[row.task];
     ++wanted[row.task];
     sample.answers += states_anything(error);

@@ -17,9 +17,6 @@ AxisFigures paper_error(const SweepRow& row);
 /// Names of these.
 inline constexpr std::array<const char*, 6> kPaperAxes = {"tx", "ty", "tz", "roll", "pitch", "yaw"};
 
-/// tx ty tz [cm], rx ry rz [deg], as `validate` and bench-v1 read rotations.
-AxisFigures vector_error(const SweepRow& row);
-
 /// An answer farther off than this is none, for any method: it counts against success, and no mean has it. The limits
 /// of bench-v1: a mean over answers that are metres off says how far the worst one is, and nothing of the others.
 inline constexpr double kFarCm = 100.0, kFarDeg = 20.0;
@@ -61,13 +58,10 @@ struct Sample {
   int answers = 0, far = 0;        ///< cameras (pairs) of which it stated anything; those of them that are far off
   std::array<int, 6> stated = {};  ///< how many of all these state an axis
 
-  /// Mean of the absolute value, and root of the mean square; absent without any.
+  /// Mean of the absolute value; absent without any.
   std::optional<double> mean_absolute(std::size_t axis) const;
-  std::optional<double> rmse(std::size_t axis) const;
 };
-/// `error_of` reads the errors of a row.
-Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject,
-                 AxisFigures (*error_of)(const SweepRow&) = paper_error);
+Sample sample_of(const SweepRows& rows, const Condition& condition, const std::string& method, SweepSubject subject);
 
 std::optional<double> mean(const std::vector<double>& values);
 /// With n - 1; absent for fewer than two.

@@ -10,7 +10,7 @@
 namespace rigproof::paper {
 
 /// A camera that saw the board at two stops in a row less often than this is shown apart: a mean over few pairs says
-/// how it did, not how the method does. In the shipped runs one has 7 such motions, all others 17 and more.
+/// how it did, not how the method does. In the shipped sweep one has 7 such motions, all others 17 and more.
 inline constexpr int kFewMotions = 10;
 bool has_few_motions(const SweepRow& row);
 /// "fewer than 10 motions".
