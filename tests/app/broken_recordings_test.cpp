@@ -264,6 +264,24 @@ TEST(BrokenRecording, ManyGroundPlanesThatContradictAreNoExceptions) {
   EXPECT_THAT(output.out, testing::HasSubstr("left: 4 of 10 ground planes contradict the others"));
 }
 
+// As of a depth camera whose principal point is off: the answer stands, and the camera's depth is doubted.
+TEST(BrokenRecording, DepthThatIsShiftedAgainstItsImagesIsSuspected) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  edit_images(images_of(recording, "left", "depth"), [](cv::Mat* depth) {
+    constexpr int kAside = 4;
+    cv::Mat moved = cv::Mat::zeros(depth->size(), depth->type());
+    const int width = depth->cols - kAside;
+    (*depth)(cv::Rect(0, 0, width, depth->rows)).copyTo(moved(cv::Rect(kAside, 0, width, depth->rows)));
+    *depth = moved;
+  });
+  const ProcessOutput output = rigproof_command({"calibrate", recording.string()});
+  EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
+  EXPECT_THAT(output.out, ContainsRegex("left: its depth of floor and board fits images and motion only if the depth "
+                                        "image is shifted, turned or warped"));
+  EXPECT_THAT(output.out, testing::Not(ContainsRegex("(center|right): its depth of floor")));
+}
+
 // Something before the board in one frame is no wrong scale of all.
 TEST(BrokenRecording, OneOddDepthImageIsLeftOut) {
   const TempFolder scratch;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dead_odometry.h"
+#include "depth_shape.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/core/exclusions.h"
@@ -389,6 +390,12 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
     found.cause = Cause{{*dead}, false};
   else if (found.wrong_frames.empty())
     find_moved_or_wrong(prepared, fit, steps, &found);
+  // What else is wrong bends planes, too.
+  if (found.motion_suffices() && !found.cause && !foreign && !found.symptoms.any() && of_cameras.empty() &&
+      found.wrong_frames.empty()) {
+    const std::vector<Finding> misplaced = find_misplaced_depth(prepared, fit);
+    found.notes.insert(found.notes.end(), misplaced.begin(), misplaced.end());
+  }
   // Depth that does not belong to its images contradicts images that are wrong themselves.
   if (foreign && (!found.cause || !found.cause->spoils_all)) found.cause = joined(found.cause, *foreign);
   return found;

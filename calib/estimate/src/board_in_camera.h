@@ -33,7 +33,7 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
 /// Residuals of one view: summed up on the twist and on unknowns that they know directly, then chained to all others.
 class TwistSystem {
  public:
-  static constexpr int kMaxDirect = 10;
+  static constexpr int kMaxDirect = 16;
 
   /// Unknowns that the residuals know directly. Returns their first column, -1 where they are believed.
   int append(const Layout& layout, Nuisance nuisance, int camera);
@@ -60,7 +60,7 @@ class TwistSystem {
   Matrix6d H_ = Matrix6d::Zero();
   Vector6d g_ = Vector6d::Zero();
   int direct_ = 0, count_ = 0;
-  std::array<Segment, 4> segments_;  // of the direct unknowns
+  std::array<Segment, 5> segments_;  // of the direct unknowns
   RowJacobian<kMaxDirect, 6> by_twist_ = RowJacobian<kMaxDirect, 6>::Zero();
   Eigen::Matrix<double, kMaxDirect, kMaxDirect> by_direct_ = Eigen::Matrix<double, kMaxDirect, kMaxDirect>::Zero();
   Eigen::Matrix<double, kMaxDirect, 1> direct_g_ = Eigen::Matrix<double, kMaxDirect, 1>::Zero();

@@ -268,6 +268,15 @@ Eigen::Matrix3d plane_by_depth_offset(const Eigen::Vector3d& measured, double me
   return by_offset;
 }
 
+Eigen::Matrix<double, 3, 6> plane_by_depth_shape(const Eigen::Vector3d& measured) {
+  const double x = measured.x(), y = measured.y(), z = measured.z();
+  Eigen::Matrix<double, 3, 6> by_shape;
+  by_shape << 0, 0, z, 0, x, -y,  //
+      0, 0, 0, z, y, x,           //
+      x, y, 0, 0, 0, 0;
+  return -by_shape;
+}
+
 std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observations, DepthScaleSource scale) {
   const std::size_t cameras = observations.cameras.size();
   if (std::none_of(observations.cameras.begin(), observations.cameras.end(), states_bias)) return {};

@@ -42,6 +42,10 @@ MeasuredPlane measured_plane(const Evaluation& at, const WhitenedPlane& plane) {
     result.by_offset = plane_by_depth_offset(plane.measured, plane.mean_inverse_depth);
     result.value += result.by_offset * at.state.nuisances.of(Nuisance::kDepthOffset, plane.camera);
   }
+  if (at.layout.has(Nuisance::kDepthShape)) {
+    result.by_shape = plane_by_depth_shape(plane.measured);
+    result.value += result.by_shape * at.state.nuisances.of(Nuisance::kDepthShape, plane.camera);
+  }
   return result;
 }
 

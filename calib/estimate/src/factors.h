@@ -54,6 +54,7 @@ struct MeasuredPlane {
   Eigen::Vector3d value;
   Eigen::Matrix<double, 3, 5> by_lens = Eigen::Matrix<double, 3, 5>::Zero();
   Eigen::Matrix3d by_offset = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 6> by_shape = Eigen::Matrix<double, 3, 6>::Zero();
 };
 MeasuredPlane measured_plane(const Evaluation& at, const WhitenedPlane& plane);
 

@@ -17,7 +17,7 @@ inline Segment of_pose(int pose, int offset = 0, int size = 6) { return {pose, o
 inline Segment of_globals(int offset, int size) { return {-1, offset, size}; }
 
 struct LocalBlock {
-  static constexpr int kMaxUnknowns = 32, kMaxSegments = 10;
+  static constexpr int kMaxUnknowns = 40, kMaxSegments = 11;
   using Rows = RowJacobian<3, kMaxUnknowns>;
 
   LocalBlock(Group group_of, int camera_of) : group(group_of), camera(camera_of) {}

@@ -91,6 +91,9 @@ Covariances of_depth_offset(const PriorSource& source) {
   return covariances;
 }
 
+// Doubted only where depth is tested: see depth_shape.h.
+Covariances of_depth_shape(const PriorSource& source) { return for_each_camera(source, Eigen::MatrixXd::Zero(6, 6)); }
+
 IntrinsicsSigma lens_sigma(const PriorSigmas& settings, const RigCamera& camera) {
   IntrinsicsSigma sigma = settings.believe_told ? IntrinsicsSigma::exact() : camera.intrinsics_sigma;
   if (settings.focal_relative > 0.0) sigma.focal_relative = settings.focal_relative;
@@ -153,6 +156,17 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
        kReported,
        "depth error",
        &of_depth_offset},
+      {{{"depth_shift_x", 1.0},
+        {"depth_shift_y", 1.0},
+        {"depth_slope_x", 1.0},
+        {"depth_slope_y", 1.0},
+        {"depth_focal_length", 1.0},
+        {"depth_roll", 1.0}},
+       kCamera,
+       kAnyOdometry,
+       !kReported,
+       "depth error",
+       &of_depth_shape},
       {{{"focal_length_percent", 100.0},
         {"principal_point_x_px", 1.0},
         {"principal_point_y_px", 1.0},

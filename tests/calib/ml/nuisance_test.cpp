@@ -260,6 +260,7 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   for (int c = 0; c < 3; ++c) {
     priors.covariance(ml::Nuisance::kDepthScale, c)(0, 0) = 1e-4;
     priors.covariance(ml::Nuisance::kGroundOffset, c) = 1e-6 * Eigen::Matrix3d::Identity();
+    if (lenses) priors.covariance(ml::Nuisance::kDepthShape, c) = 1e-4 * Eigen::MatrixXd::Identity(6, 6);
   }
   ml::NoiseLevels levels;
   levels.corner_scale = levels.ground_scale = levels.board_plane_scale = {1.0, 1.0, 1.0};
@@ -275,6 +276,8 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
     for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kLens, c) << 0.002, 0.7 - c, -0.4, 0.0004, 0.2;
     state.nuisances.of(ml::Nuisance::kBoardShape) << 0.004, -0.001, 0.0003, -0.0002;
     state.nuisances.of(ml::Nuisance::kCommonDepthScale)[0] = 0.005;
+    for (int c = 0; c < 3; ++c)
+      state.nuisances.of(ml::Nuisance::kDepthShape, c) << 0.003, -0.002, 0.004, 0.001, -0.003, 0.002;
   }
   const ml::Layout& layout = problem.layout();
   for (std::size_t n = 0; clock_sigma_s > 0.0 && lenses && n < ml::kNuisances; ++n)

@@ -258,6 +258,64 @@ TEST(MlStrangers, WhatIsFurtherOffThanStatedIsNamed) {
   EXPECT_THAT(strained({1.0, 1.0, 0.04}), testing::Contains("depth_offset_mm of " + camera));
 }
 
+// A depth image thirteen pixels aside turns no plane as a tilted camera would: the answer does not know of it, and says
+// so.
+TEST(MlStrangers, DepthThatIsShiftedAgainstItsImageIsNamed) {
+  Eigen::Matrix<double, 6, 1> shape = Eigen::Matrix<double, 6, 1>::Zero();
+  shape[0] = 0.02;
+  Stranger made = stranger(3);
+  Observations& observations = made.run.observations;
+  for (auto* planes : {&observations.ground_planes, &observations.board_planes})
+    for (PlaneObservation& plane : *planes)
+      if (plane.camera == 1) plane.inverse_depth_plane -= plane_by_depth_shape(plane.inverse_depth_plane) * shape;
+  MlOptions options = told();
+  options.estimate_plane_level = true;
+  const MlEstimate estimate = estimate_maximum_likelihood(observations, options);
+  EXPECT_EQ(estimate.result.status, ResultStatus::kSolved);
+  std::vector<std::string> cameras;
+  for (const Finding& note : estimate.result.notes)
+    if (note.code == "depth.misplaced") cameras.push_back(note.cameras.front());
+  EXPECT_EQ(cameras, std::vector<std::string>{observations.cameras[1].name});
+}
+
+// Of the board's size, in percent, by the data alone: nothing is believed of board and depth, and the odometry's scale
+// is known to 2 %, better than ml believes. The smallest sigma that a test can have which knows all else.
+double sigma_of_size_by_data(Observations observations, double* size_percent) {
+  observations.board.square_sigma_m = 10.0 * observations.board.square_m;
+  for (RigCamera& camera : observations.cameras) camera.depth->noise.common_scale_sigma = 10.0;
+  MlOptions options = told();
+  options.priors.odometry_scale = 0.02;
+  const MlEstimate estimate = estimate_maximum_likelihood(observations, options);
+  double sigma = 0.0;
+  for (const EstimatedQuantity& quantity : estimate.result.also_estimated)
+    if (quantity.name == "board_size_percent") {
+      sigma = quantity.sigma;
+      *size_percent = quantity.value;
+    }
+  return sigma;
+}
+
+// Squares that are told 3 % too large before depth that is 3 % too large: a larger world. What could contradict is seen
+// at one and a half standard deviations by the most powerful test, and by nothing else: no refusal can be asked for.
+TEST(MlStrangers, ASizeThatBoardAndDepthShareIsKnownByTheOdometryAlone) {
+  constexpr double kLarger = 1.03;
+  const Observations healthy = stranger(0).run.observations;
+  Observations larger = healthy;
+  larger.board.square_m *= kLarger;
+  for (auto* planes : {&larger.ground_planes, &larger.board_planes})
+    for (PlaneObservation& plane : *planes) {
+      plane.inverse_depth_plane /= kLarger;
+      plane.covariance_per_m2 /= kLarger * kLarger;
+    }
+  double size = 0.0, size_of_larger = 0.0;
+  const double sigma = sigma_of_size_by_data(healthy, &size),
+               sigma_of_larger = sigma_of_size_by_data(larger, &size_of_larger);
+  EXPECT_NEAR(sigma, 2.0, 0.1);
+  EXPECT_NEAR(sigma_of_larger, sigma, 0.1);
+  EXPECT_NEAR(std::abs(size_of_larger - size), 3.0, 0.5);
+  EXPECT_LT(std::abs(size_of_larger - size) / sigma, 1.7);
+}
+
 // A lens five percent off is beyond what its prior of half a percent allows: named, though lenses are estimated.
 TEST(MlStrangers, AFocalLengthFarBeyondItsPriorIsNamed) {
   Stranger made = stranger(2);

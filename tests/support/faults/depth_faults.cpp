@@ -18,8 +18,8 @@ const Codes kAll = {"depth.scale_of_all", "depth.scale", "depth.unit_of_all",
 const Codes kOne = {"depth.scale", "depth.differs", "depth.scale_of_all", "depth.unit_of_all",
                     "depth.unit",  "board.size",    "prior.strained"};
 // Another shape is another scale of what is looked at, or none that all images share.
-const Codes kShape = {"depth.scale",       "depth.scale_of_all", "depth.differs",
-                      "depth.contradicts", "ground.contradicts", "prior.strained"};
+const Codes kShape = {"depth.scale",        "depth.scale_of_all", "depth.differs",  "depth.contradicts",
+                      "ground.contradicts", "prior.strained",     "depth.misplaced"};
 const Codes kLost = {"ground.unseen", "depth.contradicts", "depth.unit", "depth.differs"};
 const Codes kRepeats = {"frames.repeat", "depth.contradicts", "ground.unseen"};
 const Codes kMirrored = {"depth.mirrored"};

@@ -196,8 +196,11 @@ void add_quality(std::vector<RecordingFault>* faults) {
 }
 
 void add_geometry(std::vector<RecordingFault>* faults) {
+  // Images that are shifted against their depth leave depth that is shifted against them.
+  std::vector<std::string> aside = kCentre;
+  aside.emplace_back("depth.misplaced");
   for (const double px : {0.5, 3.0, 12.0})
-    faults->push_back(of_one("images of one camera aside by " + number_text(px) + " px", kCentre, shifted(px, 0.0)));
+    faults->push_back(of_one("images of one camera aside by " + number_text(px) + " px", aside, shifted(px, 0.0)));
   faults->push_back(of_one("images of one camera 1 % wider", kAnyLens, warped({1.01, 0.0, -3.2, 0.0, 1.0, 0.0})));
   faults->push_back(of_one("images of one camera enlarged by 4 %", kAnyLens, [](std::size_t frame, cv::Mat* image) {
     warped({1.04, 0.0, -0.02 * image->cols, 0.0, 1.04, -0.02 * image->rows})(frame, image);

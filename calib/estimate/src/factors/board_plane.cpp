@@ -22,6 +22,8 @@ void board_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* si
   if (lens >= 0) direct.middleCols<5>(lens) = -W * measured.by_lens;
   const int offset = system.append(at.layout, Nuisance::kDepthOffset, c);
   if (offset >= 0) direct.middleCols<3>(offset) = -W * measured.by_offset;
+  const int shape = system.append(at.layout, Nuisance::kDepthShape, c);
+  if (shape >= 0) direct.middleCols<6>(shape) = -W * measured.by_shape;
   system.add<3>(W * residual.by_twist, direct, r, block_factor(at.weighting, w, 3));
   block.cost = at.loss.cost(s);
   block.sum.add(s, w, 3);

@@ -21,6 +21,7 @@ void ground_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* s
   rows.add(at.layout, Nuisance::kCommonDepthScale, c, residual.by_depth_bias);
   rows.add(at.layout, Nuisance::kLens, c, (-measured.by_lens).eval());
   rows.add(at.layout, Nuisance::kDepthOffset, c, (-measured.by_offset).eval());
+  rows.add(at.layout, Nuisance::kDepthShape, c, (-measured.by_shape).eval());
   rows.add(at.layout, Nuisance::kGroundOffset, c, Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
   rows.whiten(W);
   block.cost = at.loss.cost(s);

@@ -17,6 +17,12 @@ double mean_inverse_depth(const PlaneObservation& plane);
 /// @param measured the plane with the error: 1/z = a . ray [1/m]
 Eigen::Matrix3d plane_by_depth_offset(const Eigen::Vector3d& measured, double mean_inverse_depth);
 
+/// Derivative of a plane without an error of its depth camera's image by that error: rays that are shifted along x and
+/// y [tan], 1/z that grows along x and y [1/tan], a focal length that is too small (relative), and a turn about the
+/// optical axis [rad].
+/// @param measured the plane with the error: 1/z = a . ray [1/m]
+Eigen::Matrix<double, 3, 6> plane_by_depth_shape(const Eigen::Vector3d& measured);
+
 /// Source of the depth scale: the device, or depth on the board, whose bias it then inherits.
 enum class DepthScaleSource { kDevice, kBoard };
 

@@ -46,13 +46,14 @@ enum class Nuisance {
   kDepthScale,
   kCommonDepthScale,
   kDepthOffset,
+  kDepthShape,
   kLens,
   kBoardShape,
   kGroundOffset,
   kClockOffset,
   kTurnLag
 };
-inline constexpr std::size_t kNuisances = 9;
+inline constexpr std::size_t kNuisances = 10;
 
 /// Where a prior comes from.
 struct PriorSource {
