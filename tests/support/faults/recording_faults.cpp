@@ -48,9 +48,15 @@ const RecordingFault& fault_named(const std::string& name) {
 }
 
 std::vector<RecordingFault> recording_fault_pairs() {
-  const std::pair<const char*, const char*> names[] = {
+  struct Pair {
+    const char *first, *second, *cannot_show = "";
+  };
+  const Pair names[] = {
       {"squares of the board +3 %", "depth of all cameras +50 mm"},
-      {"squares of the board +3 %", "depth counts of all cameras +3 %"},
+      {"squares of the board +3 %", "depth counts of all cameras +3 %",
+       "board and depth agree on a world that is 3 % larger, and only the odometry's scale, known to 2 % at best, is "
+       "left to contradict: a test that knows the truth sees 1.5 standard deviations "
+       "(MlStrangers.ASizeThatBoardAndDepthShareIsKnownByTheOdometryAlone)"},
       {"squares of the board +3 %", "odometry's way +3 %"},
       {"squares of the board +1 %", "focal length of all cameras +1 %"},
       {"squares of the board -5 %", "focal length of all cameras -3 %"},
@@ -77,7 +83,10 @@ std::vector<RecordingFault> recording_fault_pairs() {
       {"JPEG of quality 15", "squares of the board +2 %"},
   };
   std::vector<RecordingFault> pairs;
-  for (const auto& [first, second] : names) pairs.push_back(both(fault_named(first), fault_named(second)));
+  for (const Pair& pair : names) {
+    pairs.push_back(both(fault_named(pair.first), fault_named(pair.second)));
+    pairs.back().cannot_show = pair.cannot_show;
+  }
   return pairs;
 }
 
