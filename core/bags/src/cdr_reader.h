@@ -2,14 +2,13 @@
 // taken.
 #pragma once
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
-
 #include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "fast_cdr.h"
 
 namespace rigproof {
 
@@ -42,8 +41,8 @@ class CdrReader {
  private:
   std::size_t left();
 
-  eprosima::fastcdr::FastBuffer buffer_;
-  eprosima::fastcdr::Cdr cdr_;
+  fast_cdr::FastBuffer buffer_;
+  fast_cdr::Cdr cdr_;
   const char* end_;
 };
 

@@ -1,7 +1,5 @@
 // Messages of ROS 2 as plain CDR, on Fast CDR.
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
-
+#include "fast_cdr.h"
 #include "rigproof/bags/messages.h"
 
 namespace rigproof {
@@ -26,7 +24,7 @@ class CdrWriter {
   }
   CdrWriter& bytes(std::string_view value) {
     add(static_cast<std::uint32_t>(value.size()));
-    cdr_.serializeArray(reinterpret_cast<const std::uint8_t*>(value.data()), value.size());
+    fast_cdr::write_bytes(cdr_, reinterpret_cast<const std::uint8_t*>(value.data()), value.size());
     return *this;
   }
   /// Without a length.
@@ -40,7 +38,7 @@ class CdrWriter {
     return numbers(T.translation).numbers(T.rotation.coeffs());  // x y z w, as the message has it
   }
   std::string str() {
-    bytes_.resize(cdr_.getSerializedDataLength());
+    bytes_.resize(fast_cdr::written_bytes(cdr_));
     return std::move(bytes_);
   }
 
@@ -48,8 +46,8 @@ class CdrWriter {
   static constexpr std::size_t kNumbers = 2048;  // the most has Odometry, 97 of 8 bytes
 
   std::string bytes_;
-  eprosima::fastcdr::FastBuffer buffer_{bytes_.data(), bytes_.size()};
-  eprosima::fastcdr::Cdr cdr_{buffer_, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS, eprosima::fastcdr::Cdr::DDS_CDR};
+  fast_cdr::FastBuffer buffer_{bytes_.data(), bytes_.size()};
+  fast_cdr::Cdr cdr_{buffer_, fast_cdr::Cdr::LITTLE_ENDIANNESS, fast_cdr::kPlainCdr};
 };
 
 }  // namespace
