@@ -57,7 +57,8 @@ class Wheel(unittest.TestCase):
         self.assertEqual(made.returncode, 0, made.stderr)
         python = environment / "bin/python"
         self.pip(python, self.wheel)
-        (environment / "share/rigproof/config/demo.yaml").rename(environment / "share/rigproof/config/only_of_this_wheel.yaml")
+        config = environment / "share/rigproof/config"
+        (config / "demo.yaml").rename(config / "only_of_this_wheel.yaml")
         self.assertIn("only_of_this_wheel", run(python, "-c", KNOWN).stdout)
         gone = run(python, "-m", "pip", "uninstall", "-y", "rigproof")
         self.assertEqual(gone.returncode, 0, gone.stderr)
