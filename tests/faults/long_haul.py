@@ -104,7 +104,8 @@ def main():
         run, sensed, cache = scratch / "run", scratch / "sensed", scratch / "cache"
         settings = ["name=long", "rig=husky_1x_d455", "viewpoints.planner=sampled", "board.place=scene",
                     f"image_scale={SCALE}", f"poses={arguments.frames}"]
-        generate = ["generate", "-o", run, "--cache", cache, "-j", "1", "-q", *(part for s in settings for part in ("--set", s))]
+        generate = ["generate", "-o", run, "--cache", cache, "-j", "1", "-q"]
+        generate += [part for setting in settings for part in ("--set", setting)]
         sense = ["sense", run, "--cache", cache, "--seed", "7", "-o", sensed, "-j", "1", "-q"]
         for command, output in ((generate, run), (sense, sensed)):
             samples = watch([arguments.program.resolve(), *command], output, scratch / "tmp")
