@@ -54,10 +54,13 @@ double mean_variance(const std::vector<CornerObservation>& corners) {
   return sum / static_cast<double>(std::max<std::size_t>(corners.size(), 1));
 }
 
-// More corners, then sharper ones, then the earlier frame.
-bool better(const Sight& a, const Sight& b) {
+// More corners, then nearer to the stop's stamp: tyres give way while wheels stand, so that cameras are compared as of
+// one moment. Then sharper corners, then the earlier frame.
+// @param a_off_s, b_off_s of each frame, from the stop's stamp
+bool better(const Sight& a, double a_off_s, const Sight& b, double b_off_s) {
   if (a.corners.size() != b.corners.size()) return a.corners.size() > b.corners.size();
   if (a.readable != b.readable) return a.readable;
+  if (a_off_s != b_off_s) return a_off_s < b_off_s;
   return !a.corners.empty() && mean_variance(a.corners) < mean_variance(b.corners);
 }
 
@@ -212,11 +215,14 @@ void refuse_wrong_sizes(const Source& from, const std::vector<Sight>& sights) {
 // One readable frame for each stop and camera; its view, or why there is none, goes to the observations.
 std::vector<const Sight*> choose_frames(const Source& from, const std::vector<Sight>& sights, Observations* result) {
   std::vector<const Sight*> chosen;
+  const auto off_s = [&](const Sight& sight) {
+    return std::abs(from.frame(sight).stamp_s - result->stops[static_cast<std::size_t>(sight.stop)].stamp_s);
+  };
   for (std::size_t begin = 0; begin < sights.size();) {
     std::size_t end = begin + 1, best = begin;
     for (; end < sights.size() && sights[end].stop == sights[begin].stop && sights[end].camera == sights[begin].camera;
          ++end)
-      if (better(sights[end], sights[best])) best = end;
+      if (better(sights[end], off_s(sights[end]), sights[best], off_s(sights[best]))) best = end;
     for (std::size_t i = begin; i < end; ++i) {
       const Sight& sight = sights[i];
       if (sight.corners.empty() || i != best)

@@ -78,12 +78,12 @@ class ObserveTest : public testing::Test {
     }
   }
 
-  void write_frame(int stop, std::size_t camera, const CameraFrame& frame) {
+  void write_frame(int stop, std::size_t camera, const CameraFrame& frame, double noise = 1.0) {
     fs::create_directories(folder_.path() / fs::path(frame.color_file).parent_path());
     fs::create_directories(folder_.path() / fs::path(frame.depth_file).parent_path());
     const Camera& optics = recording_.rig.cameras[camera].camera;
     BoardPictureOptions options;
-    options.noise_sigma = 1.0;
+    options.noise_sigma = noise;
     options.supersampling = 2;
     options.seed = static_cast<std::uint64_t>(10 * stop) + camera;
     Image8 image = draw_board(optics, kBoard, T_camera_board(stop, camera), options);
@@ -152,6 +152,27 @@ TEST_F(ObserveTest, SeesBoardsFloorAndOdometry) {
     for (const CornerObservation& corner : view.corners)
       EXPECT_LT((corner.pixel - truth[static_cast<std::size_t>(corner.id)]).norm(), 0.05);
   }
+}
+
+// Sharper frames of another moment do not separate them: the body moves on its tyres while the wheels stand.
+TEST_F(ObserveTest, OfAStandstillAllCamerasShowOneMoment) {
+  for (std::size_t camera = 0; camera < 2; ++camera) {
+    std::vector<CameraFrame>& frames = recording_.frames[camera];
+    CameraFrame early = frames.front(), late = early;
+    early.stamp_s -= 0.08;
+    late.stamp_s += 0.08;
+    early.color_file = early.color_file + ".early.png";
+    late.color_file = late.color_file + ".late.png";
+    write_frame(0, camera, early, camera == 0 ? 0.2 : 2.0);
+    write_frame(0, camera, late, camera == 0 ? 2.0 : 0.2);
+    frames.insert(frames.begin() + 1, late);
+    frames.insert(frames.begin(), early);
+  }
+  const Observations seen = observe(recording_);
+  ASSERT_EQ(seen.stops.size(), static_cast<std::size_t>(kStops));
+  ASSERT_EQ(seen.board_views.size(), 2U * kStops);
+  for (std::size_t camera = 0; camera < 2; ++camera)
+    EXPECT_EQ(seen.board_views[camera].stamp_s, seen.stops[0].stamp_s) << camera;
 }
 
 TEST_F(ObserveTest, FindsTheFloorAndNotTheWall) {

@@ -27,7 +27,7 @@ struct ObserveOptions {
 ///
 /// Stops: frames within stop_tolerance_s of each other, and all frames between which the odometer stands still. A
 /// standstill gives one keyframe a camera: of three frames spread over it the one with the most corners, then the
-/// sharpest, then the first.
+/// nearest to the stop's stamp, so that cameras show one moment, then the sharpest, then the first.
 /// Boards are found first; the rotation axis of the cameras' own motion then tells which planes in the depth images
 /// can be the ground. Planes that disagree with the vertical or with the others become exclusions. A camera without
 /// depth or clouds has no planes. The result does not depend on the number of threads.
