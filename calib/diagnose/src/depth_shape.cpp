@@ -67,8 +67,9 @@ std::optional<Finding> look_again(const Preparation& prepared, const Fit& fit, i
   const std::optional<GlobalCovariance> covariance = stated_covariance(free, with);
   if (!covariance) return std::nullopt;
   const int at = Layout::of(free.used, free.priors).place(Nuisance::kDepthShape, camera);
-  const double square =
-      square_of(with.state.nuisances.of(Nuisance::kDepthShape, camera), covariance->covariance.block(at, at, 6, 6));
+  const Eigen::MatrixXd expected =
+      covariance->covariance.block(at, at, 6, 6) + prepared.priors.covariance(Nuisance::kDepthShape, camera);
+  const double square = square_of(with.state.nuisances.of(Nuisance::kDepthShape, camera), expected);
   if (!(square > kSure)) return std::nullopt;
   return Finding("depth.misplaced", {{"deviations", std::sqrt(square)}})
       .of(prepared.original.cameras[static_cast<std::size_t>(camera)].name);

@@ -7,10 +7,14 @@
 
 namespace rigproof::ml {
 
-bool is_registered(const PlaneObservation& plane, const RigCamera& camera) {
+bool is_cloud(const PlaneObservation& plane, const RigCamera& camera) {
   if (!camera.depth || camera.depth->own_camera || plane.file.empty()) return false;
-  const std::string extension = std::filesystem::path(plane.file).extension().string();
-  return extension != ".pcd" && extension != ".ply";
+  const std::filesystem::path extension = std::filesystem::path(plane.file).extension();
+  return extension == ".pcd" || extension == ".txt";
+}
+
+bool is_registered(const PlaneObservation& plane, const RigCamera& camera) {
+  return camera.depth && !camera.depth->own_camera && !plane.file.empty() && !is_cloud(plane, camera);
 }
 
 namespace {

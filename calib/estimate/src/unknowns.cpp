@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "rigproof/calib/estimate/depth_bias.h"
+#include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/core/conventions.h"
 #include "shared_ground_error.h"
 
@@ -91,14 +92,27 @@ Covariances of_depth_offset(const PriorSource& source) {
   return covariances;
 }
 
-// Doubted only where depth is tested: see depth_shape.h.
-Covariances of_depth_shape(const PriorSource& source) { return for_each_camera(source, Eigen::MatrixXd::Zero(6, 6)); }
-
 IntrinsicsSigma lens_sigma(const PriorSigmas& settings, const RigCamera& camera) {
   IntrinsicsSigma sigma = settings.believe_told ? IntrinsicsSigma::exact() : camera.intrinsics_sigma;
   if (settings.focal_relative > 0.0) sigma.focal_relative = settings.focal_relative;
   if (settings.principal_point_px > 0.0) sigma.principal_point_px = settings.principal_point_px;
   return sigma;
+}
+
+// A driver makes clouds with the intrinsics that are stated, or with others, which are no better: they may differ by as
+// much as the stated ones err. Everything else of depth's shape is doubted only where it is tested: see depth_shape.h.
+Covariances of_depth_shape(const PriorSource& source) {
+  Covariances covariances = for_each_camera(source, Eigen::MatrixXd::Zero(6, 6));
+  for (const auto* planes : {&source.observations.ground_planes, &source.observations.board_planes})
+    for (const PlaneObservation& plane : *planes) {
+      const auto c = static_cast<std::size_t>(plane.camera);
+      const RigCamera& camera = source.observations.cameras[c];
+      if (!is_cloud(plane, camera)) continue;
+      const IntrinsicsSigma s = lens_sigma(source.sigmas, camera);
+      covariances[c] = independent({s.principal_point_px / camera.camera.fx_px,
+                                    s.principal_point_px / camera.camera.fy_px, 0.0, 0.0, s.focal_relative, 0.0});
+    }
+  return covariances;
 }
 
 Covariances of_lens(const PriorSource& source) {

@@ -51,7 +51,7 @@ std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
     const Eigen::Matrix3d whitening = L.inverse();
     if (!whitening.allFinite() || !plane.inverse_depth_plane.allFinite()) continue;
     prepared.push_back({plane.stop, plane.camera, delays.after(plane.stop, plane.camera), plane.inverse_depth_plane,
-                        whitening, is_registered(plane, observations.cameras[static_cast<std::size_t>(plane.camera)]),
+                        whitening, follows_lens(plane, observations.cameras[static_cast<std::size_t>(plane.camera)]),
                         mean_inverse_depth(plane)});
   }
   return prepared;

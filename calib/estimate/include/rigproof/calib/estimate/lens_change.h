@@ -8,9 +8,14 @@
 namespace rigproof::ml {
 
 /// Whether a plane comes from a depth image that is registered to the colour camera: its rays then use the stated
-/// intrinsics, and share their error. Clouds use the sensor's own intrinsics; simulated planes (without a file) are
-/// exact.
+/// intrinsics, and share their error. Simulated planes (without a file) are exact.
 bool is_registered(const PlaneObservation& plane, const RigCamera& camera);
+/// Whether it comes from points in the colour camera's frame: a driver made them, mostly with the stated intrinsics.
+bool is_cloud(const PlaneObservation& plane, const RigCamera& camera);
+/// Either: what such a plane is depends on how wrong the stated lens is.
+inline bool follows_lens(const PlaneObservation& plane, const RigCamera& camera) {
+  return is_registered(plane, camera) || is_cloud(plane, camera);
+}
 
 /// By how much a lens differs from the stated one: both focal lengths (relative), principal point along x and y [px],
 /// fx / fy (relative), radial displacement in the farthest corner of the image [px].
