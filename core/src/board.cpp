@@ -10,13 +10,13 @@ std::vector<Eigen::Vector3d> Board::corners() const {
 }
 
 std::vector<Eigen::Vector3d> Board::outline() const {
-  const double left = -square_m, right = square_m * (squares_x - 1);
-  const double top = -square_m, bottom = square_m * (squares_y - 1);
+  const double left = along(-1), right = along(inner_corners_x());
+  const double top = along(-1), bottom = along(inner_corners_y());
   return {{left, top, 0.0}, {right, top, 0.0}, {right, bottom, 0.0}, {left, bottom, 0.0}};
 }
 
 Eigen::Vector3d Board::centre() const {
-  return {0.5 * square_m * (squares_x - 2), 0.5 * square_m * (squares_y - 2), 0.0};
+  return {0.5 * along(inner_corners_x() - 1), 0.5 * along(inner_corners_y() - 1), 0.0};
 }
 
 }  // namespace rigproof
