@@ -1,8 +1,10 @@
-// bench_charuco [VIEWS] [SEED]: ChArUco boards up to 4 m away and 60 degrees oblique, by kind of picture: how many are
-// missed or wrongly identified, and how accurate their corners are.
+// bench_charuco [VIEWS] [SEED] [charuco|aprilgrid] [FARTHEST_M]: boards with markers up to 4 m (AprilGrids 2 m) away
+// and 60 degrees oblique, by kind of picture: how many are missed or wrongly identified, and how accurate their corners
+// are.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <utility>
 
 #include "charuco_views.h"
@@ -26,11 +28,14 @@ std::vector<std::pair<const char*, BoardPictureOptions>> pictures() {
 int main(int argc, char** argv) {
   const int views = argc > 1 ? std::atoi(argv[1]) : 100;
   const auto seed = static_cast<std::uint64_t>(argc > 2 ? std::atoi(argv[2]) : 7);
+  MarkedViews kind;
+  kind.grids = argc > 3 && std::string(argv[3]) == "aprilgrid";
+  kind.farthest_m = argc > 4 ? std::atof(argv[4]) : (kind.grids ? 2.0 : 4.0);
   std::printf("%-12s %5s %6s %5s %8s  %7s %8s %7s %6s\n", "picture", "of", "missed", "wrong", "lost", "rms px",
               "whitened", "largest", "ms");
   for (const auto& [name, picture] : pictures()) {
     const auto start = Clock::now();
-    const CharucoCounts counts = count_views(views, picture, seed);
+    const CharucoCounts counts = count_views(views, picture, seed, kind);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     std::printf("%-12s %5d %6d %5d %8d  %7.4f %8.3f %7.3f %6.0f", name, counts.views, counts.missed, counts.wrong,
                 counts.lost, counts.rms_px(), counts.whitened(), counts.largest, 1e3 * seconds / views);

@@ -10,9 +10,7 @@ namespace {
 
 using Choice = std::variant<const MarkerDictionary*, std::string>;  // or what is wrong
 
-int marker_count(const Board& board) {
-  return board.type == "charuco" ? static_cast<int>(charuco_markers(board).size()) : board.squares_x * board.squares_y;
-}
+int marker_count(const Board& board) { return static_cast<int>(markers_of(board).size()); }
 
 const MarkerDictionary* named(const std::string& name) {
   const std::vector<MarkerDictionary>& all = marker_dictionaries();
@@ -33,8 +31,7 @@ std::string too_few(const Board& board, const MarkerDictionary& dictionary) {
 }
 
 Choice choose(const Board& board) {
-  const bool tags = board.type == "aprilgrid";
-  const MarkerDictionary* chosen = named(tags ? "DICT_APRILTAG_36h11" : board.dictionary);
+  const MarkerDictionary* chosen = named(board.has_tags() ? "DICT_APRILTAG_36h11" : board.dictionary);
   if (chosen == nullptr && !board.dictionary.empty()) return board.dictionary + ": must be one of " + names();
   if (chosen != nullptr)
     return marker_count(board) <= chosen->markers ? Choice(chosen) : Choice(too_few(board, *chosen));
@@ -79,19 +76,31 @@ const MarkerDictionary& dictionary_of(const Board& board) {
 }
 
 std::optional<std::string> problem_of_markers(const Board& board) {
-  if (board.type != "charuco" && board.type != "aprilgrid") return std::nullopt;
+  if (board.type != "charuco" && !board.has_tags()) return std::nullopt;
   const Choice choice = choose(board);
   const auto* problem = std::get_if<std::string>(&choice);
   return problem == nullptr ? std::nullopt : std::optional(*problem);
 }
 
-std::vector<BoardMarker> charuco_markers(const Board& board) {
+std::vector<BoardMarker> markers_of(const Board& board) {
   std::vector<BoardMarker> markers;
+  if (board.has_tags()) {
+    for (int iy = board.squares_y - 1; iy >= 0; --iy)
+      for (int ix = 0; ix < board.squares_x; ++ix)
+        markers.push_back({static_cast<int>(markers.size()), 2 * ix + 1, 2 * iy + 1});
+    return markers;
+  }
   if (board.type != "charuco") return markers;
   for (int iy = 0; iy < board.squares_y; ++iy)
     for (int ix = 0; ix < board.squares_x; ++ix)
       if (!board.is_dark(ix, iy)) markers.push_back({static_cast<int>(markers.size()), ix, iy});
   return markers;
 }
+
+double first_corner_m(const Board& board) {
+  return board.has_tags() ? 0.5 * (board.square_m - board.marker_side_m()) : board.square_m;
+}
+
+double overhang_m(const Board& board) { return board.has_tags() ? first_corner_m(board) : 0.0; }
 
 }  // namespace rigproof

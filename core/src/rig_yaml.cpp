@@ -236,21 +236,25 @@ void visit_fields(FieldVisitor& visitor, Board& board) {
 
 namespace {
 
-// Of ChArUco boards alone.
+// Of boards with markers alone.
 void visit_markers(FieldVisitor& visitor, Board& board) {
   visitor.optional(
       "dictionary", board.dictionary,
       "charuco: of its markers, as OpenCV calls it, e.g. DICT_6X6_250; default the smallest DICT_5X5_.. that "
       "has enough");
-  visitor.scaled("marker_mm", board.marker_m, kMmPerM, {0.01, 1e5},
-                 "charuco: side of its markers; default three quarters of square_mm");
+  visitor.scaled(
+      "marker_mm", board.marker_m, kMmPerM, {0.01, 1e5},
+      "charuco: side of its markers, default three quarters of square_mm; aprilgrid: side of its tags, default "
+      "square_mm over 1.3, gaps of 0.3 tags");
   if (visitor.takes("legacy_pattern", board.legacy_pattern))
     visitor.field("legacy_pattern", board.legacy_pattern,
                   "charuco with an even number of rows: the first square is light and has the first marker, as OpenCV "
                   "before 4.6 drew it");
-  const bool given = !board.dictionary.empty() || board.marker_m || board.legacy_pattern;
-  visitor.check(board.type == "charuco" || !given, "type",
-                "dictionary, marker_mm and legacy_pattern are of charuco boards; this one is a " + board.type);
+  const bool of_charuco = !board.dictionary.empty() || board.legacy_pattern;
+  visitor.check(board.type == "charuco" || !of_charuco, "type",
+                "dictionary and legacy_pattern are of charuco boards; this one is of type " + board.type);
+  visitor.check(board.type != "checkerboard" || !board.marker_m, "type",
+                "marker_mm is of charuco boards and aprilgrids; this one is of type checkerboard");
   visitor.check(!board.marker_m || *board.marker_m < board.square_m, "marker_mm",
                 "must be less than square_mm, as markers lie within squares");
   const std::optional<std::string> problem = problem_of_markers(board);
@@ -265,9 +269,12 @@ void visit_board(FieldVisitor& visitor, Board& board) {
   visitor.require("squares", "[columns, rows], the number of squares");
   visitor.require("square_mm", "the side of a square in millimetres");
   std::vector<double> squares = {static_cast<double>(board.squares_x), static_cast<double>(board.squares_y)};
-  visitor.field("squares", squares, {3.0, 100.0}, 2, 2,
-                "[columns, rows]: squares, one more than inner corners; of a checkerboard one even, the other odd");
-  visitor.scaled("square_mm", board.square_m, kMmPerM, {0.1, 1e5}, "side of a square");
+  visitor.field(
+      "squares", squares, {3.0, 100.0}, 2, 2,
+      "[columns, rows]: squares, one more than inner corners; of a checkerboard one even, the other odd; of an "
+      "aprilgrid its tags");
+  visitor.scaled("square_mm", board.square_m, kMmPerM, {0.1, 1e5},
+                 "side of a square; of an aprilgrid from tag to tag: a tag and a gap");
   visitor.scaled("square_sigma_mm", board.square_sigma_m, kMmPerM, {0.0, 1e4},
                  "one sigma of that side: 0.1 where a long row of squares was measured with a ruler, 0: exact; default "
                  "0.5 % of it, as printers leave it");

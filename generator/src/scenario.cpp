@@ -81,8 +81,8 @@ Board resolve_board(const BoardConfig& config, const Board& of_rig) {
   if (config.type != "preset") board.type = config.type;
   if (board.type != "charuco") {
     const Board without;
-    std::tie(board.dictionary, board.marker_m, board.legacy_pattern) =
-        std::tie(without.dictionary, without.marker_m, without.legacy_pattern);
+    std::tie(board.dictionary, board.legacy_pattern) = std::tie(without.dictionary, without.legacy_pattern);
+    if (!board.has_tags() || config.type != "preset") board.marker_m.reset();
   }
   marker_dictionary(board);  // throws where markers run out
   if (board.type == "checkerboard" && board.ambiguous_under_half_turn()) {

@@ -6,6 +6,7 @@
 
 #include "board_surface.h"
 #include "mjcf_text.h"
+#include "rigproof/core/board_markers.h"
 #include "rigproof/sim/board_pattern.h"
 
 namespace rigproof {
@@ -60,10 +61,13 @@ class MeshText {
 class Plate {
  public:
   Plate(const Board& board, double margin_m, double thickness_m, double frame, const BoardDefects& defects)
-      : board_(board), thickness_m_(thickness_m), frame_(frame), defects_(defects) {
-    const double s = board.square_m;
-    low_ = {-s - margin_m, -s - margin_m};
-    high_ = {s * (board.squares_x - 1) + margin_m, s * (board.squares_y - 1) + margin_m};
+      : board_(board),
+        thickness_m_(thickness_m),
+        frame_(frame),
+        first_(first_corner_m(board) / board.square_m),
+        defects_(defects) {
+    low_ = {board.along(-1) - margin_m, board.along(-1) - margin_m};
+    high_ = {board.along(board.inner_corners_x()) + margin_m, board.along(board.inner_corners_y()) + margin_m};
   }
 
   std::string mesh() const {
@@ -109,14 +113,14 @@ class Plate {
     std::vector<double> cuts;
     for (int i = 0; i <= strips; ++i) cuts.push_back(x(i, strips));
     if (!defects_.corner_shifts_m.empty())
-      for (int i = 0; i < board_.inner_corners_x(); ++i) cuts.push_back(board_.square_m * i);
+      for (int i = 0; i < board_.inner_corners_x(); ++i) cuts.push_back(board_.along(i));
     std::sort(cuts.begin(), cuts.end());
     return cuts;
   }
   std::vector<double> face_rows() const {
     std::vector<double> cuts = {low_[1], high_[1]};
     if (!defects_.corner_shifts_m.empty())
-      for (int i = 0; i < board_.inner_corners_y(); ++i) cuts.push_back(board_.square_m * i);
+      for (int i = 0; i < board_.inner_corners_y(); ++i) cuts.push_back(board_.along(i));
     std::sort(cuts.begin(), cuts.end());
     return cuts;
   }
@@ -125,8 +129,7 @@ class Plate {
   Eigen::Vector2d shift(double px, double py) const {
     if (defects_.corner_shifts_m.empty()) return Eigen::Vector2d::Zero();
     const int nx = board_.inner_corners_x(), ny = board_.inner_corners_y();
-    const double u = std::clamp(px / board_.square_m, 0.0, nx - 1.0),
-                 v = std::clamp(py / board_.square_m, 0.0, ny - 1.0);
+    const double u = std::clamp(among_corners(px), 0.0, nx - 1.0), v = std::clamp(among_corners(py), 0.0, ny - 1.0);
     const int i = std::min(static_cast<int>(u), std::max(0, nx - 2)),
               j = std::min(static_cast<int>(v), std::max(0, ny - 2));
     const auto at = [&](int ix, int iy) -> const Eigen::Vector2d& {
@@ -135,6 +138,14 @@ class Plate {
     const double s = u - i, t = v - j;
     return (1.0 - t) * ((1.0 - s) * at(i, j) + s * at(i + 1, j)) +
            t * ((1.0 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
+  }
+
+  // How many lines of corners a place lies beyond the first one.
+  double among_corners(double p) const {
+    if (!board_.has_tags()) return p / board_.square_m;
+    const int i = 2 * static_cast<int>(std::floor(p / board_.square_m));
+    const int before = p < board_.along(i + 1) ? i : i + 1;
+    return before + (p - board_.along(before)) / (board_.along(before + 1) - board_.along(before));
   }
 
   double x(int i, int count) const { return i == count ? high_[0] : low_[0] + (high_[0] - low_[0]) * i / count; }
@@ -159,8 +170,8 @@ class Plate {
     if (!defects_.corner_shifts_m.empty()) position = {position[0] + moved.x(), position[1] + moved.y(), position[2]};
     return {position,
             {slope / length, 0.0, -1.0 / length},
-            (px / board_.square_m + 1.0 + frame_) / (board_.squares_x + 2.0 * frame_),
-            (py / board_.square_m + 1.0 + frame_) / (board_.squares_y + 2.0 * frame_)};
+            (px / board_.square_m + first_ + frame_) / (board_.squares_x + 2.0 * frame_),
+            (py / board_.square_m + first_ + frame_) / (board_.squares_y + 2.0 * frame_)};
   }
 
   MeshText::Corner side(double px, double py, bool back, const Point& normal) const {
@@ -169,6 +180,7 @@ class Plate {
 
   const Board& board_;
   double thickness_m_, frame_;
+  double first_;  ///< squares before corner 0
   const BoardDefects& defects_;
   std::array<double, 2> low_{}, high_{};
 };
@@ -188,7 +200,8 @@ void fill_squares(const Board& board, int texels, BoardTexture* texture) {
 
 // Areas that end amid texels darken them by the share that they cover.
 void fill_areas(const Board& board, int texels, BoardTexture* texture) {
-  const double per_m = texels / board.square_m, origin = (texture->frame_squares + 1) * texels;
+  const double per_m = texels / board.square_m,
+               origin = texels * (texture->frame_squares + first_corner_m(board) / board.square_m);
   const auto share = [](double from, double to, int texel) {
     return std::max(0.0, std::min(to, texel + 1.0) - std::max(from, static_cast<double>(texel)));
   };
@@ -213,7 +226,8 @@ void fill_areas(const Board& board, int texels, BoardTexture* texture) {
 
 BoardTexture draw_board(const Board& board, double margin_m, const BoardDefects& defects) {
   BoardTexture texture;
-  texture.frame_squares = std::max(1, static_cast<int>(std::ceil(margin_m / board.square_m - 1e-9)));
+  texture.frame_squares =
+      std::max(1, static_cast<int>(std::ceil((margin_m + overhang_m(board)) / board.square_m - 1e-9)));
   const int columns = board.squares_x + 2 * texture.frame_squares, rows = board.squares_y + 2 * texture.frame_squares;
   const int texels = texels_per_square(std::max(columns, rows));
   texture.width = columns * texels;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "board_tiles.h"
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/pdf.h"
 #include "rigproof/core/version.h"
@@ -149,14 +150,12 @@ std::vector<Paper> papers_of(const std::string& name) {
 BoardSheet board_sheet(const Board& board, double border_m) {
   const std::vector<DarkArea> areas = dark_areas(board);
   const double square = board.square_m;
-  double overhang = 0.0;  // the small squares of AprilGrids reach beyond the grid
-  for (const DarkArea& area : areas) overhang = std::max({overhang, -square - area.x0_m, -square - area.y0_m});
   BoardSheet sheet;
   sheet.square_mm = 1000.0 * square;
-  sheet.first_mm = 1000.0 * (border_m + overhang);
+  sheet.first_mm = 1000.0 * (border_m + overhang_m(board));
   sheet.width_mm = sheet.square_mm * board.squares_x + 2.0 * sheet.first_mm;
   sheet.height_mm = sheet.square_mm * board.squares_y + 2.0 * sheet.first_mm;
-  const double left = sheet.first_mm + sheet.square_mm, top = sheet.height_mm - left;
+  const double left = sheet.first_mm + 1000.0 * first_corner_m(board), top = sheet.height_mm - left;
   for (const DarkArea& area : areas)
     sheet.dark.push_back(
         {left + 1000.0 * area.x0_m, top - 1000.0 * area.y1_m, left + 1000.0 * area.x1_m, top - 1000.0 * area.y0_m});
@@ -180,7 +179,7 @@ std::string board_words(const Board& board) {
 
 std::vector<std::string> checking_words(const Board& board, const PageRulers& rulers) {
   const std::string columns = std::to_string(board.squares_x);
-  const std::string span = board.type == "aprilgrid"
+  const std::string span = board.has_tags()
                                ? "from the left edge of the first small square of a row to that of the last"
                                : "the " + columns + " squares of a row, outer edge to outer edge";
   return {"Print at 100 %, without scaling to the page. The rulers must measure " + pdf_number(rulers.across_mm) +

@@ -8,8 +8,7 @@
 namespace rigproof {
 namespace {
 
-constexpr double kTagGap = 0.3;  // Kalibr's tagSpacing: gap over the tag's side
-constexpr int kTagBorder = 2;    // bits; Kalibr's default
+constexpr int kTagBorder = 2;  // bits; Kalibr's default
 
 // Black cells of a marker, border included, each row in runs.
 void add_marker(const cv::aruco::Dictionary& dictionary, int id, int border, const DarkArea& at,
@@ -32,10 +31,15 @@ void add_marker(const cv::aruco::Dictionary& dictionary, int id, int border, con
     }
 }
 
+// The area in column ix, row iy between corners.
+DarkArea area(const Board& board, int ix, int iy) {
+  return {board.along(ix - 1), board.along(iy - 1), board.along(ix), board.along(iy)};
+}
+
 // The square in column ix, row iy, shrunk to a share of its side about its middle.
 DarkArea cell(const Board& board, int ix, int iy, double share) {
   const double inset = 0.5 * (1.0 - share) * board.square_m;
-  const double x = board.square_m * (ix - 1), y = board.square_m * (iy - 1);
+  const double x = board.along(ix - 1), y = board.along(iy - 1);
   return {x + inset, y + inset, x + board.square_m - inset, y + board.square_m - inset};
 }
 
@@ -54,23 +58,17 @@ cv::Ptr<cv::aruco::Dictionary> codes_of(const Board& board) {
 void add_charuco_markers(const Board& board, std::vector<DarkArea>* areas) {
   const cv::Ptr<cv::aruco::Dictionary> dictionary = codes_of(board);
   const double share = board.marker_side_m() / board.square_m;
-  for (const BoardMarker& marker : charuco_markers(board))
+  for (const BoardMarker& marker : markers_of(board))
     add_marker(*dictionary, marker.id, 1, cell(board, marker.ix, marker.iy, share), areas);
 }
 
 std::vector<DarkArea> tags(const Board& board) {
   const cv::Ptr<cv::aruco::Dictionary> dictionary = codes_of(board);
   std::vector<DarkArea> areas;
-  int id = 0;
-  for (int iy = board.squares_y - 1; iy >= 0; --iy)
-    for (int ix = 0; ix < board.squares_x; ++ix)
-      add_marker(*dictionary, id++, kTagBorder, cell(board, ix, iy, 1.0 / (1.0 + kTagGap)), &areas);
-  const double half = 0.5 * board.square_m * kTagGap / (1.0 + kTagGap);
-  for (int iy = 0; iy <= board.squares_y; ++iy)
-    for (int ix = 0; ix <= board.squares_x; ++ix) {
-      const double x = board.square_m * (ix - 1), y = board.square_m * (iy - 1);
-      areas.push_back({x - half, y - half, x + half, y + half});
-    }
+  for (const BoardMarker& tag : markers_of(board))
+    add_marker(*dictionary, tag.id, kTagBorder, area(board, tag.ix, tag.iy), &areas);
+  for (int iy = 0; iy <= board.inner_corners_y(); iy += 2)
+    for (int ix = 0; ix <= board.inner_corners_x(); ix += 2) areas.push_back(area(board, ix, iy));
   return areas;
 }
 
@@ -82,7 +80,7 @@ const std::vector<std::string>& board_types() {
 }
 
 std::vector<DarkArea> dark_areas(const Board& board) {
-  if (board.type == "aprilgrid") return tags(board);
+  if (board.has_tags()) return tags(board);
   if (board.type != "checkerboard" && board.type != "charuco")
     throw Error("board.type: " + board.type + ": must be checkerboard, charuco or aprilgrid");
   std::vector<DarkArea> areas = squares(board);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
 
@@ -97,7 +98,7 @@ void add_glare(double glare, RandomStream random, Painter* painter) {
 
 void soil(const Board& board, double margin_m, const BoardDefects& defects, BoardTexture* texture) {
   const double texels_per_m = texture->width / (board.square_m * (board.squares_x + 2 * texture->frame_squares));
-  const double inset = (board.square_m * texture->frame_squares - margin_m) * texels_per_m;
+  const double inset = (board.square_m * texture->frame_squares - overhang_m(board) - margin_m) * texels_per_m;
   Painter painter({inset, inset, texture->width - 2.0 * inset, texture->height - 2.0 * inset, texels_per_m}, texture);
   if (defects.dirt > 0.0) add_dirt(defects.dirt, RandomStream(defects.seed, "board dirt"), &painter);
   if (defects.glare > 0.0) add_glare(defects.glare, RandomStream(defects.seed, "board glare"), &painter);

@@ -42,6 +42,11 @@ cv::Point2d first_square(const Board& board, double page_width_mm) {
   return {0.5 * (page_width_mm - width) + kBorder_mm + overhang, kMargin_mm + kBorder_mm + overhang};
 }
 
+// From there to corner 0 [m].
+double to_first_corner_m(const Board& board) {
+  return board.type == "aprilgrid" ? 0.15 / 1.3 * board.square_m : board.square_m;
+}
+
 // The dark areas as corners, sorted, to compare with [mm].
 std::vector<std::array<double, 4>> sorted(std::vector<std::array<double, 4>> boxes) {
   std::sort(boxes.begin(), boxes.end());
@@ -73,8 +78,8 @@ cv::Mat drawn(const std::vector<Polygon>& polygons, cv::Size2d page_mm) {
 void expect_corners_of(const Board& board, const std::vector<Polygon>& outlines, const cv::Point2d& first) {
   std::vector<double> xs, ys;
   for (const DarkArea& area : dark_areas(board)) {
-    for (const double x_m : {area.x0_m, area.x1_m}) xs.push_back(first.x + 1000.0 * (x_m + board.square_m));
-    for (const double y_m : {area.y0_m, area.y1_m}) ys.push_back(first.y + 1000.0 * (y_m + board.square_m));
+    for (const double x_m : {area.x0_m, area.x1_m}) xs.push_back(first.x + 1000.0 * (x_m + to_first_corner_m(board)));
+    for (const double y_m : {area.y0_m, area.y1_m}) ys.push_back(first.y + 1000.0 * (y_m + to_first_corner_m(board)));
   }
   const auto near = [](const std::vector<double>& values, double value) {
     return std::any_of(values.begin(), values.end(), [value](double v) { return std::abs(v - value) < 1e-6; });
@@ -231,7 +236,7 @@ TEST(BoardDxf, HasTheBoardAtItsTrueSizeFilledAndAsOutlines) {
       found.push_back({low.x, low.y, high.x, high.y});
     }
     for (const DarkArea& area : dark_areas(board)) {
-      const auto mm = [&](double m, double from) { return from + 1000.0 * (m + board.square_m); };
+      const auto mm = [&](double m, double from) { return from + 1000.0 * (m + to_first_corner_m(board)); };
       expected.push_back(
           {mm(area.x0_m, first.x), mm(area.y0_m, first.y), mm(area.x1_m, first.x), mm(area.y1_m, first.y)});
     }

@@ -79,18 +79,13 @@ TEST(MarkerBoards, TagsOfARenderedAprilGridAreWhereTheTruthHasThem) {
   cv::aruco::detectMarkers(picture.grey(), cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11), corners,
                            ids, parameters);
   ASSERT_EQ(ids.size(), 24U);
-  const double half_tag = 0.5 / 1.3;
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    // In squares, from the first corner of the grid, which is one square from its edge; ids begin at the bottom left.
-    const double x = ids[i] % 6 - 0.5, y = 3 - ids[i] / 6 - 0.5;
-    const std::array<Eigen::Vector2d, 4> outline = {{{x - half_tag, y - half_tag},
-                                                     {x + half_tag, y - half_tag},
-                                                     {x + half_tag, y + half_tag},
-                                                     {x - half_tag, y + half_tag}}};
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::Vector2d at = board.square_m * outline[k];
-      EXPECT_LT(picture.distance_px(corners[i][k], {at.x(), at.y(), 0.0}), 1.0) << "tag " << ids[i] << " corner " << k;
-    }
+    // Ids begin at the bottom left; twelve corners a row, two a tag.
+    const int first = 12 * 2 * (3 - ids[i] / 6) + 2 * (ids[i] % 6);
+    const std::array<int, 4> outline = {first, first + 1, first + 13, first + 12};
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_LT(picture.distance_px(corners[i][k], board.corner(outline[k])), 1.0)
+          << "tag " << ids[i] << " corner " << k;
   }
 }
 

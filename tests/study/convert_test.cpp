@@ -161,6 +161,24 @@ TEST(Convert, ToEurocTellsImagesLensesAndOdometryByTheirStamps) {
     EXPECT_NE(entry.path().filename(), "truth") << "nor anything else that a robot does not record";
 }
 
+TEST(Convert, AnAprilGridIsToldAsKalibrDoesAndNotToLayoutsOfEqualSquares) {
+  const TempFolder scratch;
+  Recording recording = small_recording(scratch / "original");
+  for (RigCamera& camera : recording.rig.cameras) camera.camera.distortion.fill(0.0);
+  recording.rig.board = Board();
+  recording.rig.board.type = "aprilgrid";
+  recording.rig.board.square_m = 0.15625;
+  recording.rig.board.marker_m = 0.125;
+  convert(recording, "euroc", scratch / "there", {});
+  const std::string target = read_text_file(scratch / "there/target.yaml");
+  EXPECT_THAT(target, AllOf(HasSubstr("target_type: aprilgrid"), HasSubstr("tagCols: 5"), HasSubstr("tagRows: 4"),
+                            HasSubstr("tagSize: 0.125"), HasSubstr("tagSpacing: 0.25")));
+  for (const char* format : {"memroc", "mcalib", "mrcal", "opencv"})
+    EXPECT_THAT(error_text([&] { convert(recording, format, scratch / "refused", {}); }),
+                AllOf(HasSubstr("rig.yaml: board.type: aprilgrid"), HasSubstr("equal squares")));
+  EXPECT_FALSE(fs::exists(scratch / "refused"));
+}
+
 TEST(Convert, ToOpenCvIsWhatItsFileStorageReads) {
   const TempFolder scratch;
   Recording recording = small_recording(scratch / "original");

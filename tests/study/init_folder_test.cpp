@@ -44,7 +44,7 @@ class InitFolder : public testing::Test {
     options_.source = scratch_ / "in";
     options_.output = scratch_ / "out";
     options_.board = Board();
-    options_.board->type = "aprilgrid";  // no search: the images show nothing
+    options_.board->type = "aprilgrid";  // of the kinds the quickest not to be found
   }
   std::string failure() {
     const std::string text = error_text([&] { init_recording(options_); });

@@ -109,7 +109,7 @@ class Init : public testing::Test {
     options.source = scratch_.write("bag.mcap", mcap_bytes(messages_of(robot)));
     options.output = scratch_ / "monday";
     options.board = Board();
-    options.board->type = "aprilgrid";  // no search: the images show nothing
+    options.board->type = "aprilgrid";  // of the kinds the quickest not to be found
     return options;
   }
   InitReport run(const Robot& robot) { return init_recording(options_for(robot)); }

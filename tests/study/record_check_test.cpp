@@ -269,9 +269,6 @@ TEST_F(Watched, MistakesAreNamed) {
   EXPECT_THAT(error_text([&] { RecordWatch watch(nowhere); }), AllOf(HasSubstr("a.txt"), HasSubstr(".mcap")));
   write_poses({0.0, 10.0});
   picture("left", 0, board_at(160.0, 120.0));
-  RecordCheckOptions april = with_board();
-  april.source.board->type = "aprilgrid";
-  EXPECT_THAT(error_text([&] { RecordWatch(april).look(); }), HasSubstr("aprilgrid"));
   RecordCheckOptions topic = options();
   topic.source.topics = {"left=/left"};
   EXPECT_THAT(error_text([&] { RecordWatch watch(topic); }), HasSubstr("--topic"));

@@ -173,8 +173,8 @@ void collect_pixel(const Subject& subject, const Frame& frame, int u, int v, Sam
   if (board_z) {
     const Eigen::Vector3d p = frame.T_board_camera * (*board_z * ray);
     const auto inside = [&](double grow) {
-      return p.x() >= -board.square_m - grow && p.x() <= board.square_m * board.inner_corners_x() + grow &&
-             p.y() >= -board.square_m - grow && p.y() <= board.square_m * board.inner_corners_y() + grow;
+      return p.x() >= board.along(-1) - grow && p.x() <= board.along(board.inner_corners_x()) + grow &&
+             p.y() >= board.along(-1) - grow && p.y() <= board.along(board.inner_corners_y()) + grow;
     };
     if (inside(-margin) && in_range(*board_z)) samples->board.push_back(sample_at(subject, frame, u, v, ray, *board_z));
     // The board hides what is behind it; its border and rim are left out on both sides.

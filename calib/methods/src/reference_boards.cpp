@@ -108,7 +108,7 @@ std::optional<ChessboardCorners> whole_board(const BoardView& view, const Board&
 
 // Why a view without all of its corners is left out.
 Finding why_no_corners(const BoardView& view, const Board& board) {
-  if (board.type != "charuco") return Finding("view.corner_outliers");
+  if (board.type == "checkerboard") return Finding("view.corner_outliers");
   return Finding("board.partly_hidden", {{"corners", view.corners.size()}, {"of", board.corner_count()}});
 }
 

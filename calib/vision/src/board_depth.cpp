@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/median.h"
 
 namespace rigproof::detection {
@@ -84,7 +85,7 @@ SplitPoints split_at_board(const DepthPoints& points, const Board& board, const 
   split.on_board = split.elsewhere = without_points(points);
   const Vector3d plane = plane_of(T_camera_board);
   const Rigid3 T_board_camera = T_camera_board.inverse();
-  const double s = board.square_m;
+  const double s = board.square_m, overhang = overhang_m(board) / s, before = first_corner_m(board) / s + overhang;
   for (const Eigen::Vector3f& point : points.points) {
     const Vector3d p = point.cast<double>();
     const double along = plane.dot(p);  // > 0: the ray meets the board's plane in front of the camera
@@ -92,8 +93,10 @@ SplitPoints split_at_board(const DepthPoints& points, const Board& board, const 
       split.elsewhere.points.push_back(point);
       continue;
     }
-    const Vector3d b = T_board_camera * Vector3d(p / along) / s + Vector3d(1.0, 1.0, 0.0);  // squares, from the outline
-    const double depth = std::min({b.x(), b.y(), board.squares_x - b.x(), board.squares_y - b.y()});
+    const Vector3d b =
+        T_board_camera * Vector3d(p / along) / s + Vector3d(before, before, 0.0);  // squares, from the outline
+    const double depth =
+        std::min({b.x(), b.y(), board.squares_x + 2.0 * overhang - b.x(), board.squares_y + 2.0 * overhang - b.y()});
     if (depth > kInside) split.on_board.points.push_back(point);
     if (depth < -kOutside) split.elsewhere.points.push_back(point);
   }

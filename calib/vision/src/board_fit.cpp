@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "rigproof/calib/geometry/homography.h"
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/median.h"
 #include "saddle_fit.h"
 
@@ -20,6 +21,8 @@ using Eigen::Vector2d;
 
 // Squares lower than this leave too few pixels beside the edges of their neighbours [px].
 constexpr double kMinSquarePx = 4.0;
+// Beside a tag's edges lies its border or the gap, and nothing of its code nearer than that [px].
+constexpr double kMinBorderPx = 2.5;
 // Blur above this share of a square's height: neighbouring edges run into each other.
 constexpr double kMaxBlurShare = 0.3;
 // A corner may lie this share of a square off the homography of all; lens distortion bends the board.
@@ -30,12 +33,23 @@ constexpr double kMaxBlurRatio = 2.5;
 // less.
 constexpr double kMinPrintContrast = 0.15;
 
-Vector2d board_position(const Board& board, int id) {
-  return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
+bool has_markers(const Board& board) { return board.type == "charuco" || board.has_tags(); }
+double marker_share(const Board& board) {
+  return board.type == "charuco" ? board.marker_side_m() / board.square_m : 0.0;
 }
 
-bool has_markers(const Board& board) { return board.type == "charuco"; }
-double marker_share(const Board& board) { return has_markers(board) ? board.marker_side_m() / board.square_m : 0.0; }
+// Of an AprilGrid, in units of places_of_corners(): what is clean beside the edges is a tag's border or the gap, and
+// along them the tag or the gap.
+struct TagSides {
+  double tag, gap, clean;
+
+  TagSides(const Board& board, int border_bits) {
+    const double unit = 0.5 * board.square_m, bits = dictionary_of(board).bits;
+    tag = board.marker_side_m() / unit;
+    gap = 2.0 - tag;
+    clean = std::min(gap, border_bits / (bits + 2.0 * border_bits) * tag);
+  }
+};
 
 struct MeasuredCorner {
   int id = 0;
@@ -57,11 +71,12 @@ double median_of(const std::vector<MeasuredCorner>& corners, Value value) {
 
 double blur_of(const SaddleFit& fit) { return fit.blur_px.maxCoeff(); }
 
-// One square along each axis, towards the nearer (that is, shorter) neighbour.
-bool square_at(const Homography& H, const Vector2d& b, const Vector2d& centre, Matrix2d* square) {
+// One step along each axis, towards the nearer (that is, shorter) neighbour.
+bool square_at(const Homography& H, const Vector2d& b, const Vector2d& centre, double step, Matrix2d* square) {
   for (int axis = 0; axis < 2; ++axis) {
     Vector2d ahead, behind;
-    if (!H.map(b + Vector2d::Unit(axis), &ahead) || !H.map(b - Vector2d::Unit(axis), &behind)) return false;
+    if (!H.map(b + step * Vector2d::Unit(axis), &ahead) || !H.map(b - step * Vector2d::Unit(axis), &behind))
+      return false;
     const Vector2d whole = ahead - behind;
     const double shorter = std::min((ahead - centre).norm(), (behind - centre).norm());
     square->col(axis) = shorter * whole.normalized();
@@ -73,25 +88,44 @@ std::optional<Homography> homography_of(const Board& board, const std::vector<Me
   std::vector<PlanePoint> points;
   for (const MeasuredCorner& corner : corners)
     if (corner.fit.status == SaddleStatus::kFitted)
-      points.push_back({board_position(board, corner.id), corner.fit.pixel});
+      points.push_back({place_of_corner(board, corner.id), corner.fit.pixel});
   return Homography::fit(points);
 }
 
+// How the edges at a corner go on: on one side of it along each axis lies a tag.
+void follow_tags(const Board& board, int id, const TagSides& sides, SaddleWindow* window) {
+  for (int axis = 0; axis < 2; ++axis) {
+    const int line = axis == 0 ? id % board.inner_corners_x() : id / board.inner_corners_x();
+    const bool tag_ahead = line % 2 == 0;
+    window->clean_ahead[axis] = (tag_ahead ? sides.tag : sides.gap) / sides.clean;
+    window->clean_behind[axis] = (tag_ahead ? sides.gap : sides.tag) / sides.clean;
+  }
+}
+
+/// How corners are measured.
+struct Measuring {
+  std::optional<TagSides> tags;
+  double blur_px;
+  bool coarse;
+};
+
 std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, const Homography& H,
-                                    const std::vector<std::pair<int, Vector2d>>& seeds, double blur_px, bool coarse) {
+                                    const std::vector<std::pair<int, Vector2d>>& seeds, const Measuring& how) {
   std::vector<MeasuredCorner> corners(static_cast<std::size_t>(board.corner_count()));
   for (int id = 0; id < board.corner_count(); ++id) {
     MeasuredCorner& corner = corners[static_cast<std::size_t>(id)];
     corner.id = id;
-    const Vector2d b = board_position(board, id);
+    const Vector2d b = place_of_corner(board, id);
     Vector2d centre;
-    if (!H.map(b, &centre) || !square_at(H, b, centre, &corner.window.square)) continue;
+    if (!H.map(b, &centre) || !square_at(H, b, centre, how.tags ? how.tags->clean : 1.0, &corner.window.square))
+      continue;
+    if (how.tags) follow_tags(board, id, *how.tags, &corner.window);
     const auto seed = std::find_if(seeds.begin(), seeds.end(), [id](const auto& s) { return s.first == id; });
     corner.window.centre = seed != seeds.end() ? seed->second : centre;
     corner.window.dark_diagonal = board.is_dark(id % board.inner_corners_x(), id / board.inner_corners_x());
-    corner.window.blur_px = blur_px;
+    corner.window.blur_px = how.blur_px;
     corner.window.marker_share = marker_share(board);
-    corner.window.coarse = coarse;
+    corner.window.coarse = how.coarse;
     corner.fit = fit_saddle(grey, corner.window);
   }
   return corners;
@@ -108,7 +142,7 @@ void drop_outliers(const Board& board, const Homography& H, const CheckerboardOp
     SaddleFit& fit = corner.fit;
     if (fit.status != SaddleStatus::kFitted) continue;
     Vector2d expected = Vector2d::Constant(1e9);
-    H.map(board_position(board, corner.id), &expected);
+    H.map(place_of_corner(board, corner.id), &expected);
     const bool good = fit.residual_rms <= options.max_fit_residual_ratio * residual &&
                       fit.contrast >= kMinContrastRatio * contrast && blur_of(fit) <= kMaxBlurRatio * blur &&
                       (fit.pixel - expected).norm() <= kMaxHomographyShare * square_height(corner.window.square);
@@ -231,7 +265,8 @@ std::optional<Finding> fault_of(const Board& board, const std::vector<MeasuredCo
                                 const CheckerboardOptions& options) {
   const int fitted = count(corners, SaddleStatus::kFitted);
   const double smallest = smallest_square(corners), blur = median_of(corners, blur_of);
-  if (smallest < kMinSquarePx) return Finding("board.too_small", {{"square_px", smallest}});
+  if (smallest < (board.has_tags() ? kMinBorderPx : kMinSquarePx))
+    return Finding("board.too_small", {{"square_px", smallest}});
   if (fitted > 0 && blur > kMaxBlurShare * smallest) return Finding("board.blurred", {{"edge_px", 2.0 * blur}});
   if (has_markers(board)) {
     if (tells_a_pose(board, corners)) return std::nullopt;
@@ -258,11 +293,12 @@ struct CoarseCorners {
 // All corners from their seeds and where these expect the others. From a few seeds alone the farther ones are expected
 // too far off: a board of which markers tell a part is measured again from what was found, as long as more is.
 CoarseCorners measure_coarsely(const Image8& grey, const Board& board, Homography H,
-                               std::vector<std::pair<int, Vector2d>> seeds, const CheckerboardOptions& options) {
+                               std::vector<std::pair<int, Vector2d>> seeds, const std::optional<TagSides>& tags,
+                               const CheckerboardOptions& options) {
   constexpr double kFirstBlur = 0.9;
   constexpr int kMaxRounds = 4;
   for (int round = 0;; ++round) {
-    CoarseCorners coarse = {measure(grey, board, H, seeds, kFirstBlur, true), {}};
+    CoarseCorners coarse = {measure(grey, board, H, seeds, {tags, kFirstBlur, true}), {}};
     coarse.H = homography_of(board, coarse.corners);
     if (!coarse.H) return coarse;
     drop_outliers(board, *coarse.H, options, &coarse.corners);
@@ -277,18 +313,26 @@ CoarseCorners measure_coarsely(const Image8& grey, const Board& board, Homograph
 
 }  // namespace
 
+Vector2d place_of_corner(const Board& board, int id) {
+  if (board.has_tags()) return board.corner(id).head<2>() / (0.5 * board.square_m);
+  return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
+}
+
 BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement& placement,
                    const CheckerboardOptions& options) {
   BoardFit result;
   std::vector<PlanePoint> points;
-  for (const auto& [id, pixel] : placement.seeds) points.push_back({board_position(board, id), pixel});
+  for (const auto& [id, pixel] : placement.seeds) points.push_back({place_of_corner(board, id), pixel});
   std::optional<Homography> H = Homography::fit(points);
   result.why_not = Finding("board.not_found");
   if (!H) return result;
-  auto [corners, found] = measure_coarsely(grey, board, *H, placement.seeds, options);
+  std::optional<TagSides> tags;
+  if (board.has_tags()) tags.emplace(board, placement.tag_border_bits);
+  auto [corners, found] = measure_coarsely(grey, board, *H, placement.seeds, tags, options);
   H = std::move(found);
   if (H) {
-    corners = measure(grey, board, *H, places_of(corners), std::clamp(median_of(corners, blur_of), 0.4, 6.0), false);
+    corners =
+        measure(grey, board, *H, places_of(corners), {tags, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false});
     drop_outliers(board, *H, options, &corners);
   }
   result.outside = count(corners, SaddleStatus::kOutsideImage);

@@ -15,6 +15,9 @@ struct BoardFit {
   int fitted = 0;                          ///< corners that were measured, also of a board that is not taken
 };
 
+/// Where a corner lies on its board from corner 0, in squares; on an AprilGrid in mean distances of its corners.
+Eigen::Vector2d place_of_corner(const Board& board, int id);
+
 /// Fits every corner twice: first in windows from the seeds' homography, then from that of the fitted corners.
 BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement& placement,
                    const CheckerboardOptions& options);

@@ -32,6 +32,7 @@ std::vector<CornerGrid> grow_corner_grids(const SmoothImage& image, const std::v
 /// Where a board may lie in a grid: seeds[id] is present where the grid has that corner.
 struct BoardPlacement {
   std::vector<std::pair<int, Eigen::Vector2d>> seeds;  ///< (corner id, position)
+  int tag_border_bits = 2;                             ///< of an AprilGrid: how wide its tags' borders are
 };
 
 /// The placements of the board in the grid, mirrored ones and wrongly coloured ones excluded, that hold the largest

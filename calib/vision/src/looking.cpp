@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "finding_bytes.h"
-#include "rigproof/calib/vision/charuco.h"
 #include "rigproof/calib/vision/checkerboard.h"
 #include "rigproof/calib/vision/ground_plane.h"
 #include "rigproof/calib/vision/image_io.h"
+#include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/core/files.h"
 #include "smooth_image.h"
 

@@ -29,7 +29,7 @@ constexpr double kShareRead = 0.75;
 // These squares alone have this evidence, and this correlation in the mean: beyond them may be anything.
 constexpr double kEvidenceBetweenCorners = 12.0, kMeanCorrelation = 0.45;
 
-/// What is seen in a light square of the grid.
+/// What is seen in a square of the grid that may hold a marker.
 struct SeenSquare {
   int i, j;
   bool whole;     ///< all four corners were found
@@ -45,10 +45,54 @@ const std::array<Turn, 4>& turns() {
   return all;
 }
 
+/// Which squares of a grid hold the board's markers, and where lines of its corners lie from each other [squares].
+struct GridScale {
+  bool has_tags = false;
+  int tag_i = 0, tag_j = 0;  ///< parity of the first corner of tags
+  double tag = 1.0;          ///< side of a tag
+
+  double along(int i, int parity) const {
+    if (!has_tags) return i;
+    const int in_cell = (i - parity) & 1;
+    return (i - parity - in_cell) / 2 + in_cell * tag;
+  }
+  Vector2d place(int i, int j) const { return {along(i, tag_i), along(j, tag_j)}; }
+  bool holds_marker(const CornerGrid& grid, int i, int j) const {
+    if (!has_tags) return !grid.is_dark(i, j);
+    return ((i - tag_i) & 1) == 0 && ((j - tag_j) & 1) == 0;
+  }
+};
+
+// Mean lengths of the steps along an axis that begin at an even and at an odd place; 0: none.
+std::array<double, 2> step_lengths(const CornerGrid& grid, int di, int dj) {
+  std::array<double, 2> sum{}, count{};
+  for (const auto& [at, pixel] : grid.corners) {
+    const auto next = grid.corners.find({at.first + di, at.second + dj});
+    if (next == grid.corners.end()) continue;
+    const auto parity = static_cast<std::size_t>((di == 1 ? at.first : at.second) & 1);
+    sum[parity] += (next->second - pixel).norm();
+    ++count[parity];
+  }
+  return {sum[0] / std::max(count[0], 1.0), sum[1] / std::max(count[1], 1.0)};
+}
+
+int longer_steps(const CornerGrid& grid, int di, int dj) {
+  const std::array<double, 2> lengths = step_lengths(grid, di, dj);
+  return lengths[1] > lengths[0] ? 1 : 0;
+}
+
+// Absent where tags would be light.
+std::optional<GridScale> scale_of(const CornerGrid& grid, const Board& board) {
+  GridScale scale;
+  if (!board.has_tags()) return scale;
+  scale = {true, longer_steps(grid, 1, 0), longer_steps(grid, 0, 1), board.marker_side_m() / board.square_m};
+  return grid.is_dark(scale.tag_i, scale.tag_j) ? std::optional(scale) : std::nullopt;
+}
+
 // From grid coordinates to the image, and for each square as its own corners say.
 class GridMap {
  public:
-  GridMap(const CornerGrid& grid, const Homography& H) : grid_(grid), H_(H) {}
+  GridMap(const CornerGrid& grid, const GridScale& scale, const Homography& H) : grid_(grid), scale_(scale), H_(H) {}
 
   /// Where a square's corners are; those not found by the homography of all, moved as the found ones are.
   std::optional<Homography> square(int i, int j, int* found) const {
@@ -59,7 +103,7 @@ class GridMap {
     for (std::size_t k = 0; k < 4; ++k) {
       const int di = k == 1 || k == 2, dj = k >= 2;
       points[k].board = Vector2d(di, dj);
-      if (!H_.map(Vector2d(i + di, j + dj), &points[k].pixel)) return std::nullopt;
+      if (!H_.map(scale_.place(i + di, j + dj), &points[k].pixel)) return std::nullopt;
       const auto corner = grid_.corners.find({i + di, j + dj});
       if (corner == grid_.corners.end()) continue;
       seen[k] = true;
@@ -75,12 +119,13 @@ class GridMap {
 
  private:
   const CornerGrid& grid_;
+  const GridScale& scale_;
   const Homography& H_;
 };
 
-std::optional<Homography> homography_of(const CornerGrid& grid) {
+std::optional<Homography> homography_of(const CornerGrid& grid, const GridScale& scale) {
   std::vector<PlanePoint> points;
-  for (const auto& [at, pixel] : grid.corners) points.push_back({Vector2d(at.first, at.second), pixel});
+  for (const auto& [at, pixel] : grid.corners) points.push_back({scale.place(at.first, at.second), pixel});
   return Homography::fit(points);
 }
 
@@ -98,10 +143,19 @@ bool sample(const Image8& grey, const Vector2d& at, float* value) {
   return true;
 }
 
+/// How a marker lies in its square.
+struct MarkerShape {
+  int bits, border;
+  double share;  ///< its side over the square's
+
+  double cell() const { return share / (bits + 2 * border); }
+};
+
 // Mean grey of each cell of a square's marker, by nine samples; absent where the image ends.
-std::optional<MatrixXf> cells_of(const Image8& grey, const Homography& square, int bits, double marker_share) {
+std::optional<MatrixXf> cells_of(const Image8& grey, const Homography& square, const MarkerShape& shape) {
+  const int bits = shape.bits;
   MatrixXf cells = MatrixXf::Zero(bits, bits);
-  const double cell = marker_share / (bits + 2), begin = 0.5 * (1.0 - marker_share) + cell;
+  const double cell = shape.cell(), begin = 0.5 * (1.0 - shape.share) + shape.border * cell;
   for (int y = 0; y < bits; ++y)
     for (int x = 0; x < bits; ++x)
       for (int k = 0; k < 9; ++k) {
@@ -159,18 +213,18 @@ struct Seen {
   Vector2d square_px = Vector2d::Zero();  ///< their mean sides along i and j
 };
 
-Seen light_squares(const Image8& grey, const CornerGrid& grid, int bits, double marker_share) {
+Seen marked_squares(const Image8& grey, const CornerGrid& grid, const GridScale& scale, const MarkerShape& shape) {
   Seen seen;
-  const std::optional<Homography> H = homography_of(grid);
+  const std::optional<Homography> H = homography_of(grid, scale);
   if (!H) return seen;
-  const GridMap map(grid, *H);
+  const GridMap map(grid, scale, *H);
   for (int j = grid.j_min - 1; j <= grid.j_max; ++j)
     for (int i = grid.i_min - 1; i <= grid.i_max; ++i) {
-      if (grid.is_dark(i, j)) continue;
+      if (!scale.holds_marker(grid, i, j)) continue;
       int found = 0;
       const std::optional<Homography> square = map.square(i, j, &found);
       if (!square) continue;
-      std::optional<MatrixXf> cells = cells_of(grey, *square, bits, marker_share);
+      std::optional<MatrixXf> cells = cells_of(grey, *square, shape);
       if (!cells) continue;
       const Eigen::Matrix2d side = square->jacobian({0.5, 0.5});
       const double area = std::abs(side.determinant());
@@ -187,15 +241,15 @@ struct Place {
   double correlation = 0.0;               ///< sum over the latter
   int squares = 0, whole = 0, read = 0;   ///< that hold markers; of whole ones those that were read
 };
-using PlaceKey = std::tuple<int, int, int>;  // turn, i and j of corner 0
+using PlaceKey = std::tuple<int, int, int, int>;  // turn, i and j of corner 0; of tags in their places
 
 // Where corner 0 is if the square (ix, iy) of the board is the square (i, j) of the grid.
-PlaceKey key_of(int turn, const SeenSquare& square, const BoardMarker& marker) {
+PlaceKey key_of(int turn, int of_tags, const SeenSquare& square, const BoardMarker& marker) {
   const Turn& t = turns()[static_cast<std::size_t>(turn)];
   // The square's middle is at (ix - 1/2, iy - 1/2) from corner 0; everything twice, to stay with whole numbers.
   const Vector2i middle2 = Vector2i(2 * square.i + 1, 2 * square.j + 1);
   const Vector2i corner2 = middle2 - (2 * marker.ix - 1) * t.x - (2 * marker.iy - 1) * t.y;
-  return {turn, corner2.x() / 2, corner2.y() / 2};
+  return {turn, corner2.x() / 2, corner2.y() / 2, of_tags};
 }
 
 // Of a correlation of `n` numbers: the logarithm of how much likelier it is than none.
@@ -207,27 +261,30 @@ double evidence_of(float correlation, Eigen::Index n) {
 
 using Places = std::map<PlaceKey, Place>;
 
-Places places_of(const Seen& seen, const Board& board, const std::vector<MatrixXf>& pictures, int bits) {
-  const std::vector<BoardMarker> markers = charuco_markers(board);
-  const Vector2d cell_px = seen.square_px * (board.marker_side_m() / board.square_m / (bits + 2));
+Places places_of(const Seen& seen, const Board& board, const std::vector<MatrixXf>& pictures,
+                 const MarkerShape& shape) {
+  const std::vector<BoardMarker> markers = markers_of(board);
+  const Vector2d cell_px = seen.square_px * shape.cell();
   std::vector<VectorXf> shown;
   for (const SeenSquare& square : seen.squares) shown.push_back(normalised(square.grey));
   Places places;
   for (int turn = 0; turn < 4; ++turn)
     for (const BoardMarker& marker : markers) {
-      const VectorXf picture = expected(pictures[static_cast<std::size_t>(marker.id)], bits,
+      const VectorXf picture = expected(pictures[static_cast<std::size_t>(marker.id)], shape.bits,
                                         turns()[static_cast<std::size_t>(turn)], cell_px);
       for (std::size_t k = 0; k < shown.size(); ++k) {
-        Place& place = places[key_of(turn, seen.squares[k], marker)];
         const float correlation = shown[k].dot(picture);
         const double evidence = evidence_of(correlation, picture.size());
-        place.evidence += evidence;
-        ++place.squares;
-        if (!seen.squares[k].whole) continue;
-        ++place.whole;
-        place.of_whole += evidence;
-        place.correlation += static_cast<double>(correlation);
-        place.read += correlation > kRead;
+        for (int of_tags = 0; of_tags < (board.has_tags() ? 4 : 1); ++of_tags) {
+          Place& place = places[key_of((turn + of_tags) % 4, of_tags, seen.squares[k], marker)];
+          place.evidence += evidence;
+          ++place.squares;
+          if (!seen.squares[k].whole) continue;
+          ++place.whole;
+          place.of_whole += evidence;
+          place.correlation += static_cast<double>(correlation);
+          place.read += correlation > kRead;
+        }
       }
     }
   return places;
@@ -249,7 +306,7 @@ std::optional<std::pair<PlaceKey, double>> decide(const Places& places, int whol
 }
 
 BoardPlacement placement_at(const CornerGrid& grid, const Board& board, const PlaceKey& key) {
-  const auto [turn, i0, j0] = key;
+  const auto [turn, i0, j0, of_tags] = key;
   const Turn& t = turns()[static_cast<std::size_t>(turn)];
   BoardPlacement placement;
   for (int id = 0; id < board.corner_count(); ++id) {
@@ -266,16 +323,39 @@ BoardPlacement placement_at(const CornerGrid& grid, const Board& board, const Pl
 MarkerReader::MarkerReader(const Board& board) : board_(board) {
   const MarkerDictionary& dictionary = dictionary_of(board);
   bits_ = dictionary.bits;
-  pictures_ = marker_pictures(dictionary, static_cast<int>(charuco_markers(board).size()));
+  const auto count = static_cast<int>(markers_of(board).size());
+  for (const int border : board.has_tags() ? std::vector{2, 1} : std::vector{1})
+    pictures_.emplace_back(border, marker_pictures(dictionary, count, border));
 }
 
 std::optional<MarkedPlacement> MarkerReader::read(const Image8& grey, const CornerGrid& grid) const {
-  const Seen seen = light_squares(grey, grid, bits_, board_.marker_side_m() / board_.square_m);
-  if (seen.squares.empty()) return std::nullopt;
-  const auto whole = std::count_if(seen.squares.begin(), seen.squares.end(), [](const auto& one) { return one.whole; });
-  const auto place = decide(places_of(seen, board_, pictures_, bits_), static_cast<int>(whole));
-  if (!place) return std::nullopt;
-  return MarkedPlacement{placement_at(grid, board_, place->first), place->second};
+  const std::optional<GridScale> scale = scale_of(grid, board_);
+  if (!scale) return std::nullopt;
+  std::optional<MarkedPlacement> best;
+  for (const auto& [border, pictures] : pictures_) {
+    const MarkerShape shape{bits_, border, board_.has_tags() ? 1.0 : board_.marker_side_m() / board_.square_m};
+    const Seen seen = marked_squares(grey, grid, *scale, shape);
+    const auto whole =
+        std::count_if(seen.squares.begin(), seen.squares.end(), [](const auto& one) { return one.whole; });
+    const auto place = decide(places_of(seen, board_, pictures, shape), static_cast<int>(whole));
+    if (!place || (best && best->evidence >= place->second)) continue;
+    best = MarkedPlacement{placement_at(grid, board_, place->first), place->second};
+    best->placement.tag_border_bits = border;
+  }
+  return best;
+}
+
+std::optional<double> tag_share(const CornerGrid& grid) {
+  constexpr double kLeastShare = 0.6;  // squares of one size have a half
+  double sum = 0.0;
+  for (const auto& [di, dj] : {std::pair(1, 0), std::pair(0, 1)}) {
+    const std::array<double, 2> lengths = step_lengths(grid, di, dj);
+    if (std::min(lengths[0], lengths[1]) <= 0.0) return std::nullopt;
+    const double share = std::max(lengths[0], lengths[1]) / (lengths[0] + lengths[1]);
+    if (share < kLeastShare) return std::nullopt;
+    sum += share;
+  }
+  return 0.5 * sum;
 }
 
 }  // namespace rigproof::detection

@@ -1,4 +1,4 @@
-// Which corners of a ChArUco board a grid shows, told by the markers in its light squares.
+// Which corners of a ChArUco board or an AprilGrid a grid shows, told by the markers between them.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,9 @@ struct MarkedPlacement {
   double evidence = 0.0;  ///< logarithm of how much likelier these markers are than any picture
 };
 
-/// Compares what the light squares of grids show with all markers of a board, in all four turns.
+/// Compares what the squares of grids show with all markers of a board, in all four turns: of a ChArUco board the light
+/// squares; of an AprilGrid the larger dark ones, with tags of either border, and turned in their places by any right
+/// angle, as printers of such grids differ in that.
 class MarkerReader {
  public:
   explicit MarkerReader(const Board& board);
@@ -26,7 +28,10 @@ class MarkerReader {
  private:
   Board board_;
   int bits_;
-  std::vector<Eigen::MatrixXf> pictures_;
+  std::vector<std::pair<int, std::vector<Eigen::MatrixXf>>> pictures_;  ///< by the width of the border [bits]
 };
+
+/// Of a grid whose steps are long and short in turn along both axes, as an AprilGrid's: the long ones over two steps.
+std::optional<double> tag_share(const CornerGrid& grid);
 
 }  // namespace rigproof::detection

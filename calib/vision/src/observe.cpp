@@ -12,8 +12,8 @@
 #include "looking.h"
 #include "rigproof/calib/geometry/trajectory_alignment.h"
 #include "rigproof/calib/geometry/view_poses.h"
-#include "rigproof/calib/vision/charuco.h"
 #include "rigproof/calib/vision/image_io.h"
+#include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/calib/vision/parallel.h"
 #include "rigproof/calib/vision/picture_memory.h"
 #include "rigproof/calib/vision/recall.h"
@@ -25,6 +25,7 @@
 #include "rigproof/core/text.h"
 #include "sight.h"
 #include "standstill.h"
+#include "tag_side.h"
 
 namespace rigproof {
 namespace {
@@ -239,14 +240,20 @@ std::vector<const Sight*> choose_frames(const Source& from, const std::vector<Si
   return chosen;
 }
 
+std::string in_words(const Board& board) {
+  const std::string squares = "[" + std::to_string(board.squares_x) + ", " + std::to_string(board.squares_y) + "]";
+  const std::string marker = number_text(std::round(100.0 * board.marker_side_m() / board.square_m)) + " % of ";
+  if (board.has_tags())
+    return "an AprilGrid (type: aprilgrid) with squares " + squares + ", tags of " + marker + "square_mm";
+  return "a ChArUco board (type: charuco) with squares " + squares + ", dictionary " + board.dictionary +
+         ", markers of " + marker + "the squares' side" + (board.legacy_pattern ? ", legacy_pattern" : "");
+}
+
 // What an image shows instead of the stated board; empty: nothing.
 std::string other_board_in(const Image8& image, const Board& stated) {
   // First the one with markers: its corners alone look like a checkerboard's.
-  if (const std::optional<Board> seen = find_any_charuco(image))
-    return "the images seem to show a ChArUco board with squares [" + std::to_string(seen->squares_x) + ", " +
-           std::to_string(seen->squares_y) + "], dictionary " + seen->dictionary + ", markers of " +
-           number_text(std::round(100.0 * seen->marker_side_m())) + " % of the squares' side" +
-           (seen->legacy_pattern ? ", legacy_pattern" : "");
+  if (const std::optional<Board> seen = find_any_marked_board(image))
+    return "the images seem to show " + in_words(*seen);
   const std::optional<CheckerboardSize> size = find_any_checkerboard(image);
   return size ? describe_size_mismatch(*size, stated) : std::string();
 }
@@ -638,6 +645,22 @@ void make_symmetric(Observations* result) {
     for (PlaneObservation& plane : *planes) mirror_upper_triangle(&plane.covariance_per_m2);
 }
 
+// Images tell the tags' share of an AprilGrid better than a ruler does, so that marker_mm need only be near it.
+void measure_tags(const Recording& recording, Observations* result) {
+  constexpr double kOff = 0.03;
+  Board& board = result->board;
+  const std::optional<double> share = board.has_tags() ? detection::tag_share_in(*result) : std::nullopt;
+  if (!share) return;
+  const double seen_m = *share * board.square_m, stated_m = board.marker_side_m();
+  if (std::abs(seen_m / stated_m - 1.0) > kOff)
+    throw Error((recording.folder / "rig.yaml").string() +
+                ": board.marker_mm: " + number_text(std::round(1e4 * stated_m) / 10.0) +
+                ", but in the images tags have " + number_text(std::round(1e3 * *share) / 10.0) +
+                " % of the distance from tag to tag: " + number_text(std::round(1e4 * seen_m) / 10.0) +
+                " if square_mm (tag and gap) is right");
+  board.marker_m = seen_m;
+}
+
 }  // namespace
 
 Observations observe(const Recording& recording, const ObserveOptions& options) {
@@ -646,10 +669,6 @@ Observations observe(const Recording& recording, const ObserveOptions& options) 
 
 Observations observe(const Recording& recording, const ObserveOptions& options, PictureMemory* memory) {
   StopPlan plan = detection::plan_stops(recording, options);
-  if (!can_be_detected(recording.rig.board))
-    throw Error(recording.folder.string() + ": board.type: " + recording.rig.board.type +
-                ": such boards are printed and rendered, but not detected; calibration needs a checkerboard or a "
-                "ChArUco board");
   const Source from{recording, options, memory};
   std::vector<Sight> sights = look_for_boards(from, &plan);
   refuse_wrong_sizes(from, sights);
@@ -657,6 +676,7 @@ Observations observe(const Recording& recording, const ObserveOptions& options, 
   Observations result = described(recording, plan);
   const std::vector<const Sight*> chosen = choose_frames(from, sights, &result);
   if (result.board_views.empty()) throw_without_board(from, chosen);
+  measure_tags(recording, &result);
   if (options.use_depth) add_planes(from, chosen, sights.size(), &result);
   make_symmetric(&result);
   std::stable_sort(result.exclusions.begin(), result.exclusions.end(), [](const Exclusion& a, const Exclusion& b) {

@@ -202,6 +202,7 @@ struct WindowShape {
   double limit_u = 0.0, limit_v = 0.0;  ///< in squares
   Vector2d across_u, across_v;          ///< unit normals of the edges along y and along x
   double height_u = 0.0, height_v = 0.0;
+  Vector2d ahead, behind;  ///< how far edges are followed beyond these [squares]
 
   WindowShape(const SaddleWindow& window, double blur_px) : board_from_pixel(window.square.inverse()) {
     const double area = std::abs(window.square.determinant());
@@ -210,14 +211,22 @@ struct WindowShape {
     const double margin = 3.0 * blur_px + 0.3;
     limit_u = std::clamp(1.0 - margin / height_u, 0.55, 0.95);
     limit_v = std::clamp(1.0 - margin / height_v, 0.55, 0.95);
+    const auto reach = [&](const Vector2d& clean) -> Vector2d {
+      return (clean.array() > 1.0).select(clean - Vector2d(margin / height_u, margin / height_v), Vector2d::Zero());
+    };
+    ahead = reach(window.clean_ahead);
+    behind = reach(window.clean_behind);
   }
   bool holds(const Vector2d& offset, double blur_px) const {
     const Vector2d uv = board_from_pixel * offset;
     const double u = std::abs(uv.x()), v = std::abs(uv.y());
-    if (u > limit_u || v > limit_v) return false;
     const double near = kEdgeReach * blur_px;
-    return u * height_u < near || v * height_v < near;
+    const bool near_u = u * height_u < near, near_v = v * height_v < near;
+    if (u > limit_u || v > limit_v)
+      return (near_v && v <= limit_v && goes_on(uv, 0)) || (near_u && u <= limit_u && goes_on(uv, 1));
+    return near_u || near_v;
   }
+  bool goes_on(const Vector2d& uv, int axis) const { return uv[axis] < ahead[axis] && -uv[axis] < behind[axis]; }
 };
 
 /// The markers in the two light squares at a corner, as dark squares: what is within their border is left out.

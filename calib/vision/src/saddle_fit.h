@@ -19,6 +19,9 @@ struct SaddleWindow {
   /// Side of the markers in the middle of the light squares, over the squares'; 0: none. Pixels on them are left out,
   /// and what their blur leaves of the others' light is part of the model.
   double marker_share = 0.0;
+  /// How far the edges along x (first) and y go on between areas as clean as the squares above, beyond the corner and
+  /// before it [squares].
+  Eigen::Vector2d clean_ahead = Eigen::Vector2d::Ones(), clean_behind = Eigen::Vector2d::Ones();
 };
 
 enum class SaddleStatus { kFitted, kOutsideImage, kNoSaddle, kTooSmall };

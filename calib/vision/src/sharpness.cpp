@@ -16,7 +16,7 @@ const CornerObservation* find_corner(const std::vector<CornerObservation>& corne
   return found == corners.end() ? nullptr : &*found;
 }
 
-// One square along a row (step 1) or a column (step of a row), from either neighbour; absent without any.
+// To the nearer neighbour along a row (step 1) or a column (step of a row); absent without any.
 std::optional<Eigen::Vector2d> square_along(const std::vector<CornerObservation>& corners,
                                             const CornerObservation& corner, int step, bool has_next, bool has_last) {
   const CornerObservation* next = has_next ? find_corner(corners, corner.id + step) : nullptr;
@@ -36,12 +36,17 @@ std::optional<double> edge_width_px(const Image8& grey, const Board& board,
   std::vector<double> widths;
   for (const CornerObservation& corner : corners) {
     const int x = corner.id % columns, y = corner.id / columns;
-    const auto across = square_along(corners, corner, 1, x + 1 < columns, x > 0);
-    const auto down = square_along(corners, corner, columns, y + 1 < rows, y > 0);
+    // Of an AprilGrid across the gap: a tag is clean as far as its border goes, two thirds of that.
+    const bool tags = board.has_tags();
+    const auto across =
+        square_along(corners, corner, 1, x + 1 < columns && !(tags && x % 2 == 0), x > 0 && !(tags && x % 2 == 1));
+    const auto down =
+        square_along(corners, corner, columns, y + 1 < rows && !(tags && y % 2 == 0), y > 0 && !(tags && y % 2 == 1));
     if (!across || !down) continue;
     detection::SaddleWindow window;
     window.centre = corner.pixel;
     window.square << *across, *down;
+    if (tags) window.square *= 2.0 / 3.0;
     window.dark_diagonal = board.is_dark(x, y);
     window.marker_share = board.type == "charuco" ? board.marker_side_m() / board.square_m : 0.0;
     const detection::SaddleFit fit = detection::fit_saddle(grey, window);

@@ -64,7 +64,7 @@ void write(const Board& board, Writer* to) {
   to->number(board.squares_x);
   to->number(board.squares_y);
   to->number(board.square_m);
-  if (board.type != "charuco") return;
+  if (board.type == "checkerboard") return;
   to->text(dictionary_of(board).name);
   to->number(board.marker_side_m());
   to->number(static_cast<int>(board.legacy_pattern));

@@ -51,6 +51,15 @@ YamlTree sensor_of(const RigCamera& camera) {
 // As Kalibr's --target wants it.
 YamlTree target_of(const Board& board) {
   YamlTree tree = YamlTree::map();
+  if (board.has_tags()) {
+    const double tag = board.marker_side_m();
+    tree.set("target_type", YamlTree::text("aprilgrid"));
+    tree.set("tagCols", YamlTree::number(board.squares_x));
+    tree.set("tagRows", YamlTree::number(board.squares_y));
+    tree.set("tagSize", YamlTree::number(tag));
+    tree.set("tagSpacing", YamlTree::number(board.square_m / tag - 1.0));
+    return tree;
+  }
   tree.set("target_type", YamlTree::text("checkerboard"));
   tree.set("targetCols", YamlTree::number(board.inner_corners_x()));
   tree.set("targetRows", YamlTree::number(board.inner_corners_y()));
@@ -94,7 +103,7 @@ ConvertReport write_euroc(const WriteJob& job) {
     report.notes.push_back(recording.rig.cameras[k].name + " is cam" + std::to_string(k) + " there.");
   }
   write_file_atomically_unsynced(job.folder / "mav0" / "odom0" / "data.csv", odometry_text(recording.odometry));
-  if (recording.rig.board.type == "checkerboard")
+  if (recording.rig.board.type != "charuco")
     write_file_atomically_unsynced(job.folder / "target.yaml", emit_yaml(target_of(recording.rig.board)));
   else
     report.notes.push_back("The board (" + recording.rig.board.type + ") is not told.");

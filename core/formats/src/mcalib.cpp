@@ -113,6 +113,7 @@ ConvertReport write_mcalib(const WriteJob& job) {
 Format mcalib_format() {
   Format format;
   format.name = "mcalib";
+  format.equal_squares = true;
   format.what = "MC-Calib's folder";
   format.write = write_mcalib;
   return format;

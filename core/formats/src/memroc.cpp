@@ -286,6 +286,7 @@ Input read_memroc(const fs::path& folder) {
 Format memroc_format() {
   Format format;
   format.name = "memroc";
+  format.equal_squares = true;
   format.what = "the MEMROC layout";
   format.given_as = "a folder in the MEMROC layout";
   format.marker = kMemrocInfoFile;

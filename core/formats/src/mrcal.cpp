@@ -74,6 +74,7 @@ ConvertReport write_mrcal(const WriteJob& job) {
 Format mrcal_format() {
   Format format;
   format.name = "mrcal";
+  format.equal_squares = true;
   format.what = "mrcal's corners and camera models";
   format.write = write_mrcal;
   return format;

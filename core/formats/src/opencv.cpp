@@ -51,6 +51,7 @@ ConvertReport write_opencv(const WriteJob& job) {
 Format opencv_format() {
   Format format;
   format.name = "opencv";
+  format.equal_squares = true;
   format.what = "OpenCV's FileStorage";
   format.write = write_opencv;
   format.wants_stops = true;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
@@ -338,10 +339,11 @@ std::optional<RayMoments> ground_ray_moments(const Camera& camera, const Eigen::
 RayMoments board_ray_moments(const Camera& camera, const Board& board, const Rigid3& T_camera_board) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   const int columns = 2 * board.squares_x, rows = 2 * board.squares_y;
+  const double beyond = board.square_m - first_corner_m(board);  // of an AprilGrid's cells
   for (int i = 0; i < columns * rows; ++i) {
     const int column = i % columns, row = i / columns;
-    const double x = board.square_m * inside_board(column, columns, board.squares_x);
-    const double y = board.square_m * inside_board(row, rows, board.squares_y);
+    const double x = beyond + board.square_m * inside_board(column, columns, board.squares_x);
+    const double y = beyond + board.square_m * inside_board(row, rows, board.squares_y);
     const Eigen::Vector3d point = T_camera_board * Eigen::Vector3d(x, y, 0.0);
     const Eigen::Vector3d ray = point / point.z();
     sum += ray * ray.transpose();

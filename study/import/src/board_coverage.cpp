@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "rigproof/calib/vision/charuco.h"
 #include "rigproof/calib/vision/image_io.h"
+#include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/calib/vision/observe.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -33,9 +33,10 @@ std::string squares_text(int columns, int rows) {
 std::string text_of(const Board& board) {
   const std::string text =
       "type: " + board.type + ", " + squares_text(board.squares_x, board.squares_y) + ", square_mm: 100";
-  if (board.type != "charuco") return text;
-  return text + ", marker_mm: " + number_text(std::round(100.0 * board.marker_side_m() / board.square_m)) +
-         ", dictionary: " + board.dictionary + (board.legacy_pattern ? ", legacy_pattern: true" : "");
+  if (board.type == "checkerboard") return text;
+  const std::string marker = ", marker_mm: " + number_text(std::round(100.0 * board.marker_side_m() / board.square_m));
+  if (board.has_tags()) return text + marker;
+  return text + marker + ", dictionary: " + board.dictionary + (board.legacy_pattern ? ", legacy_pattern: true" : "");
 }
 
 void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
@@ -44,7 +45,7 @@ void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
 
 std::optional<Board> any_board(const Image8& image) {
   // First the one with markers: its corners alone look like a checkerboard's.
-  if (std::optional<Board> board = find_any_charuco(image)) return board;
+  if (std::optional<Board> board = find_any_marked_board(image)) return board;
   const auto size = find_any_checkerboard(image);
   if (!size) return std::nullopt;
   Board board;

@@ -7,7 +7,7 @@
 #include "board_coverage.h"
 #include "folder_import.h"
 #include "rig_files.h"
-#include "rigproof/calib/vision/charuco.h"
+#include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/pcd.h"
@@ -132,7 +132,7 @@ class PictureWriter {
 };
 
 void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
-  const bool known = options.board.has_value() && can_be_detected(*options.board);
+  const bool known = options.board.has_value();
   const CoverageProgress progress = [&options](std::uint64_t done, std::uint64_t total) {
     return !options.progress || options.progress("board", done, total);
   };

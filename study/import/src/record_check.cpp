@@ -10,7 +10,7 @@
 #include "board_coverage.h"
 #include "picture_source.h"
 #include "record_advice.h"
-#include "rigproof/calib/vision/charuco.h"
+#include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/calib/vision/parallel.h"
 #include "rigproof/calib/vision/sharpness.h"
 #include "rigproof/core/error.h"
@@ -104,8 +104,6 @@ class RecordWatch::Impl {
   RecordCheck look() {
     const Recording recording = source_->choose();
     if (!board_ && source_->knows_board()) board_ = recording.rig.board;
-    if (board_ && !can_be_detected(*board_))
-      throw Error("boards of type " + for_message(board_->type) + " are not detected in images");
     const std::vector<detection::PlannedStop> stops = detection::plan_stops(recording, {}).stops;
     waiting_ = 0;
     see(recording, stops);

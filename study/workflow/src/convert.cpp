@@ -55,6 +55,9 @@ void add_stops(const Recording& recording, WriteJob* job) {
 ConvertReport convert(const Recording& recording, const std::string& format, const fs::path& folder,
                       const ConvertOptions& options) {
   const Format& to = writable_format(format);
+  if (to.equal_squares && recording.rig.board.has_tags())
+    throw Error((recording.folder / "rig.yaml").string() + ": board.type: " + recording.rig.board.type + ": " +
+                to.what + " knows boards of equal squares alone; --to euroc tells it as Kalibr does");
   FolderInMaking making(folder);
   WriteJob job{recording, making.path(), {}, 0, {}, {}, {}};
   if (to.wants_stops) add_stops(recording, &job);

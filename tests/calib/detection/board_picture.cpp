@@ -53,10 +53,11 @@ class BoardTexture {
     to_board_.col(1) = R.col(1) * board.square_m;
     to_board_.col(2) = T_camera_board.translation;
     to_board_ = to_board_.inverse().eval();
-    for (const BoardMarker& marker : charuco_markers(board)) marker_at_[{marker.ix, marker.iy}] = marker.id;
+    for (const BoardMarker& marker : markers_of(board)) marker_at_[{marker.ix, marker.iy}] = marker.id;
     if (marker_at_.empty()) return;
-    pictures_ = detection::marker_pictures(dictionary_of(board), static_cast<int>(marker_at_.size()));
-    cells_ = dictionary_of(board).bits + 2;
+    border_ = board.has_tags() ? options.tag_border_bits : 1;
+    pictures_ = detection::marker_pictures(dictionary_of(board), static_cast<int>(marker_at_.size()), border_);
+    cells_ = dictionary_of(board).bits + 2 * border_;
   }
 
   // Coordinates in squares from the outer corner of the first square; false behind the board's horizon.
@@ -70,6 +71,7 @@ class BoardTexture {
   // Grey value and share of the sample that shows the board, over a footprint [squares].
   void shade(const Vector2d& s, const Vector2d& footprint, double* grey, double* share) const {
     const Vector2d width = options_.point_samples ? Vector2d::Zero() : footprint;
+    if (board_.has_tags()) return shade_tags(s, width, grey, share);
     const double border = options_.border_m / board_.square_m;
     const double x = coverage(s.x(), width.x(), -border, board_.squares_x + border);
     const double y = coverage(s.y(), width.y(), -border, board_.squares_y + border);
@@ -88,13 +90,47 @@ class BoardTexture {
   }
 
  private:
+  // An AprilGrid: its tags and the small squares between them.
+  void shade_tags(const Vector2d& s, const Vector2d& width, double* grey, double* share) const {
+    const double side = board_.marker_side_m() / cells_, unit = board_.square_m,
+                 low = board_.along(-1) - options_.border_m;
+    const Vector2d p = (s - Vector2d::Ones()) * unit, size = width * unit;
+    const Vector2d high(board_.along(board_.inner_corners_x()) + options_.border_m,
+                        board_.along(board_.inner_corners_y()) + options_.border_m);
+    *share = coverage(p.x(), size.x(), low, high.x()) * coverage(p.y(), size.y(), low, high.y());
+    if (*share <= 0.0) return;
+    const Vector2d from = ((p - 0.5 * size) / unit).array().floor(), to = ((p + 0.5 * size) / unit).array().floor();
+    double dark = gaps(p.x(), size.x(), board_.inner_corners_x()) * gaps(p.y(), size.y(), board_.inner_corners_y());
+    for (int y = static_cast<int>(from.y()); y <= static_cast<int>(to.y()); ++y)
+      for (int x = static_cast<int>(from.x()); x <= static_cast<int>(to.x()); ++x) {
+        if (x < 0 || y < 0 || x >= board_.squares_x || y >= board_.squares_y) continue;
+        const int id = (board_.squares_y - 1 - y) * board_.squares_x + x;
+        dark += cells_cover(id, (p - unit * Vector2d(x, y)) / side, size / side);
+      }
+    *grey = options_.light - dark * (options_.light - options_.dark);
+    if (s.x() >= options_.hidden_from_x && s.x() < options_.hidden_to_x) *grey = options_.background;
+  }
+  // Share of an interval that lies between tags.
+  double gaps(double at_m, double width_m, int corners) const {
+    double sum = 0.0;
+    const int cell = static_cast<int>(std::floor(at_m / board_.square_m));
+    for (int i = std::max(0, 2 * cell - 2); i <= std::min(corners, 2 * cell + 4); i += 2)
+      sum += coverage(at_m, width_m, board_.along(i - 1), board_.along(i));
+    return sum;
+  }
+
   // Share of a footprint that is on dark cells of the marker in its square.
   double marker_cover(const Vector2d& s, const Vector2d& width) const {
     const Vector2d first = s.array().floor();
     const auto marker = marker_at_.find({static_cast<int>(first.x()), static_cast<int>(first.y())});
     if (marker == marker_at_.end()) return 0.0;
     const double side = board_.marker_side_m() / board_.square_m / cells_;
-    const Vector2d at = ((s - first).array() - 0.5 * (1.0 - side * cells_)) / side, size = width / side;
+    const Vector2d at = ((s - first).array() - 0.5 * (1.0 - side * cells_)) / side;
+    return cells_cover(marker->second, at, width / side);
+  }
+
+  // Share of a footprint at so many cells from a marker's first corner.
+  double cells_cover(int id, const Vector2d& at, const Vector2d& size) const {
     const auto range = [this](double middle, double extent) {
       return std::pair(std::max(0, static_cast<int>(std::floor(middle - 0.5 * extent))),
                        std::min(cells_ - 1, static_cast<int>(std::floor(middle + 0.5 * extent))));
@@ -104,7 +140,7 @@ class BoardTexture {
     double dark = 0.0;
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x)
-        if (pictures_[static_cast<std::size_t>(marker->second)](y + 2, x + 2) == 0.0F)
+        if (pictures_[static_cast<std::size_t>(id)](y + 3 - border_, x + 3 - border_) == 0.0F)
           dark += coverage(at.x(), size.x(), x, x + 1.0) * coverage(at.y(), size.y(), y, y + 1.0);
     return dark;
   }
@@ -126,7 +162,7 @@ class BoardTexture {
   Eigen::Matrix3d R_board_camera_;
   std::map<std::pair<int, int>, int> marker_at_;  // ids by square
   std::vector<Eigen::MatrixXf> pictures_;
-  int cells_ = 0;
+  int cells_ = 0, border_ = 1;
   Vector3d eye_;  // the camera in the board's frame
 };
 
@@ -202,9 +238,9 @@ Box board_box(const Camera& camera, const Board& board, const Rigid3& T_camera_b
   Vector2d low(camera.width_px, camera.height_px), high(0.0, 0.0);
   for (int i = 0; i <= 16; ++i) {
     for (int side = 0; side < 4; ++side) {
-      const double a = -border_m - board.square_m, t = i / 16.0;
-      const double bx = board.squares_x * board.square_m + a + 2.0 * border_m;
-      const double by = board.squares_y * board.square_m + a + 2.0 * border_m;
+      const double a = board.along(-1) - border_m, t = i / 16.0;
+      const double bx = board.along(board.inner_corners_x()) + border_m;
+      const double by = board.along(board.inner_corners_y()) + border_m;
       const double x = side == 0 ? a : side == 1 ? bx : a + t * (bx - a);
       const double y = side == 2 ? a : side == 3 ? by : a + t * (by - a);
       Vector2d pixel;

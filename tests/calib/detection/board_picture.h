@@ -1,5 +1,5 @@
-// Pictures of checkerboards and ChArUco boards made from formulas alone, independent of any renderer, to test the
-// detector against.
+// Pictures of checkerboards, ChArUco boards and AprilGrids made from formulas alone, independent of any renderer, to
+// test the detector against.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,8 @@ struct BoardPictureOptions {
   double border_m = 0.05;     ///< white margin around the squares
   /// Something of the background's grey hides these columns of squares, from .. to [squares from the board's edge].
   double hidden_from_x = 0.0, hidden_to_x = 0.0;
-  bool clutter = false;  ///< rectangles, a fine checker texture and speckle behind the board
+  int tag_border_bits = 2;  ///< of an AprilGrid
+  bool clutter = false;     ///< rectangles, a fine checker texture and speckle behind the board
   double background = 120.0;
   std::uint64_t seed = 0;  ///< of noise and clutter
 };

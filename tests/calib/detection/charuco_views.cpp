@@ -39,12 +39,25 @@ bool whole_in_view(const CharucoView& view) {
   return true;
 }
 
+// Tags of the shipped grid's size.
+Board random_grid(RandomStream& random) {
+  struct Kind {
+    int x, y;
+    double gap;
+  };
+  static constexpr std::array<Kind, 4> kKinds = {{{6, 4, 0.3}, {6, 6, 0.3}, {5, 3, 0.25}, {4, 3, 0.4}}};
+  const Kind& kind = kKinds[random.below(kKinds.size())];
+  Board board{"aprilgrid", kind.x, kind.y, 0.1 * (1.0 + kind.gap), {}, {}, {}};
+  board.marker_m = 0.1;
+  return board;
+}
+
 }  // namespace
 
-CharucoView random_charuco_view(RandomStream& random) {
+CharucoView random_view(const MarkedViews& views, RandomStream& random) {
   for (;;) {
-    CharucoView view{random_board(random), Camera::symmetric(1280, 720, 640.0), {}};
-    const double distance = random.uniform(0.8, 4.0), obliquity = deg_to_rad(random.uniform(0.0, 60.0));
+    CharucoView view{views.grids ? random_grid(random) : random_board(random), Camera::symmetric(1280, 720, 640.0), {}};
+    const double distance = random.uniform(0.8, views.farthest_m), obliquity = deg_to_rad(random.uniform(0.0, 60.0));
     const double axis = random.uniform(0.0, 2.0 * kPi), roll = random.uniform(0.0, 2.0 * kPi);
     const Vector2d pixel(random.uniform(0.05, 0.95) * view.camera.width_px,
                          random.uniform(0.05, 0.95) * view.camera.height_px);
@@ -56,7 +69,7 @@ CharucoView random_charuco_view(RandomStream& random) {
 void CharucoCounts::add(const CharucoView& view, const BoardPictureOptions& picture) {
   ++views;
   const Image8 image = draw_board(view.camera, view.board, view.T_camera_board, picture);
-  const BoardDetection detection = detect_charuco(image, view.board);
+  const BoardDetection detection = detect_by_markers(image, view.board);
   if (const auto* none = std::get_if<BoardNotFound>(&detection)) {
     ++missed;
     ++reasons[none->why.code];
@@ -77,13 +90,13 @@ void CharucoCounts::add(const CharucoView& view, const BoardPictureOptions& pict
   lost += static_cast<int>(truth.size() - seen.size());
 }
 
-CharucoCounts count_views(int views, const BoardPictureOptions& picture, std::uint64_t seed) {
+CharucoCounts count_views(int views, const BoardPictureOptions& picture, std::uint64_t seed, const MarkedViews& kind) {
   RandomStream random(seed, "ChArUco views");
   CharucoCounts counts;
   for (int i = 0; i < views; ++i) {
     BoardPictureOptions own = picture;
     own.seed = seed * 1000 + static_cast<std::uint64_t>(i);
-    counts.add(random_charuco_view(random), own);
+    counts.add(random_view(kind, random), own);
   }
   return counts;
 }

@@ -1,4 +1,4 @@
-// Many views of ChArUco boards, detected and counted.
+// Many views of ChArUco boards and AprilGrids, detected and counted.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "board_picture.h"
-#include "rigproof/calib/vision/charuco.h"
+#include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/core/random.h"
 
 namespace rigproof {
@@ -20,9 +20,15 @@ struct CharucoView {
   Rigid3 T_camera_board;
 };
 
-/// Up to 4 m away and up to 60 degrees oblique; boards of several sizes and dictionaries, some with small markers, some
-/// of the legacy pattern.
-CharucoView random_charuco_view(RandomStream& random);
+/// Which boards, and how far away.
+struct MarkedViews {
+  bool grids = false;  ///< AprilGrids with tags of 100 mm and gaps of several widths; else ChArUco boards
+  double farthest_m = 4.0;
+};
+
+/// Up to 60 degrees oblique; boards of several sizes and dictionaries, some with small markers, some of the legacy
+/// pattern.
+CharucoView random_view(const MarkedViews& views, RandomStream& random);
 
 /// What became of many views.
 struct CharucoCounts {
@@ -35,6 +41,7 @@ struct CharucoCounts {
   void add(const CharucoView& view, const BoardPictureOptions& picture);
 };
 
-CharucoCounts count_views(int views, const BoardPictureOptions& picture, std::uint64_t seed);
+CharucoCounts count_views(int views, const BoardPictureOptions& picture, std::uint64_t seed,
+                          const MarkedViews& kind = {});
 
 }  // namespace rigproof

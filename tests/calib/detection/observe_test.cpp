@@ -81,15 +81,19 @@ class ObserveTest : public testing::Test {
   void write_frame(int stop, std::size_t camera, const CameraFrame& frame, double noise = 1.0) {
     fs::create_directories(folder_.path() / fs::path(frame.color_file).parent_path());
     fs::create_directories(folder_.path() / fs::path(frame.depth_file).parent_path());
+    write_image(stop, camera, frame, noise, kBoard);
+    write_depth(stop, camera, folder_.path() / frame.depth_file);
+  }
+
+  void write_image(int stop, std::size_t camera, const CameraFrame& frame, double noise, const Board& board) {
     const Camera& optics = recording_.rig.cameras[camera].camera;
     BoardPictureOptions options;
     options.noise_sigma = noise;
     options.supersampling = 2;
     options.seed = static_cast<std::uint64_t>(10 * stop) + camera;
-    Image8 image = draw_board(optics, kBoard, T_camera_board(stop, camera), options);
+    Image8 image = draw_board(optics, board, T_camera_board(stop, camera), options);
     cv::imwrite((folder_.path() / frame.color_file).string(),
                 cv::Mat(image.height, image.width, CV_8UC1, image.pixels.data()));
-    write_depth(stop, camera, folder_.path() / frame.depth_file);
   }
 
   // Floor, board, and a wall 4 m ahead that fills more of the image than the floor.
@@ -244,6 +248,25 @@ TEST_F(ObserveTest, AWrongBoardSizeIsNamed) {
   recording_.rig.board.squares_x = 4;
   recording_.rig.board.squares_y = 3;
   EXPECT_THAT(error_of(recording_), testing::HasSubstr("4x3 inner corners = 5x4 squares; the rig says squares [4, 3]"));
+}
+
+TEST_F(ObserveTest, OfAnAprilGridTheImagesTellHowLargeItsTagsAre) {
+  Board printed{"aprilgrid", 4, 3, 0.2, {}, {}, {}};
+  printed.marker_m = 0.155;
+  for (int stop = 0; stop < kStops; ++stop)
+    for (std::size_t camera = 0; camera < 2; ++camera)
+      write_image(stop, camera, recording_.frames[camera][static_cast<std::size_t>(stop)], 1.0, printed);
+  recording_.rig.board = printed;
+  recording_.rig.board.marker_m = 0.152;  // as a ruler has it
+  const Observations seen = observe(recording_);
+  EXPECT_EQ(seen.board_views.size(), 2U * kStops);
+  EXPECT_NEAR(seen.board.marker_side_m(), 0.155, 3e-5);
+  EXPECT_EQ(seen.board.square_m, 0.2) << "which no image tells";
+  recording_.rig.board.marker_m = 0.145;
+  EXPECT_THAT(error_of(recording_), testing::AllOf(testing::HasSubstr("rig.yaml: board.marker_mm: 145"),
+                                                   testing::HasSubstr("77.5 %"), testing::HasSubstr(": 155 if")));
+  recording_.rig.board = kBoard;
+  EXPECT_THAT(error_of(recording_), testing::HasSubstr("an AprilGrid (type: aprilgrid) with squares [4, 3]"));
 }
 
 TEST_F(ObserveTest, ACameraThatNeverSeesTheBoardIsNoError) {

@@ -10,8 +10,8 @@
 namespace rigproof {
 
 /// A board of squares_x by squares_y squares. Its corners carry ids in row order: id = iy * inner_corners_x() + ix, at
-/// (along(ix), along(iy), 0) in the board frame. The square diagonally outside corner 0 (in the board's -x -y corner) is
-/// dark, unless `legacy_pattern` says otherwise.
+/// (along(ix), along(iy), 0) in the board frame. The square diagonally outside corner 0 (in the board's -x -y corner)
+/// is dark, unless `legacy_pattern` says otherwise.
 ///
 /// An AprilGrid's squares are cells of side square_m with a tag in the middle of each; its corners are those of its
 /// tags, two a cell along each axis. With the small dark squares between the tags, as Kalibr prints them, it is a

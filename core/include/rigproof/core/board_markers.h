@@ -26,12 +26,18 @@ const MarkerDictionary& dictionary_of(const Board& board);
 /// Why a board cannot have its markers: no such dictionary, too few of them; nothing for a board without markers.
 std::optional<std::string> problem_of_markers(const Board& board);
 
-/// A marker's id, and the square that it is in (column, row).
+/// A marker's id, and the area between corners that it is in (column, row; as Board::is_dark()).
 struct BoardMarker {
   int id, ix, iy;
 };
 
-/// Of a ChArUco board: one in each light square, ids along the rows from the first one. Empty for other boards.
-std::vector<BoardMarker> charuco_markers(const Board& board);
+/// ChArUco board: one in each light square, ids along the rows from the first one. AprilGrid: its tags, ids from the
+/// cell at -x +y along the rows, as Kalibr counts. Empty for other boards.
+std::vector<BoardMarker> markers_of(const Board& board);
+
+/// From where the squares begin, or the cells of an AprilGrid, to corner 0 along either axis [m].
+double first_corner_m(const Board& board);
+/// By how much an AprilGrid's small squares reach beyond its cells [m]; 0 for other boards.
+double overhang_m(const Board& board);
 
 }  // namespace rigproof

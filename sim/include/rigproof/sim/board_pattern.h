@@ -19,10 +19,9 @@ const std::vector<std::string>& board_types();
 /// All dark areas of a board, by its type:
 /// - checkerboard: its dark squares, the first one outside of corner 0;
 /// - charuco: the same, and in every light square an ArUco marker (core/board_markers.h);
-/// - aprilgrid: tags 36h11 of OpenCV's dictionary, a border of two bits, one a cell of the size of a square, whose side
-/// is
-///   the square's over 1.3; ids from the bottom left along the rows; and a small dark square where cells meet, as
-///   Kalibr prints them.
+/// - aprilgrid: tags 36h11 of OpenCV's dictionary, a border of two bits, one a cell of the size of a square; ids from
+/// the
+///   bottom left along the rows; and a small dark square where cells meet, as Kalibr prints them.
 /// Throws Error where there are not enough markers, or for an unknown type.
 std::vector<DarkArea> dark_areas(const Board& board);
 

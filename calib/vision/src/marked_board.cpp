@@ -1,4 +1,4 @@
-#include "rigproof/calib/vision/charuco.h"
+#include "rigproof/calib/vision/marked_board.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -66,16 +66,12 @@ cv::Rect surroundings(const CornerGrid& grid, const Image8& grey) {
   return around & cv::Rect(0, 0, grey.width, grey.height);
 }
 
-Vector2d board_position(const Board& board, int id) {
-  return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
-}
-
-// A lens bends a board by less than this from where a plane's corners are expected [squares].
+// A lens bends a board by less than this from where a plane's corners are expected [as place_of_corner()].
 constexpr double kOffPlane = 0.3;
 
 std::optional<detection::Homography> homography_of(const BoardPlacement& placement, const Board& board) {
   std::vector<detection::PlanePoint> points;
-  for (const auto& [id, pixel] : placement.seeds) points.push_back({board_position(board, id), pixel});
+  for (const auto& [id, pixel] : placement.seeds) points.push_back({detection::place_of_corner(board, id), pixel});
   return detection::Homography::fit(points);
 }
 
@@ -83,7 +79,7 @@ std::optional<detection::Homography> homography_of(const BoardPlacement& placeme
 BoardPlacement on_one_plane(BoardPlacement placement, const Board& board) {
   std::vector<cv::Point2d> pixels, places;
   for (const auto& [id, pixel] : placement.seeds) {
-    const Vector2d place = board_position(board, id);
+    const Vector2d place = detection::place_of_corner(board, id);
     pixels.emplace_back(pixel.x(), pixel.y());
     places.emplace_back(place.x(), place.y());
   }
@@ -91,15 +87,16 @@ BoardPlacement on_one_plane(BoardPlacement placement, const Board& board) {
   if (pixels.size() > 4) cv::findHomography(pixels, places, cv::RANSAC, kOffPlane, on_plane);
   if (on_plane.size() != pixels.size()) return placement;
   BoardPlacement kept;
+  kept.tag_border_bits = placement.tag_border_bits;
   for (std::size_t i = 0; i < on_plane.size(); ++i)
     if (on_plane[i] != 0) kept.seeds.push_back(placement.seeds[i]);
   return kept.seeds.size() >= 4 ? kept : placement;
 }
 
 /// Looks level by level for grids whose markers tell where they lie on the board.
-class CharucoFinder {
+class MarkedBoardFinder {
  public:
-  CharucoFinder(const Image8& grey, const Board& board, const CheckerboardOptions& options)
+  MarkedBoardFinder(const Image8& grey, const Board& board, const CheckerboardOptions& options)
       : grey_(grey), board_(board), options_(options), reader_(board) {}
 
   BoardDetection find() {
@@ -151,7 +148,7 @@ class CharucoFinder {
     for (std::size_t k = 1; k < parts_.size(); ++k)
       for (const auto& [id, pixel] : parts_[k].placement.seeds) {
         Vector2d place;
-        if (!H->unmap(pixel, &place) || (place - board_position(board_, id)).norm() > kOffPlane) continue;
+        if (!H->unmap(pixel, &place) || (place - detection::place_of_corner(board_, id)).norm() > kOffPlane) continue;
         if (ids.insert(id).second) all.seeds.emplace_back(id, pixel);
       }
     std::sort(all.seeds.begin(), all.seeds.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -167,18 +164,17 @@ class CharucoFinder {
 
 }  // namespace
 
-BoardDetection detect_charuco(const Image8& image, const Board& board, const CheckerboardOptions& options) {
+BoardDetection detect_by_markers(const Image8& image, const Board& board, const CheckerboardOptions& options) {
   if (board.inner_corners_x() < 2 || board.inner_corners_y() < 2)
     return BoardNotFound{Finding("board.too_few_squares")};
   if (std::min(image.width, image.height) < kMinImageSize) return BoardNotFound{Finding("image.too_small")};
-  if (image.channels == 1) return CharucoFinder(image, board, options).find();
-  return CharucoFinder(detection::to_grey(image), board, options).find();
+  if (image.channels == 1) return MarkedBoardFinder(image, board, options).find();
+  return MarkedBoardFinder(detection::to_grey(image), board, options).find();
 }
 
-bool can_be_detected(const Board& board) { return board.type == "checkerboard" || board.type == "charuco"; }
-
 BoardDetection detect_board(const Image8& image, const Board& board, const CheckerboardOptions& options) {
-  return board.type == "charuco" ? detect_charuco(image, board, options) : detect_checkerboard(image, board, options);
+  return board.type == "checkerboard" ? detect_checkerboard(image, board, options)
+                                      : detect_by_markers(image, board, options);
 }
 
 }  // namespace rigproof

@@ -4,9 +4,11 @@
 #include <opencv2/aruco.hpp>
 #include <utility>
 
+#include "board_search.h"
 #include "chessboard.h"
+#include "marker_reading.h"
 #include "rigproof/calib/geometry/homography.h"
-#include "rigproof/calib/vision/charuco.h"
+#include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/core/board_markers.h"
 #include "smooth_image.h"
 
@@ -89,7 +91,7 @@ Layout layout_of(const std::vector<FoundMarker>& found, int columns, bool first_
   layout.board.square_m = 1.0;
   layout.board.legacy_pattern = first_light;
   layout.board.squares_y = 2 * (found.back().id / columns + 2);  // even: the legacy pattern shows
-  const std::vector<BoardMarker> markers = charuco_markers(layout.board);
+  const std::vector<BoardMarker> markers = markers_of(layout.board);
   std::vector<PlanePoint> points;
   for (const FoundMarker& one : found) {
     const BoardMarker& marker = markers[static_cast<std::size_t>(one.id)];
@@ -118,12 +120,9 @@ double marker_share(const std::vector<FoundMarker>& found, const Homography& H) 
   return std::clamp(0.01 * std::round(100.0 * sum / static_cast<double>(found.size())), 0.05, 0.95);
 }
 
-}  // namespace
-
-std::optional<Board> find_any_charuco(const Image8& image) {
+std::optional<Board> find_any_charuco(const Image8& grey) {
   constexpr double kWorst_px2 = 25.0;
-  if (std::min(image.width, image.height) < 32) return std::nullopt;
-  FoundMarkers seen = most_markers(detection::to_grey(image));
+  FoundMarkers seen = most_markers(grey);
   std::vector<FoundMarker>& found = seen.markers;
   if (found.size() < kLeastMarkers) return std::nullopt;
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
@@ -135,9 +134,55 @@ std::optional<Board> find_any_charuco(const Image8& image) {
     }
   if (!best.H || best.squared_px > kWorst_px2 || best.board.squares_y < 3) return std::nullopt;
   best.board.marker_m = marker_share(found, *best.H);
-  best.board.dictionary =
-      smallest_with(*seen.dictionary, static_cast<int>(charuco_markers(best.board).size()) - 1).name;
+  best.board.dictionary = smallest_with(*seen.dictionary, static_cast<int>(markers_of(best.board).size()) - 1).name;
   return best.board;
+}
+
+// The AprilGrid with this many columns as far as a grid shows it, and what speaks for it. Ids count from the lowest
+// row, so that rows above those that are seen change nothing.
+std::optional<std::pair<double, Board>> aprilgrid_in(const Image8& grey, const detection::CornerGrid& grid, double tag,
+                                                     int columns) {
+  constexpr int kTags = 587;
+  Board board;
+  board.type = "aprilgrid";
+  board.squares_x = columns;
+  board.squares_y = std::min(kMostColumns, kTags / columns);
+  board.square_m = 1.0;
+  board.marker_m = tag;
+  const auto read = detection::MarkerReader(board).read(grey, grid);
+  if (!read) return std::nullopt;
+  const int highest = read->placement.seeds.front().first / board.inner_corners_x();  // ids run along the rows
+  board.squares_y -= highest / 2;
+  return std::pair(read->evidence, board);
+}
+
+std::optional<Board> find_any_aprilgrid(const Image8& grey) {
+  constexpr std::size_t kLeastCorners = 16, kGridsTried = 3;
+  std::optional<std::pair<double, Board>> best;
+  detection::Pyramid pyramid(grey);
+  for (const std::size_t level : pyramid.search_order()) {
+    const std::vector<detection::CornerGrid> grids = detection::search_grids(pyramid, level, kLeastCorners);
+    for (std::size_t i = 0; i < std::min(grids.size(), kGridsTried); ++i) {
+      const std::optional<double> tag = detection::tag_share(grids[i]);
+      for (int columns = 3; tag && columns <= kMostColumns; ++columns) {
+        auto one = aprilgrid_in(grey, grids[i], *tag, columns);
+        if (one && (!best || one->first > best->first)) best = std::move(one);
+      }
+    }
+    if (best) break;
+  }
+  if (!best) return std::nullopt;
+  best->second.marker_m = 0.01 * std::round(100.0 * *best->second.marker_m);
+  return best->second;
+}
+
+}  // namespace
+
+std::optional<Board> find_any_marked_board(const Image8& image) {
+  if (std::min(image.width, image.height) < 32) return std::nullopt;
+  const Image8 grey = detection::to_grey(image);
+  if (std::optional<Board> grid = find_any_aprilgrid(grey)) return grid;
+  return find_any_charuco(grey);
 }
 
 }  // namespace rigproof
