@@ -4,7 +4,6 @@
 
 #include "board_fit.h"
 #include "board_search.h"
-#include "opencv_seed.h"
 #include "smooth_image.h"
 
 namespace rigproof {
@@ -138,8 +137,6 @@ class BoardFinder {
     }
     if (try_parts()) return std::move(fit_.corners);
     if (!best_part_) return BoardNotFound{Finding("board.not_found")};
-    if (const std::optional<CornerGrid> grid = detection::opencv_corner_grid(grey_, board_))
-      if (try_hypotheses(detection::rank_hypotheses({*grid}, board_), part_size())) return std::move(fit_.corners);
     if (why_not_) return BoardNotFound{*why_not_};
     const Finding reason = reason_for_part(*best_part_, grey_, board_);
     // Where many of the corners that are seen are none when looked at closely, nothing hides a board: it was never
