@@ -21,6 +21,8 @@ using Eigen::Vector2d;
 
 // Squares lower than this leave too few pixels beside the edges of their neighbours [px].
 constexpr double kMinSquarePx = 4.0;
+// Where a first look finds fewer of its corners, an exact one shows no board either.
+constexpr double kHopeless = 0.4;
 // Beside a tag's edges lies its border or the gap, and nothing of its code nearer than that [px].
 constexpr double kMinBorderPx = 2.5;
 // Blur above this share of a square's height: neighbouring edges run into each other.
@@ -107,11 +109,13 @@ struct Measuring {
   std::optional<TagSides> tags;
   double blur_px;
   bool coarse;
+  int may_miss;  ///< after more corners that are none the others are not looked at
 };
 
 std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, const Homography& H,
                                     const std::vector<std::pair<int, Vector2d>>& seeds, const Measuring& how) {
   std::vector<MeasuredCorner> corners(static_cast<std::size_t>(board.corner_count()));
+  int missed = 0;
   for (int id = 0; id < board.corner_count(); ++id) {
     MeasuredCorner& corner = corners[static_cast<std::size_t>(id)];
     corner.id = id;
@@ -127,6 +131,8 @@ std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, cons
     corner.window.marker_share = marker_share(board);
     corner.window.coarse = how.coarse;
     corner.fit = fit_saddle(grey, corner.window);
+    missed += corner.fit.status == SaddleStatus::kFitted ? 0 : 1;
+    if (missed > how.may_miss) break;
   }
   return corners;
 }
@@ -297,8 +303,12 @@ CoarseCorners measure_coarsely(const Image8& grey, const Board& board, Homograph
                                const CheckerboardOptions& options) {
   constexpr double kFirstBlur = 0.9;
   constexpr int kMaxRounds = 4;
+  const int all = board.corner_count();
+  // How many corners a whole grid misses is told to people, and markers need six alone.
+  const bool part = !has_markers(board) && static_cast<int>(seeds.size()) < all;
+  const int may_miss = part ? all - static_cast<int>(std::ceil(kHopeless * all)) : all;
   for (int round = 0;; ++round) {
-    CoarseCorners coarse = {measure(grey, board, H, seeds, {tags, kFirstBlur, true}), {}};
+    CoarseCorners coarse = {measure(grey, board, H, seeds, {tags, kFirstBlur, true, may_miss}), {}};
     coarse.H = homography_of(board, coarse.corners);
     if (!coarse.H) return coarse;
     drop_outliers(board, *coarse.H, options, &coarse.corners);
@@ -330,9 +340,18 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   if (board.has_tags()) tags.emplace(board, placement.tag_border_bits);
   auto [corners, found] = measure_coarsely(grey, board, *H, placement.seeds, tags, options);
   H = std::move(found);
+  result.fitted = count(corners, SaddleStatus::kFitted);
+  if (!has_markers(board) && result.fitted < kHopeless * board.corner_count()) {
+    const bool whole = static_cast<int>(placement.seeds.size()) == board.corner_count();
+    const double smallest = whole ? smallest_square(corners) : kMinSquarePx;
+    result.why_not = smallest < kMinSquarePx
+                         ? Finding("board.too_small", {{"square_px", smallest}})
+                         : Finding("board.partly_hidden", {{"corners", result.fitted}, {"of", board.corner_count()}});
+    return result;
+  }
   if (H) {
-    corners =
-        measure(grey, board, *H, places_of(corners), {tags, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false});
+    corners = measure(grey, board, *H, places_of(corners),
+                      {tags, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false, board.corner_count()});
     drop_outliers(board, *H, options, &corners);
   }
   result.outside = count(corners, SaddleStatus::kOutsideImage);

@@ -205,6 +205,14 @@ TEST(Checkerboard, DirtyEdgesAndHiddenCornersCostOnlyThoseCorners) {
   }
 }
 
+TEST(Checkerboard, ABoardOfLowSquaresIsTooSmallAndNotHidden) {
+  const Camera camera = Camera::symmetric(1280, 720, 640.0);
+  const Board board;
+  const Rigid3 T = board_in_view(camera, board, 7.0, 1.1, 0.0, 0.0, {640.0, 360.0});
+  EXPECT_THAT(reason_of(detect_checkerboard(draw_board(camera, board, T), board)),
+              testing::HasSubstr("board too small"));
+}
+
 TEST(Checkerboard, TellsWhyThereIsNoBoard) {
   const Camera camera = d455();
   const Board board = board_5x4();
