@@ -260,7 +260,7 @@ void GrowingFile::finish() {
 void sync_files(const std::vector<fs::path>& files) {
   std::map<fs::path, fs::path> one_of_folder;
   for (const fs::path& file : files) {
-    sync_file(file);
+    if (std::error_code ignored; !fs::is_directory(file, ignored)) sync_file(file);
     one_of_folder[file.parent_path()] = file;
   }
   for (const auto& entry : one_of_folder) sync_folder_of(entry.second);

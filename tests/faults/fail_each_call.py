@@ -43,10 +43,11 @@ methods: [ml, li]
 class Case:
     """A command, what runs before it in the same folder, and what an earlier run of it with other settings left."""
 
-    def __init__(self, name, command, before=(), deletes=False, sample=tuple(KINDS)):
+    def __init__(self, name, command, before=(), deletes=False, sample=tuple(KINDS), lasts=""):
         self.name, self.command, self.before = name, command, before
         self.sample = sample    # kinds of calls that --sample tries: few of what takes long
         self.deletes = deletes  # what was there, as it is told to
+        self.lasts = lasts      # a new folder of which every file is synced
 
 
 RUN = ["generate", "-o", "run", "--cache", "cache", *GENERATE]
@@ -64,9 +65,10 @@ CASES = [
     Case("sweep", ["sweep", "start", "sweep.yaml", "-o", "swept", "-j", "1"]),
     Case("sweep_shards", ["sweep", "run", "swept", "-j", "1"],
          [["sweep", "plan", "sweep.yaml", "-o", "swept"]], sample=("fork",)),
-    Case("convert", ["convert", "run", "converted", "--to", "memroc"], [RUN]),
+    Case("convert", ["convert", "run", "converted", "--to", "memroc"], [RUN], lasts="converted"),
     Case("convert_recording", ["convert", "converted", "recording", "--to", "recording"],
-         [RUN, ["convert", "run", "converted", "--to", "memroc"]]),
+         [RUN, ["convert", "run", "converted", "--to", "memroc"]], lasts="recording"),
+    Case("convert_archive", ["convert", "run", "packed", "--to", "archive"], [RUN], sample=("sync",), lasts="packed"),
     Case("convert_bag", ["convert", "run", "run.mcap"], [RUN]),
     Case("export", ["export", "run/results", "--to", "urdf", "-o", "robot.urdf"], [RUN, CALIBRATE], sample=()),
     Case("export_again", ["export", "run/results", "--to", "kalibr", "-o", "robot.txt"],
@@ -181,7 +183,7 @@ def problems_of_files(now, before, after, deletes):
 def is_named(said, path):
     """Whether the message names the file, or a folder that it lies in; temporary names begin with a dot."""
     parts = [re.sub(r"^\.(.+?)\.\d+\.\d+\.\d+\.tmp$", r"\1", part).replace(".partial", "") for part in path.split("/")]
-    return any(part and part in said for part in parts[-2:])
+    return path == "." or any(part and part in said for part in parts[-2:])  # "." is above all that is named
 
 
 def problems_of_message(code, said, state):
@@ -232,6 +234,11 @@ def calls_to_try(case, state, arguments):
                 yield kind, at
 
 
+def is_durable(case, after, state):
+    """Whether there were more syncs than the new folder has files: its folders, and its name, are synced as well."""
+    return state.of_kind["sync"] > sum(name.startswith(case.lasts + "/") for name in after if not name.endswith("/"))
+
+
 def try_case(bench, case, arguments):
     """-> number of tries, number of tries with problems"""
     folder = bench.copy_before(case)
@@ -241,6 +248,9 @@ def try_case(bench, case, arguments):
     bench.left_in_tmp()
     after = tree(folder)
     tries = bad = good = 0
+    if case.lasts and not is_durable(case, after, state):
+        print(f"{case.name}: {state.of_kind['sync']} syncs are fewer than its files")
+        bad += 1
     error = getattr(errno, arguments.errno) if arguments.errno else 0
     for kind, at in calls_to_try(case, state, arguments):
         problems, told, failed = try_call(bench, case, after, at, kind, error)

@@ -180,7 +180,6 @@ ArchiveReport write_archive(const fs::path& from, const fs::path& to, const Arch
     shard.finish();
     sums += sha256_hex_of_file(written.back()) + "  " + name + "\n";
   }
-  sync_files(written);
   write_file_atomically(making.path() / "index.csv", index);
   write_file_atomically(making.path() / "SHA256SUMS", sums + sha256_hex(index) + "  index.csv\n");
   making.finish();

@@ -1,8 +1,10 @@
 #include "rigproof/study/workflow/folder_in_making.h"
 
 #include <system_error>
+#include <vector>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
 #include "rigproof/core/folders.h"
 
 namespace rigproof {
@@ -26,10 +28,19 @@ FolderInMaking::~FolderInMaking() {
 }
 
 void FolderInMaking::finish() {
+  std::vector<fs::path> all;
+  for (const fs::directory_entry& entry : folder_tree(making_)) all.push_back(entry.path());
+  sync_files(all);
   std::error_code error;
   fs::remove(folder_, error);
   fs::rename(making_, folder_, error);
   if (error) throw_system_error(folder_, "write", error.value());
+  try {
+    sync_files({folder_});
+  } catch (const Error&) {
+    fs::rename(folder_, making_, error);  // else the same command would find something there
+    throw;
+  }
   done_ = true;
 }
 

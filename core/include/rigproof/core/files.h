@@ -19,7 +19,8 @@ void write_file_atomically(const std::filesystem::path& file, const std::vector<
 /// The same without either fsync: whole or not at all while the machine runs. For many files that are written quickly
 /// and made to last together, with sync_files().
 void write_file_atomically_unsynced(const std::filesystem::path& file, std::string_view bytes);
-/// Makes files that were written unsynced, and their folders, last. Throws Error that names the file.
+/// Makes files that were written unsynced, and their folders, last. Of a folder among them its name lasts, not what is
+/// in it. Throws Error that names the file.
 void sync_files(const std::vector<std::filesystem::path>& files);
 
 /// Reads a regular file of at most max_bytes. Throws Error that names the file.

@@ -17,7 +17,7 @@ class FolderInMaking {
 
   /// Where to write.
   const std::filesystem::path& path() const { return making_; }
-  /// Throws Error.
+  /// Everything in it lasts on the disk, then it gets its name, which lasts, too. Throws Error.
   void finish();
 
  private:
