@@ -31,6 +31,9 @@ constexpr double kMaxBlurShare = 0.3;
 constexpr double kMaxHomographyShare = 0.3;
 constexpr double kMinContrastRatio = 0.35;
 constexpr double kMaxBlurRatio = 2.5;
+// Where a board ends, three light quadrants and a dark one leave .19 to .30 of the contrast as residual, beside the
+// picture's own: in noise that is not many times the others' residual.
+constexpr double kMostModelError = 0.15, kMostOfOthers = 1.5;
 // Michelson's contrast of a print, glare and dim light included, is several times this; that of tartans and tiles is
 // less.
 constexpr double kMinPrintContrast = 0.15;
@@ -137,22 +140,41 @@ std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, cons
   return corners;
 }
 
-// Drops fits that stand out among their fellows: glare, a hidden corner, a neighbour's edge.
+/// What the corners of one picture have in common.
+struct Fellows {
+  double residual, contrast, blur_px;
+  double most_residual;
+  bool marked;
+
+  Fellows(const Board& board, const std::vector<MeasuredCorner>& corners, const CheckerboardOptions& options)
+      // Below one grey level the residual is the rounding of the grey values, not a fault.
+      : residual(std::max(1.0, median_of(corners, [](const SaddleFit& f) { return f.residual_rms; }))),
+        contrast(median_of(corners, [](const SaddleFit& f) { return f.contrast; })),
+        blur_px(median_of(corners, blur_of)),
+        most_residual(options.max_fit_residual_ratio * residual),
+        marked(has_markers(board)) {}
+
+  // Glare, a hidden corner, a neighbour's edge stand out.
+  bool accept(const SaddleFit& fit, const Vector2d& expected, const Matrix2d& square) const {
+    if (fit.status != SaddleStatus::kFitted || !is_saddle(fit)) return false;
+    return fit.residual_rms <= most_residual && fit.contrast >= kMinContrastRatio * contrast &&
+           blur_of(fit) <= kMaxBlurRatio * blur_px &&
+           (fit.pixel - expected).norm() <= kMaxHomographyShare * square_height(square);
+  }
+  // Not the end of a board. Markers tell where theirs ends, and leave residuals of their own.
+  bool is_saddle(const SaddleFit& fit) const {
+    return marked || fit.residual_rms <= std::hypot(kMostModelError * fit.contrast, kMostOfOthers * residual);
+  }
+};
+
 void drop_outliers(const Board& board, const Homography& H, const CheckerboardOptions& options,
                    std::vector<MeasuredCorner>* corners) {
-  // Below one grey level the residual is the rounding of the grey values, not a fault.
-  const double residual = std::max(1.0, median_of(*corners, [](const SaddleFit& f) { return f.residual_rms; }));
-  const double contrast = median_of(*corners, [](const SaddleFit& f) { return f.contrast; });
-  const double blur = median_of(*corners, blur_of);
+  const Fellows fellows(board, *corners, options);
   for (MeasuredCorner& corner : *corners) {
-    SaddleFit& fit = corner.fit;
-    if (fit.status != SaddleStatus::kFitted) continue;
+    if (corner.fit.status != SaddleStatus::kFitted) continue;
     Vector2d expected = Vector2d::Constant(1e9);
     H.map(place_of_corner(board, corner.id), &expected);
-    const bool good = fit.residual_rms <= options.max_fit_residual_ratio * residual &&
-                      fit.contrast >= kMinContrastRatio * contrast && blur_of(fit) <= kMaxBlurRatio * blur &&
-                      (fit.pixel - expected).norm() <= kMaxHomographyShare * square_height(corner.window.square);
-    if (!good) fit.status = SaddleStatus::kNoSaddle;
+    if (!fellows.accept(corner.fit, expected, corner.window.square)) corner.fit.status = SaddleStatus::kNoSaddle;
   }
 }
 
@@ -173,6 +195,43 @@ bool outline_is_fixed(const Board& board, const std::vector<MeasuredCorner>& cor
     sides[3] += y == board.inner_corners_y() - 1;
   }
   return *std::min_element(sides.begin(), sides.end()) >= 2;
+}
+
+// Part of the places beyond one side of the board at which squares meet as within it: one after the other along the
+// side, each a corner if the pattern went on.
+double goes_on(const Image8& grey, const Board& board, const Homography& H, const Fellows& fellows,
+               const std::vector<Vector2d>& places) {
+  int looked = 0, met = 0;
+  for (const Vector2d& place : places) {
+    SaddleWindow window;
+    if (!H.map(place, &window.centre) || !square_at(H, place, window.centre, 1.0, &window.square)) continue;
+    window.dark_diagonal = board.is_dark(static_cast<int>(place.x()), static_cast<int>(place.y()));
+    window.blur_px = std::clamp(fellows.blur_px, 0.4, 6.0);
+    window.coarse = true;
+    const SaddleFit fit = fit_saddle(grey, window);
+    looked += fit.status != SaddleStatus::kOutsideImage;
+    // Without noise to speak of: pictures of few rays a pixel hide the end of a board from a residual.
+    const bool as_others = fit.residual_rms <= std::min(2.0 * fellows.residual, kMostModelError * fit.contrast);
+    met += as_others && fellows.accept(fit, window.centre, window.square);
+  }
+  return met >= 2 ? static_cast<double>(met) / looked : 0.0;
+}
+
+// Squares that go on beyond the board are a floor's, a cloth's or another board's.
+bool lies_in_a_larger_pattern(const Image8& grey, const Board& board, const Homography& H, const Fellows& fellows) {
+  constexpr double kHalf = 0.5;
+  const int nx = board.inner_corners_x(), ny = board.inner_corners_y();
+  std::array<std::vector<Vector2d>, 4> sides;
+  for (int x = 0; x < nx; ++x) {
+    sides[0].emplace_back(x, -1);
+    sides[1].emplace_back(x, ny);
+  }
+  for (int y = 0; y < ny; ++y) {
+    sides[2].emplace_back(-1, y);
+    sides[3].emplace_back(nx, y);
+  }
+  return std::any_of(sides.begin(), sides.end(),
+                     [&](const auto& places) { return goes_on(grey, board, H, fellows, places) >= kHalf; });
 }
 
 double smallest_square(const std::vector<MeasuredCorner>& corners) {
@@ -362,6 +421,11 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
     result.why_not = Finding("board.cut_off");
   if (!result.why_not && H && !has_markers(board) && print_contrast(grey, *H, board) < kMinPrintContrast)
     result.why_not = Finding("board.not_found");
+  if (!result.why_not && H && !has_markers(board) &&
+      lies_in_a_larger_pattern(grey, board, *H, {board, corners, options})) {
+    const auto [shorter, longer] = std::minmax({board.inner_corners_x(), board.inner_corners_y()});
+    result.why_not = Finding("board.goes_on", {{"long", longer}, {"short", shorter}});
+  }
   if (result.why_not) return result;
   const Aliasing aliasing = aliasing_of(corners);
   for (const MeasuredCorner& corner : corners) {

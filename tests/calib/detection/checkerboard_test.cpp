@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "board_fit.h"
 #include "board_picture.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/random.h"
@@ -203,6 +204,61 @@ TEST(Checkerboard, DirtyEdgesAndHiddenCornersCostOnlyThoseCorners) {
     EXPECT_NE(corner.id, hidden);
     EXPECT_LT((corner.pixel - truth[static_cast<std::size_t>(corner.id)]).norm(), 0.03);
   }
+}
+
+// Boards of an odd number of squares of whose columns something hides some at one end: what is left looks the same half
+// a turn and a column away, where the board's own end would have to pass for corners.
+TEST(Checkerboard, HiddenColumnsNeverMoveOrTurnItOverTrials) {
+  const Trials views(40, 200);
+  const Camera camera = Camera::symmetric(640, 480, 450.0);
+  RandomStream random(7, "hidden");
+  int found = 0;
+  for (int i = 0; i < views.count(); ++i) {
+    View view;
+    do {
+      view = random_view(camera, random, 1.2, 50.0);
+      const int longer = 6 + static_cast<int>(random.below(8)), less = 1 + 2 * static_cast<int>(random.below(2));
+      view.board.squares_x = i % 2 == 0 ? longer : longer - less;
+      view.board.squares_y = i % 2 == 0 ? longer - less : longer;
+      view.board.square_m = 0.6 / longer;
+    } while (!whole_in_view(camera, view.board, view.T_camera_board));
+    BoardPictureOptions options;
+    options.supersampling = 2;
+    options.background = random.uniform(20.0, 240.0);
+    options.noise_sigma = random.uniform(0.0, 8.0);
+    options.seed = static_cast<std::uint64_t>(i);
+    const double hidden = random.uniform(0.2, 2.5);
+    const bool at_the_end = random.below(2) == 0;
+    options.hidden_from_x = at_the_end ? view.board.squares_x - hidden : -0.6;
+    options.hidden_to_x = at_the_end ? 1e3 : hidden;
+    Errors errors;
+    errors.add(
+        corners_of(detect_checkerboard(draw_board(camera, view.board, view.T_camera_board, options), view.board)),
+        true_corners(camera, view.board, view.T_camera_board));
+    found += errors.corners > 0;
+    // Squares are 7 px or more; what hides the next square moves a corner by less than half of one.
+    EXPECT_LT(errors.largest, 3.0) << i << ": " << view.board.squares_x << " x " << view.board.squares_y << " squares";
+  }
+  EXPECT_GE(found, views.count() / 20);  // most of those of which less than a square is hidden
+}
+
+// A part of a chequered cloth, or of another board, that is as large as the board.
+TEST(Checkerboard, SquaresThatGoOnAreALargerPattern) {
+  const Camera camera = d455();
+  const Board board = board_5x4(), cloth = {"checkerboard", 9, 8, board.square_m, {}, {}, {}};
+  const Rigid3 T = board_in_view(camera, cloth, 2.0, 0.4, 0.5, 0.3, {640.0, 360.0});
+  const Image8 image = draw_board(camera, cloth, T);
+  const std::vector<Vector2d> corners = true_corners(camera, cloth, T);
+  const int first = 3 * cloth.inner_corners_x() + 1;  // beside a dark square, as the board's own
+  detection::BoardPlacement part;
+  for (int id = 0; id < board.corner_count(); ++id) {
+    const int x = id % board.inner_corners_x(), y = id / board.inner_corners_x();
+    part.seeds.emplace_back(id, corners[static_cast<std::size_t>(first + y * cloth.inner_corners_x() + x)]);
+  }
+  const detection::BoardFit fit = detection::fit_board(image, board, part, {});
+  EXPECT_TRUE(fit.corners.empty());
+  ASSERT_TRUE(fit.why_not);
+  EXPECT_EQ(worded(*fit.why_not), "a larger board or pattern (squares go on beyond 4x3 corners)");
 }
 
 TEST(Checkerboard, ABoardOfLowSquaresIsTooSmallAndNotHidden) {
