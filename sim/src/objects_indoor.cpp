@@ -37,8 +37,9 @@ void build_boxes(ObjectShapes* s) {
   double foot = 0.0, share = 1.0;
   while (foot < 0.75 * s->height) {
     const double tall = s->height * s->random.uniform(0.25, 0.5);
+    const Paint tone = shaded(paint, s->random.uniform(0.75, 1.1));
     s->box({s->depth * s->random.uniform(-0.06, 0.06), s->width * s->random.uniform(-0.06, 0.06), foot + 0.5 * tall},
-           {share * 0.88 * s->depth, share * 0.88 * s->width, tall}, shaded(paint, s->random.uniform(0.75, 1.1)));
+           {share * 0.88 * s->depth, share * 0.88 * s->width, tall}, tone);
     foot += tall;
     share *= s->random.uniform(0.65, 0.95);
   }
@@ -185,8 +186,9 @@ void build_plant(ObjectShapes* s) {
   s->upright({0.0, 0.0, 0.5 * s->height}, 0.03 * s->width, 0.6 * s->height, plain(0.35, 0.26, 0.18));
   for (int i = 0; i < 5; ++i) {
     const double at = s->random.uniform(0.5, 0.86) * s->height, size = s->random.uniform(0.4, 0.65) * s->width;
+    const Paint tone = shaded(leaves, s->random.uniform(0.75, 1.15));
     s->ellipsoid({0.25 * s->depth * s->random.uniform(-1.0, 1.0), 0.25 * s->width * s->random.uniform(-1.0, 1.0), at},
-                 {size, size, 0.28 * s->height}, shaded(leaves, s->random.uniform(0.75, 1.15)));
+                 {size, size, 0.28 * s->height}, tone);
   }
 }
 

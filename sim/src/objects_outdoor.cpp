@@ -17,9 +17,10 @@ void build_tree(ObjectShapes* s) {
   s->ellipsoid({0.0, 0.0, 0.66 * s->height}, {0.9 * s->depth, 0.9 * s->width, 0.62 * s->height}, leaves);
   for (int i = 0; i < 4; ++i) {
     const double around = 2.0 * kPi * (i + s->random.uniform(-0.3, 0.3)) / 4.0;
+    const Paint tone = shaded(leaves, s->random.uniform(0.8, 1.12));
     s->ellipsoid({0.26 * s->depth * std::cos(around), 0.26 * s->width * std::sin(around),
                   s->random.uniform(0.5, 0.75) * s->height},
-                 {0.55 * s->depth, 0.55 * s->width, 0.38 * s->height}, shaded(leaves, s->random.uniform(0.8, 1.12)));
+                 {0.55 * s->depth, 0.55 * s->width, 0.38 * s->height}, tone);
   }
 }
 
@@ -36,10 +37,12 @@ void build_conifer(ObjectShapes* s) {
 void build_bush(ObjectShapes* s) {
   const Paint leaves = s->main(kLeaf);
   s->ellipsoid({0.0, 0.0, 0.4 * s->height}, {0.9 * s->depth, 0.8 * s->width, 1.1 * s->height}, leaves);
-  for (const double y : {-0.28, 0.28})
+  for (const double y : {-0.28, 0.28}) {
+    const Paint tone = shaded(leaves, s->random.uniform(0.8, 1.15));
+    const double tall = s->random.uniform(0.6, 0.9);
     s->ellipsoid({s->random.uniform(-0.15, 0.15) * s->depth, y * s->width, s->random.uniform(0.2, 0.4) * s->height},
-                 {0.75 * s->depth, 0.55 * s->width, s->random.uniform(0.6, 0.9) * s->height},
-                 shaded(leaves, s->random.uniform(0.8, 1.15)));
+                 {0.75 * s->depth, 0.55 * s->width, tall * s->height}, tone);
+  }
 }
 
 void build_rock(ObjectShapes* s) {

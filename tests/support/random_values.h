@@ -3,6 +3,7 @@
 
 #include "rigproof/core/camera.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/draw_vector.h"
 #include "rigproof/core/random.h"
 #include "rigproof/core/rigid3.h"
 
@@ -14,7 +15,7 @@ inline Eigen::Vector3d random_vector(RandomStream& random, double bound) {
 
 /// Rotation vector with a uniform direction and an angle uniform in [0, max_angle_rad].
 inline Eigen::Vector3d random_rotation_vector(RandomStream& random, double max_angle_rad) {
-  const Eigen::Vector3d direction(random.normal(), random.normal(), random.normal());
+  const Eigen::Vector3d direction = draw_vector<3>([&random] { return random.normal(); });
   return direction.normalized() * random.uniform(0.0, max_angle_rad);
 }
 

@@ -8,6 +8,7 @@
 
 #include "looking_forward.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/draw_vector.h"
 #include "rigproof/core/random.h"
 
 namespace rigproof {
@@ -21,8 +22,8 @@ Vector3d normal3(RandomStream& random, double sigma) {
 }
 
 Eigen::Quaterniond any_rotation(RandomStream& random) {
-  Eigen::Quaterniond q(random.normal(), random.normal(), random.normal(), random.normal());
-  return q.normalized();
+  const Eigen::Vector4d wxyz = draw_vector<4>([&] { return random.normal(); });
+  return Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
 }
 
 class Maker {
@@ -40,13 +41,15 @@ class Maker {
 
  private:
   void mount_cameras() {
-    const Vector3d place(random_.uniform(-0.3, 0.4), random_.uniform(-0.3, 0.3), random_.uniform(0.5, 1.0));
+    const double z = random_.uniform(0.5, 1.0), y = random_.uniform(-0.3, 0.3), x = random_.uniform(-0.3, 0.4);
+    const Vector3d place(x, y, z);
     const Eigen::Quaterniond pitch(Eigen::AngleAxisd(random_.uniform(-0.1, 0.3), Vector3d::UnitY()));
     const Eigen::Quaterniond first = options_.any_mounting ? any_rotation(random_) : pitch * looking_forward();
     for (int k = 0; k < options_.cameras; ++k) {
       const double side = options_.overlap ? 0.0 : 2.0 * kPi * k / options_.cameras;
       const Eigen::Quaterniond jitter = so3_exp(k == 0 ? Vector3d(Vector3d::Zero()) : normal3(random_, 0.08));
-      const Vector3d offset(0.0, random_.uniform(-0.3, 0.3), random_.uniform(-0.2, 0.2));
+      const double up = random_.uniform(-0.2, 0.2), left = random_.uniform(-0.3, 0.3);
+      const Vector3d offset(0.0, left, up);
       drive_.T_robot_camera.emplace_back(rotation_z(side) * first * jitter, rotation_z(side) * (place + offset));
       sides_.push_back(side);
     }
@@ -57,9 +60,10 @@ class Maker {
   void put_board() {
     const Board board;
     const double roll = options_.any_mounting ? random_.uniform(-kPi, kPi) : random_.uniform(-0.1, 0.1);
-    const Eigen::Quaterniond R = so3_exp(Vector3d(random_.uniform(-0.4, 0.4), random_.uniform(-0.4, 0.4), 0.0)) *
-                                 so3_exp(Vector3d(0.0, 0.0, roll));
-    const Vector3d centre(random_.uniform(-0.2, 0.2), random_.uniform(-0.15, 0.15), random_.uniform(1.6, 2.4));
+    const Vector2d lean = draw_vector<2>([this] { return random_.uniform(-0.4, 0.4); });
+    const Eigen::Quaterniond R = so3_exp(Vector3d(lean.x(), lean.y(), 0.0)) * so3_exp(Vector3d(0.0, 0.0, roll));
+    const double z = random_.uniform(1.6, 2.4), y = random_.uniform(-0.15, 0.15), x = random_.uniform(-0.2, 0.2);
+    const Vector3d centre(x, y, z);
     const Rigid3 T_camera_board(R, centre - R * board.centre());
     drive_.T_world_board = drive_.T_robot_camera.front() * T_camera_board;
   }
@@ -80,9 +84,8 @@ class Maker {
         break;
     }
     if (attempt == 0) return Rigid3();
-    const Rigid3 moved =
-        planar_pose(random_.uniform(-0.8, 0.8), random_.uniform(-0.8, 0.8), random_.uniform(-0.5, 0.5));
-    return moved * planar_pose(0.0, 0.0, -side);
+    const double yaw = random_.uniform(-0.5, 0.5), y = random_.uniform(-0.8, 0.8), x = random_.uniform(-0.8, 0.8);
+    return planar_pose(x, y, yaw) * planar_pose(0.0, 0.0, -side);
   }
 
   Vector2d arc_centre() const { return {-0.02, 1.79}; }
@@ -137,9 +140,9 @@ class Maker {
     for (std::size_t i = 0; i < drive_.T_world_robot.size(); ++i) {
       if (i > 0) {
         const Rigid3 step = drive_.T_world_robot[i - 1].inverse() * drive_.T_world_robot[i];
-        pose = pose * planar_pose(step.translation.x() + random_.normal(0.0, options_.odometry_sigma_m),
-                                  step.translation.y() + random_.normal(0.0, options_.odometry_sigma_m),
-                                  yaw_of(step) + random_.normal(0.0, options_.odometry_sigma_rad));
+        const double yaw = yaw_of(step) + random_.normal(0.0, options_.odometry_sigma_rad);
+        const Vector2d noise = draw_vector<2>([this] { return random_.normal(0.0, options_.odometry_sigma_m); });
+        pose = pose * planar_pose(step.translation.x() + noise.x(), step.translation.y() + noise.y(), yaw);
       }
       const double stamp = static_cast<double>(i);
       drive_.observations.stops.push_back({stamp, pose.translation.x(), pose.translation.y(), yaw_of(pose), 0.0});
@@ -173,8 +176,7 @@ class Maker {
       Vector2d pixel;
       Eigen::Matrix<double, 2, 3> J_point;
       camera_.project(rotated + T_camera_board.translation, &pixel, &J_point);
-      const Vector2d noise(random_.normal(0.0, options_.corner_sigma_px),
-                           random_.normal(0.0, options_.corner_sigma_px));
+      const Vector2d noise = draw_vector<2>([this] { return random_.normal(0.0, options_.corner_sigma_px); });
       view->corners.push_back({id, pixel + noise, sigma * sigma * Eigen::Matrix2d::Identity()});
       Eigen::Matrix<double, 2, 6> J;
       J << J_point, -J_point * skew(rotated);

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/draw_vector.h"
 #include "rigproof/validate/body_angles.h"
 
 namespace rigproof::testing_support {
@@ -80,7 +81,7 @@ std::vector<CornerObservation> view_of(const Truth& truth, std::size_t stop, std
     corner.id = id;
     if (!c.camera.project(T_camera_board * truth.board.corner(id), &corner.pixel)) return {};
     if (!c.camera.contains(corner.pixel, 5.0)) return {};
-    corner.pixel += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
+    corner.pixel += sigma_px * draw_vector<2>([&random] { return random.normal(); });
     corner.covariance_px2 = sigma_px * sigma_px * Eigen::Matrix2d::Identity();
     corners.push_back(corner);
   }

@@ -7,6 +7,7 @@
 
 #include "rigproof/core/board_markers.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/draw_vector.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
 
@@ -142,10 +143,10 @@ std::optional<BoardView> draw_corners(const Frame& frame, double sigma_px) {
     corner.id = id;
     const Eigen::Vector3d printed = board.corner(id) + print_error(frame.config.rig, id);
     if (!lens.project(T * printed, &corner.pixel) || !lens.contains(corner.pixel)) return std::nullopt;
-    corner.pixel += sigma_px * Eigen::Vector2d(random.normal(), random.normal());
+    corner.pixel += sigma_px * draw_vector<2>([&] { return random.normal(); });
     corner.covariance_px2 = stated_px * stated_px * Eigen::Matrix2d::Identity();
     if (random.uniform() < frame.config.corner_outlier_fraction)
-      corner.pixel += Eigen::Vector2d(random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0));
+      corner.pixel += draw_vector<2>([&] { return random.uniform(-20.0, 20.0); });
     view.corners.push_back(corner);
   }
   return view;
@@ -161,10 +162,10 @@ PlaneObservation draw_plane(const Frame& frame, const char* purpose, const Eigen
   const double stated = std::max(sigma, 1e-6), effective = points > 0.0 ? points : moments.pixels;
   observation.covariance_per_m2 = stated * stated * (moments.mean * effective).inverse();
   const Eigen::Matrix3d L = observation.covariance_per_m2.llt().matrixL();
-  const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+  const Eigen::Vector3d noise = draw_vector<3>([&] { return random.normal(); });
   observation.inverse_depth_plane = a / frame.depth_scale + (sigma > 0.0 ? 1.0 : 0.0) * (L * noise);
   if (random.uniform() < frame.config.plane_outlier_fraction) {
-    const Eigen::Vector3d tilt(random.normal(0.0, 0.1), random.normal(0.0, 0.1), random.normal(0.0, 0.1));
+    const Eigen::Vector3d tilt = draw_vector<3>([&] { return random.normal(0.0, 0.1); });
     observation.inverse_depth_plane = random.uniform(0.7, 1.4) * (so3_exp(tilt) * observation.inverse_depth_plane);
   }
   observation.effective_points = effective;
@@ -206,9 +207,10 @@ void add_frame(const Frame& frame, Observations* observations) {
 Eigen::Vector3d odometry_noise(const GeometricConfig& config, std::size_t stop) {
   RandomStream random(config.seed, "geometric odometry", static_cast<std::int64_t>(stop));
   const double sigma_xy = config.lambda * kPaperTranslationSigma_m, sigma_yaw = config.lambda * kPaperYawSigma_rad;
-  Eigen::Vector3d noise(random.normal(0.0, sigma_xy), random.normal(0.0, sigma_xy), random.normal(0.0, sigma_yaw));
+  Eigen::Vector3d noise =
+      draw_vector<3>([&] { return random.normal(); }).cwiseProduct(Eigen::Vector3d(sigma_xy, sigma_xy, sigma_yaw));
   if (random.uniform() < config.odometry_outlier_fraction)
-    noise += Eigen::Vector3d(random.normal(0.0, 0.2), random.normal(0.0, 0.2), random.normal(0.0, 0.2));
+    noise += draw_vector<3>([&] { return random.normal(0.0, 0.2); });
   return noise;
 }
 
@@ -253,7 +255,7 @@ void drive_piece(const GeometricConfig& config, double way, double turn, RandomS
   const double sigma_xy = config.lambda * kPaperTranslationSigma_m * std::sqrt(along_m);
   const double sigma_yaw = config.lambda * kPaperYawSigma_rad * std::sqrt(turning);
   for (int k = 0; k < kSteps; ++k) {
-    const Eigen::Vector2d noise(random->normal(0.0, sigma_xy), random->normal(0.0, sigma_xy));
+    const Eigen::Vector2d noise = draw_vector<2>([&] { return random->normal(0.0, sigma_xy); });
     const double turned = config.odometry_yaw_factor * turn / kSteps + random->normal(0.0, sigma_yaw);
     odometry->head<2>() += Eigen::Rotation2Dd(odometry->z() + 0.5 * turned) *
                            Eigen::Vector2d(Eigen::Vector2d(config.odometry_scale * way / kSteps, 0.0) + noise);

@@ -35,13 +35,13 @@ GeometricRig exact_rig() {
 
 // A camera mounted in any direction.
 Rigid3 random_mount(RandomStream& random) {
-  const Eigen::Vector3d position(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), random.uniform(0.4, 1.0));
+  const double z = random.uniform(0.4, 1.0), y = random.uniform(-0.4, 0.4), x = random.uniform(-0.5, 0.5);
   const double yaw = random.uniform(-kPi, kPi);
   const double pitch_down = deg_to_rad(random.uniform(-10.0, 40.0));
   // A quarter of the cameras hangs upside down, another is turned on its side.
   const double turn[] = {0.0, 0.0, kPi, 0.5 * kPi};
   const double roll = turn[random.below(4)] + deg_to_rad(random.uniform(-10.0, 10.0));
-  return mount(position, yaw, pitch_down, roll);
+  return mount({x, y, z}, yaw, pitch_down, roll);
 }
 
 // Whether the camera, turned towards the board, sees all of it from a good part of the distances.

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "resolve.h"
+#include "rigproof/core/draw_vector.h"
 #include "rigproof/core/random.h"
 
 namespace rigproof {
@@ -38,7 +39,7 @@ Camera drawn_around(const Camera& camera, const IntrinsicsSigma& sigma, const Le
   const auto draw = [random](double deviation) { return random->normal(0.0, deviation); };
   Camera told = camera;
   const double focal = draw(sigma.focal_relative), ratio = draw(sigma.focal_ratio);
-  const Eigen::Vector2d centre_px(draw(sigma.principal_point_px), draw(sigma.principal_point_px));
+  const Eigen::Vector2d centre_px = draw_vector<2>([&] { return draw(sigma.principal_point_px); });
   const double corner_px = draw(sigma.distortion_px);
   if (is_zero(asked.focal_error_percent)) {
     told.fx_px *= (1.0 + focal) * (1.0 + 0.5 * ratio);

@@ -2,6 +2,7 @@
 
 #include "recording_faults.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/draw_vector.h"
 #include "rigproof/core/rigid3.h"
 #include "rigproof/core/text.h"
 
@@ -82,8 +83,9 @@ RecordingFault noisy(const std::string& name, double sigma_m, double sigma_rad) 
   return {name, "odometry", kNoisy, {Files::kOdometry}, [=](FaultyRecording* r) {
             RandomStream random = r->random("noise");
             r->edit_odometry(increments([&](const Rigid3& step, double) {
-              return step * planar_pose(random.normal(0.0, sigma_m), random.normal(0.0, sigma_m),
-                                        random.normal(0.0, sigma_rad));
+              const double yaw = random.normal(0.0, sigma_rad);
+              const Eigen::Vector2d moved = draw_vector<2>([&] { return random.normal(0.0, sigma_m); });
+              return step * planar_pose(moved.x(), moved.y(), yaw);
             }));
           }};
 }
