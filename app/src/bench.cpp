@@ -107,14 +107,20 @@ std::uintmax_t write_sums(const fs::path& folder) {
   return bytes;
 }
 
+// A folder that only shares a case's name, as what was exported of it may, hides no case.
+bool names_a_run(const std::string& name) {
+  std::error_code ignored;
+  const bool is_case = fs::exists(data_folder() / "config/bench-v1" / (name + ".yaml"), ignored);
+  return fs::exists(fs::path(name) / "run.yaml", ignored) || (!is_case && fs::is_directory(name, ignored));
+}
+
 }  // namespace
 
 std::vector<std::string> bench_layouts() { return {"mcalib", "mrcal", "opencv", "euroc", kBagLayout, "colmap"}; }
 
 int bench_export_command(const BenchExportArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
-  std::error_code ignored;
-  const bool is_run = fs::is_directory(arguments.name, ignored);
+  const bool is_run = names_a_run(arguments.name);
   const fs::path name = is_run ? fs::absolute(arguments.name).lexically_normal() : fs::path(arguments.name);
   const fs::path folder = arguments.output.empty()
                               ? fs::path("bench") / (name.has_filename() ? name : name.parent_path()).filename()

@@ -34,7 +34,10 @@ class Recording:
         self.cv2 = cv2 = needs("cv2", "python3-opencv")
         np = needs("numpy", "python3-numpy")
         self.folder = Path(folder)
-        file = cv2.FileStorage(str(self.folder / "recording.yml"), cv2.FILE_STORAGE_READ)
+        listed = self.folder / "recording.yml"
+        if not listed.is_file():
+            sys.exit(f"{listed}: is not there; give a folder as `rigproof convert --to opencv` writes it")
+        file = cv2.FileStorage(str(listed), cv2.FILE_STORAGE_READ)
         self.T_world_robot = file.getNode("T_world_robot").mat().reshape(-1, 4, 4)
         corners = file.getNode("board_corners")
         self.grid = (int(corners.at(0).real()), int(corners.at(1).real()))

@@ -58,5 +58,16 @@ TEST(BenchExport, RefusesWhatIsNoCaseAndWhatHasNoTruth) {
   EXPECT_FALSE(fs::exists(scratch / "b"));
 }
 
+// `-o clean_lab` leaves a folder of the case's name.
+TEST(BenchExport, AFolderOfTheSameNameHidesNoCase) {
+  const TempFolder scratch;
+  fs::create_directories(scratch / "clean_lab/mrcal");
+  const ProcessOutput output =
+      rigproof_command({"bench", "export", "clean_lab", "--to", "opencv", "-o", "clean_lab", "--set", "posses=2"},
+                       scratch.path().string());
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_THAT(output.err, AllOf(HasSubstr("posses"), Not(HasSubstr("not an input"))));
+}
+
 }  // namespace
 }  // namespace rigproof
