@@ -225,6 +225,7 @@ void write_file_atomically_unsynced(const fs::path& file, std::string_view bytes
 }
 
 GrowingFile::GrowingFile(fs::path file) : file_(std::move(file)) {
+  if (takes_bytes_itself(file_)) throw Error(file_.string() + ": cannot write: it is no regular file");
   create_parent(file_);
   temporary_ = temporary_name(file_);
   descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);

@@ -4,6 +4,7 @@
 #include "rigproof/core/fields.h"
 #include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/growing_file.h"
 
 namespace rigproof {
 namespace {
@@ -21,7 +22,7 @@ bool is_digest(const std::string& text) {
 
 }  // namespace
 
-static void visit_fields(FieldVisitor& visitor, Manifest::Entry& entry) {
+static void visit_fields(FieldVisitor& visitor, FileEntry& entry) {
   visitor.on_one_line();
   visitor.require("size_bytes", "a whole number");
   visitor.require("sha256", "64 hexadecimal digits");
@@ -33,7 +34,7 @@ static void visit_fields(FieldVisitor& visitor, Manifest::Entry& entry) {
                 "must be 64 hexadecimal digits");
 }
 
-static void visit_fields(FieldVisitor& visitor, Manifest& manifest) {
+static void visit_fields(FieldVisitor& visitor, ManifestHead& manifest) {
   visitor.format(kFormat, kVersion);
   visitor.field("tool_version", manifest.tool_version, TextChoices{}, "of rigproof");
   visitor.field("gl_renderer", manifest.gl_renderer, TextChoices{},
@@ -43,6 +44,10 @@ static void visit_fields(FieldVisitor& visitor, Manifest& manifest) {
   visitor.require("state", "complete or partial");
   visitor.choice("state", manifest.complete, {{"complete", true}, {"partial", false}},
                  "partial: generation was interrupted");
+}
+
+static void visit_fields(FieldVisitor& visitor, Manifest& manifest) {
+  visit_fields(visitor, static_cast<ManifestHead&>(manifest));
   visitor.map("files", map_by_name(manifest.files), "size and hash of every file, by its path in the run");
   if (visitor.takes("not_kept", !manifest.not_kept.empty()))
     visitor.map("not_kept", map_by_name(manifest.not_kept),
@@ -56,8 +61,23 @@ Manifest load_manifest(const fs::path& file) {
   return manifest;
 }
 
+// The bytes that emit_yaml() makes of the whole tree. Written entry by entry, since the tree of hundreds of thousands
+// of files takes eight times the memory of its text, again and again while the run is made.
+static void append_entries(const char* key, const FileEntries& entries, GrowingFile* out) {
+  out->append(std::string(key) + (entries.empty() ? ": {}\n" : ":\n"));
+  for (const auto& [path, entry] : entries) {
+    YamlTree line = YamlTree::map();
+    line.set(path, tree_of(entry));
+    out->append("  " + emit_yaml(line));
+  }
+}
+
 void save_manifest(const Manifest& manifest, const fs::path& file) {
-  write_file_atomically(file, emit_yaml(tree_of(manifest)));
+  GrowingFile out(file);
+  out.append(emit_yaml(tree_of<ManifestHead>(manifest)));
+  append_entries("files", manifest.files, &out);
+  if (!manifest.not_kept.empty()) append_entries("not_kept", manifest.not_kept, &out);
+  out.finish();
 }
 
 std::string manifest_schema() { return schema_of<Manifest>("Rigproof manifest: run.yaml of a run", {kVersion, false}); }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,8 +17,6 @@
 #include "scenario.h"
 
 namespace rigproof {
-
-using FileEntries = std::map<std::string, Manifest::Entry>;
 
 /// Where clean frames come from.
 struct FrameSource {

@@ -101,7 +101,7 @@ FrameNews news_of(const std::string& text) {
   FrameNews news;
   std::istringstream in(text);
   in >> news.rendered;
-  Manifest::Entry entry;
+  FileEntry entry;
   std::string path;
   while (in >> entry.size_bytes >> entry.sha256 && in.get() == ' ' && std::getline(in, path))
     news.entries[path] = entry;

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "error_text.h"
+#include "rigproof/core/growing_file.h"
 #include "temp_folder.h"
 
 namespace rigproof {
@@ -118,6 +119,7 @@ TEST(Files, ALinkIsRefusedAndItsTargetUntouched) {
                 ": cannot write: it is a link to precious, and links are not followed; name the file itself, or "
                 "remove the link");
   EXPECT_THAT(error_text([&] { write_file_atomically(folder / "dangling", "x"); }), HasSubstr("a link to gone/file"));
+  EXPECT_THAT(error_text([&] { GrowingFile file(folder / "link"); }), HasSubstr("a link to precious"));
   EXPECT_EQ(folder.read("precious"), "old");
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
   EXPECT_EQ(names_in(folder.path()).size(), 3U);

@@ -29,6 +29,31 @@ TEST(Manifest, RoundTripKeepsEveryValueAndEveryByte) {
   }
 }
 
+// As it always was: a run that somebody keeps is compared by its bytes.
+TEST(Manifest, IsWrittenInTheseBytes) {
+  const TempFolder folder;
+  Manifest manifest;
+  manifest.tool_version = "0.1.0+ab";
+  manifest.gl_renderer = "a: b";
+  manifest.mujoco_version = "2.2.2";
+  manifest.config_sha256 = std::string(64, 'a');
+  save_manifest(manifest, folder / "empty.yaml");
+  const std::string head =
+      "format: rigproof-run\nversion: 1\ntool_version: \"0.1.0+ab\"\ngl_renderer: \"a: b\"\n"
+      "mujoco_version: \"2.2.2\"\nconfig_sha256: " +
+      manifest.config_sha256 + "\nstate: partial\n";
+  EXPECT_EQ(folder.read("empty.yaml"), head + "files: {}\n");
+  const std::string letters(64, 'b'), digits(64, '0');
+  manifest.files["recording/rig.yaml"] = {5, letters};
+  manifest.files["recording/\"left\", #1.png"] = {123456789012ULL, digits};
+  manifest.not_kept["1.png"] = {7, letters};
+  save_manifest(manifest, folder / "full.yaml");
+  EXPECT_EQ(folder.read("full.yaml"),
+            head + "files:\n  \"recording/\\\"left\\\", #1.png\": {size_bytes: 123456789012, sha256: \"" + digits +
+                "\"}\n  recording/rig.yaml: {size_bytes: 5, sha256: " + letters +
+                "}\nnot_kept:\n  \"1.png\": {size_bytes: 7, sha256: " + letters + "}\n");
+}
+
 TEST(Manifest, ProblemsAreNamed) {
   const TempFolder folder;
   const auto problems = [&](const std::string& text) {

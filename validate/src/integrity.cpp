@@ -33,7 +33,7 @@ std::string size_message(std::uint64_t size, std::uint64_t expected) {
 }
 
 // Nothing where the file is as the manifest has it. What is read is added to `bytes`.
-std::optional<IntegrityProblem> problem_of(const RunFolder& run, const std::string& file, const Manifest::Entry& entry,
+std::optional<IntegrityProblem> problem_of(const RunFolder& run, const std::string& file, const FileEntry& entry,
                                            std::uint64_t* bytes) {
   try {
     const fs::path path = path_inside(run.root, file);

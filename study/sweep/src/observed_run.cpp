@@ -30,7 +30,7 @@ std::function<void(const FramePictures&)> looking(const SweepCache& cache, const
   };
 }
 
-bool is_image(const std::pair<const std::string, Manifest::Entry>& file) {
+bool is_image(const std::pair<const std::string, FileEntry>& file) {
   return file.first.find("/color/") != std::string::npos;
 }
 

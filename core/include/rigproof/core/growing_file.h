@@ -11,7 +11,8 @@ namespace rigproof {
 /// nothing.
 class GrowingFile {
  public:
-  /// Creates missing folders. Throws Error that names the file and the cause, as do append() and finish().
+  /// Creates missing folders. Only a regular file is replaced. Throws Error that names the file and the cause, as do
+  /// append() and finish().
   explicit GrowingFile(std::filesystem::path file);
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;

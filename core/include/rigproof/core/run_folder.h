@@ -25,20 +25,25 @@ struct RunFolder {
   std::filesystem::path pictures() const { return root / "pictures"; }
 };
 
-/// run.yaml: what generated the run and the size and SHA-256 of every file in recording/ and truth/.
-struct Manifest {
-  struct Entry {
-    std::uint64_t size_bytes = 0;
-    std::string sha256;
-  };
+/// What generated a run, and how far it got.
+struct ManifestHead {
   std::string tool_version;
   std::string gl_renderer;  ///< hashes of images compare only for the same one
   std::string mujoco_version;
   std::string config_sha256;  ///< of the resolved configuration: a resume must find the same
   bool complete = false;
-  std::map<std::string, Entry> files;  ///< by path relative to the run
-  /// Pictures that were looked at in memory: what their files would hold.
-  std::map<std::string, Entry> not_kept;
+};
+
+struct FileEntry {
+  std::uint64_t size_bytes = 0;
+  std::string sha256;
+};
+using FileEntries = std::map<std::string, FileEntry>;  ///< by path relative to the run
+
+/// run.yaml: its head, and the size and SHA-256 of every file in recording/ and truth/.
+struct Manifest : ManifestHead {
+  FileEntries files;
+  FileEntries not_kept;  ///< pictures that were looked at in memory: what their files would hold
 };
 
 Manifest load_manifest(const std::filesystem::path& file);
