@@ -267,7 +267,7 @@ class Generation {
   }
 
   void take_renderer(const std::string& gl_renderer) {
-    const std::string& known = keeper_->manifest().gl_renderer;
+    const std::string& known = keeper_->gl_renderer();
     if (!known.empty() && known != gl_renderer) {
       throw Error(run_.root.string() + ": was begun with " + known + ", this is " + gl_renderer +
                   ", whose images differ in single bits; go on where it was begun, or start over with --fresh");

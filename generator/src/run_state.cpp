@@ -20,7 +20,8 @@ using Clock = std::chrono::steady_clock;
 
 // A killed generation loses at most what was rendered since the last write of the manifest.
 constexpr double kWritePeriodS = 2.0;
-// Writing may take this share of the time.
+// Writing the manifest may take this share of the time. Syncing of files does not count: it has to be done once, and
+// the longer it is put off, the more of them wait for it.
 constexpr double kWriteShare = 0.05;
 
 const char* const kInputMark = "# input ";
@@ -103,11 +104,13 @@ void remove_own(const RunFolder& run) {
   }
 }
 
-// Syncs the files, then writes the manifest, beside whatever else goes on; gives the seconds that it took.
-std::future<double> write_aside(const RunFolder& run, const Manifest& manifest, std::vector<fs::path> files) {
-  return std::async(std::launch::async, [run, manifest, files = std::move(files)] {
-    const auto start = Clock::now();
+// Syncs the files, then writes the manifest, beside whatever else goes on; gives the seconds that the manifest took.
+std::future<double> write_aside(const RunFolder& run, const Manifest& manifest, std::vector<std::string> unsynced) {
+  return std::async(std::launch::async, [run, &manifest, unsynced = std::move(unsynced)] {
+    std::vector<fs::path> files;
+    for (const std::string& file : unsynced) files.push_back(run.root / file);
     sync_files(files);
+    const auto start = Clock::now();
     save_manifest(manifest, run.manifest_file());
     return std::chrono::duration<double>(Clock::now() - start).count();
   });
@@ -159,26 +162,33 @@ void remove_temporary_files(const fs::path& folder) {
 }
 
 ManifestKeeper::ManifestKeeper(RunFolder run, Manifest manifest)
-    : run_(std::move(run)), manifest_(std::move(manifest)), next_write_(Clock::now()) {}
+    : run_(std::move(run)),
+      manifest_(std::move(manifest)),
+      gl_renderer_(manifest_.gl_renderer),
+      next_write_(Clock::now()) {}
 
 ManifestKeeper::~ManifestKeeper() {
   if (write_.valid()) write_.wait();
 }
 
-void ManifestKeeper::set_gl_renderer(const std::string& name) { manifest_.gl_renderer = name; }
-
 void ManifestKeeper::add(const FileEntries& entries) {
   for (const auto& [path, entry] : entries) {
-    manifest_.files[path] = entry;
-    manifest_.not_kept.erase(path);
-    unsynced_.push_back(run_.root / path);
+    new_files_[path] = entry;
+    unsynced_.push_back(path);
   }
-  has_news_ = true;
 }
 
 void ManifestKeeper::add_not_kept(const FileEntries& entries) {
-  for (const auto& [path, entry] : entries) manifest_.not_kept[path] = entry;
-  has_news_ = true;
+  for (const auto& [path, entry] : entries) new_not_kept_[path] = entry;
+}
+
+void ManifestKeeper::take_up_news() {
+  manifest_.gl_renderer = gl_renderer_;
+  for (auto& [path, entry] : std::exchange(new_not_kept_, {})) manifest_.not_kept[path] = std::move(entry);
+  for (auto& [path, entry] : std::exchange(new_files_, {})) {
+    manifest_.files[path] = std::move(entry);
+    manifest_.not_kept.erase(path);
+  }
 }
 
 void ManifestKeeper::tick() {
@@ -187,13 +197,15 @@ void ManifestKeeper::tick() {
     const double period_s = std::max(kWritePeriodS, write_.get() / kWriteShare);
     next_write_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s));
   }
-  if (!has_news_ || Clock::now() < next_write_) return;
-  has_news_ = false;
+  const bool has_news = !new_files_.empty() || !new_not_kept_.empty();
+  if (!has_news || Clock::now() < next_write_) return;
+  take_up_news();
   write_ = write_aside(run_, manifest_, std::exchange(unsynced_, {}));
 }
 
 void ManifestKeeper::finish(bool complete) {
   if (write_.valid()) write_.get();
+  take_up_news();
   manifest_.complete = complete;
   write_aside(run_, manifest_, std::exchange(unsynced_, {})).get();
 }

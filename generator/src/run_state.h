@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "frame_maker.h"
 #include "rigproof/core/run_folder.h"
 #include "scenario.h"
 
@@ -28,14 +27,19 @@ void drop_damaged(const RunFolder& run, Manifest* manifest);
 void remove_temporary_files(const std::filesystem::path& folder);
 
 /// Brings the manifest to the disk now and then, beside the rendering. An entry is written only after its file has been
-/// synced, so that the manifest never claims more than a power cut leaves.
+/// synced, so that the manifest never claims more than a power cut leaves. Of each file it holds one entry, and no
+/// more.
 class ManifestKeeper {
  public:
   ManifestKeeper(RunFolder run, Manifest manifest);
   ~ManifestKeeper();
+  ManifestKeeper(const ManifestKeeper&) = delete;
+  ManifestKeeper& operator=(const ManifestKeeper&) = delete;
 
+  /// With all that was added, after finish().
   const Manifest& manifest() const { return manifest_; }
-  void set_gl_renderer(const std::string& name);
+  const std::string& gl_renderer() const { return gl_renderer_; }
+  void set_gl_renderer(const std::string& name) { gl_renderer_ = name; }
   void add(const FileEntries& entries);
   /// Of pictures that were looked at and not kept.
   void add_not_kept(const FileEntries& entries);
@@ -45,11 +49,15 @@ class ManifestKeeper {
   void finish(bool complete);
 
  private:
+  /// Where no write is under way.
+  void take_up_news();
+
   RunFolder run_;
-  Manifest manifest_;
-  std::vector<std::filesystem::path> unsynced_;
-  bool has_news_ = false;
-  std::future<double> write_;  ///< gives the seconds that it took
+  Manifest manifest_;  ///< read by a write that is under way, so that nothing changes it meanwhile
+  FileEntries new_files_, new_not_kept_;
+  std::string gl_renderer_;
+  std::vector<std::string> unsynced_;  ///< paths in the run
+  std::future<double> write_;          ///< gives the seconds that it took
   std::chrono::steady_clock::time_point next_write_;
 };
 
