@@ -104,12 +104,22 @@ void remove_own(const RunFolder& run) {
   }
 }
 
+// In pieces, since a path takes several times the memory of its text.
+void sync_in_pieces(const fs::path& root, const std::vector<std::string>& files) {
+  constexpr std::size_t kPiece = 500;
+  std::vector<fs::path> piece;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    piece.push_back(root / files[i]);
+    if (piece.size() < kPiece && i + 1 < files.size()) continue;
+    sync_files(piece);
+    piece.clear();
+  }
+}
+
 // Syncs the files, then writes the manifest, beside whatever else goes on; gives the seconds that the manifest took.
 std::future<double> write_aside(const RunFolder& run, const Manifest& manifest, std::vector<std::string> unsynced) {
   return std::async(std::launch::async, [run, &manifest, unsynced = std::move(unsynced)] {
-    std::vector<fs::path> files;
-    for (const std::string& file : unsynced) files.push_back(run.root / file);
-    sync_files(files);
+    sync_in_pieces(run.root, unsynced);
     const auto start = Clock::now();
     save_manifest(manifest, run.manifest_file());
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -172,23 +182,23 @@ ManifestKeeper::~ManifestKeeper() {
 }
 
 void ManifestKeeper::add(const FileEntries& entries) {
-  for (const auto& [path, entry] : entries) {
-    new_files_[path] = entry;
-    unsynced_.push_back(path);
-  }
+  for (const auto& [path, entry] : entries) new_files_[path] = entry;
 }
 
 void ManifestKeeper::add_not_kept(const FileEntries& entries) {
   for (const auto& [path, entry] : entries) new_not_kept_[path] = entry;
 }
 
-void ManifestKeeper::take_up_news() {
+std::vector<std::string> ManifestKeeper::take_up_news() {
+  std::vector<std::string> unsynced;
   manifest_.gl_renderer = gl_renderer_;
   for (auto& [path, entry] : std::exchange(new_not_kept_, {})) manifest_.not_kept[path] = std::move(entry);
   for (auto& [path, entry] : std::exchange(new_files_, {})) {
     manifest_.files[path] = std::move(entry);
     manifest_.not_kept.erase(path);
+    unsynced.push_back(path);
   }
+  return unsynced;
 }
 
 void ManifestKeeper::tick() {
@@ -199,15 +209,13 @@ void ManifestKeeper::tick() {
   }
   const bool has_news = !new_files_.empty() || !new_not_kept_.empty();
   if (!has_news || Clock::now() < next_write_) return;
-  take_up_news();
-  write_ = write_aside(run_, manifest_, std::exchange(unsynced_, {}));
+  write_ = write_aside(run_, manifest_, take_up_news());
 }
 
 void ManifestKeeper::finish(bool complete) {
   if (write_.valid()) write_.get();
-  take_up_news();
   manifest_.complete = complete;
-  write_aside(run_, manifest_, std::exchange(unsynced_, {})).get();
+  write_aside(run_, manifest_, take_up_news()).get();
 }
 
 }  // namespace rigproof

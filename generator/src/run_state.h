@@ -49,15 +49,14 @@ class ManifestKeeper {
   void finish(bool complete);
 
  private:
-  /// Where no write is under way.
-  void take_up_news();
+  /// Where no write is under way. Returns the files that are new, by their paths in the run.
+  std::vector<std::string> take_up_news();
 
   RunFolder run_;
   Manifest manifest_;  ///< read by a write that is under way, so that nothing changes it meanwhile
   FileEntries new_files_, new_not_kept_;
   std::string gl_renderer_;
-  std::vector<std::string> unsynced_;  ///< paths in the run
-  std::future<double> write_;          ///< gives the seconds that it took
+  std::future<double> write_;  ///< gives the seconds that it took
   std::chrono::steady_clock::time_point next_write_;
 };
 
