@@ -9,6 +9,7 @@
 
 #include "calibration_truth.h"
 #include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/calib/estimate/problem.h"
 #include "rigproof/core/random.h"
@@ -404,6 +405,24 @@ TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
   options.priors.rotation_centre_m = 0.0;
   const MlEstimate without = estimate_maximum_likelihood(run.observations, options);
   EXPECT_EQ(with.result.joint_covariance.value(), without.result.joint_covariance.value());
+}
+
+// Both move all cameras alike, so that their variance stands in the covariance of every pair.
+TEST(MlCommonErrors, AddTheirVarianceAlongTheirAxis) {
+  PriorSigmas priors;
+  priors.rotation_centre_m = 0.02;
+  priors.riding_height_m = 0.003;
+  for (const bool along_way : {true, false}) {
+    Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(12, 12);
+    ml::add_common_errors(priors, along_way, &joint);
+    Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(12, 12);
+    for (const Eigen::Index i : {0, 6})
+      for (const Eigen::Index j : {0, 6}) {
+        expected(i, j) = along_way ? 0.02 * 0.02 : 0.0;
+        expected(i + 2, j + 2) = 0.003 * 0.003;
+      }
+    EXPECT_TRUE(joint.isApprox(expected, 1e-12)) << joint;
+  }
 }
 
 // A robot that rides higher while it moves carries its cameras along: no view and no plane shows it.
