@@ -277,8 +277,9 @@ TEST(BrokenRecording, DepthThatIsShiftedAgainstItsImagesIsSuspected) {
   });
   const ProcessOutput output = rigproof_command({"calibrate", recording.string()});
   EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
-  EXPECT_THAT(output.out, ContainsRegex("left: its depth of floor and board fits images and motion only if the depth "
-                                        "image is shifted, turned or warped"));
+  EXPECT_THAT(output.out,
+              ContainsRegex("left: its depth of floor and board fits images and motion only if depth images "
+                            "or clouds are shifted, turned or warped"));
   EXPECT_THAT(output.out, testing::Not(ContainsRegex("(center|right): its depth of floor")));
 }
 
