@@ -24,6 +24,9 @@ def main():
     for k, name in enumerate(seen.names):
         lines = [matrix_text(seen.T_world_robot[stop][:3, :3], seen.T_world_robot[stop][:3, 3]) + "\n" + matrix_text(R, t)
                  for stop, R, t in seen.board_poses(k)]
+        if len(lines) < 3:
+            print(f"{name}: the whole board in {len(lines)} images, of which a hand-eye calibration needs three")
+            continue
         done = subprocess.run([program], input="\n".join(lines), check=True, capture_output=True, text=True)
         print(name, done.stdout.strip())
         if answer := re.search(r"^T_robot_camera (.*)$", done.stdout, re.MULTILINE):
