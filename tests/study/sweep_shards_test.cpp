@@ -106,7 +106,7 @@ TEST_F(SweepShards, PacksHoldWhatSingleFilesDid) {
 TEST_F(SweepShards, KilledAtAnyMomentAndStartedTwiceTheyComeToTheSame) {
   plan(kSome);
   std::mt19937 random(7);
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < 17; ++round) {  // 51 kills
     ChildProcess one([&] { return run(0, 2).complete ? 0 : 1; });
     ChildProcess twin([&] { return run(0, 2).complete ? 0 : 1; });
     ChildProcess other([&] { return run(1, 2).complete ? 0 : 1; });
