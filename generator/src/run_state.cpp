@@ -26,10 +26,10 @@ constexpr double kWriteShare = 0.05;
 
 const char* const kInputMark = "# input ";
 
-// Everything that a generation or a calibration writes into a run.
-std::vector<fs::path> own_paths(const RunFolder& run) {
-  return {run.manifest_file(),      run.recording(), run.truth(),    run.observations_file(),
-          run.root / "report.html", run.results(),   run.pictures(), run.root / "findings"};
+// Everything but the manifest that a generation or a calibration writes into a run, what was made of others first.
+std::vector<fs::path> made_paths(const RunFolder& run) {
+  return {run.root / "report.html", run.results(), run.root / "findings", run.observations_file(),
+          run.pictures(),           run.truth(),   run.recording()};
 }
 
 bool is_temporary(const fs::path& file) {
@@ -96,8 +96,8 @@ void check_same(const RunFolder& run, const Scenario& scenario, const Manifest& 
                         (count > kMost ? " and " + std::to_string(count - kMost) + " more" : ""));
 }
 
-void remove_own(const RunFolder& run) {
-  for (const fs::path& path : own_paths(run)) {
+void remove_made(const RunFolder& run) {
+  for (const fs::path& path : made_paths(run)) {
     std::error_code error;
     fs::remove_all(path, error);
     if (error) throw Error(path.string() + ": cannot be removed: " + error.message());
@@ -139,18 +139,17 @@ Manifest open_run(const RunFolder& run, const Scenario& scenario, bool fresh) {
   here.tool_version = generator_version();
   here.mujoco_version = World::mujoco_version();
   here.config_sha256 = sha256_hex(config_file_text(scenario));
-  const bool is_run = fs::exists(run.manifest_file());
-  if (!is_run) {
+  if (!fs::exists(run.manifest_file())) {
     const std::string foreign = first_foreign_entry(run.root);
-    if (!foreign.empty()) {
-      throw Error(run.root.string() + ": is not a run (it holds " + for_message(foreign) +
-                  " and no run.yaml); choose an empty or a new folder");
-    }
+    if (foreign.empty()) return here;
+    throw Error(run.root.string() + ": is not a run (it holds " + for_message(foreign) +
+                " and no run.yaml); choose an empty or a new folder");
   }
-  if (is_run && fresh) remove_own(run);
-  if (!is_run || fresh) return here;
+  // From here on nothing of it is known: where something cannot be removed, a run is left that can go on.
+  if (fresh) save_manifest(here, run.manifest_file());
   const Manifest there = load_manifest(run.manifest_file());
-  check_same(run, scenario, there, here);
+  if (!fresh) check_same(run, scenario, there, here);
+  if (!there.complete && there.files.empty() && there.not_kept.empty()) remove_made(run);
   return there;
 }
 

@@ -45,7 +45,7 @@ class Case:
 
     def __init__(self, name, command, before=(), deletes=False, sample=tuple(KINDS), lasts=""):
         self.name, self.command, self.before = name, command, before
-        self.sample = sample    # kinds of calls that --sample tries: few of what takes long
+        self.sample = sample    # kinds of calls that --sample tries, or (kind, at which share of them): few of what takes long
         self.deletes = deletes  # what was there, as it is told to
         self.lasts = lasts      # a new folder of which every file is synced
 
@@ -56,7 +56,7 @@ CASES = [
     Case("generate", ["generate", "-o", "new", "--cache", "new_cache", *GENERATE],
          sample=("write", "sync", "fork")),
     Case("generate_fresh", ["generate", "-o", "run", "--cache", "cache", *GENERATE, "--set", "seed=2", "--fresh"], [RUN],
-         deletes=True, sample=()),
+         deletes=True, sample=(("open", 0.25),)),  # while it removes what was there
     Case("sense", ["sense", "run", "--cache", "cache", "--seed", "7", "-o", "sensed", "-j", "1"], [RUN],
          sample=("open",)),
     Case("observe", ["observe", "run", "-j", "1"], [RUN], sample=("rename",)),
@@ -225,10 +225,10 @@ def try_call(bench, case, after, at, kinds, error):
 def calls_to_try(case, state, arguments):
     """(kinds, number of the call) of each."""
     kinds = arguments.kinds.split(",") if arguments.kinds else case.sample if arguments.sample else KINDS
-    for kind in kinds:
+    for kind, share in [kind if isinstance(kind, tuple) else (kind, 0.5) for kind in kinds]:
         count = state.of_kind[kind]
         if arguments.sample and count:
-            yield kind, (count + 1) // 2
+            yield kind, int(share * count + 0.5) or 1
         elif not arguments.sample:
             for at in range(1, count + 1, arguments.every):
                 yield kind, at

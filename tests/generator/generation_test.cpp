@@ -245,6 +245,22 @@ TEST(Generation, AnotherConfigurationIsRefusedUnlessFresh) {
   EXPECT_NO_THROW(generate(other, options));
 }
 
+// As --fresh leaves them where something cannot be removed, or the machine stops.
+TEST(Generation, WhatARunOfWhichNothingIsKnownHoldsIsRemoved) {
+  const TempFolder folder;
+  const RunFolder run{folder.path() / "run"};
+  generate(small_config(), into(run.root));
+  write_file_atomically(run.recording() / "left/color/000099.png", std::string_view("of an older run"));
+  fs::create_directories(run.results());
+  write_file_atomically(run.results() / "ml.yaml", std::string_view("of an older run"));
+  Manifest manifest = load_manifest(run.manifest_file());
+  manifest.complete = false;
+  manifest.files.clear();
+  save_manifest(manifest, run.manifest_file());
+  EXPECT_EQ(generate(small_config(), into(run.root)).images_rendered, 12U);
+  EXPECT_EQ(contents(run.root), reference());
+}
+
 // Other sources may make other bytes of the same configuration.
 TEST(Generation, ARunOfAnotherGeneratorIsRefusedUnlessFresh) {
   const TempFolder folder;
