@@ -107,6 +107,15 @@ std::uintmax_t write_sums(const fs::path& folder) {
   return bytes;
 }
 
+// One truth for all layouts in a folder. Before these, so that the same command goes on if it cannot be written.
+void write_truth(const fs::path& from, const fs::path& to) {
+  const std::string truth = read_text_file(from);
+  std::error_code ignored;
+  if (fs::exists(to, ignored) && read_text_file(to) != truth)
+    throw Error(to.string() + ": is the truth of another run; name a new folder");
+  write_file_atomically(to, truth);
+}
+
 // A folder that only shares a case's name, as what was exported of it may, hides no case.
 bool names_a_run(const std::string& name) {
   std::error_code ignored;
@@ -129,6 +138,8 @@ int bench_export_command(const BenchExportArguments& arguments) {
   if (!input.run || !truth_beside(input)) throw Error(name.string() + ": must be a generated run, with its truth");
   const fs::path output = folder / arguments.to;
   FolderInMaking making(output);
+  const fs::path truth = folder / "truth.yaml";
+  write_truth(input.run->truth_file(), truth);
   const ScratchFolder scratch("bench-export");
   const Input grey = open_input(in_grey(*input.recording, scratch.path() / "recording", terminal));
   const Recording& recording = *grey.recording;
@@ -138,8 +149,6 @@ int bench_export_command(const BenchExportArguments& arguments) {
   write_file_atomically_unsynced(making.path() / "README.md", instructions(recording, arguments.to));
   const std::uintmax_t bytes = write_sums(making.path());
   making.finish();
-  const fs::path truth = folder / "truth.yaml";
-  write_file_atomically(truth, read_text_file(input.run->truth_file()));
   if (arguments.common.json) {
     const nlohmann::json json = {{"output", output.string()},
                                  {"layout", arguments.to},

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli_fixture.h"
+#include "rigproof/core/files.h"
 
 namespace rigproof {
 namespace {
@@ -56,6 +57,20 @@ TEST(BenchExport, RefusesWhatIsNoCaseAndWhatHasNoTruth) {
   EXPECT_THAT(output.err, HasSubstr("truth"));
   EXPECT_FALSE(fs::exists(scratch / "a"));
   EXPECT_FALSE(fs::exists(scratch / "b"));
+}
+
+// Answers to the layout that is there would be scored by a truth that is not theirs.
+TEST(BenchExport, ReplacesNoTruthOfAnotherRun) {
+  const TempFolder scratch;
+  const fs::path truth = scratch / "case/truth.yaml";
+  fs::create_directories(truth.parent_path());
+  write_file_atomically(truth, std::string_view("of another run"));
+  const ProcessOutput output =
+      rigproof_command({"bench", "export", small_run().string(), "--to", "mrcal", "-o", (scratch / "case").string()});
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_THAT(output.err, HasSubstr("truth.yaml: is the truth of another run; name a new folder"));
+  EXPECT_EQ(read_text_file(truth), "of another run");
+  EXPECT_FALSE(fs::exists(scratch / "case/mrcal"));
 }
 
 // `-o clean_lab` leaves a folder of the case's name.

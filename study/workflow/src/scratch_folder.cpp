@@ -34,12 +34,25 @@ std::vector<fs::path> own_scratch_folders(const std::string& prefix) {
   return folders;
 }
 
+// The mark last, so that what cannot be removed now is found by the next owner.
+void remove_tree(const fs::path& folder) {
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    std::error_code error;
+    std::vector<fs::path> held;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+      if (it->path().filename() != kMark) held.push_back(it->path());
+    for (const fs::path& path : held)
+      if (!error) fs::remove_all(path, error);
+    if (!error) fs::remove_all(folder, error);
+    if (!error) return;
+  }
+}
+
 void remove_forsaken(const std::string& prefix) {
   for (const fs::path& folder : own_scratch_folders(prefix)) {
     try {
       const FolderLock lock(folder, kRefusal, FolderLock::Kind::kAlone, std::chrono::milliseconds(0));
-      std::error_code ignored;
-      if (lock.holds()) fs::remove_all(folder, ignored);
+      if (lock.holds()) remove_tree(folder);
     } catch (const Error&) {
       // Its owner lives, or another program is removing it.
     }
@@ -54,13 +67,15 @@ ScratchFolder::ScratchFolder(const std::string& purpose) {
   std::string name = (fs::temp_directory_path() / (prefix + "XXXXXX")).string();
   if (::mkdtemp(name.data()) == nullptr) throw Error(name + ": a temporary folder cannot be made");
   path_ = name;
-  lock_.emplace(path_, kRefusal);
-  write_file_atomically_unsynced(path_ / kMark, "");  // last: one without it is left alone
+  try {
+    lock_.emplace(path_, kRefusal);
+    write_file_atomically_unsynced(path_ / kMark, "");  // last: one without it is left alone
+  } catch (...) {
+    remove_tree(path_);
+    throw;
+  }
 }
 
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
+ScratchFolder::~ScratchFolder() { remove_tree(path_); }
 
 }  // namespace rigproof
