@@ -4,8 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "planes_of_cameras.h"
+#include "rigproof/core/median.h"
 
 namespace rigproof::ml {
 namespace {
@@ -22,17 +24,32 @@ Eigen::Matrix3d mean_covariance(const PlanesOfCamera& planes) {
   return mean;
 }
 
+Eigen::Vector3d median_of_each_axis(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d result;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& point : points) values.push_back(point[axis]);
+    result[axis] = median(std::move(values));
+  }
+  return result;
+}
+
 // Differences of planes to their median, in units of what is stated: whitened by the mean covariance, and longer or
-// shorter where less or more than the mean is stated for the plane. What contradicts the others is left out.
+// shorter where less or more than the mean is stated for the plane. What contradicts the others is left out. The median
+// is taken in these units, where the axes err independently: otherwise one wild plane makes each component the median
+// of another plane, which together lie on none.
 std::vector<Eigen::Vector3d> whitened_differences(const PlanesOfCamera& planes, const Eigen::Matrix3d& mean_factor) {
   const auto whitened = [&mean_factor](const Eigen::MatrixXd& value) -> Eigen::MatrixXd {
     return mean_factor.triangularView<Eigen::Lower>().solve(value);
   };
-  const Eigen::Vector3d centre = median_plane(planes);
+  std::vector<Eigen::Vector3d> points;
+  for (const PlaneObservation* plane : planes)
+    points.emplace_back(whitened(plane->inverse_depth_plane - planes.front()->inverse_depth_plane));
+  const Eigen::Vector3d centre = median_of_each_axis(points);
   std::vector<Eigen::Vector3d> differences;
-  for (const PlaneObservation* plane : planes) {
-    const Eigen::Matrix3d stated = whitened(whitened(plane->covariance_per_m2).transpose());
-    const Eigen::Vector3d difference = whitened(plane->inverse_depth_plane - centre) * std::sqrt(3.0 / stated.trace());
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const Eigen::Matrix3d stated = whitened(whitened(planes[i]->covariance_per_m2).transpose());
+    const Eigen::Vector3d difference = (points[i] - centre) * std::sqrt(3.0 / stated.trace());
     if (difference.squaredNorm() < kContradicts) differences.push_back(difference);
   }
   return differences;
