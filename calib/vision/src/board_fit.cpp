@@ -1,6 +1,7 @@
 #include "board_fit.h"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -37,6 +38,8 @@ constexpr double kMostModelError = 0.15, kMostOfOthers = 1.5;
 // Michelson's contrast of a print, glare and dim light included, is several times this; that of tartans and tiles is
 // less.
 constexpr double kMinPrintContrast = 0.15;
+// Of a square, see disorder().
+constexpr double kMaxDisorder = 0.05;
 
 bool has_markers(const Board& board) { return board.type == "charuco" || board.has_tags(); }
 double marker_share(const Board& board) {
@@ -325,6 +328,38 @@ bool tells_a_pose(const Board& board, const std::vector<MeasuredCorner>& corners
   return ids.size() >= kLeast && columns.size() >= 2 && rows.size() >= 2;
 }
 
+std::vector<std::pair<int, Vector2d>> places_of(const std::vector<MeasuredCorner>& corners) {
+  std::vector<std::pair<int, Vector2d>> places;
+  for (const MeasuredCorner& corner : corners)
+    if (corner.fit.status == SaddleStatus::kFitted) places.emplace_back(corner.id, corner.fit.pixel);
+  return places;
+}
+
+// How far corners lie off a plane's picture that is bent as lenses and bows bend it, beyond what they are known to: a
+// homography and a polynomial of second degree leave a hundredth of a square even of a fisheye's border, but a tenth of
+// what only looks like squares. 0 where there are too few corners to tell.
+double disorder(const Board& board, const std::vector<MeasuredCorner>& corners) {
+  constexpr int kBends = 6, kUnknowns = 14;  // those of the homography, and of both axes what it does not follow
+  constexpr double kSigmas = 2.0;
+  const std::optional<Homography> H = homography_of(board, corners);
+  const std::vector<std::pair<int, Vector2d>> places = places_of(corners);
+  const auto n = static_cast<Eigen::Index>(places.size());
+  if (!H || 2 * n < kUnknowns + kBends) return 0.0;
+  Eigen::MatrixXd bends(n, kBends), off(n, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& [id, pixel] = places[static_cast<std::size_t>(i)];
+    const Vector2d b = place_of_corner(board, id);
+    Vector2d expected = pixel;
+    H->map(b, &expected);
+    bends.row(i) << 1.0, b.x(), b.y(), b.x() * b.x(), b.x() * b.y(), b.y() * b.y();
+    off.row(i) = pixel - expected;
+  }
+  const Eigen::MatrixXd left = off - bends * bends.colPivHouseholderQr().solve(off);
+  const double rms = std::sqrt(left.squaredNorm() / static_cast<double>(2 * n - kUnknowns));
+  const double sigma = std::sqrt(median_of(corners, [](const SaddleFit& f) { return 0.5 * f.covariance_px2.trace(); }));
+  return rms > kSigmas * sigma ? rms / smallest_square(corners) : 0.0;
+}
+
 // Why a measured board cannot be used; absent if it can. Markers tell which corners are seen, so some are enough.
 std::optional<Finding> fault_of(const Board& board, const std::vector<MeasuredCorner>& corners,
                                 const CheckerboardOptions& options) {
@@ -341,13 +376,6 @@ std::optional<Finding> fault_of(const Board& board, const std::vector<MeasuredCo
   if (fitted < options.min_corner_share * board.corner_count() || !outline_is_fixed(board, corners))
     return Finding("board.partly_hidden", {{"corners", fitted}, {"of", board.corner_count()}});
   return std::nullopt;
-}
-
-std::vector<std::pair<int, Vector2d>> places_of(const std::vector<MeasuredCorner>& corners) {
-  std::vector<std::pair<int, Vector2d>> places;
-  for (const MeasuredCorner& corner : corners)
-    if (corner.fit.status == SaddleStatus::kFitted) places.emplace_back(corner.id, corner.fit.pixel);
-  return places;
 }
 
 struct CoarseCorners {
@@ -419,7 +447,8 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   const bool incomplete = !has_markers(board) && count(corners, SaddleStatus::kFitted) < board.corner_count();
   if (!result.why_not && incomplete && (!H || !outline_in_image(board, *H, grey)))
     result.why_not = Finding("board.cut_off");
-  if (!result.why_not && H && !has_markers(board) && print_contrast(grey, *H, board) < kMinPrintContrast)
+  if (!result.why_not && H && !has_markers(board) &&
+      (print_contrast(grey, *H, board) < kMinPrintContrast || disorder(board, corners) > kMaxDisorder))
     result.why_not = Finding("board.not_found");
   if (!result.why_not && H && !has_markers(board) &&
       lies_in_a_larger_pattern(grey, board, *H, {board, corners, options})) {

@@ -303,6 +303,32 @@ TEST(Checkerboard, PalePatternsAreNoBoard) {
   EXPECT_EQ(reason_of(detect_checkerboard(draw_board(d455(), board, T_camera_board, glare), board)), "found");
 }
 
+// Moves what the picture shows by waves of some 1.7 squares, which no lens and no bow does.
+Image8 shaken(const Image8& picture, double by_px, double square_px) {
+  Image8 result = picture;
+  const double wave = 2.0 * kPi / (1.7 * square_px);
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const int from_x = static_cast<int>(std::lround(x + by_px * std::sin(wave * y)));
+      const int from_y = static_cast<int>(std::lround(y + by_px * std::cos(1.3 * wave * x)));
+      *(result.row(y) + x) =
+          picture.at(std::clamp(from_x, 0, picture.width - 1), std::clamp(from_y, 0, picture.height - 1));
+    }
+  return result;
+}
+
+// Corrugated metal was read as a board whose corners lay a tenth of a square off any plane.
+TEST(Checkerboard, SquaresInDisorderAreNoBoard) {
+  const Board board = board_6x5();
+  const double square_px = board.square_m * d455().fx_px / 1.5;
+  const Image8 picture = draw_board(d455(), board, board_in_view(d455(), board, 1.5, 0.3, 0.4, 0.1, {640.0, 360.0}));
+  const auto said = [&](double share) {
+    return reason_of(detect_checkerboard(shaken(picture, share * square_px, square_px), board));
+  };
+  EXPECT_EQ(said(0.02), "found");
+  for (const double share : {0.08, 0.1, 0.12, 0.15, 0.18}) EXPECT_EQ(said(share), "no board") << share;
+}
+
 TEST(Checkerboard, AnotherBoardIsNotTakenAndIsNamed) {
   const Camera camera = d455();
   const Rigid3 T = board_in_view(camera, board_5x4(), 1.5, 0.4, 0.5, 0.3, {600.0, 330.0});
