@@ -73,11 +73,14 @@ TEST(SharedGroundError, IsNotSeenInNoiseAsStatedOverTrials) {
       ASSERT_TRUE(shared_ground_errors(planes_with(planes, {1.0, 1.0, 1.0}, &random)).empty()) << planes << " planes";
 }
 
-// Noise laws of sensors are not known better.
-TEST(SharedGroundError, IsNotSeenInThreeQuartersOfTheStatedNoiseOverTrials) {
+// Noise laws of sensors are not known better. Once in a thousand is what the limit is made for; of 300 trials, as many
+// as there were, one would say little.
+TEST(SharedGroundError, IsHardlyEverSeenInThreeQuartersOfTheStatedNoise) {
   RandomStream random(4, "shared ground error");
-  for (int trial = 0; trial < Trials(60, 300).count(); ++trial)
-    EXPECT_TRUE(shared_ground_errors(planes_with(20, {0.75, 0.75, 0.75}, &random)).empty());
+  int seen = 0;
+  for (int trial = 0; trial < 20000; ++trial)
+    seen += !shared_ground_errors(planes_with(20, {0.75, 0.75, 0.75}, &random)).empty();
+  EXPECT_LE(seen, 20);
 }
 
 }  // namespace
