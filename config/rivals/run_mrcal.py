@@ -75,6 +75,8 @@ def solve(lens, views, boards, arranged, spacing):
 
 def main():
     result = Path(sys.argv[2]).resolve()
+    if not (Path(sys.argv[1]) / "arguments.txt").is_file():
+        sys.exit(f"{sys.argv[1]}/arguments.txt: is not there; give a folder as `rigproof convert --to mrcal` writes it")
     os.chdir(sys.argv[1])
     options, names = read_arguments("arguments.txt")
     spacing = float(options["--object-spacing"])

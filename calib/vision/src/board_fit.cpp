@@ -339,7 +339,8 @@ std::vector<std::pair<int, Vector2d>> places_of(const std::vector<MeasuredCorner
 // homography and a polynomial of second degree leave a hundredth of a square even of a fisheye's border, but a tenth of
 // what only looks like squares. 0 where there are too few corners to tell.
 double disorder(const Board& board, const std::vector<MeasuredCorner>& corners) {
-  constexpr int kBends = 6, kUnknowns = 14;  // those of the homography, and of both axes what it does not follow
+  // Eight unknowns are the homography's; of the polynomials' twelve it follows six.
+  constexpr int kBends = 6, kUnknowns = 14;
   constexpr double kSigmas = 2.0;
   const std::optional<Homography> H = homography_of(board, corners);
   const std::vector<std::pair<int, Vector2d>> places = places_of(corners);
