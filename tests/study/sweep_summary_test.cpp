@@ -100,7 +100,7 @@ TEST(SweepSummary, FiguresOfOneSample) {
 
 TEST(SweepSummary, FailuresAreCountedAndNamed) {
   MadeUpSweep sweep(1, 4, {"ml", "theirs"});
-  for (std::size_t seed = 0; seed < 4; ++seed) sweep.solve(0, seed, "ml", seed == 3 ? 100.0 : 1.0, 1.0);
+  for (std::size_t seed = 0; seed < 4; ++seed) sweep.solve(0, seed, "ml", seed == 3 ? 90.0 : 1.0, 1.0);
   sweep.solve(0, 0, "theirs", 0.5, 0.5);
   sweep.fail(0, 1, "theirs", SweepStatus::kRefused, "no turn");
   sweep.fail(0, 2, "theirs", SweepStatus::kFailed, "crashed");
@@ -125,6 +125,33 @@ TEST(SweepSummary, FailuresAreCountedAndNamed) {
   EXPECT_THAT(text, HasSubstr("1/4"));
   EXPECT_THAT(text, HasSubstr("1 x theirs failed: crashed"));
   EXPECT_THAT(summary_as_markdown(summary), HasSubstr("- 1 x theirs refused: no turn"));
+}
+
+TEST(SweepSummary, AnAnswerFarOffIsNone) {
+  MadeUpSweep sweep(1, 3, {"ml", "astray"});
+  for (std::size_t seed = 0; seed < 3; ++seed) sweep.solve(0, seed, "ml", 1.0, 1.0);
+  sweep.solve(0, 0, "astray", 2.0, 2.0);
+  sweep.solve(0, 1, "astray", 2.0, 101.0);
+  sweep.solve(0, 2, "astray", 2.0, 2.0);
+  // A metre and 20 degrees are limits of lengths, in all three axes: a turn of 13 degrees about each is too much.
+  for (std::size_t i = 3; i < 6; ++i) sweep.rows().rows.back().error[i] = 13.0;
+  EXPECT_TRUE(is_far(sweep.rows().rows.back()));
+  const SweepSummary summary = sweep.summary();
+  for (const SummaryAxis axis : {SummaryAxis::kTx, SummaryAxis::kRz, SummaryAxis::kTranslation}) {
+    const SummaryRow& row = find(summary, "0", "astray", axis);
+    EXPECT_EQ(row.answered, 1);
+    EXPECT_EQ(row.far, 2);
+    EXPECT_EQ(row.all.count, 4) << "what is not far is counted, in tasks that have a far one, too";
+    EXPECT_EQ(row.common.count, 2);
+    EXPECT_EQ(row.against_reference.count, 1);
+    EXPECT_EQ(row.solved, 3) << "the method believes that it solved all";
+  }
+  EXPECT_DOUBLE_EQ(*find(summary, "0", "astray").all.largest, 2.0);
+  EXPECT_EQ(find(summary, "0", "ml").far, 0);
+  const std::string text = format_summary(summary);
+  EXPECT_THAT(text, HasSubstr("1/3"));
+  EXPECT_THAT(text, HasSubstr("More than 1 m or 20 deg off, counted as no answer: astray 2 cameras.\n"));
+  EXPECT_THAT(summary_as_markdown(summary), HasSubstr("astray 2 cameras"));
 }
 
 TEST(SweepSummary, FailuresOfOneFindingAreOneKindWhateverTheirWords) {
@@ -194,13 +221,14 @@ TEST(SweepSummary, TablesHaveTheColumnsThatAreDocumented) {
   MadeUpSweep sweep(1, 1, {"ml"});
   sweep.solve(0, 0, "ml", 1.0, 1.0);
   const std::string csv = summary_as_csv(sweep.summary());
-  EXPECT_EQ(csv.substr(0, csv.find('\n')),
-            "noise,method,subject,axis,unit,success_rate,tasks,answered,solved,partial,refused,could_not_run,failed,"
-            "missing,n,mean_abs,std_abs,mean,std,q05,q25,median,q75,q95,max,rmse,rmse_over_bound,common_n,"
-            "common_mean_abs,common_std_abs,common_mean,common_std,common_q05,common_q25,common_median,common_q75,"
-            "common_q95,common_max,common_rmse,common_rmse_over_bound,pair_n,pair_difference,pair_low,pair_high,pair_p,"
-            "pair_p_holm");
-  EXPECT_THAT(csv, HasSubstr("\n0,ml,camera,tx,cm,1,1,1,1,0,0,0,0,0,2,1,0,1,0,1,1,1,1,1,1,1,1,2,1,"));
+  EXPECT_EQ(
+      csv.substr(0, csv.find('\n')),
+      "noise,method,subject,axis,unit,success_rate,tasks,answered,far,solved,partial,refused,could_not_run,failed,"
+      "missing,n,mean_abs,std_abs,mean,std,q05,q25,median,q75,q95,max,rmse,rmse_over_bound,common_n,"
+      "common_mean_abs,common_std_abs,common_mean,common_std,common_q05,common_q25,common_median,common_q75,"
+      "common_q95,common_max,common_rmse,common_rmse_over_bound,pair_n,pair_difference,pair_low,pair_high,pair_p,"
+      "pair_p_holm");
+  EXPECT_THAT(csv, HasSubstr("\n0,ml,camera,tx,cm,1,1,1,0,1,0,0,0,0,0,2,1,0,1,0,1,1,1,1,1,1,1,1,2,1,"));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ constexpr double kSignificant = 0.05;
 
 // Cells in which a method beats the reference beyond chance.
 std::string better_than_reference(const SweepRows& rows) {
-  const SweepSummary summary = summarise(without_far(rows));
+  const SweepSummary summary = summarise(rows);
   std::string cells;
   for (const SummaryRow& row : summary.rows) {
     const PairedTest& test = row.against_reference;

@@ -16,13 +16,6 @@ std::optional<double> difference(const std::optional<double>& a, const std::opti
   return *a - *b;
 }
 
-// Of what is stated of three figures.
-double stated_length(const AxisFigures& figures, std::size_t first) {
-  double squares = 0.0;
-  for (std::size_t i = first; i < first + 3; ++i) squares += std::pow(figures[i].value_or(0.0), 2);
-  return std::sqrt(squares);
-}
-
 bool states_anything(const AxisFigures& figures) {
   return std::any_of(figures.begin(), figures.end(), [](const auto& figure) { return figure.has_value(); });
 }
@@ -32,19 +25,6 @@ bool states_anything(const AxisFigures& figures) {
 AxisFigures paper_error(const SweepRow& row) {
   return {row.error[0],          row.error[1],          row.error[2],
           row.roll_pitch_yaw[0], row.roll_pitch_yaw[1], row.roll_pitch_yaw[2]};
-}
-
-bool is_far(const SweepRow& row) {
-  return stated_length(row.error, 0) > kFarCm || stated_length(row.error, 3) > kFarDeg;
-}
-
-SweepRows without_far(SweepRows rows) {
-  for (SweepRow& row : rows.rows) {
-    if (!is_far(row)) continue;
-    row.error = {};
-    row.roll_pitch_yaw = {};
-  }
-  return rows;
 }
 
 std::string limits_in_words() {

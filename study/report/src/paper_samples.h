@@ -17,13 +17,6 @@ AxisFigures paper_error(const SweepRow& row);
 /// Names of these.
 inline constexpr std::array<const char*, 6> kPaperAxes = {"tx", "ty", "tz", "roll", "pitch", "yaw"};
 
-/// An answer farther off than this is none, for any method: it counts against success, and no mean has it. The limits
-/// of bench-v1: a mean over answers that are metres off says how far the worst one is, and nothing of the others.
-inline constexpr double kFarCm = 100.0, kFarDeg = 20.0;
-/// Whether what the row states, as far as it states it, is that far off in translation or rotation.
-bool is_far(const SweepRow& row);
-/// The same rows with nothing stated where they are far.
-SweepRows without_far(SweepRows rows);
 /// "within 1 m and 20 deg".
 std::string limits_in_words();
 

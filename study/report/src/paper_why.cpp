@@ -34,7 +34,7 @@ std::string what_of(const std::string& method) {
 // Of the later method against the earlier, by axis.
 std::array<PairedTest, 6> change_between(const SweepRows& rows, const std::string& earlier, const std::string& later,
                                          SweepSubject subject) {
-  SweepRows two = without_far(rows);
+  SweepRows two = rows;
   two.methods = {earlier, later};
   two.reference = earlier;
   two.pooled.assign(rows.axes.size(), true);

@@ -5,6 +5,7 @@
 
 #include "paired_test.h"
 #include "rigproof/study/sweep/rows.h"
+#include "rigproof/validate/figures.h"
 
 namespace rigproof {
 namespace {
@@ -73,6 +74,7 @@ SampleFigures figures_of(const std::vector<Value>& values) {
 struct TaskValues {
   std::vector<Value> values;
   std::size_t cameras = 0;
+  int far = 0;
 
   bool answered() const { return cameras > 0 && values.size() == cameras; }
   double mean_absolute() const {
@@ -92,7 +94,11 @@ struct TaskRows {
     for (const SweepRow* row : rows) {
       if (row->subject != subject) continue;
       ++result.cameras;
-      if (const std::optional<Value> value = value_of(*row, axis)) result.values.push_back(*value);
+      const std::optional<Value> value = value_of(*row, axis);
+      if (value && is_far(*row))
+        ++result.far;
+      else if (value)
+        result.values.push_back(*value);
     }
     return result;
   }
@@ -161,6 +167,7 @@ class Cell {
     const std::vector<TaskValues>& list = values_.at(method);
     row.tasks = static_cast<int>(list.size());
     row.answered = answered(list);
+    for (const TaskValues& task : list) row.far += task.far;
     row.success_rate = list.empty() ? 0.0 : static_cast<double>(row.answered) / static_cast<double>(list.size());
     row.all = figures_of(joined_values(list, std::vector<bool>(list.size(), true)));
     row.common = figures_of(joined_values(list, common_tasks()));
@@ -249,6 +256,13 @@ void add_status(const ByTask& tasks, SummaryRow* row) {
   }
 }
 
+// Of what is stated of three figures.
+double stated_length(const AxisFigures& figures, std::size_t first) {
+  double squares = 0.0;
+  for (std::size_t i = first; i < first + 3; ++i) squares += std::pow(figures[i].value_or(0.0), 2);
+  return std::sqrt(squares);
+}
+
 // What somebody else says has no code of its own.
 const std::string& kind_of(const std::string& code, const std::string& reason) {
   return code.empty() || code == "stated" ? reason : code;
@@ -264,6 +278,12 @@ std::optional<double> length_of(const AxisFigures& figures, std::size_t first) {
   }
   return std::sqrt(squares);
 }
+
+bool is_far(const SweepRow& row) {
+  return stated_length(row.error, 0) > kFarCm || stated_length(row.error, 3) > kFarDeg;
+}
+
+std::string far_limits_in_words() { return plain_figure(0.01 * kFarCm) + " m or " + plain_figure(kFarDeg) + " deg"; }
 
 const char* summary_axis_name(SummaryAxis axis) {
   static const std::array<const char*, kAxes> names = {"tx",   "ty",    "tz",  "rx",          "ry",      "rz",

@@ -1,5 +1,6 @@
 // The summary as a person reads it, and as programs do.
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -25,9 +26,15 @@ void visit_columns(const SummaryRow& row, const Text& text, const Number& number
   text("axis", summary_axis_name(row.axis));
   text("unit", summary_axis_unit(row.axis));
   number("success_rate", row.success_rate);
-  const std::pair<const char*, int> counts[] = {
-      {"tasks", row.tasks},     {"answered", row.answered},           {"solved", row.solved}, {"partial", row.partial},
-      {"refused", row.refused}, {"could_not_run", row.could_not_run}, {"failed", row.failed}, {"missing", row.missing}};
+  const std::pair<const char*, int> counts[] = {{"tasks", row.tasks},
+                                                {"answered", row.answered},
+                                                {"far", row.far},
+                                                {"solved", row.solved},
+                                                {"partial", row.partial},
+                                                {"refused", row.refused},
+                                                {"could_not_run", row.could_not_run},
+                                                {"failed", row.failed},
+                                                {"missing", row.missing}};
   for (const auto& [name, count] : counts) number(name, static_cast<double>(count));
   const auto sample = [&number](const std::string& prefix, const SampleFigures& figures) {
     static const std::array<const char*, 5> quantiles = {"q05", "q25", "median", "q75", "q95"};
@@ -165,8 +172,35 @@ std::vector<std::string> failure_lines(const SweepSummary& summary) {
   return lines;
 }
 
+// A method's cameras (or pairs) that are far off, at any point: every axis of theirs is, so that the most is all.
+std::map<std::string, int> far_by_method(const std::vector<Line>& lines, SweepSubject subject) {
+  std::map<std::string, int> far;
+  for (const Line& line : lines) {
+    if (line.subject != subject) continue;
+    int most = 0;
+    for (const SummaryRow* row : line.axes) most = std::max(most, row->far);
+    if (most > 0) far[line.method] += most;
+  }
+  return far;
+}
+
+std::string far_line(const SweepSummary& summary, const std::vector<Line>& lines) {
+  std::vector<std::string> counts;
+  for (const auto& [subject, noun] :
+       {std::pair(SweepSubject::kCamera, std::string("camera")), std::pair(SweepSubject::kPair, std::string("pair"))}) {
+    const std::map<std::string, int> far = far_by_method(lines, subject);
+    for (const std::string& method : summary.methods)
+      if (const auto count = far.find(method); count != far.end())
+        counts.push_back(method + " " + std::to_string(count->second) + " " + noun + (count->second == 1 ? "" : "s"));
+  }
+  return counts.empty()
+             ? std::string()
+             : "More than " + far_limits_in_words() + " off, counted as no answer: " + joined(counts, ", ") + ".\n";
+}
+
 std::string legend(const SweepSummary& summary) {
-  return "success: tasks in which every camera has every axis that the method gives at all; then mean |error|.\n" +
+  return "success: tasks in which every camera has every axis that the method gives at all, none more than " +
+         far_limits_in_words() + " off;\nthen mean |error| of answers within that.\n" +
          (summary.methods.size() < 2
               ? std::string()
               : "* significantly worse than " + summary.reference + ", ! better (paired Wilcoxon test, Holm, 5 %).\n");
@@ -185,7 +219,7 @@ std::string format_summary(const SweepSummary& summary) {
     if (subject == SweepSubject::kPair && !has_answers(lines, subject)) continue;
     text += titled(subject) + "\n" + aligned_text(table_of(summary, lines, subject));
   }
-  text += legend(summary);
+  text += legend(summary) + far_line(summary, lines);
   const std::vector<std::string> failures = failure_lines(summary);
   if (!failures.empty()) text += "Not solved:\n";
   for (const std::string& line : failures) text += " " + line + "\n";
@@ -197,7 +231,7 @@ std::string summary_as_markdown(const SweepSummary& summary) {
   std::string text = "# " + summary.name + "\n";
   for (const SweepSubject subject : {SweepSubject::kCamera, SweepSubject::kPair})
     text += "\n## " + titled(subject) + "\n\n" + markdown_text(table_of(summary, lines, subject));
-  text += "\n" + legend(summary);
+  text += "\n" + legend(summary) + far_line(summary, lines);
   const std::vector<std::string> failures = failure_lines(summary);
   if (!failures.empty()) text += "\n## Not solved\n\n";
   for (const std::string& line : failures) text += "- " + line + "\n";

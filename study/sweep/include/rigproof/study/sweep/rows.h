@@ -57,6 +57,14 @@ struct SweepRow {
   std::optional<double> z(std::size_t axis) const;
 };
 
+/// An answer farther off than this is none, for any method: it counts against success, and no mean has it. A mean over
+/// answers that are metres off says how far the worst one is, and nothing of the others.
+inline constexpr double kFarCm = 100.0, kFarDeg = 20.0;
+/// Whether what the row states, as far as it states it, is that far off in translation or rotation.
+bool is_far(const SweepRow& row);
+/// "1 m or 20 deg".
+std::string far_limits_in_words();
+
 /// Where an answer was made.
 struct SweepMachine {
   std::string host, cpu;
@@ -131,9 +139,10 @@ struct SummaryRow {
   int tasks = 0;  ///< that were to be done; the following five are of these
   int solved = 0, partial = 0, refused = 0, could_not_run = 0, failed = 0;
   int missing = 0;            ///< not done yet
-  int answered = 0;           ///< tasks in which this axis was given for every camera (or pair)
+  int answered = 0;           ///< tasks in which this axis was given for every camera (or pair), none of them far off
+  int far = 0;                ///< cameras (or pairs) with this axis that are far off: is_far()
   double success_rate = 0.0;  ///< answered / tasks
-  SampleFigures all;          ///< over everything this method answered
+  SampleFigures all;          ///< over everything this method answered that is not far off
   SampleFigures common;       ///< over the tasks that were answered by every method that answers this axis here at all
   PairedTest against_reference;
 };
