@@ -21,6 +21,17 @@ def read_arguments(file):
     return options, [word[:-len("/*.png")] for word in words if word.endswith("/*.png")]
 
 
+def read_corners(options, names):
+    """-> corners (n x height x width x [x, y, weight]), (stop, camera) of each"""
+    width, height, file = int(options["--object-width-n"]), int(options["--object-height-n"]), options["--corners-cache"]
+    try:
+        corners, indices, _ = mrcal.compute_chessboard_corners(
+            width, height, corners_cache_vnl=file, globs_per_camera=[f"{name}/*.png" for name in names])
+    except Exception as error:  # whatever mrcal throws of a file that is not as it expects
+        sys.exit(f"{file}: mrcal cannot read it as corners of a board of {width} x {height}: {error}")
+    return corners, indices
+
+
 def declared_lenses(names):
     """-> model, intrinsics of each (n x parameters), sizes [px]"""
     models = [mrcal.cameramodel(f"{name}.cameramodel") for name in names]
@@ -80,9 +91,7 @@ def main():
     os.chdir(sys.argv[1])
     options, names = read_arguments("arguments.txt")
     spacing = float(options["--object-spacing"])
-    corners, indices, _ = mrcal.compute_chessboard_corners(
-        int(options["--object-width-n"]), int(options["--object-height-n"]), corners_cache_vnl=options["--corners-cache"],
-        globs_per_camera=[f"{name}/*.png" for name in names])
+    corners, indices = read_corners(options, names)
     lens = declared_lenses(names)
     Rt_camera_board = mrcal.estimate_monocular_calobject_poses_Rt_tocam(
         indices, corners, spacing, [(lens[0], intrinsics) for intrinsics in lens[1]])

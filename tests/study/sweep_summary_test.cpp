@@ -154,6 +154,19 @@ TEST(SweepSummary, AnAnswerFarOffIsNone) {
   EXPECT_THAT(summary_as_markdown(summary), HasSubstr("astray 2 cameras"));
 }
 
+// A camera that never sees the board still sees the ground: its height and tilt are no success in x.
+TEST(SweepSummary, AnAxisOfOneCameraIsAskedOfAll) {
+  MadeUpSweep sweep(1, 2, {"ml"});
+  for (std::size_t seed = 0; seed < 2; ++seed) {
+    sweep.solve(0, seed, "ml", 1.0, 1.0);
+    sweep.rows().rows.back().error[0].reset();
+  }
+  EXPECT_EQ(find(sweep.summary(), "0", "ml").all.count, 2);
+  EXPECT_THAT(format_summary(sweep.summary()), HasSubstr("0/2"));
+  for (SweepRow& row : sweep.rows().rows) row.error[0].reset();
+  EXPECT_THAT(format_summary(sweep.summary()), HasSubstr("2/2")) << "an axis that is never given is not asked";
+}
+
 TEST(SweepSummary, FailuresOfOneFindingAreOneKindWhateverTheirWords) {
   MadeUpSweep sweep(1, 3, {"ml"});
   for (std::size_t seed = 0; seed < 3; ++seed)

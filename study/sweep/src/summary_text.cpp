@@ -103,11 +103,12 @@ std::vector<Line> lines_of(const SweepSummary& summary) {
   return lines;
 }
 
-// Of the axes that the method gives at all, the one that it gives least often.
+// Of the axes that the method gives at all, of some camera, the one that it gives least often of all of them.
 const SummaryRow& rarest_axis(const Line& line) {
+  const auto is_given = [](const SummaryRow& row) { return row.all.count + row.far > 0; };
   const SummaryRow* rarest = line.axes.front();
   for (const SummaryRow* row : line.axes)
-    if (row->answered > 0 && (rarest->answered == 0 || row->answered < rarest->answered)) rarest = row;
+    if (is_given(*row) && (!is_given(*rarest) || row->answered < rarest->answered)) rarest = row;
   return *rarest;
 }
 
