@@ -158,6 +158,28 @@ struct Solution {
   MlEstimate estimate;
 };
 
+// The images alone. Odometry that is worth nothing says what they say, so that nothing contradicts it.
+Observations without_odometry(Observations observations, const CalibrationState& seen) {
+  constexpr double kNoOdometry_m = 1e4, kNoOdometry_rad = 1e4;
+  observations.odometry_noise = {OdometryModel::kPerIncrement, kNoOdometry_m, kNoOdometry_rad};
+  for (std::size_t i = 0; i < observations.stops.size(); ++i) {
+    Stop& stop = observations.stops[i];
+    stop.x_m = seen.T_world_robot[i].translation.x();
+    stop.y_m = seen.T_world_robot[i].translation.y();
+    stop.yaw_rad = yaw_of(seen.T_world_robot[i]);
+    stop.way.clear();
+  }
+  return observations;
+}
+
+// By the images alone: with few stops, odometry that is wrong bends the images rather than being contradicted by them,
+// and corners that are believed to scatter as far as they are bent take its part.
+std::vector<double> corner_scale_without_odometry(const Observations& observations, const CalibrationState& seen,
+                                                  const MlOptions& options) {
+  return believed_corner_scale(observations,
+                               estimate_maximum_likelihood(without_odometry(observations, seen), options).corner_scale);
+}
+
 Solution solve(const KnownPoses& before, const Observations& observations, const MovedOptions& options) {
   Solution solution;
   const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
@@ -169,8 +191,7 @@ Solution solve(const KnownPoses& before, const Observations& observations, const
   ml_options.suspension_height_sigma_m = options.suspension_height_sigma_m;
   ml_options.suspension_tilt_sigma_rad = options.suspension_tilt_sigma_rad;
   ml_options.estimate_plane_level = false;
-  const std::vector<double> scale =
-      believed_corner_scale(observations, estimate_maximum_likelihood(observations, ml_options).corner_scale);
+  const std::vector<double> scale = corner_scale_without_odometry(observations, solution.seen, ml_options);
   solution.believes_residuals = std::any_of(scale.begin(), scale.end(), [](double s) { return s != 1.0; });
   solution.scaled = observations;
   scale_corners(scale, &solution.scaled);
@@ -179,6 +200,18 @@ Solution solve(const KnownPoses& before, const Observations& observations, const
   solution.used = used_observations(solution.estimate.result, solution.scaled, ground);
   return solution;
 }
+
+// No place of any camera follows from it.
+bool is_lost(const MlEstimate& estimate) {
+  return estimate.state.T_robot_camera.empty() || has_code(estimate.result.reasons, "poses.undetermined");
+}
+
+// Odometry that is far from all that the images show also tears the poses apart until their equations have no solution.
+std::vector<Finding> why_lost_or_contradicted(const MlEstimate& estimate) {
+  return is_lost(estimate) && estimate.contradictions.empty() ? estimate.result.reasons : estimate.contradictions;
+}
+
+bool may_be_odometry(const MlEstimate& estimate) { return estimate.only_odometry_contradicts || is_lost(estimate); }
 
 // The images that it has bent may be named before it: those of a camera.
 Finding about_odometry(const std::vector<Finding>& contradictions) {
@@ -193,20 +226,6 @@ bool any_taken_at_speed(const Observations& observations) {
     const Stop& stop = observations.stops[static_cast<std::size_t>(view.stop)];
     return view.stamp_s != stop.stamp_s && !stop.velocity.isZero();
   });
-}
-
-// The images alone. Odometry that is worth nothing says what they say, so that nothing contradicts it.
-Observations without_odometry(Observations observations, const CalibrationState& seen) {
-  constexpr double kNoOdometry_m = 1e4, kNoOdometry_rad = 1e4;
-  observations.odometry_noise = {OdometryModel::kPerIncrement, kNoOdometry_m, kNoOdometry_rad};
-  for (std::size_t i = 0; i < observations.stops.size(); ++i) {
-    Stop& stop = observations.stops[i];
-    stop.x_m = seen.T_world_robot[i].translation.x();
-    stop.y_m = seen.T_world_robot[i].translation.y();
-    stop.yaw_rad = yaw_of(seen.T_world_robot[i]);
-    stop.way.clear();
-  }
-  return observations;
 }
 
 }  // namespace
@@ -296,14 +315,15 @@ KnownPoses previous_knowledge(const Result& previous, const Observations& observ
 NewKnowledge new_knowledge(const KnownPoses& before, const Observations& observations, const MovedOptions& options,
                            std::vector<Finding>* reasons, std::vector<Finding>* notes) {
   Solution solution = solve(before, observations, options);
-  const std::vector<Finding> contradictions = solution.estimate.contradictions;
+  const std::vector<Finding> contradictions = why_lost_or_contradicted(solution.estimate);
   const bool images_alone =
-      !contradictions.empty() && solution.estimate.only_odometry_contradicts && !any_taken_at_speed(observations);
+      !contradictions.empty() && may_be_odometry(solution.estimate) && !any_taken_at_speed(observations);
   if (images_alone) solution = solve(before, without_odometry(observations, solution.seen), options);
   const MlEstimate& estimate = solution.estimate;
-  if (!estimate.contradictions.empty() || estimate.state.T_robot_camera.empty()) {
+  if (!estimate.contradictions.empty() || is_lost(estimate)) {
     *reasons = contradictions.empty() ? estimate.result.reasons : contradictions;
-    const bool images = !contradictions.empty() && !estimate.only_odometry_contradicts && !solution.board_is_wrong;
+    const bool images =
+        !estimate.contradictions.empty() && !estimate.only_odometry_contradicts && !solution.board_is_wrong;
     if (images && observations.stops.size() > 1) reasons->emplace_back("moved.while_recording");
     return {nothing_known(before), nothing_known(before)};
   }
