@@ -289,7 +289,7 @@ bool same_kind(const Fault& a, const Fault& b) {
   return a.kind == b.kind && (a.kind == FaultKind::kStamps || a.kind == FaultKind::kLens);
 }
 
-Cause conclude(Explanations explained) {
+Cause conclude(Explanations explained, const Trial& as_is) {
   std::sort(explained.begin(), explained.end(), [](const Explained& a, const Explained& b) {
     if (a.trial.clean != b.trial.clean) return a.trial.clean;
     return a.trial.unexplained < b.trial.unexplained;
@@ -302,7 +302,8 @@ Cause conclude(Explanations explained) {
   const Explained& best = explained.front();
   Cause cause{{best.fault.cause.with({{"undone_mm", 1e3 * best.trial.odometry_xy_m},
                                       {"undone_deg", rad_to_deg(best.trial.odometry_yaw_rad)}})},
-              best.fault.spoils_all};
+              best.fault.spoils_all,
+              as_is.unexplained - best.trial.unexplained};
   add_further(best, &cause);
   for (std::size_t i = 1; i < explained.size(); ++i) {
     if (!explained[i].trial.clean || explained[i].trial.unexplained > best.trial.unexplained + kDecides) break;
@@ -329,7 +330,7 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
   if (symptoms.odometry && !any_clean(found)) add(try_far_shifts(run));
   // Mirrored odometry and mirrored images are the same where lenses are symmetric. Drives so short that other odometry
   // explains them as well do not accuse the images.
-  const std::vector<Finding> causes = any_clean(found) ? conclude(found).findings : std::vector<Finding>();
+  const std::vector<Finding> causes = any_clean(found) ? conclude(found, run.as_is).findings : std::vector<Finding>();
   if (causes.empty() || (causes.size() == 1 && causes.front().is("odometry.mirrored")))
     add(try_faults(run, image_faults(run.observations), false));
   if (!any_clean(found) && run.as_is.lenses) add(try_lenses(run, symptoms));
@@ -338,7 +339,7 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
   if (!any_clean(found) && symptoms.frames && run.observations.cameras.size() > 1) add(try_swaps(run));
   if (!any_clean(found) && symptoms.odometry) add(try_single_stops(run));
   if (!any_clean(found)) return std::nullopt;
-  return conclude(std::move(found));
+  return conclude(std::move(found), run.as_is);
 }
 
 }  // namespace rigproof::ml

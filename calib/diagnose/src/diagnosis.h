@@ -43,6 +43,7 @@ struct Symptoms {
 struct Cause {
   std::vector<Finding> findings;  ///< one, or more where the data do not tell them apart (`joined_by`)
   bool spoils_all = false;
+  double gain = 0.0;  ///< by how much -2 ln of the likelihood falls without it, over the stops that are examined
 };
 
 /// The most likely cause, or several where the data do not tell them apart; absent if none leaves the data in order.

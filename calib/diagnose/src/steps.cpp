@@ -218,6 +218,7 @@ std::optional<FoundStep> find_step(const Preparation& prepared, const Fit& fit, 
   FoundStep found;
   found.fit = sure.front().tried.fit;
   found.deviations = std::sqrt(sure.front().square);
+  found.gain = unexplained(prepared, fit) - sure.front().tried.unexplained;
   found.bends = worth_refusing(sure.front());
   for (const Examined& step : sure) {
     if (step.tried.unexplained > sure.front().tried.unexplained + kDecides) break;

@@ -17,6 +17,7 @@ inline constexpr int kLeastStopsForSteps = 2 * kLeastViewsOfStep;
 struct FoundStep {
   Fit fit;  ///< with the second poses
   double deviations = 0.0;
+  double gain = 0.0;              ///< by how much -2 ln of the likelihood falls with it
   std::vector<Finding> findings;  ///< one, or more where the data do not tell them apart (`joined_by`)
   bool bends = false;             ///< what would be stated without it is wrong by more than its uncertainty allows
 };

@@ -127,7 +127,7 @@ TEST(Steps, ABoardThatLeans) {
   const Result result = estimate_maximum_likelihood(run.observations).result;
   std::vector<Finding> all = result.reasons;
   all.insert(all.end(), result.notes.begin(), result.notes.end());
-  EXPECT_TRUE(has_code(all, "board.moved") || has_code(all, "board.moved_slightly"));
+  EXPECT_TRUE(has_code(all, "board.moved") || has_code(all, "board.moved_slightly")) << findings_json(all);
   EXPECT_FALSE(has_code(all, "camera.moved"));
 }
 
