@@ -7,6 +7,7 @@ void DepthNoise::doubt_place_and_common_scale() {
   common_scale_sigma = usual.common_scale_sigma;
   offset_sigma_m = usual.offset_sigma_m;
   tilt_sigma_rad = usual.tilt_sigma_rad;
+  shift_sigma_px = usual.shift_sigma_px;
 }
 
 double DepthNoise::sigma_m(double depth_m) const {

@@ -353,6 +353,8 @@ void visit_fields(FieldVisitor& visitor, DepthNoise& noise) {
                  "prior of an error of all depth alike, one sigma");
   visitor.scaled("tilt_sigma_deg", noise.tilt_sigma_rad, kDegPerRad, {0.0, 20.0},
                  "prior of the depth camera's tilt against the colour camera, about x and y, one sigma");
+  visitor.field("shift_sigma_px", noise.shift_sigma_px, {0.0, 50.0},
+                "prior of the depth image's shift against the colour image, along x and y, one sigma");
   if (visitor.takes("bias_inverse_depth_per_m", biased && stereo))
     visitor.field("bias_inverse_depth_per_m", noise.bias_inverse_depth_per_m, {0.0, 1.0},
                   "stereo: the device's fixed, smooth error of 1/z over its view, one sigma; 0: none is known of");

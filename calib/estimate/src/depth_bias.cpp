@@ -32,9 +32,7 @@ class BiasedView {
     cell_px_ = optics().fx_px * std::tan(deg_to_rad(noise_.bias_cell_deg));
   }
 
-  const Camera& optics() const {
-    return camera_.depth->own_camera ? camera_.depth->own_camera->camera : camera_.camera;
-  }
+  const Camera& optics() const { return camera_.depth_optics(); }
   double cell_px() const { return cell_px_; }
   // Of 1/z, one sigma.
   double sigma(double inverse_depth) const { return noise_.inverse_depth_bias(inverse_depth); }

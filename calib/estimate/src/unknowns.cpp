@@ -99,6 +99,10 @@ IntrinsicsSigma lens_sigma(const PriorSigmas& settings, const RigCamera& camera)
   return sigma;
 }
 
+Eigen::MatrixXd shape_covariance(double shift_px, double focal_relative, const Camera& camera) {
+  return independent({shift_px / camera.fx_px, shift_px / camera.fy_px, 0.0, 0.0, focal_relative, 0.0});
+}
+
 // A driver makes clouds with the intrinsics that are stated, or with others, which are no better: they may differ by as
 // much as the stated ones err. Everything else of depth's shape is doubted only where it is tested: see depth_shape.h.
 Covariances of_depth_shape(const PriorSource& source) {
@@ -107,10 +111,11 @@ Covariances of_depth_shape(const PriorSource& source) {
     for (const PlaneObservation& plane : *planes) {
       const auto c = static_cast<std::size_t>(plane.camera);
       const RigCamera& camera = source.observations.cameras[c];
-      if (!is_cloud(plane, camera)) continue;
-      const IntrinsicsSigma s = lens_sigma(source.sigmas, camera);
-      covariances[c] = independent({s.principal_point_px / camera.camera.fx_px,
-                                    s.principal_point_px / camera.camera.fy_px, 0.0, 0.0, s.focal_relative, 0.0});
+      const IntrinsicsSigma lens = lens_sigma(source.sigmas, camera);
+      if (is_cloud(plane, camera))
+        covariances[c] = shape_covariance(lens.principal_point_px, lens.focal_relative, camera.camera);
+      else if (camera.depth && !source.sigmas.believe_told)
+        covariances[c] = shape_covariance(camera.depth->noise.shift_sigma_px, 0.0, camera.depth_optics());
     }
   return covariances;
 }

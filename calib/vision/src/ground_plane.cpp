@@ -478,7 +478,7 @@ DepthPoints points_from_depth(const Image16& depth, const RigCamera& camera, int
   if (!camera.depth) throw Error("camera " + camera.name + ": has no depth stream");
   if (stride < 1) throw Error("stride: " + std::to_string(stride) + ": allowed is 1 and more");
   const DepthStream& stream = *camera.depth;
-  const Camera& optics = stream.own_camera ? stream.own_camera->camera : camera.camera;
+  const Camera& optics = camera.depth_optics();
   check_size(depth, optics, camera.name);
   DepthPoints result;
   result.points_per_measurement = std::max(1.0, std::pow(stream.noise.correlation_px / stride, 2));

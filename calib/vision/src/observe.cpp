@@ -299,7 +299,7 @@ std::optional<DepthPoints> read_points(const Source& from, const Sight& sight, s
   std::string unreadable;
   if (!frame.depth_file.empty()) {
     const auto depth = read_depth(from, sight, &unreadable);
-    const Camera& optics = camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
+    const Camera& optics = camera.depth_optics();
     if (depth && depth->width == optics.width_px && depth->height == optics.height_px)
       return sampled_depth(*depth, camera, detection::kDepthPoints);
     *why_not = depth ? detection::wrong_size("depth.wrong_size", depth->width, depth->height, optics)
@@ -345,7 +345,7 @@ std::function<std::optional<DepthPoints>(detection::DepthReading)> any_points(co
     };
   }
   const auto depth = read_depth(from, sight, &ignored);
-  const Camera& optics = camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
+  const Camera& optics = camera.depth_optics();
   const bool fits = depth && depth->width == optics.width_px && depth->height == optics.height_px;
   return [depth, camera, fits](DepthReading reading) -> std::optional<DepthPoints> {
     if (!fits || reading == DepthReading::kBodyAxes) return std::nullopt;

@@ -33,7 +33,7 @@ class Misregistration final : public ClonedEffect<DepthEffect, Misregistration> 
     if (x_px_ != 0) (*labels)["depth_shift_x_px"] = x_px_;
     if (y_px_ != 0) (*labels)["depth_shift_y_px"] = y_px_;
   }
-  void tell(DepthNoise* told) const override { told->tilt_sigma_rad = DepthNoise().tilt_sigma_rad; }
+  void tell(DepthNoise* told) const override { told->shift_sigma_px = DepthNoise().shift_sigma_px; }
   Place place() const override { return Place::kFrame; }
   bool changes_scene() const override { return true; }
   void change_scene(const Scene& /*scene*/, ImageF* depth_m) const override { shift_image(x_px_, y_px_, depth_m); }

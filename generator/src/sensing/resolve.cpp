@@ -19,7 +19,7 @@ DepthSensing resolve_depth(const DepthSensingConfig& config, const SensorDevice&
   if (device.preset.depth) depth = depth_sensing_of(device);
   depth.stream = *camera.depth;  // the rig may refine it
   depth.noise = config.noise;
-  depth.focal_px = (camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera).fx_px;
+  depth.focal_px = camera.depth_optics().fx_px;
   depth.patch_px = device.depth.patch_px;
   if (!config.disparity_steps) depth.disparity_step_px = 0.0;
   add_effects(device.depth.effects, outdoors, draws, &depth);

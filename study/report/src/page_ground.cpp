@@ -20,7 +20,7 @@ std::optional<DepthPoints> read_points(const Recording& recording, const CameraF
   }
   const auto image = read_depth_image(recording.folder / files.depth_file);
   const auto* depth = std::get_if<Image16>(&image);
-  const Camera& optics = camera.depth->own_camera ? camera.depth->own_camera->camera : camera.camera;
+  const Camera& optics = camera.depth_optics();
   if (depth == nullptr || depth->width != optics.width_px || depth->height != optics.height_px) return std::nullopt;
   return sampled_depth(*depth, camera, most);
 }

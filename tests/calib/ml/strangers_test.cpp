@@ -12,6 +12,7 @@
 #include "rigproof/calib/estimate/information.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/draw_vector.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
 #include "trials.h"
@@ -82,6 +83,7 @@ struct Stranger {
   std::vector<ml::LensChange> lens;
   Eigen::Vector4d board;
   std::vector<Eigen::Vector3d> depth;  ///< of each camera: offset, tilt about x and y
+  std::vector<Eigen::Vector2d> shift;  ///< of each depth image along x and y [tan]
 };
 
 // What is worse than usual of one thing, as a multiple of its prior; and a depth camera that measures too far.
@@ -98,7 +100,7 @@ Stranger stranger(int seed, double corner_sigma_px = 0.1, const Worse& worse = {
   config.board_planes = true;
   Stranger made;
   const GeometricRig told = config.rig;
-  RandomStream random(config.seed, "strangers");
+  RandomStream random(config.seed, "strangers"), shifts(config.seed, "shifts of depth images");
   const IntrinsicsSigma sigma;
   const DepthNoise depth;
   const double common_depth = random.normal(0.0, depth.common_scale_sigma);
@@ -112,6 +114,8 @@ Stranger stranger(int seed, double corner_sigma_px = 0.1, const Worse& worse = {
     config.depth_scales.push_back(1.0 + common_depth + random.normal(0.0, depth.scale_sigma));
     made.depth.emplace_back(random.normal(0.0, depth.offset_sigma_m), random.normal(0.0, depth.tilt_sigma_rad),
                             random.normal(0.0, depth.tilt_sigma_rad));
+    const double shift_sigma = depth.shift_sigma_px / camera.camera.fx_px;
+    made.shift.push_back(draw_vector<2>([&] { return shifts.normal(0.0, shift_sigma); }));
     if (made.depth.size() == 2) made.depth.back()[0] += worse.depth_offset_m;
   }
   Board& board = config.rig.board;
@@ -150,7 +154,8 @@ Stranger stranger(int seed, double corner_sigma_px = 0.1, const Worse& worse = {
           plane.file = "depth/000000.png";
           plane.inverse_depth_plane -=
               ml::Lenses(told.cameras[c].camera).plane_by(plane.inverse_depth_plane) * made.lens[c] +
-              plane_by_depth_offset(plane.inverse_depth_plane, mean_inverse_depth(plane)) * made.depth[c];
+              plane_by_depth_offset(plane.inverse_depth_plane, mean_inverse_depth(plane)) * made.depth[c] +
+              plane_by_depth_shape(plane.inverse_depth_plane).leftCols<2>() * made.shift[c];
         }
     };
     as_registered(&observations.ground_planes);

@@ -33,14 +33,17 @@ struct DepthNoise {
   /// #5808), a registration by some 1.5 px of 640.
   double offset_sigma_m = 0.005;
   double tilt_sigma_rad = 0.0025;
+  /// Prior of a shift of the depth image against the colour image, along x and along y, one sigma. Assumed: conventions
+  /// of where a pixel's centre lies differ by half a pixel, and registration takes the nearest.
+  double shift_sigma_px = 1.0;
   /// The device's fixed, smooth error over its view, one sigma, as the law says: of 1/z (stereo) or of z (time of
   /// flight). 0 = none is known of. It falls off over an angle as a Gaussian with 0.82 bias_cell_deg does.
   double bias_inverse_depth_per_m = 0.0;
   double bias_m = 0.0;
   double bias_cell_deg = 15.0;
 
-  /// From now on without an error that cameras share, an offset or a tilt.
-  void believe_place_and_common_scale() { common_scale_sigma = offset_sigma_m = tilt_sigma_rad = 0.0; }
+  /// From now on without an error that cameras share, an offset, a tilt or a shift.
+  void believe_place_and_common_scale() { common_scale_sigma = offset_sigma_m = tilt_sigma_rad = shift_sigma_px = 0.0; }
   /// With the usual ones.
   void doubt_place_and_common_scale();
   double sigma_m(double depth_m) const;
@@ -93,6 +96,9 @@ struct RigCamera {
   Camera camera;
   IntrinsicsSigma intrinsics_sigma;
   std::optional<DepthStream> depth;
+
+  /// Through which the depth images see: of their own camera, or of the colour camera that they are registered to.
+  const Camera& depth_optics() const { return depth && depth->own_camera ? depth->own_camera->camera : camera; }
 };
 
 /// Limits on the stated uncertainty that the user wants to see met (one sigma).
