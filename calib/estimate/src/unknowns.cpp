@@ -107,15 +107,18 @@ Eigen::MatrixXd shape_covariance(double shift_px, double focal_relative, const C
 // much as the stated ones err. Everything else of depth's shape is doubted only where it is tested: see depth_shape.h.
 Covariances of_depth_shape(const PriorSource& source) {
   Covariances covariances = for_each_camera(source, Eigen::MatrixXd::Zero(6, 6));
+  const auto doubt = [&covariances](std::size_t camera, const Eigen::MatrixXd& covariance) {
+    covariances[camera] = covariances[camera].cwiseMax(covariance);
+  };
   for (const auto* planes : {&source.observations.ground_planes, &source.observations.board_planes})
     for (const PlaneObservation& plane : *planes) {
       const auto c = static_cast<std::size_t>(plane.camera);
       const RigCamera& camera = source.observations.cameras[c];
       const IntrinsicsSigma lens = lens_sigma(source.sigmas, camera);
       if (is_cloud(plane, camera))
-        covariances[c] = shape_covariance(lens.principal_point_px, lens.focal_relative, camera.camera);
+        doubt(c, shape_covariance(lens.principal_point_px, lens.focal_relative, camera.camera));
       else if (camera.depth && !source.sigmas.believe_told)
-        covariances[c] = shape_covariance(camera.depth->noise.shift_sigma_px, 0.0, camera.depth_optics());
+        doubt(c, shape_covariance(camera.depth->noise.shift_sigma_px, 0.0, camera.depth_optics()));
     }
   return covariances;
 }
