@@ -305,6 +305,27 @@ TEST(MlOdometry, TellsTheTwoNoiseModelsApart) {
   }
 }
 
+// With so few stops nobody can tell: then the wrong one is chosen as often as is stated, whichever it is.
+TEST(MlOdometry, ItsModelIsAsProbableAsStatedOverTrials) {
+  const int count = Trials(60, 150).count();
+  for (const OdometryModel model : {OdometryModel::kPerIncrement, OdometryModel::kPerPose}) {
+    double wrong = 0.0, expected = 0.0;
+    for (int seed = 0; seed < count; ++seed) {
+      GeometricConfig config;
+      config.seed = static_cast<std::uint64_t>(seed);
+      config.stops = 5;
+      config.odometry_model = model;
+      config.declare_odometry_model = config.declare_odometry_sigmas = false;
+      const OdometryDecision decision = estimate_maximum_likelihood(draw_geometric_run(config).observations).odometry;
+      wrong += decision.model != model;
+      expected += 1.0 - decision.probability;
+    }
+    // How far wheels are off is not drawn here, and the levels are estimated: a factor of two beside chance.
+    EXPECT_LT(wrong, 2.0 * expected + 4.0 * std::sqrt(expected)) << odometry_model_name(model);
+    EXPECT_GT(wrong + 4.0 * std::sqrt(expected), 0.5 * expected) << odometry_model_name(model);
+  }
+}
+
 // Without ground all cameras may sit higher: that is open in both models alike, and decides nothing between them.
 TEST(MlOdometry, TellsTheTwoNoiseModelsApartWithoutGround) {
   for (const OdometryModel model : {OdometryModel::kPerIncrement, OdometryModel::kPerPose}) {
