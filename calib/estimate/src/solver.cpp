@@ -203,7 +203,7 @@ namespace {
 // that width would cost increments seven nats of a drive with right wheels, and favour absolute poses. Returns the
 // logarithm of the priors' determinant.
 double count_factors_as_usual(const Problem& problem, ArrowSystem* system) {
-  constexpr double kUsual = 0.01;
+  constexpr double kUsual = 0.01;  // assumed, see docs/theory/estimation.md
   const Eigen::Array2d variance = problem.priors().covariance(Nuisance::kOdometryFactors).diagonal().array();
   const Eigen::Array2d usual = variance.min(kUsual * kUsual);
   if (problem.layout().has(Nuisance::kOdometryFactors))

@@ -103,8 +103,9 @@ Eigen::MatrixXd shape_covariance(double shift_px, double focal_relative, const C
   return independent({shift_px / camera.fx_px, shift_px / camera.fy_px, 0.0, 0.0, focal_relative, 0.0});
 }
 
-// A driver makes clouds with the intrinsics that are stated, or with others, which are no better: they may differ by as
-// much as the stated ones err. Everything else of depth's shape is doubted only where it is tested: see depth_shape.h.
+// A depth image may lie aside of its colour image. A driver makes clouds with the intrinsics that are stated, or with
+// others, which are no better: they may differ by as much as the stated ones err. Everything else of depth's shape is
+// doubted only where it is tested: see depth_shape.h.
 Covariances of_depth_shape(const PriorSource& source) {
   Covariances covariances = for_each_camera(source, Eigen::MatrixXd::Zero(6, 6));
   const auto doubt = [&covariances](std::size_t camera, const Eigen::MatrixXd& covariance) {
