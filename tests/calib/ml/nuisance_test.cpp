@@ -198,21 +198,29 @@ TEST(MlClocks, AreEstimatedWhileMovingAndTheUncertaintyIsTrueOverTrials) {
 
 TEST(MlClocks, WithoutPriorsTheErrorShows) { EXPECT_TRUE(error_shows(run_with_wrong_clocks(0).run)); }
 
-// The body turns later than its wheels: taken for rigid, that is refused, or an error of every clock beyond five of its
-// sigmas.
+// The body turns later than its wheels: taken for rigid, that is an error of every clock beyond five of its sigmas, and
+// of longer lags a contradiction.
 TEST(MlClocks, OfABodyThatIsTakenForRigidAreWrong) {
-  ClockRun made = run_with_wrong_clocks(0);
-  for (int seed = 1; std::abs(made.turn_lag_s) < 0.7 * kTurnLag_s; ++seed) made = run_with_wrong_clocks(seed);
   MlOptions options = told();
   options.priors.clock_offset_s = kClock_s;
   options.priors.turn_lag_s = 0.0;
-  const MlEstimate rigid = estimate_maximum_likelihood(made.run.observations, options);
-  if (rigid.result.status == ResultStatus::kRefused) return;
-  for (std::size_t c = 0; c < made.offset_s.size(); ++c) {
-    MeanSquare offset;
-    offset.add(rigid.result, made.run.truth.cameras[c].name, "clock_offset_ms", 1e3 * made.offset_s[c]);
-    EXPECT_GT(offset.sum, 25.0) << made.turn_lag_s;
+  int answered = 0;
+  for (int seed = 0; seed < 20 && answered == 0; ++seed) {
+    const ClockRun made = run_with_wrong_clocks(seed);
+    if (std::abs(made.turn_lag_s) < 0.35 * kTurnLag_s) continue;
+    const MlEstimate rigid = estimate_maximum_likelihood(made.run.observations, options);
+    if (rigid.result.status == ResultStatus::kRefused) {
+      EXPECT_FALSE(rigid.contradictions.empty()) << made.turn_lag_s;
+      continue;
+    }
+    ++answered;
+    for (std::size_t c = 0; c < made.offset_s.size(); ++c) {
+      MeanSquare offset;
+      offset.add(rigid.result, made.run.truth.cameras[c].name, "clock_offset_ms", 1e3 * made.offset_s[c]);
+      EXPECT_GT(offset.sum, 25.0) << made.turn_lag_s;
+    }
   }
+  EXPECT_EQ(answered, 1);
 }
 
 TEST(MlClocks, OfARobotThatStandsKeepTheirPrior) {

@@ -195,6 +195,18 @@ TEST(MlStrangers, AreSolvedWithinTheStatedUncertaintyOverTrials) {
   EXPECT_EQ(suspicions, 0);
 }
 
+TEST(MlStrangers, ShiftsOfDepthImagesThatAreBelievedToBeNoneShowOverTrials) {
+  double believing = 0.0;
+  for (int seed = 0; seed < kTrials.count(); ++seed) {
+    Stranger made = stranger(seed);
+    for (RigCamera& camera : made.run.observations.cameras) camera.depth->noise.shift_sigma_px = 0.0;
+    const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    believing += nees(estimate, poses_of(made.run.truth)) / kTrials.count();
+  }
+  EXPECT_GT(believing, 1.4 * kUnknowns);
+}
+
 // Detectors see far finer than lenses and prints are made: what repeats in every image is not averaged away.
 TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
   double mean = 0.0, level = 0.0, believed = 0.0;

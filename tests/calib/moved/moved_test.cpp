@@ -161,7 +161,10 @@ TEST(Moved, WithTwoCamerasBothAreSuspects) {
   config.seed = 4;
   config.stops = 1;
   config.ground = false;
-  config.rig.T_robot_camera[1] = apply_transform_error(config.rig.T_robot_camera[1], shift_of(0, 0.06));
+  const MovedReport still = detect_movement(previous, draw_geometric_run(config).observations, rigid_robot());
+  ASSERT_LT(still.cameras[1].detectable_shift_m, 0.04);
+  const double shift_m = 1.5 * still.cameras[1].detectable_shift_m;
+  config.rig.T_robot_camera[1] = apply_transform_error(config.rig.T_robot_camera[1], shift_of(0, shift_m));
   const MovedReport report = detect_movement(previous, draw_geometric_run(config).observations, rigid_robot());
   EXPECT_EQ(report.outcome, MovedOutcome::kMoved);
   EXPECT_EQ(report.cameras[0].verdict, MovedVerdict::kSuspect);
@@ -266,6 +269,21 @@ INSTANTIATE_TEST_SUITE_P(Drives, MovedByOdometry,
                                                        },
                                                        "wrong sign"}),
                          [](const auto& drive) { return std::string(drive.param.name); });
+
+// Odometry in millimetres, its noise declared in metres, tore the poses of this day apart until nothing held them.
+TEST(Moved, PosesThatAreTornApartAreNoMotion) {
+  Observations day = another_day(156, 3);
+  for (Stop& stop : day.stops) {
+    stop.x_m *= 1000.0;
+    stop.y_m *= 1000.0;
+  }
+  const MovedReport report = detect_movement(calibrated(1), day, rigid_robot());
+  EXPECT_NE(report.outcome, MovedOutcome::kMoved);
+  for (const CameraShift& camera : report.cameras) {
+    EXPECT_NE(camera.verdict, MovedVerdict::kMoved) << camera.camera;
+    EXPECT_NE(camera.verdict, MovedVerdict::kSuspect) << camera.camera;
+  }
+}
 
 TEST(Moved, ABoardOfAnotherSizeIsRefusedWithItsCause) {
   const Result previous = calibrated(1);
