@@ -18,12 +18,10 @@
 #include <thread>
 #include <vector>
 
+#include "bare_passes.h"
 #include "rigproof/core/error.h"
 #include "rigproof/generator/generate.h"
-#include "rigproof/sim/renderer.h"
 #include "rigproof/study/workflow/scratch_folder.h"
-#include "scenario.h"
-#include "worker_pool.h"
 
 namespace {
 
@@ -67,38 +65,10 @@ Cost measure(const Work& work) {
 
 int processes() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
 
-// The same passes of the same views, rendered and read, nothing else.
-void render_bare(const GenerateConfig& config) {
-  const Scenario scenario = resolve_scenario(config);
-  WorkerPool pool(
-      processes(),
-      [&](std::string*) {
-        ::setenv("LP_NUM_THREADS", "1", 1);
-        RenderOptions options;
-        options.board_at_double = config.render.board_at_double;
-        options.whole_at_double = config.render.whole_at_double;
-        const auto renderer = std::make_shared<Renderer>(*scenario.world, options);
-        return [&scenario, renderer](std::uint32_t frame) {
-          scenario.world->place_robot(scenario.T_scene_robot[frame / scenario.camera_count()]);
-          renderer->render_bare(frame % scenario.camera_count());
-          return std::string();
-        };
-      },
-      600.0);
-  std::uint32_t next = 0;
-  for (std::size_t done = 0; done < scenario.frame_count();) {
-    while (next < scenario.frame_count() && pool.wants_job()) pool.submit(next++);
-    for (const WorkerEvent& event : pool.wait(100)) {
-      if (event.kind == WorkerEvent::Kind::kDone) ++done;
-      if (event.kind == WorkerEvent::Kind::kFailed || event.kind == WorkerEvent::Kind::kDied) throw Error(event.text);
-    }
-  }
-}
-
 Cost generate_once(const GenerateConfig& config) {
   const ScratchFolder folder("bench-generation");
   GenerateOptions options;
-  options.output = folder.path();
+  options.output = folder.path() / "run";  // the folder itself is locked
   options.jobs = processes();
   return measure([&] { generate(config, options); });
 }
@@ -107,7 +77,7 @@ void throughput(const GenerateConfig& config, int rounds) {
   const double images = 3.0 * static_cast<double>(config.poses);
   std::vector<double> wall_ratios, cpu_ratios;
   for (int round = 0; round < rounds; ++round) {
-    const Cost bare = measure([&] { render_bare(config); });
+    const Cost bare = measure([&] { render_bare(resolve_scenario(config), processes()); });
     const Cost whole = generate_once(config);
     wall_ratios.push_back(bare.wall_s / whole.wall_s);
     cpu_ratios.push_back(bare.cpu_s / whole.cpu_s);

@@ -58,29 +58,56 @@ class NormalTable {
     static const NormalTable table;
     return table;
   }
-  double step(double s) const {
-    const double x = std::clamp(s, -kLimit, kLimit) * kPerUnit + kHalf;
-    const auto i = std::min(static_cast<std::size_t>(x), kSize - 2);
-    const double t = x - static_cast<double>(i);
-    const double m0 = 2.0 * density_[i] / kPerUnit, m1 = 2.0 * density_[i + 1] / kPerUnit;
-    const double t2 = t * t, t3 = t2 * t;
-    return step_[i] * (2.0 * t3 - 3.0 * t2 + 1.0) + m0 * (t3 - 2.0 * t2 + t) + step_[i + 1] * (3.0 * t2 - 2.0 * t3) +
-           m1 * (t3 - t2);
+  double step(double s) const { return step(Place(s)); }
+  // Both at once; the density is 0 beyond the table's end.
+  void look_up(double s, double* step_at, double* density_at) const {
+    const Place at(s);
+    *step_at = step(at);
+    *density_at = std::abs(s) > kLimit ? 0.0 : density(at);
   }
-  static double density(double s) { return std::abs(s) > kLimit ? 0.0 : std::exp(-0.5 * s * s) * kInverseRoot; }
 
  private:
-  NormalTable() {
-    for (std::size_t i = 0; i < kSize; ++i) {
-      const double s = (static_cast<double>(i) - kHalf) / kPerUnit;
-      step_[i] = std::erf(s / std::sqrt(2.0));
-      density_[i] = density(s);
-    }
-  }
   static constexpr double kLimit = 6.0, kPerUnit = 64.0, kHalf = kLimit * kPerUnit;
   static constexpr std::size_t kSize = 2 * 384 + 1;
-  static constexpr double kInverseRoot = 0.39894228040143268;
-  std::array<double, kSize> step_, density_;
+
+  // Where an argument lies in the tables.
+  struct Place {
+    std::size_t index;
+    double t;  ///< from that entry to the next one
+    explicit Place(double s) {
+      const double x = std::clamp(s, -kLimit, kLimit) * kPerUnit + kHalf;
+      index = std::min(static_cast<std::size_t>(x), kSize - 2);
+      t = x - static_cast<double>(index);
+    }
+    // Hermite's cubic, from values and slopes at both ends.
+    double between(double value0, double slope0, double value1, double slope1) const {
+      const double rest = 1.0 - t;
+      return rest * rest * (value0 * (1.0 + 2.0 * t) + slope0 * (t / kPerUnit)) +
+             t * t * (value1 * (3.0 - 2.0 * t) - slope1 * (rest / kPerUnit));
+    }
+  };
+
+  double step(const Place& at) const {
+    const Entry &low = entries_[at.index], &high = entries_[at.index + 1];
+    return at.between(low.step, 2.0 * low.density, high.step, 2.0 * high.density);
+  }
+  double density(const Place& at) const {
+    const Entry &low = entries_[at.index], &high = entries_[at.index + 1];
+    return at.between(low.density, low.slope, high.density, high.slope);
+  }
+
+  NormalTable() {
+    constexpr double kInverseRoot = 0.39894228040143268;
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const double s = (static_cast<double>(i) - kHalf) / kPerUnit;
+      const double density = std::exp(-0.5 * s * s) * kInverseRoot;
+      entries_[i] = {std::erf(s / std::sqrt(2.0)), density, -s * density};
+    }
+  }
+  struct Entry {
+    double step, density, slope;  ///< the slope is the density's
+  };
+  std::array<Entry, kSize> entries_;
 };
 
 /// Mean of sign(s1 + e1) sign(s2 + e2) under unit normals with correlation rho, and its derivatives by s1 and s2.
@@ -88,32 +115,43 @@ struct BlurredSign {
   double value, by_s1, by_s2;
 };
 
-// 4 * integral of the bivariate normal density over the correlation from 0 to rho (Plackett 1954; Drezner and
-// Wesolowsky 1990), four Gauss-Legendre points: error below 1e-4 up to |rho| = 0.9.
-double correlation_term(double s1, double s2, double rho) {
-  constexpr std::array<double, 4> kNodes = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
-                                            0.93056815579702629};
-  constexpr std::array<double, 4> kWeights = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
-                                              0.17392742256872693};
-  const double squares = s1 * s1 + s2 * s2, product = s1 * s2;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double r = rho * kNodes[i], remainder = 1.0 - r * r;
-    sum += kWeights[i] * std::exp(-(squares - 2.0 * r * product) / (2.0 * remainder)) / std::sqrt(remainder);
+/// Signs of normals with one correlation.
+class CorrelatedSigns {
+ public:
+  explicit CorrelatedSigns(double rho) : rho_(rho), inverse_root_(1.0 / std::sqrt(1.0 - rho * rho)) {
+    const Eigen::Array4d nodes(0.06943184420297371, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629);
+    const Eigen::Array4d weights(0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693);
+    correlation_ = rho * nodes;
+    const Eigen::Array4d remainder = 1.0 - correlation_.square();
+    exponent_ = -0.5 / remainder;
+    weight_ = 4.0 * rho / (2.0 * kPi) * weights / remainder.sqrt();
   }
-  return 4.0 * rho * sum / (2.0 * kPi);
-}
 
-BlurredSign blurred_sign(double s1, double s2, double rho, double root) {
-  const NormalTable& table = NormalTable::instance();
-  BlurredSign result;
-  result.value = table.step(s1) * table.step(s2);
-  const bool at_both = std::abs(s1) < 4.5 && std::abs(s2) < 4.5;
-  if (at_both && std::abs(rho) > 0.01) result.value += correlation_term(s1, s2, rho);
-  result.by_s1 = 2.0 * NormalTable::density(s1) * table.step((s2 - rho * s1) / root);
-  result.by_s2 = 2.0 * NormalTable::density(s2) * table.step((s1 - rho * s2) / root);
-  return result;
-}
+  BlurredSign at(double s1, double s2) const {
+    BlurredSign result;
+    double step1, step2, density1, density2;
+    table_.look_up(s1, &step1, &density1);
+    table_.look_up(s2, &step2, &density2);
+    result.value = step1 * step2;
+    const bool at_both = std::abs(s1) < 4.5 && std::abs(s2) < 4.5;
+    if (at_both && std::abs(rho_) > 0.01) result.value += correlation_term(s1, s2);
+    result.by_s1 = density1 > 0.0 ? 2.0 * density1 * table_.step((s2 - rho_ * s1) * inverse_root_) : 0.0;
+    result.by_s2 = density2 > 0.0 ? 2.0 * density2 * table_.step((s1 - rho_ * s2) * inverse_root_) : 0.0;
+    return result;
+  }
+
+ private:
+  // 4 * integral of the bivariate normal density over the correlation from 0 to rho (Plackett 1954; Drezner and
+  // Wesolowsky 1990), four Gauss-Legendre points: error below 1e-4 up to |rho| = 0.9.
+  double correlation_term(double s1, double s2) const {
+    const double squares = s1 * s1 + s2 * s2, twice_product = 2.0 * s1 * s2;
+    return (weight_ * ((squares - correlation_ * twice_product) * exponent_).exp()).sum();
+  }
+
+  const NormalTable& table_ = NormalTable::instance();
+  double rho_, inverse_root_;
+  Eigen::Array4d correlation_, exponent_, weight_;
+};
 
 struct Pixel {
   double x, y;  ///< relative to the window's centre
@@ -126,42 +164,57 @@ struct Edge {
   explicit Edge(double angle) : along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x()) {}
 };
 
-// Brightness at a pixel and its derivative.
-double model(const Parameters& p, const Edge& first, const Edge& second, double rho, const Pixel& pixel,
-             Parameters* derivative) {
-  const double root = std::sqrt(1.0 - rho * rho);
-  const Vector2d r(pixel.x - p[kX], pixel.y - p[kY]);
-  const double t1 = first.along.dot(r), t2 = second.along.dot(r);
-  const double u1 = first.across.dot(r), u2 = second.across.dot(r);
-  const double s1 = (u1 - 0.5 * p[kCurve1] * t1 * t1) / p[kBlur1];
-  const double s2 = (u2 - 0.5 * p[kCurve2] * t2 * t2) / p[kBlur2];
-  const BlurredSign sign = blurred_sign(s1, s2, rho, root);
-  const double light = 1.0 + p[kSlopeX] * pixel.x + p[kSlopeY] * pixel.y;
-  const double seen = sign.value - pixel.marker;
-  const double flat = p[kMean] + p[kContrast] * seen;
-  const double w1 = light * p[kContrast] * sign.by_s1 / p[kBlur1];
-  const double w2 = light * p[kContrast] * sign.by_s2 / p[kBlur2];
-  const Vector2d toward1 = first.across - p[kCurve1] * t1 * first.along;
-  const Vector2d toward2 = second.across - p[kCurve2] * t2 * second.along;
-  Parameters& d = *derivative;
-  d[kX] = -(w1 * toward1.x() + w2 * toward2.x());
-  d[kY] = -(w1 * toward1.y() + w2 * toward2.y());
-  d[kAngle1] = -w1 * t1 * (1.0 + p[kCurve1] * u1);
-  d[kAngle2] = -w2 * t2 * (1.0 + p[kCurve2] * u2);
-  d[kBlur1] = -w1 * s1;
-  d[kBlur2] = -w2 * s2;
-  d[kMean] = light;
-  d[kContrast] = light * seen;
-  d[kSlopeX] = flat * pixel.x;
-  d[kSlopeY] = flat * pixel.y;
-  d[kCurve1] = -0.5 * w1 * t1 * t1;
-  d[kCurve2] = -0.5 * w2 * t2 * t2;
-  return flat * light;
-}
-
 double correlation_of(const Edge& first, const Edge& second) {
   return std::clamp(first.across.dot(second.across), -0.95, 0.95);
 }
+
+/// Brightness of a window's pixels under some parameters: what all of them share is worked out once.
+class SaddleModel {
+ public:
+  explicit SaddleModel(const Parameters& p)
+      : p_(p),
+        first_(p[kAngle1]),
+        second_(p[kAngle2]),
+        signs_(correlation_of(first_, second_)),
+        sharpness1_(1.0 / p[kBlur1]),
+        sharpness2_(1.0 / p[kBlur2]) {}
+
+  /// Brightness of a pixel and its derivative.
+  template <typename Column>
+  double at(const Pixel& pixel, Column&& d) const {
+    const Vector2d r(pixel.x - p_[kX], pixel.y - p_[kY]);
+    const double t1 = first_.along.dot(r), t2 = second_.along.dot(r);
+    const double u1 = first_.across.dot(r), u2 = second_.across.dot(r);
+    const double bend1 = p_[kCurve1] * t1, bend2 = p_[kCurve2] * t2;
+    const double s1 = (u1 - 0.5 * bend1 * t1) * sharpness1_, s2 = (u2 - 0.5 * bend2 * t2) * sharpness2_;
+    const BlurredSign sign = signs_.at(s1, s2);
+    const double light = 1.0 + p_[kSlopeX] * pixel.x + p_[kSlopeY] * pixel.y;
+    const double seen = sign.value - pixel.marker;
+    const double flat = p_[kMean] + p_[kContrast] * seen;
+    const double w1 = light * p_[kContrast] * sign.by_s1 * sharpness1_;
+    const double w2 = light * p_[kContrast] * sign.by_s2 * sharpness2_;
+    const Vector2d toward1 = first_.across - bend1 * first_.along, toward2 = second_.across - bend2 * second_.along;
+    d[kX] = -(w1 * toward1.x() + w2 * toward2.x());
+    d[kY] = -(w1 * toward1.y() + w2 * toward2.y());
+    d[kAngle1] = -w1 * t1 * (1.0 + p_[kCurve1] * u1);
+    d[kAngle2] = -w2 * t2 * (1.0 + p_[kCurve2] * u2);
+    d[kBlur1] = -w1 * s1;
+    d[kBlur2] = -w2 * s2;
+    d[kMean] = light;
+    d[kContrast] = light * seen;
+    d[kSlopeX] = flat * pixel.x;
+    d[kSlopeY] = flat * pixel.y;
+    d[kCurve1] = -0.5 * w1 * t1 * t1;
+    d[kCurve2] = -0.5 * w2 * t2 * t2;
+    return flat * light;
+  }
+
+ private:
+  const Parameters& p_;
+  Edge first_, second_;
+  CorrelatedSigns signs_;
+  double sharpness1_, sharpness2_;
+};
 
 /// Squared error and its normal equations.
 struct System {
@@ -177,17 +230,40 @@ void add_prior(Parameter which, double value, double weight, System* system) {
   system->cost += weight * value * value;
 }
 
+// Derivatives of so many pixels at once: the sums of a tile of the normal equations stay in registers.
+constexpr int kBatch = 16;
+using Derivatives = Eigen::Matrix<double, kCount, kBatch>;
+
+// Adds the outer products of the first columns to the lower half of the matrix.
+void add_outer_products(const Derivatives& derivatives, int columns, Normal* normal) {
+  constexpr int kTile = 4;
+  static_assert(kCount % kTile == 0);
+  for (int i = 0; i < kCount; i += kTile) {
+    for (int j = 0; j <= i; j += kTile) {
+      Eigen::Matrix<double, kTile, kTile> sum = normal->block<kTile, kTile>(i, j);
+      for (int k = 0; k < columns; ++k)
+        sum.noalias() += derivatives.col(k).segment<kTile>(i) * derivatives.col(k).segment<kTile>(j).transpose();
+      normal->block<kTile, kTile>(i, j) = sum;
+    }
+  }
+}
+
 System linearise(const std::vector<Pixel>& pixels, const Parameters& p, double noise_variance) {
   System system;
-  const Edge first(p[kAngle1]), second(p[kAngle2]);
-  const double rho = correlation_of(first, second);
-  Parameters derivative;
+  const SaddleModel model(p);
+  Derivatives derivatives;
+  int filled = 0;
   for (const Pixel& pixel : pixels) {
-    const double error = model(p, first, second, rho, pixel, &derivative) - pixel.grey;
+    auto derivative = derivatives.col(filled);
+    const double error = model.at(pixel, derivative) - pixel.grey;
     system.residual_squares += error * error;
     system.gradient += error * derivative;
-    system.normal.noalias() += derivative * derivative.transpose();
+    if (++filled < kBatch) continue;
+    add_outer_products(derivatives, filled, &system.normal);
+    filled = 0;
   }
+  add_outer_products(derivatives, filled, &system.normal);
+  system.normal.triangularView<Eigen::StrictlyUpper>() = system.normal.transpose();
   system.cost = system.residual_squares;
   for (const Parameter curve : {kCurve1, kCurve2})
     add_prior(curve, p[curve], noise_variance / (kCurvatureSigma * kCurvatureSigma), &system);
@@ -358,6 +434,8 @@ Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, doub
       damping *= 10.0;
       continue;
     }
+    // Dark and light have changed places: that is no corner of this board, whatever comes of it.
+    if (next[kContrast] * start[kContrast] < 0.0) break;
     best.parameters = next;
     best.system = system;
     best.converged = small;

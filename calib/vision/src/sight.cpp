@@ -10,7 +10,7 @@ namespace rigproof::detection {
 namespace {
 
 // Raised whenever what is found in a picture, or these bytes, change.
-constexpr std::uint32_t kFormat = 4;
+constexpr std::uint32_t kFormat = 5;
 
 constexpr auto kPlaneParts = [](auto& archive, auto& plane) {
   if (!archive.present(plane)) return;
