@@ -4,11 +4,8 @@
 //   bench_frames [POSES=40] [WORKERS=1 2 4 ..] [key: value ..]
 //
 // Further arguments are lines of a run's configuration, e.g. "sensor_noise: none" or "rig: cart_5x_mixed".
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <functional>
 #include <optional>
@@ -17,6 +14,7 @@
 #include <vector>
 
 #include "bare_passes.h"
+#include "clocks.h"
 #include "exposures.h"
 #include "rigproof/calib/vision/picture_memory.h"
 #include "rigproof/core/error.h"
@@ -26,29 +24,12 @@
 #include "rigproof/png/png_encoder.h"
 #include "rigproof/study/sweep/observed_run.h"
 #include "rigproof/study/workflow/scratch_folder.h"
+#include "run_arguments.h"
 #include "scenario.h"
 
 namespace {
 
 using namespace rigproof;
-
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// Of this process and of those that have ended below it.
-double cpu_s() {
-  double sum = 0.0;
-  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    ::getrusage(who, &usage);
-    for (const timeval& time : {usage.ru_utime, usage.ru_stime})
-      sum += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  }
-  return sum;
-}
 
 // Knows no picture and keeps nothing.
 class Forgetful : public PictureMemory {
@@ -63,9 +44,9 @@ struct Stage {
   double wall_s = 0.0, cpu_s = 0.0;
 
   void time(const std::function<void()>& work) {
-    const double cpu = ::cpu_s();
+    const double cpu = rigproof::cpu_s();
     wall_s += seconds_of(work);
-    cpu_s += ::cpu_s() - cpu;
+    cpu_s += rigproof::cpu_s() - cpu;
   }
 };
 
@@ -129,8 +110,9 @@ void print_stages(const GenerateConfig& config) {
 void print_workers(const GenerateConfig& config, const std::vector<int>& workers) {
   const Scenario scenario = resolve_scenario(config);
   const auto frames = static_cast<double>(scenario.frame_count());
-  std::printf("%zu frames a second, starts of the processes included: drawn and read, written, as observations\n",
-              scenario.frame_count());
+  std::printf(
+      "Of %zu frames so many a second, starts of the processes included: drawn and read, written, as observations\n",
+      scenario.frame_count());
   for (const int count : workers) {
     const auto options_in = [&](const ScratchFolder& folder) {
       GenerateOptions options;
@@ -156,22 +138,13 @@ void print_workers(const GenerateConfig& config, const std::vector<int>& workers
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  std::string text;
-  std::vector<int> numbers;
-  for (const std::string& argument : arguments) {
-    if (argument.find(':') != std::string::npos)
-      text += argument + "\n";
-    else
-      numbers.push_back(std::atoi(argument.c_str()));
-  }
-  const int poses = numbers.empty() ? 40 : numbers.front();
-  std::vector<int> workers(numbers.begin() + (numbers.empty() ? 0 : 1), numbers.end());
-  if (workers.empty())
-    for (int n = 1; n <= static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); n *= 2)
-      workers.push_back(n);
   try {
-    GenerateConfig config = parse_generate_config(text, "arguments");
+    auto [numbers, words, config] = parse_run_arguments(argc, argv);
+    const int poses = numbers.empty() ? 40 : numbers.front();
+    std::vector<int> workers(numbers.begin() + (numbers.empty() ? 0 : 1), numbers.end());
+    if (workers.empty())
+      for (int n = 1; n <= static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); n *= 2)
+        workers.push_back(n);
     config.poses = poses;
     print_workers(config, workers);  // forks, so before this process has a context
     config.poses = std::min(poses, 20);

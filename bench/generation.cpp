@@ -19,17 +19,15 @@
 #include <vector>
 
 #include "bare_passes.h"
+#include "clocks.h"
 #include "rigproof/core/error.h"
 #include "rigproof/generator/generate.h"
 #include "rigproof/study/workflow/scratch_folder.h"
+#include "run_arguments.h"
 
 namespace {
 
 using namespace rigproof;
-
-double seconds(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
 
 struct Cost {
   double wall_s = 0.0, cpu_s = 0.0;
@@ -105,19 +103,9 @@ void memory(GenerateConfig config, const std::vector<int>& poses) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  std::string text;
-  std::vector<int> numbers;
-  bool measure_memory = false;
-  for (const std::string& argument : arguments) {
-    if (argument == "memory") measure_memory = true;
-    if (argument.find(':') != std::string::npos) text += argument + "\n";
-    if (!argument.empty() && std::isdigit(static_cast<unsigned char>(argument[0])))
-      numbers.push_back(std::stoi(argument));
-  }
   try {
-    GenerateConfig config = parse_generate_config(text, "arguments");
-    if (measure_memory) {
+    auto [numbers, words, config] = parse_run_arguments(argc, argv, {"throughput", "memory"});
+    if (std::find(words.begin(), words.end(), "memory") != words.end()) {
       memory(config, numbers.empty() ? std::vector<int>{100, 2000} : numbers);
     } else {
       if (!numbers.empty()) config.poses = numbers[0];

@@ -15,17 +15,12 @@
 #include <thread>
 #include <vector>
 
+#include "clocks.h"
 #include "rigproof/formats/format.h"
 
 namespace {
 
 using namespace rigproof;
-
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 void decode_all(const std::vector<std::string>& files, int flags, int threads) {
   std::atomic<std::size_t> next{0};

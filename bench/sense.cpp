@@ -3,7 +3,6 @@
 // The goal is 50 ms a frame of 1280x720.
 //
 //   bench_sense [POSES=20 [CASE]]     CASE: one of those that it prints, for a profiler
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "clocks.h"
 #include "rigproof/core/error.h"
 #include "rigproof/generator/generate.h"
 #include "rigproof/study/workflow/scratch_folder.h"
@@ -20,21 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace rigproof;
-
-double seconds(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
-// Of this process and of those that have ended below it.
-double cpu_s() {
-  double sum = 0.0;
-  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    ::getrusage(who, &usage);
-    sum += seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  }
-  return sum;
-}
 
 const char* const kImageEffects = "image: {pixel_pattern: true, vignetting: true}";
 const char* const kDepthEffects =

@@ -13,6 +13,7 @@ constexpr int kViews = 24;
 struct Figures {
   ShiftStatistics shift;
   DepthStatistics board, floor;
+  bool by_llvmpipe = false;
 };
 
 Figures measure(const std::string& name) {
@@ -25,6 +26,7 @@ Figures measure(const std::string& name) {
   Renderer renderer(*world, options);
   RandomStream random(7, "views");
   Figures figures;
+  figures.by_llvmpipe = renderer.gl_renderer().find("llvmpipe") != std::string::npos;
   RenderedView view;
   for (int i = 0; i < kViews; ++i) {
     const Rigid3 T_world_camera =
@@ -53,8 +55,10 @@ void expect_true(const Figures& figures, double rms_px, double bias_px, double d
   }
   ASSERT_GT(figures.board.pixels, 10000U);
   ASSERT_GT(figures.floor.pixels, 10000U);
-  EXPECT_LE(figures.board.largest_m, depth_m);
-  EXPECT_LE(figures.floor.largest_m, depth_m);
+  // A card of NVIDIA's rounds otherwise: 0.0101 mm at most.
+  const double most_m = figures.by_llvmpipe ? depth_m : 1.2 * depth_m;
+  EXPECT_LE(figures.board.largest_m, most_m);
+  EXPECT_LE(figures.floor.largest_m, most_m);
 }
 
 // What lens and print do to a corner is found where the truth has it: nearly as exactly as in any resampled picture.
@@ -106,16 +110,13 @@ TEST(GeometricTruth, LensResidualAndPrintErrors) {
 }
 
 // The figures that rendering at 2x and averaging can reach, with the margin of a finite number of corners; the bias
-// limit is four standard errors of the mean of 300 corners at most. Depth: at 4 m a step of the 24-bit buffer is 0.0027
-// mm with the near plane at 0.35 m, and so is the last place of a number in single precision, in which drivers
-// interpolate: half a step of rounding, and four last places. llvmpipe: 0.009 mm at most, an NVIDIA H200: 0.0101.
-TEST(GeometricTruth, PinholeCornersAndDepthAreWhereTheyBelong) {
-  expect_true(measure("pinhole"), 0.006, 0.001, 1.2e-5);
-}
-TEST(GeometricTruth, OffCentrePrincipalPoint) { expect_true(measure("off_centre"), 0.006, 0.001, 1.2e-5); }
+// limit is four standard errors of the mean of 300 corners at most. Depth: at 4 m half a step of the 24-bit buffer is
+// 0.002 mm with the near plane at 0.35 m, and the driver interpolates in single precision.
+TEST(GeometricTruth, PinholeCornersAndDepthAreWhereTheyBelong) { expect_true(measure("pinhole"), 0.006, 0.001, 1e-5); }
+TEST(GeometricTruth, OffCentrePrincipalPoint) { expect_true(measure("off_centre"), 0.006, 0.001, 1e-5); }
 // Resampled: the map's interpolation adds its own error.
-TEST(GeometricTruth, DifferentFocalLengths) { expect_true(measure("fx_not_fy"), 0.012, 0.0015, 1.2e-5); }
-TEST(GeometricTruth, BrownConrady) { expect_true(measure("brown_conrady"), 0.012, 0.0015, 1.2e-5); }
+TEST(GeometricTruth, DifferentFocalLengths) { expect_true(measure("fx_not_fy"), 0.012, 0.0015, 1e-5); }
+TEST(GeometricTruth, BrownConrady) { expect_true(measure("brown_conrady"), 0.012, 0.0015, 1e-5); }
 // The flat picture that a fisheye's is taken from is twice as wide, and so is the error of its interpolation.
 TEST(GeometricTruth, KannalaBrandt) { expect_true(measure("kannala_brandt"), 0.012, 0.002, 2e-5); }
 
