@@ -89,7 +89,7 @@ void detections(const std::vector<Result>& previous, int trials) {
   std::printf("\n");
   for (const int axis : {0, 1, 2, 3, 5}) {
     const bool length = axis < 3;
-    for (const double size : {0.25, 0.5, 1.0, 2.0, 4.0}) {  // mm, or hundredths of a degree
+    for (const double size : {0.25, 0.5, 1.0, 2.0, 4.0, 16.0}) {  // times 2 mm, or .02 deg
       std::printf("%-10s %6.3f", kDegreeOfFreedomNames[static_cast<std::size_t>(axis)],
                   length ? 2.0 * size : 0.02 * size);
       for (const int stops : {1, 2, 5}) {

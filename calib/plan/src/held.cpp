@@ -24,14 +24,17 @@ Eigen::VectorXd errors(const std::vector<Rigid3>& now, const std::vector<Rigid3>
   return result;
 }
 
-// Gauss and Newton, with the previous result as a loose prior.
+// Gauss and Newton, with the previous result as a loose prior of all but what may have moved.
 class Holder {
  public:
-  Holder(const KnownPoses& before, const ml::Problem& problem) : before_(before), problem_(problem) {
+  Holder(const KnownPoses& before, const Eigen::MatrixXd& moved, const ml::Problem& problem)
+      : before_(before), problem_(problem) {
     // Of standard deviations: decides where the observations know thirty times less, and nothing elsewhere.
     constexpr double kLoose = 30.0;
     constexpr double kLeastVariance = 1e-14;  // files round
-    const Eigen::MatrixXd Q = complement(before.free_directions);
+    Eigen::MatrixXd open(moved.rows(), before.free_directions.cols() + moved.cols());
+    open << before.free_directions, moved;
+    const Eigen::MatrixXd Q = complement(open);
     Eigen::MatrixXd S = kLoose * kLoose * Q.transpose() * before.covariance * Q;
     S.diagonal().array() += kLeastVariance;
     information_ = Q * S.ldlt().solve(Q.transpose());
@@ -68,11 +71,12 @@ class Holder {
 
 }  // namespace
 
-std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Observations& used,
-                                         const CalibrationState& optimum, const CalibrationNoise& noise) {
+std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Eigen::MatrixXd& moved,
+                                         const Observations& used, const CalibrationState& optimum,
+                                         const CalibrationNoise& noise) {
   const ml::Problem problem = ml::declared_problem(used, noise);
   ml::State state = moved_back(before, optimum);
-  if (!Holder(before, problem).hold(&state)) return std::nullopt;
+  if (!Holder(before, moved, problem).hold(&state)) return std::nullopt;
   const auto at = [&](ml::Weighting weighting) {
     return ml::EliminatedSystem::eliminate(problem.linearise(state, weighting, nullptr, nullptr), 0.0);
   };

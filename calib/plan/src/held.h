@@ -17,8 +17,11 @@ namespace rigproof::moved {
 /// therefore enters as a prior, with thirty times its standard deviations, while the state is found: it decides only
 /// what the observations leave open. The estimate without the prior is one step from there.
 ///
+/// `moved`: columns along which the cameras may have moved, about which the prior then says nothing.
+///
 /// Absent where the equations cannot be solved.
-std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Observations& used,
-                                         const CalibrationState& optimum, const CalibrationNoise& noise);
+std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Eigen::MatrixXd& moved,
+                                         const Observations& used, const CalibrationState& optimum,
+                                         const CalibrationNoise& noise);
 
 }  // namespace rigproof::moved

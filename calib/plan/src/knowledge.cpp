@@ -312,6 +312,21 @@ KnownPoses previous_knowledge(const Result& previous, const Observations& observ
               match.names.front());
 }
 
+NewKnowledge::NewKnowledge(const KnownPoses& before) : before_(before), free_(nothing_known(before)) {}
+
+NewKnowledge::NewKnowledge(const KnownPoses& before, Observations used, const MlEstimate& estimate,
+                           const CalibrationNoise& noise)
+    : before_(before), used_(std::move(used)), optimum_(estimate.state), noise_(noise) {
+  const InformationBound bound = cramer_rao_bound(used_, optimum_, noise_);
+  // The estimate rests on a robust loss, which keeps a little less than all of the information.
+  free_ = {optimum_.T_robot_camera, bound.joint / ml::cauchy_moments(2).efficiency, bound.free_directions, {}};
+}
+
+KnownPoses NewKnowledge::if_moved(const Eigen::MatrixXd& moved) const {
+  if (used_.stops.empty()) return free_;
+  return held_knowledge(before_, moved, used_, optimum_, noise_).value_or(free_);
+}
+
 NewKnowledge new_knowledge(const KnownPoses& before, const Observations& observations, const MovedOptions& options,
                            std::vector<Finding>* reasons, std::vector<Finding>* notes) {
   Solution solution = solve(before, observations, options);
@@ -325,16 +340,12 @@ NewKnowledge new_knowledge(const KnownPoses& before, const Observations& observa
     const bool images =
         !estimate.contradictions.empty() && !estimate.only_odometry_contradicts && !solution.board_is_wrong;
     if (images && observations.stops.size() > 1) reasons->emplace_back("moved.while_recording");
-    return {nothing_known(before), nothing_known(before)};
+    return NewKnowledge(before);
   }
   if (images_alone) notes->push_back(Finding("moved.odometry_ignored").by({about_odometry(contradictions)}));
   if (solution.believes_residuals) notes->emplace_back("moved.scatter_believed");
   const CalibrationNoise noise = believed_noise(estimate.noise, solution.scaled, options);
-  const InformationBound bound = cramer_rao_bound(solution.used, estimate.state, noise);
-  // The estimate rests on a robust loss, which keeps a little less than all of the information.
-  const Eigen::MatrixXd covariance = bound.joint / ml::cauchy_moments(2).efficiency;
-  const KnownPoses free = {estimate.state.T_robot_camera, covariance, bound.free_directions, {}};
-  return {held_knowledge(before, solution.used, estimate.state, noise).value_or(free), free};
+  return {before, std::move(solution.used), estimate, noise};
 }
 
 }  // namespace rigproof::moved

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "comparison.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/noise.h"
 #include "rigproof/calib/plan/moved.h"
 
 namespace rigproof::moved {
@@ -27,11 +29,22 @@ Observations of_matched(const Observations& observations, const Match& match);
 KnownPoses previous_knowledge(const Result& previous, const Observations& observations, const Match& match,
                               std::vector<Finding>* notes);
 
-/// What the new observations tell: linearised near the previous poses, where one decides whether anything moved, and at
-/// their own optimum, where something that did move by far has gone.
-struct NewKnowledge {
-  KnownPoses held;
-  KnownPoses free;
+/// What the new observations tell.
+class NewKnowledge {
+ public:
+  /// Nothing: every direction is free.
+  explicit NewKnowledge(const KnownPoses& before);
+  NewKnowledge(const KnownPoses& before, Observations used, const MlEstimate& estimate, const CalibrationNoise& noise);
+
+  /// Linearised near the previous poses, but for the columns of `moved`, along which the cameras may have moved by far;
+  /// where the equations cannot be solved so, at the observations' own optimum.
+  KnownPoses if_moved(const Eigen::MatrixXd& moved) const;
+
+ private:
+  KnownPoses before_, free_;
+  Observations used_;
+  CalibrationState optimum_;
+  CalibrationNoise noise_;
 };
 
 /// Of the matched cameras. Odometry that contradicts the images does not count, which a note says. `reasons` says why

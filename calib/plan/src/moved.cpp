@@ -28,45 +28,60 @@ void check(const MovedOptions& options) {
   problems.throw_if_any();
 }
 
+Eigen::MatrixXd columns_of(const std::vector<std::size_t>& cameras, std::size_t count) {
+  Eigen::MatrixXd E =
+      Eigen::MatrixXd::Zero(6 * static_cast<Eigen::Index>(count), 6 * static_cast<Eigen::Index>(cameras.size()));
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    E.block<6, 6>(6 * static_cast<Eigen::Index>(cameras[i]), 6 * static_cast<Eigen::Index>(i)).setIdentity();
+  return E;
+}
+
 // A set of cameras, or the whole rig as one body, that may have moved, and what of the difference that explains.
 struct Hypothesis {
   std::vector<std::size_t> cameras;
   bool rig = false;
+  Eigen::MatrixXd motion;  // columns: what these may have done
+  moved::Difference difference;
   moved::Explanation explanation;
+
+  double rest() const { return std::max(0.0, difference.statistic - explanation.reduction); }
+
+  // Whether noise leaves as much unexplained.
+  bool explains(double significance) const {
+    const int dof = difference.rank - explanation.rank;
+    return (dof > 0 ? chi_square_tail(rest(), dof) : 1.0) >= significance;
+  }
 };
 
-// What old and new knowledge differ by.
+// Old and new knowledge.
 struct Evidence {
-  moved::Difference difference;
-  const std::vector<Rigid3>& T_robot_camera;  // before
+  const moved::KnownPoses& before;
+  const moved::NewKnowledge& now;
   double significance;
 
-  Eigen::MatrixXd columns_of(const std::vector<std::size_t>& cameras) const {
-    Eigen::MatrixXd E =
-        Eigen::MatrixXd::Zero(difference.information.rows(), 6 * static_cast<Eigen::Index>(cameras.size()));
-    for (std::size_t i = 0; i < cameras.size(); ++i)
-      E.block<6, 6>(6 * static_cast<Eigen::Index>(cameras[i]), 6 * static_cast<Eigen::Index>(i)).setIdentity();
-    return E;
+  std::size_t count() const { return before.T_robot_camera.size(); }
+
+  moved::Difference difference(const Eigen::MatrixXd& motion) const {
+    return moved::difference(before, now.if_moved(motion));
+  }
+
+  // Each is judged where the others stand: what the images leave open would else carry these along.
+  Hypothesis judged(Hypothesis hypothesis) const {
+    hypothesis.difference = difference(hypothesis.motion);
+    hypothesis.explanation = moved::explain(hypothesis.difference, hypothesis.motion);
+    return hypothesis;
   }
 
   Hypothesis cameras_moved(const std::vector<std::size_t>& cameras) const {
-    return {cameras, false, moved::explain(difference, columns_of(cameras))};
+    return judged({cameras, false, columns_of(cameras, count()), {}, {}});
   }
 
-  Hypothesis rig_moved() const {
-    std::vector<std::size_t> all(T_robot_camera.size());
+  Hypothesis rig_moved() const { return rig_moved_along({0, 1, 2, 3, 4, 5}); }
+
+  Hypothesis rig_moved_along(const std::vector<Eigen::Index>& axes) const {
+    std::vector<std::size_t> all(count());
     std::iota(all.begin(), all.end(), 0U);
-    return {all, true, moved::explain(difference, moved::rig_motion(T_robot_camera))};
-  }
-
-  double rest_of(const Hypothesis& hypothesis) const {
-    return std::max(0.0, difference.statistic - hypothesis.explanation.reduction);
-  }
-
-  // Whether noise leaves as much unexplained.
-  bool explains(const Hypothesis& hypothesis) const {
-    const int dof = difference.rank - hypothesis.explanation.rank;
-    return (dof > 0 ? chi_square_tail(rest_of(hypothesis), dof) : 1.0) >= significance;
+    return judged({all, true, moved::rig_motion(before.T_robot_camera)(Eigen::all, axes), {}, {}});
   }
 };
 
@@ -102,12 +117,12 @@ void set_shift(const moved::Explanation& explanation, Eigen::Index row, CameraSh
 }
 
 // A camera by itself, all others standing.
-CameraShift shift_alone(const Evidence& evidence, std::size_t c, double needed, const MovedOptions& options) {
+CameraShift shift_alone(const moved::Difference& difference, const Eigen::MatrixXd& E, double needed,
+                        const MovedOptions& options) {
   CameraShift camera;
-  const Eigen::MatrixXd E = evidence.columns_of({c});
-  camera.detectable_shift_m = detectable(evidence.difference.information, needed, E.leftCols<3>());
-  camera.detectable_turn_rad = detectable(evidence.difference.information, needed, E.rightCols<3>());
-  const moved::Explanation alone = moved::explain(evidence.difference, E);
+  camera.detectable_shift_m = detectable(difference.information, needed, E.leftCols<3>());
+  camera.detectable_turn_rad = detectable(difference.information, needed, E.rightCols<3>());
+  const moved::Explanation alone = moved::explain(difference, E);
   if (alone.rank > 0) camera.p_value = chi_square_tail(alone.reduction, alone.rank);
   set_shift(alone, 0, &camera);
   const bool would_show =
@@ -117,43 +132,41 @@ CameraShift shift_alone(const Evidence& evidence, std::size_t c, double needed, 
 }
 
 // Others that stand, beside what moved: each alone would take the shift of that upon itself.
-void set_shifts_beside(const Evidence& evidence, const Hypothesis& guilty, MovedReport* report) {
-  const Eigen::MatrixXd theirs =
-      guilty.rig ? moved::rig_motion(evidence.T_robot_camera) : evidence.columns_of(guilty.cameras);
+void set_shifts_beside(const Hypothesis& guilty, MovedReport* report) {
   for (std::size_t c = 0; c < report->cameras.size(); ++c) {
     CameraShift& camera = report->cameras[c];
     if (camera.verdict == MovedVerdict::kMoved || camera.verdict == MovedVerdict::kSuspect) continue;
-    Eigen::MatrixXd E(theirs.rows(), theirs.cols() + 6);
-    E << theirs, evidence.columns_of({c});
-    const moved::Explanation both = moved::explain(evidence.difference, E);
+    Eigen::MatrixXd E(guilty.motion.rows(), guilty.motion.cols() + 6);
+    E << guilty.motion, columns_of({c}, report->cameras.size());
+    const moved::Explanation both = moved::explain(guilty.difference, E);
     const int rank = both.rank - guilty.explanation.rank;
     const double reduction = std::max(0.0, both.reduction - guilty.explanation.reduction);
     camera.p_value = rank > 0 ? chi_square_tail(reduction, rank) : 1.0;
-    set_shift(both, theirs.cols(), &camera);
+    set_shift(both, guilty.motion.cols(), &camera);
   }
 }
 
-void accuse(const Evidence& evidence, const Hypothesis& guilty, MovedReport* report) {
+void accuse(const Hypothesis& guilty, MovedReport* report) {
   for (std::size_t i = 0; i < guilty.cameras.size(); ++i) {
     CameraShift& camera = report->cameras[guilty.cameras[i]];
     camera.verdict = MovedVerdict::kMoved;
     if (!guilty.rig) set_shift(guilty.explanation, 6 * static_cast<Eigen::Index>(i), &camera);
   }
-  set_shifts_beside(evidence, guilty, report);
+  set_shifts_beside(guilty, report);
 }
 
 // Camera after camera until the rest is noise.
 Hypothesis several_cameras(const Evidence& evidence, std::vector<std::size_t> cameras) {
-  const std::size_t count = evidence.T_robot_camera.size();
+  const std::size_t count = evidence.count();
   Hypothesis hypothesis;
-  while (cameras.size() < count && (hypothesis.cameras.empty() || !evidence.explains(hypothesis))) {
+  while (cameras.size() < count && (hypothesis.cameras.empty() || !hypothesis.explains(evidence.significance))) {
     std::optional<Hypothesis> best;
     for (std::size_t c = 0; c < count; ++c) {
       if (std::find(cameras.begin(), cameras.end(), c) != cameras.end()) continue;
       std::vector<std::size_t> more = cameras;
       more.push_back(c);
       Hypothesis trial = evidence.cameras_moved(more);
-      if (!best || evidence.rest_of(trial) < evidence.rest_of(*best)) best = std::move(trial);
+      if (!best || trial.rest() < best->rest()) best = std::move(trial);
     }
     hypothesis = std::move(*best);
     cameras = hypothesis.cameras;
@@ -162,13 +175,12 @@ Hypothesis several_cameras(const Evidence& evidence, std::vector<std::size_t> ca
 }
 
 // All that explain it, and not a hundred times worse than the best.
-std::vector<const Hypothesis*> suspects_of(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                                           const Hypothesis& best) {
+std::vector<const Hypothesis*> suspects_of(const std::vector<Hypothesis>& hypotheses, const Hypothesis& best,
+                                           double significance) {
   const double margin = 2.0 * std::log(100.0);
   std::vector<const Hypothesis*> suspects;
   for (const Hypothesis& hypothesis : hypotheses)
-    if (evidence.explains(hypothesis) && evidence.rest_of(hypothesis) < evidence.rest_of(best) + margin)
-      suspects.push_back(&hypothesis);
+    if (hypothesis.explains(significance) && hypothesis.rest() < best.rest() + margin) suspects.push_back(&hypothesis);
   return suspects;
 }
 
@@ -186,34 +198,42 @@ void suspect(const std::vector<const Hypothesis*>& suspects, MovedReport* report
   report->reasons.push_back(ambiguous);
 }
 
+// Of x, y and yaw of the rig on the robot odometry alone tells, and it may err by more than it states.
+Finding of_the_rig(const Evidence& evidence) {
+  Finding finding("moved.rig");
+  if (evidence.rig_moved_along({0, 1, 5}).explains(evidence.significance))
+    finding.values.emplace_back("by_odometry", 1);
+  return finding;
+}
+
 // One camera, or the rig as one body; else several cameras.
 void name_who_moved(const Evidence& evidence, MovedReport* report) {
   std::vector<Hypothesis> single;
   for (std::size_t c = 0; c < report->cameras.size(); ++c) single.push_back(evidence.cameras_moved({c}));
   if (report->cameras.size() > 1) single.push_back(evidence.rig_moved());
   const Hypothesis& best = *std::min_element(
-      single.begin(), single.end(),
-      [&](const Hypothesis& a, const Hypothesis& b) { return evidence.rest_of(a) < evidence.rest_of(b); });
-  if (!evidence.explains(best))
-    return accuse(evidence, several_cameras(evidence, best.rig ? std::vector<std::size_t>() : best.cameras), report);
-  const std::vector<const Hypothesis*> suspects = suspects_of(evidence, single, best);
+      single.begin(), single.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.rest() < b.rest(); });
+  if (!best.explains(evidence.significance))
+    return accuse(several_cameras(evidence, best.rig ? std::vector<std::size_t>() : best.cameras), report);
+  const std::vector<const Hypothesis*> suspects = suspects_of(single, best, evidence.significance);
   if (suspects.size() > 1) {
     suspect(suspects, report);
-    return set_shifts_beside(evidence, best, report);
+    return set_shifts_beside(best, report);
   }
   report->rig_moved = best.rig;
-  if (best.rig) report->reasons.emplace_back("moved.rig");
-  accuse(evidence, best, report);
+  if (best.rig) report->reasons.push_back(of_the_rig(evidence));
+  accuse(best, report);
 }
 
 // What the rig as one body could do unnoticed.
-std::vector<std::string> open_motions(const Evidence& evidence, double needed, const MovedOptions& options) {
+std::vector<std::string> open_motions(const Eigen::MatrixXd& information, const std::vector<Rigid3>& T_robot_camera,
+                                      double needed, const MovedOptions& options) {
   static const std::array<const char*, 6> kMotions = {"x", "y", "z", "roll", "pitch", "yaw"};
-  const Eigen::MatrixXd E = moved::rig_motion(evidence.T_robot_camera);
+  const Eigen::MatrixXd E = moved::rig_motion(T_robot_camera);
   std::vector<std::string> open;
   for (Eigen::Index axis = 0; axis < 6; ++axis) {
     const double limit = axis < 3 ? options.smallest_shift_m : options.smallest_turn_rad;
-    if (!(detectable(evidence.difference.information, needed, E.col(axis)) <= limit))
+    if (!(detectable(information, needed, E.col(axis)) <= limit))
       open.emplace_back(kMotions[static_cast<std::size_t>(axis)]);
   }
   return open;
@@ -221,29 +241,29 @@ std::vector<std::string> open_motions(const Evidence& evidence, double needed, c
 
 MovedReport compare(const std::vector<std::string>& names, const moved::KnownPoses& before,
                     const moved::NewKnowledge& now, const MovedOptions& options) {
-  Evidence evidence{moved::difference(before, now.held), before.T_robot_camera, options.significance};
+  const Evidence evidence{before, now, options.significance};
+  const moved::Difference standing = evidence.difference(columns_of({}, names.size()));
   MovedReport report;
-  report.statistic = evidence.difference.statistic;
-  report.degrees_of_freedom = evidence.difference.rank;
+  report.statistic = standing.statistic;
+  report.degrees_of_freedom = standing.rank;
   double needed = 0.0;
-  if (evidence.difference.rank > 0) {
+  if (standing.rank > 0) {
     report.p_value = chi_square_tail(report.statistic, report.degrees_of_freedom);
     needed = needed_noncentrality(report.degrees_of_freedom, options.significance);
   }
   for (std::size_t c = 0; c < names.size(); ++c) {
-    report.cameras.push_back(shift_alone(evidence, c, needed, options));
+    report.cameras.push_back(shift_alone(standing, columns_of({c}, names.size()), needed, options));
     report.cameras.back().camera = names[c];
   }
   if (report.p_value < options.significance) {
     report.outcome = MovedOutcome::kMoved;
-    evidence.difference = moved::difference(before, now.free);
     name_who_moved(evidence, &report);
   } else if (std::all_of(report.cameras.begin(), report.cameras.end(),
                          [](const CameraShift& c) { return c.verdict == MovedVerdict::kStands; })) {
     report.outcome = MovedOutcome::kNothingMoved;
   }
-  if (evidence.difference.rank == 0 || names.size() < 2) return report;
-  const std::vector<std::string> open = open_motions(evidence, needed, options);
+  if (standing.rank == 0 || names.size() < 2) return report;
+  const std::vector<std::string> open = open_motions(standing.information, before.T_robot_camera, needed, options);
   if (!open.empty()) report.notes.push_back(Finding("moved.open_motions").along(open));
   return report;
 }
