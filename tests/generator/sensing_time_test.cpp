@@ -1,6 +1,7 @@
 // Clocks, dropped frames and told intrinsics.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "effects_of.h"
@@ -159,8 +160,9 @@ TEST(SensingTold, LensesAreDrawnAsWellAsTheyAreSaidToBeKnown) {
         told.cx_px - camera.cx_px, told.cy_px - camera.cy_px, moved.norm();
     squares += errors.cwiseAbs2() / kCameras;
   }
-  const std::vector<double> sigmas = {0.004, 0.001, 1.5, 1.5, 0.5};
-  for (int i = 0; i < 5; ++i) EXPECT_NEAR(std::sqrt(squares(i)) / sigmas[i], 1.0, 0.09) << i;  // four of 2.2 %
+  const std::array<double, 5> sigmas = {0.004, 0.001, 1.5, 1.5, 0.5};
+  for (Eigen::Index i = 0; i < 5; ++i)
+    EXPECT_NEAR(std::sqrt(squares[i]) / sigmas[static_cast<std::size_t>(i)], 1.0, 0.09) << i;  // four of 2.2 %
 }
 
 TEST(SensingTold, AnErrorThatIsAskedForReplacesTheOneDrawn) {

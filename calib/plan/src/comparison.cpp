@@ -93,6 +93,7 @@ Difference difference(const KnownPoses& before, const KnownPoses& after) {
   }
   result.gradient = result.information * d;
   result.statistic = d.dot(result.gradient);
+  result.T_robot_camera = now.T_robot_camera;
   return result;
 }
 

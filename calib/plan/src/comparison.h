@@ -31,6 +31,7 @@ struct Difference {
   Eigen::VectorXd gradient;
   double statistic = 0.0;
   int rank = 0;
+  std::vector<Rigid3> T_robot_camera;  ///< the new poses, without the common motion
 };
 Difference difference(const KnownPoses& before, const KnownPoses& now);
 

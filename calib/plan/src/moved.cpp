@@ -66,22 +66,26 @@ struct Evidence {
   }
 
   // Each is judged where the others stand: what the images leave open would else carry these along.
-  Hypothesis judged(Hypothesis hypothesis) const {
+  Hypothesis cameras_moved(const std::vector<std::size_t>& cameras) const {
+    Hypothesis hypothesis{cameras, false, columns_of(cameras, count()), {}, {}};
     hypothesis.difference = difference(hypothesis.motion);
     hypothesis.explanation = moved::explain(hypothesis.difference, hypothesis.motion);
     return hypothesis;
   }
 
-  Hypothesis cameras_moved(const std::vector<std::size_t>& cameras) const {
-    return judged({cameras, false, columns_of(cameras, count()), {}, {}});
-  }
-
   Hypothesis rig_moved() const { return rig_moved_along({0, 1, 2, 3, 4, 5}); }
 
+  // At the new poses: the turn of the rig that the images leave open would, at the old ones, seem to explain by a
+  // radian what one camera did by millimetres.
   Hypothesis rig_moved_along(const std::vector<Eigen::Index>& axes) const {
-    std::vector<std::size_t> all(count());
-    std::iota(all.begin(), all.end(), 0U);
-    return judged({all, true, moved::rig_motion(before.T_robot_camera)(Eigen::all, axes), {}, {}});
+    Hypothesis hypothesis;
+    hypothesis.cameras.resize(count());
+    std::iota(hypothesis.cameras.begin(), hypothesis.cameras.end(), 0U);
+    hypothesis.rig = true;
+    hypothesis.difference = difference(moved::rig_motion(before.T_robot_camera)(Eigen::all, axes));
+    hypothesis.motion = moved::rig_motion(hypothesis.difference.T_robot_camera)(Eigen::all, axes);
+    hypothesis.explanation = moved::explain(hypothesis.difference, hypothesis.motion);
+    return hypothesis;
   }
 };
 
