@@ -220,6 +220,24 @@ TEST(Recording, FramesCsvReportsEveryBadRow) {
   EXPECT_THAT(text, HasSubstr("frames.csv:5: stamp_s: 10: left/color/10.png has the stamp of left/color/1.png"));
 }
 
+TEST(Recording, FramesCsvWithoutItsHeaderOrWithSurplusFieldsIsRefused) {
+  const SmallRecording folder;
+  folder.write("left/frames.csv", "color/1.png,10\ncolor/2.png,11\n");
+  EXPECT_THAT(folder.problems(), HasSubstr("frames.csv:1: file: the column is missing; Columns: color/1.png, 10"));
+  folder.write("left/frames.csv", "10,11\n");
+  EXPECT_THAT(folder.problems(), HasSubstr("frames.csv:1: the first line must name the columns: file,stamp_s"));
+  folder.write("left/frames.csv", "file,stamp_s\ncolor/1.png,10\ncolor/2.png,11,5\n");
+  EXPECT_THAT(folder.problems(), HasSubstr("frames.csv:3: "));
+  folder.write("left/frames.csv", "");
+  EXPECT_THAT(folder.problems(), HasSubstr("frames.csv: is empty"));
+}
+
+TEST(Recording, TwoImagesOfOneNameAreRefused) {
+  const SmallRecording folder;
+  folder.write("left/color/2.jpg", "jpg");
+  EXPECT_THAT(folder.problems(), HasSubstr("two files with one stem; one of them must go"));
+}
+
 TEST(Recording, LinksThatLeaveTheFolderAreRefused) {
   const TempFolder outside;
   outside.write("a.png", "png");
