@@ -70,6 +70,22 @@ TEST(Lenses, AFocalLengthHalvedOrDoubledIsNotBlamedOnTheDepth) {
   }
 }
 
+// Small steps end at another optimum; from where another resolution puts focal length and centre they do not.
+TEST(Lenses, IntrinsicsOfThreeTimesTheResolutionAreNotBlamedOnTheDepth) {
+  GeometricConfig config;
+  config.seed = 3;
+  config.stops = 20;
+  config.board_planes = true;
+  Observations observations = draw_geometric_run(config).observations;
+  Camera& told = observations.cameras[1].camera;
+  for (double* focal_px : {&told.fx_px, &told.fy_px}) *focal_px *= 3.0;
+  for (double* centre_px : {&told.cx_px, &told.cy_px}) *centre_px = 3.0 * (*centre_px + 0.5) - 0.5;
+  const Result result = estimate_maximum_likelihood(observations).result;
+  ASSERT_FALSE(result.reasons.empty());
+  EXPECT_EQ(result.reasons.front().code, "lens.intrinsics");
+  EXPECT_EQ(result.reasons.front().cameras, std::vector<std::string>{observations.cameras[1].name});
+}
+
 // The levels of suspension and odometry grow with the slip and hide it, four and a half deviations deep.
 TEST(Lenses, AHalfPixelIsJudgedByTheLevelsWithoutIt) {
   const auto slip = std::find_if(breakages().begin(), breakages().end(), [](const Breakage& breakage) {
