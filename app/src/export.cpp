@@ -155,6 +155,7 @@ ExportOptions checked_options(const ExportArguments& arguments, const Result& re
     try {
       call();
     } catch (const Error& error) {
+      if (error.exit_code() == ExitCode::kTryAgain) throw;
       problems.add({"", 0, "", "", error.what()});
     }
   };

@@ -46,6 +46,7 @@ class Reader : public FieldVisitor {
     try {
       if (const auto read = read_text(tree_, path_, text.choices, problems_)) text.read(*read);
     } catch (const Error& error) {
+      if (error.exit_code() == ExitCode::kTryAgain) throw;
       problems_->add({tree_.file, tree_.line, path_, tree_.shown(), error.what()});
     }
     return true;

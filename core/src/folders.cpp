@@ -44,6 +44,12 @@ void create_folder(const fs::path& folder) {
   if (error) throw_system_error(folder, "create the folder", error.value());
 }
 
+void remove_tree(const fs::path& folder) {
+  std::error_code error;
+  fs::remove_all(folder, error);
+  if (error) throw_system_error(folder, "remove", error.value());
+}
+
 std::vector<fs::directory_entry> folder_entries(const fs::path& folder) {
   return all_of<fs::directory_iterator>(folder);
 }

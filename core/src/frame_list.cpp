@@ -6,6 +6,7 @@
 
 #include "csv.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -53,7 +54,7 @@ FilesByStem files_of(const fs::path& recording, const std::string& camera_folder
                        "two files with one stem; one of them must go"});
       if (files.size() > kMaxFiles) throw Error((recording / relative).string() + ": more than a million files");
     }
-    if (error) throw Error((recording / relative).string() + ": " + error.message());
+    if (error) throw_system_error(recording / relative, "read the folder", error.value());
     if (!files.empty()) break;
   }
   return files;
@@ -257,6 +258,7 @@ std::vector<CameraFrame> list_frames(const fs::path& recording, const RigCamera&
     frames = listed ? FramesCsvReader(recording, camera, problems).read()
                     : frames_from_names(recording, camera, odometry, problems);
   } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain) throw;
     problems->add({"", 0, "", "", error.what()});
   }
   sort_by_stamp(recording, camera, &frames, problems);

@@ -52,6 +52,7 @@ std::vector<OdometrySample> read_odometry_csv(const std::filesystem::path& file,
   try {
     text = read_text_file(file, kMaxBytes);
   } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain) throw;
     problems->add({"", 0, "", "", error.what()});
     return odometry;
   }

@@ -118,6 +118,7 @@ Recording load_recording(const fs::path& folder) {
   try {
     recording.odometry = read_odometry_csv(path_inside(folder, recording.rig.odometry_file), &problems);
   } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain) throw;
     problems.add({"", 0, "", "", error.what()});
   }
   for (const RigCamera& camera : recording.rig.cameras)

@@ -126,6 +126,7 @@ std::optional<SensorPreset> read_sensor(FieldVisitor& visitor, const std::string
     return load_sensor_preset(name);
   } catch (const Error& error) {
     if (told && !is_unknown) return std::nullopt;  // no data folder, and nothing is wanted of it
+    if (error.exit_code() == ExitCode::kTryAgain) throw;
     const std::string reason = error.what();
     // What is wrong in a preset is told for the first camera that names it; an unknown name is each line's own mistake.
     if (!is_unknown && is_told(*visitor.problems(), reason)) return std::nullopt;

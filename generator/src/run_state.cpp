@@ -97,11 +97,7 @@ void check_same(const RunFolder& run, const Scenario& scenario, const Manifest& 
 }
 
 void remove_made(const RunFolder& run) {
-  for (const fs::path& path : made_paths(run)) {
-    std::error_code error;
-    fs::remove_all(path, error);
-    if (error) throw Error(path.string() + ": cannot be removed: " + error.message());
-  }
+  for (const fs::path& path : made_paths(run)) remove_tree(path);
 }
 
 // In pieces, since a path takes several times the memory of its text.

@@ -240,6 +240,7 @@ void add_camera(const std::string& name, Recording* recording, NumberedPoses* po
     recording->frames.push_back(frames_of(root, name, images, clouds, pose_files, problems));
     for (const auto& [number, file] : pose_files) add_pose(root, number, file, poses, problems);
   } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain) throw;
     problems->add({"", 0, "", "", error.what()});
   }
 }

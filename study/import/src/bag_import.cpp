@@ -58,6 +58,7 @@ class Planner {
       try {
         describe_camera(topics, infos, sensors);
       } catch (const Error& error) {
+        if (error.exit_code() == ExitCode::kTryAgain) throw;
         problems.add({"", 0, "camera " + topics.name, "", error.what()});
       }
     }

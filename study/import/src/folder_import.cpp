@@ -112,6 +112,7 @@ class FolderPlanner {
       try {
         describe_camera(camera, infos, sensors, &problems);
       } catch (const Error& error) {
+        if (error.exit_code() == ExitCode::kTryAgain) throw;
         problems.add({"", 0, "camera " + camera.name, "", error.what()});
       }
     }

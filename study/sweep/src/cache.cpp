@@ -243,7 +243,7 @@ void CachedFindings::keep(Finding finding, const std::string& key, const std::st
     write_file_atomically_unsynced(cache_.finding(full_key(key)), bytes);
   } catch (const Error& error) {
     const std::lock_guard<std::mutex> guard(mutex_);
-    failure_ = error.what();
+    failure_.emplace(error.what(), error.exit_code());
   }
 }
 
@@ -264,7 +264,7 @@ void CachedFindings::tell(const std::function<void(const std::string& name, std:
 }
 
 void CachedFindings::rethrow() const {
-  if (!failure_.empty()) throw MachineError(failure_);
+  if (failure_) throw MachineError(*failure_);
 }
 
 }  // namespace rigproof

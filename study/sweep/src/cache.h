@@ -108,7 +108,7 @@ class CachedFindings : public PictureMemory {
   std::array<std::atomic<std::uint64_t>, kFindings> recalled_ = {};
   std::array<std::atomic<std::uint64_t>, kFindings> kept_ = {};
   std::mutex mutex_;
-  std::string failure_;
+  std::optional<MachineError> failure_;
 };
 
 }  // namespace rigproof

@@ -9,6 +9,7 @@
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/folder_lock.h"
+#include "rigproof/core/folders.h"
 
 namespace rigproof {
 namespace {
@@ -43,16 +44,31 @@ void refuse_pictures(const RunFolder& run, const GenerateOptions& options) {
                 "over with --fresh");
 }
 
-// Whatever ends it, the next start goes on from there.
-void keep_only(const Observations& observations, const RunFolder& run, const SweepCache& cache) {
+bool is_of_recording(const std::pair<const std::string, FileEntry>& file) {
+  return file.first.rfind("recording/", 0) == 0;
+}
+
+// Observed to the end; what it was observed in may still lie there.
+bool is_observed(const RunFolder& run) {
+  if (!fs::exists(run.observations_file()) || !fs::exists(run.manifest_file())) return false;
+  const Manifest manifest = load_manifest(run.manifest_file());
+  return manifest.complete && std::none_of(manifest.files.begin(), manifest.files.end(), is_of_recording);
+}
+
+void remove_observed(const RunFolder& run, const SweepCache& cache) {
+  const FolderLock lock(run.root, "another rigproof generates into this folder");
+  remove_tree(run.recording());
+  remove_tree(cache.findings());
+}
+
+// The manifest tells that it is observed before anything is removed: whatever ends that, the next start goes on.
+void keep_only(const Observations& observations, const RunFolder& run) {
   const FolderLock lock(run.root, "another rigproof generates into this folder");
   save_observations(observations, run.observations_file());
   Manifest manifest = load_manifest(run.manifest_file());
   for (auto file = manifest.files.begin(); file != manifest.files.end();)
-    file = file->first.rfind("recording/", 0) == 0 ? manifest.files.erase(file) : std::next(file);
+    file = is_of_recording(*file) ? manifest.files.erase(file) : std::next(file);
   save_manifest(manifest, run.manifest_file());
-  fs::remove_all(run.recording());
-  fs::remove_all(cache.findings());
 }
 
 }  // namespace
@@ -93,7 +109,8 @@ ObservedRun generate_observed(const Scenario& scenario, const GenerateOptions& o
   refuse_pictures(run, options);
   const SweepCache cache(run.root);
   const auto make = [&scenario](const GenerateOptions& how) { return generate(scenario, how); };
-  if (!options.fresh && fs::exists(run.observations_file()) && !fs::exists(run.recording())) {
+  if (!options.fresh && is_observed(run)) {
+    remove_observed(run, cache);
     GenerateOptions looking_only = options;
     looking_only.look = looking(cache, run);
     const GenerateReport report = make(looking_only);
@@ -105,7 +122,8 @@ ObservedRun generate_observed(const Scenario& scenario, const GenerateOptions& o
     observing.progress = [&options](std::size_t, std::size_t all) { return options.progress(all, all); };
   LookedRun looked = look_while_generating(make, options, cache, observing, [](CachedFindings&) {});
   if (looked.failure) std::rethrow_exception(looked.failure);
-  keep_only(looked.observations, run, cache);
+  keep_only(looked.observations, run);
+  remove_observed(run, cache);
   return {std::move(looked.report), std::move(looked.observations)};
 }
 

@@ -14,6 +14,9 @@ namespace rigproof {
 /// Makes the folder and those that it lies in; it may be there. Throws Error that names it.
 void create_folder(const std::filesystem::path& folder);
 
+/// With all that lies in it; it need not be there. Throws Error that names it.
+void remove_tree(const std::filesystem::path& folder);
+
 /// What lies in the folder, in the order of the paths; nothing where there is no such folder. Throws Error that names
 /// it if it cannot be read to its end.
 std::vector<std::filesystem::directory_entry> folder_entries(const std::filesystem::path& folder);
