@@ -46,9 +46,9 @@ methods: [ml, li]
 class Case:
     """A command, what runs before it in the same folder, and what an earlier run of it with other settings left."""
 
-    def __init__(self, name, command, before=(), deletes=False, sample=tuple(KINDS), lasts="", passes=()):
+    def __init__(self, name, command, before=(), deletes=False, sample=tuple(KINDS), lasts="", removes=()):
         self.name, self.command, self.before = name, command, before
-        self.passes = passes    # folders of whole files that the command makes, goes on from, and removes in the end
+        self.removes = removes  # folders of whole files that the command makes, goes on from, and removes in the end
         self.sample = sample    # kinds of calls that --sample tries, or (kind, at which share of them): few of what takes long
         self.deletes = deletes  # what was there, as it is told to
         self.lasts = lasts      # a new folder of which every file is synced
@@ -62,7 +62,7 @@ CASES = [
     Case("generate_fresh", ["generate", "-o", "run", "--cache", "cache", *GENERATE, "--set", "seed=2", "--fresh"], [RUN],
          deletes=True, sample=(("open", 0.25),)),  # while it removes what was there
     Case("generate_observations", ["generate", "-o", "new", "--cache", "new_cache", "--observations", *GENERATE],
-         sample=(("open", 0.61),), passes=("new/recording/", "new/findings/")),  # while it removes what it looked at
+         sample=(("open", 0.61),), removes=("new/recording/", "new/findings/")),  # while it removes what it looked at
     Case("sense", ["sense", "run", "--cache", "cache", "--seed", "7", "-o", "sensed", "-j", "1"], [RUN],
          sample=("open",)),
     Case("observe", ["observe", "run", "-j", "1"], [RUN], sample=("rename",)),
@@ -186,7 +186,7 @@ def problems_of_files(now, before, after, case):
     for name, content in now.items():
         if name in before or name.endswith("/") or is_temporary(name) or GROWING.search(name):
             continue
-        if name.startswith(case.passes):
+        if name.startswith(case.removes):
             continue
         if name not in after or content != after[name] and not VOLATILE.search(name):
             problems.append(f"half-written: {name}")

@@ -52,14 +52,18 @@ INSTANTIATE_TEST_SUITE_P(Recordings, Broken, testing::Range<std::size_t>(0, brea
                            return name;
                          });
 
+Observations drive_with_depth_on_the_board() {
+  GeometricConfig config;
+  config.seed = 3;
+  config.stops = 20;
+  config.board_planes = true;
+  return draw_geometric_run(config).observations;
+}
+
 // Far from what small steps reach, and no unit of the depth: what the depth says of the focal length is tried.
 TEST(Lenses, AFocalLengthHalvedOrDoubledIsNotBlamedOnTheDepth) {
   for (const double factor : {0.5, 2.0}) {
-    GeometricConfig config;
-    config.seed = 3;
-    config.stops = 20;
-    config.board_planes = true;
-    Observations observations = draw_geometric_run(config).observations;
+    Observations observations = drive_with_depth_on_the_board();
     Camera& told = observations.cameras[1].camera;
     told.fx_px *= factor;
     told.fy_px *= factor;
@@ -72,11 +76,7 @@ TEST(Lenses, AFocalLengthHalvedOrDoubledIsNotBlamedOnTheDepth) {
 
 // Small steps end at another optimum; from where another resolution puts focal length and centre they do not.
 TEST(Lenses, IntrinsicsOfThreeTimesTheResolutionAreNotBlamedOnTheDepth) {
-  GeometricConfig config;
-  config.seed = 3;
-  config.stops = 20;
-  config.board_planes = true;
-  Observations observations = draw_geometric_run(config).observations;
+  Observations observations = drive_with_depth_on_the_board();
   Camera& told = observations.cameras[1].camera;
   for (double* focal_px : {&told.fx_px, &told.fy_px}) *focal_px *= 3.0;
   for (double* centre_px : {&told.cx_px, &told.cy_px}) *centre_px = 3.0 * (*centre_px + 0.5) - 0.5;
