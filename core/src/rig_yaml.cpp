@@ -190,6 +190,17 @@ void visit_intrinsics(FieldVisitor& visitor, const RigReadOptions& options, cons
                    "how well the intrinsics are known, one sigma: estimated with them");
 }
 
+void visit_readout(FieldVisitor& visitor, RigCamera& camera) {
+  constexpr double kMsPerS = 1e3;
+  const RigCamera usual;
+  if (visitor.takes("readout_ms", camera.readout_s != usual.readout_s))
+    visitor.scaled("readout_ms", camera.readout_s, kMsPerS, {-200.0, 200.0},
+                   "rolling shutter: from the first row's time to the last one's");
+  if (visitor.takes("readout_sigma_ms", camera.readout_sigma_s != usual.readout_sigma_s))
+    visitor.scaled("readout_sigma_ms", camera.readout_sigma_s, kMsPerS, {0.0, 200.0},
+                   "how well that is known, one sigma: estimated from images taken at speed; 0: as stated");
+}
+
 // However it is spelled or linked to.
 fs::path place_of(const std::string& camera_folder, const fs::path& recording) {
   std::error_code error;
@@ -406,6 +417,7 @@ static void visit_rig_camera(FieldVisitor& visitor, const RigReadOptions& option
   std::optional<SensorPreset> preset;
   if (visitor.is_reading()) preset = read_sensor(visitor, camera.sensor, options);
   visit_intrinsics(visitor, options, preset, camera);
+  visit_readout(visitor, camera);
   if (preset) camera.depth = preset->depth;
   visit_optional_depth(visitor, camera.depth);
   if (preset && camera.depth) take_raw_depth(visitor, options, *preset, &*camera.depth);
@@ -439,6 +451,11 @@ void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
                  "unknown: decided from the data");
   visitor.scaled("sigma_xy_mm", noise.sigma_xy_m, kMmPerM, kNotNegative, "one sigma of x and of y; default estimated");
   visitor.scaled("sigma_yaw_deg", noise.sigma_yaw_rad, kDegPerRad, {0.0, 360.0}, "one sigma; default estimated");
+  visitor.scaled("rotation_centre_sigma_mm", noise.rotation_centre_sigma_m, kMmPerM, {0.0, 1000.0},
+                 "how far off the origin along x the robot turns about, one sigma; 0 where that is the origin by "
+                 "definition; default 5");
+  visitor.scaled("riding_height_sigma_mm", noise.riding_height_sigma_m, kMmPerM, {0.0, 100.0},
+                 "how much higher the robot rides while it moves, one sigma; default 0.3");
 }
 
 void visit_fields(FieldVisitor& visitor, AcceptLimits& accept) {

@@ -181,6 +181,7 @@ Recording recorded_part(const Scenario& scenario, const Board& board) {
   tell_board(scenario.config, &recording.rig.board);
   for (std::size_t i = 0; i < recording.rig.cameras.size(); ++i) {
     tell_lens(scenario.config, static_cast<std::int32_t>(i), &recording.rig.cameras[i]);
+    tell_readout(scenario.config, scenario.shutters[i].readout_s, &recording.rig.cameras[i]);
     tell_depth(scenario.config, &recording.rig.cameras[i]);
     tell_depth_bias(scenario.sensors[i], &recording.rig.cameras[i]);
   }

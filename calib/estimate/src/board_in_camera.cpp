@@ -1,16 +1,60 @@
 #include "board_in_camera.h"
 
+#include "corner_model.h"
 #include "rigproof/core/error.h"
 
 namespace rigproof::ml {
 
+namespace {
+
+// The parts: camera, board, pose, and the odometry's factors where they are unknowns.
+void add_motion(const Evaluation& at, int stop, int camera, BoardInCamera* seen) {
+  RowMotion& motion = seen->motion;
+  motion = row_motion(at.T_robot_camera(camera, stop), at.stop(stop).velocity, at.state.odometry_scale(),
+                      at.state.odometry_yaw_factor());
+  const RigCamera& stated = at.observations.cameras[static_cast<std::size_t>(camera)];
+  motion.readout_s = stated.readout_s + at.state.nuisances.of(Nuisance::kReadout, camera)[0];
+  motion.rows = stated.camera.height_px;
+  for (auto& part : seen->parts) part.motion.setZero();
+  seen->parts[0].motion = motion.by_camera(seen->parts[0].twist);
+  if (at.layout.has(Nuisance::kOdometryFactors))
+    seen->parts[3].motion.leftCols<2>() = motion.by_factors(at.state.odometry_scale(), at.state.odometry_yaw_factor());
+}
+
+// Of the motion's error, whitened, towards what fits the corners of the view best.
+Vector6d step_of_error(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
+                       const Vector6d& error) {
+  const Camera lens = lens_at(at, view.camera);
+  const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
+  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
+  Matrix6d H = Matrix6d::Identity();
+  Vector6d g = error;
+  for (const WhitenedView::Corner& corner : view.corners) {
+    const Eigen::Vector3d on_board = corner_of_board(at.observations.board, shape, corner.point_board).point;
+    RowResidual residual;
+    if (!row_residual(lens, seen.motion, seen.T_camera_board * on_board, corner.pixel, &residual)) continue;
+    const Eigen::Matrix2d W = whiten * corner.whitening;
+    const RowJacobian<2, 6> J = W * residual.by_motion * seen.motion.by_error();
+    const Eigen::Vector2d r = W * residual.value;
+    const double w = at.loss.weight(r.squaredNorm());
+    H.noalias() += w * J.transpose() * J;
+    g.noalias() += w * J.transpose() * r;
+  }
+  return -H.ldlt().solve(g);
+}
+
+}  // namespace
+
 BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s) {
   const Layout& layout = at.layout;
-  const bool moved = layout.has(Nuisance::kClockOffset) || after_stop_s != 0.0;
+  const Eigen::Vector3d& velocity = at.stop(stop).velocity;
+  const double stated_readout_s = at.observations.cameras[static_cast<std::size_t>(camera)].readout_s;
+  const bool by_rows = (layout.has(Nuisance::kReadout) || stated_readout_s != 0.0) && !velocity.isZero(0.0);
+  const bool moved = layout.has(Nuisance::kClockOffset) || after_stop_s != 0.0 || by_rows;
   PoseAtImage at_image{at.pose(stop)};
   if (moved)
     at_image = pose_at_image(
-        at.pose(stop), at.stop(stop).velocity, at.state.nuisances.of(Nuisance::kClockOffset, camera)[0] - after_stop_s,
+        at.pose(stop), velocity, at.state.nuisances.of(Nuisance::kClockOffset, camera)[0] - after_stop_s,
         at.state.nuisances.of(Nuisance::kTurnLag)[0], at.state.odometry_scale(), at.state.odometry_yaw_factor());
   ViewGeometry geometry = view_geometry(at.T_robot_camera(camera, stop), at.T_world_board(stop), at_image.pose);
   const ClockTwist clock = moved ? chain_to_stop(at_image, &geometry) : ClockTwist();
@@ -26,7 +70,36 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
   add(Nuisance::kOdometryFactors, clock.by_factors);
   add(Nuisance::kClockOffset, clock.by_clock_offset);
   add(Nuisance::kTurnLag, clock.by_turn_lag);
+  if (by_rows) add_motion(at, stop, camera, &seen);
   return seen;
+}
+
+BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
+  constexpr int kMostRounds = 30;    // corners that do not fit lose their weight
+  constexpr double kSettled = 1e-6;  // of a standard deviation
+  BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
+  RowMotion& motion = seen.motion;
+  if (!motion.any()) return seen;
+  Vector6d error = Vector6d::Zero();
+  Vector6d step = Vector6d::Ones();
+  for (int round = 0; round < kMostRounds && step.norm() > kSettled; ++round) {
+    step = step_of_error(at, view, seen, error);
+    error += step;
+    motion.set_error(error);
+  }
+  seen.parts[0].motion = motion.by_camera(seen.parts[0].twist);
+  return seen;
+}
+
+void TwistSystem::eliminate_error(const RowMotion& motion) {
+  const Matrix6d covariance = motion.covariance(motion_H_);
+  H_ -= motion_by_twist_.transpose() * covariance * motion_by_twist_;
+  by_twist_ -= motion_by_direct_.transpose() * covariance * motion_by_twist_;
+  by_direct_ -= motion_by_direct_.transpose() * covariance * motion_by_direct_;
+  const Matrix6d left = Matrix6d::Identity() - motion_H_ * covariance;
+  motion_by_twist_ = (left * motion_by_twist_).eval();
+  motion_by_direct_ = (left * motion_by_direct_).eval();
+  motion_H_ = (left * motion_H_).eval();
 }
 
 int TwistSystem::append(const Layout& layout, Nuisance nuisance, int camera) {
@@ -40,31 +113,39 @@ int TwistSystem::append(const Layout& layout, Nuisance nuisance, int camera) {
 }
 
 void TwistSystem::chain(const BoardInCamera& seen, LocalBlock* block) const {
-  std::array<Matrix6d, 6> H_by;
+  const bool moves = seen.motion.any();
+  std::array<Matrix6d, 6> H_by, motion_by;
   std::array<int, 6> start;
   for (std::size_t a = 0; a < static_cast<std::size_t>(seen.count); ++a) {
-    const auto& [segment, T] = seen.parts[a];
+    const auto& [segment, T, M] = seen.parts[a];
     start[a] = block->append(segment);
     H_by[a].noalias() = H_ * T;
+    if (moves) {
+      H_by[a].noalias() += motion_by_twist_.transpose() * M;
+      motion_by[a] = motion_by_twist_ * T + motion_H_ * M;
+    }
     for (std::size_t b = 0; b <= a; ++b) {
       const int columns = seen.parts[b].segment.size;
-      if (segment.size == 6 && columns == 6) {
+      if (!moves && segment.size == 6 && columns == 6) {
         block->H.block<6, 6>(start[a], start[b]).noalias() = T.transpose() * H_by[b];
         continue;
       }
-      const Matrix6d product = T.transpose() * H_by[b];
+      Matrix6d product = T.transpose() * H_by[b];
+      if (moves) product.noalias() += M.transpose() * motion_by[b];
       block->H.block(start[a], start[b], segment.size, columns) = product.topLeftCorner(segment.size, columns);
     }
-    const Vector6d g = T.transpose() * g_;
+    Vector6d g = T.transpose() * g_;
+    if (moves) g += M.transpose() * motion_g_;
     block->g.segment(start[a], segment.size) = g.head(segment.size);
   }
   if (direct_ == 0) return;
   const int first = block->unknowns;
   for (int s = 0; s < count_; ++s) block->append(segments_[static_cast<std::size_t>(s)]);
   for (std::size_t b = 0; b < static_cast<std::size_t>(seen.count); ++b) {
-    const auto& [segment, T] = seen.parts[b];
+    const auto& [segment, T, M] = seen.parts[b];
     for (int i = 0; i < direct_; ++i) {
-      const Eigen::Matrix<double, 1, 6> row = by_twist_.row(i) * T;
+      Eigen::Matrix<double, 1, 6> row = by_twist_.row(i) * T;
+      if (moves) row += motion_by_direct_.col(i).transpose() * M;
       for (int j = 0; j < segment.size; ++j) block->H(first + i, start[b] + j) = row[j];
     }
   }

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "factors.h"
+#include "row_motion.h"
 
 namespace rigproof::ml {
 
@@ -13,8 +14,10 @@ struct BoardInCamera {
   struct Part {
     Segment segment;
     Matrix6d twist;
+    Matrix6d motion;  ///< the same of the motion's twist, where there is a motion
   };
-  Rigid3 T_camera_board;
+  Rigid3 T_camera_board;  ///< when the middle row is read
+  RowMotion motion;
   std::array<Part, 6> parts;  ///< camera, board, pose; for images that are not of their stop's time odometry and clocks
   int count = 0;
 
@@ -29,6 +32,8 @@ struct BoardInCamera {
 
 /// @param after_stop_s by how much the image is later than the stop, by the stamps
 BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s);
+/// The same, where rows are read one after the other with the motion by which the view's corners fit best.
+BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view);
 
 /// Residuals of one view: summed up on the twist and on unknowns that they know directly, then chained to all others.
 class TwistSystem {
@@ -53,6 +58,20 @@ class TwistSystem {
     }
   }
 
+  /// The same of residuals that know the motion while rows are read.
+  template <int kRows>
+  void add(const RowJacobian<kRows, 6>& J, const RowJacobian<kRows, 6>& by_motion,
+           const RowJacobian<kRows, kMaxDirect>& direct, const Eigen::Matrix<double, kRows, 1>& r, double factor) {
+    add<kRows>(J, direct, r, factor);
+    const auto weighted = (factor * by_motion.transpose()).eval();
+    motion_by_twist_.noalias() += weighted.lazyProduct(J);
+    motion_H_.noalias() += weighted.lazyProduct(by_motion);
+    motion_g_.noalias() += weighted.lazyProduct(r);
+    for (int i = 0; i < direct_; ++i) motion_by_direct_.col(i) += weighted * direct.col(i);
+  }
+  /// Takes out what the error of the motion explains. At its best value its own gradient is zero.
+  void eliminate_error(const RowMotion& motion);
+
   /// Appends all unknowns to the block and fills its H and g.
   void chain(const BoardInCamera& seen, LocalBlock* block) const;
 
@@ -64,6 +83,9 @@ class TwistSystem {
   RowJacobian<kMaxDirect, 6> by_twist_ = RowJacobian<kMaxDirect, 6>::Zero();
   Eigen::Matrix<double, kMaxDirect, kMaxDirect> by_direct_ = Eigen::Matrix<double, kMaxDirect, kMaxDirect>::Zero();
   Eigen::Matrix<double, kMaxDirect, 1> direct_g_ = Eigen::Matrix<double, kMaxDirect, 1>::Zero();
+  Matrix6d motion_H_ = Matrix6d::Zero(), motion_by_twist_ = Matrix6d::Zero();
+  Vector6d motion_g_ = Vector6d::Zero();
+  Eigen::Matrix<double, 6, kMaxDirect> motion_by_direct_ = Eigen::Matrix<double, 6, kMaxDirect>::Zero();
 };
 
 }  // namespace rigproof::ml

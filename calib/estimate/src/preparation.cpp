@@ -91,7 +91,7 @@ PriorSigmas Preparation::sigmas() const {
   constexpr double kStanding = 0.01;  // [m/s, rad/s]: rounding of odometry is slower
   const auto moving = std::count_if(used.stops.begin(), used.stops.end(),
                                     [](const Stop& stop) { return stop.velocity.cwiseAbs().maxCoeff() > kStanding; });
-  PriorSigmas sigmas = options.priors;
+  PriorSigmas sigmas = with_those_of_rig(options.priors, used.odometry_noise);
   sigmas.riding_height_m *= moving == 0 ? 0.0 : static_cast<double>(moving) / static_cast<double>(used.stops.size());
   return sigmas;
 }

@@ -7,43 +7,56 @@
 namespace rigproof::ml {
 namespace {
 
-constexpr int kLens = 5, kShape = 4, kTwist = 6;
+constexpr int kTwist = 6, kLens = 5, kShape = 4, kReadout = 1, kMotion = 6;
+constexpr int kStanding = kTwist + kLens + kShape;
 
 }  // namespace
 
 // The corners of a view, whitened and weighted: residual, and derivatives by the view's twist, the lens and the board's
-// shape; by each corner's own offset; and by the field. A corner that is not in front of the camera has none.
+// shape, and where it moves while rows are read by readout and motion; by each corner's own offset; and by the field. A
+// corner that is not in front of the camera has none.
 struct RepeatingCouplings::Rows {
-  Rows(Eigen::Index corners, Eigen::Index fields)
+  Rows(Eigen::Index corners, Eigen::Index fields, bool moves)
       : residual(Eigen::VectorXd::Zero(2 * corners)),
-        by_globals(Eigen::MatrixXd::Zero(2 * corners, kTwist + kLens + kShape)),
+        by_globals(Eigen::MatrixXd::Zero(2 * corners, kStanding + (moves ? kReadout + kMotion : 0))),
         by_offset(Eigen::MatrixXd::Zero(2 * corners, 3)),
         by_field(Eigen::MatrixXd::Zero(2 * corners, fields)),
         roots(static_cast<std::size_t>(corners), Eigen::Matrix2d::Zero()) {}
   Eigen::VectorXd residual;
   Eigen::MatrixXd by_globals, by_offset, by_field;
+  Eigen::MatrixXd field_of_rest;       // by_field without what the error of the motion explains
   std::vector<Eigen::Matrix2d> roots;  // whitening, weighted
+
+  // What the error of the motion explains tells nothing. Of the corners' own offsets that is too little to count.
+  void take_out(const RowMotion& motion) {
+    if (!motion.any()) return;
+    const Eigen::MatrixXd by_motion = by_globals.rightCols<kMotion>();
+    const Eigen::MatrixXd by_error = motion.covariance(by_motion.transpose() * by_motion) * by_motion.transpose();
+    field_of_rest = by_field - by_motion * (by_error * by_field);
+    by_globals -= by_motion * (by_error * by_globals);
+  }
+  const Eigen::MatrixXd& field_left() const { return field_of_rest.size() > 0 ? field_of_rest : by_field; }
 };
 
 RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const WhitenedView& view,
-                                                     const Rigid3& T_camera_board, std::size_t index) const {
+                                                     const BoardInCamera& seen, std::size_t index) const {
   const Camera lens = lens_at(at, view.camera);
   const LensChange change = at.state.nuisances.of(Nuisance::kLens, view.camera);
   const double by_px = at.lenses[static_cast<std::size_t>(view.camera)].coefficient_by_px();
   const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
-  const Eigen::Matrix3d R = T_camera_board.rotation_matrix();
+  const Eigen::Matrix3d R = seen.T_camera_board.rotation_matrix();
   const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
   const Eigen::MatrixXd& fields = removed_.fields[index];
   const LensField& of_lens = errors_.lens_field(view.camera);
   // Corners without a finite covariance are missing among those that are whitened.
   const bool all_there = fields.rows() == 2 * static_cast<Eigen::Index>(view.corners.size());
-  Rows rows(static_cast<Eigen::Index>(view.corners.size()), fields.cols());
+  Rows rows(static_cast<Eigen::Index>(view.corners.size()), fields.cols(), seen.motion.moves());
   for (std::size_t i = 0; i < view.corners.size(); ++i) {
     const WhitenedView::Corner& corner = view.corners[i];
     const CornerOfBoard on_board = corner_of_board(at.observations.board, shape, corner.point_board);
-    const Eigen::Vector3d q = R * on_board.point + T_camera_board.translation;
-    CornerResidual residual;
-    if (!corner_residual(lens, q, corner.pixel, &residual)) continue;
+    const Eigen::Vector3d q = R * on_board.point + seen.T_camera_board.translation;
+    RowResidual residual;
+    if (!row_residual(lens, seen.motion, q, corner.pixel, &residual)) continue;
     const Eigen::Matrix2d W = whiten * corner.whitening;
     const double weight = at.loss.weight((W * residual.value).squaredNorm());
     const Eigen::Matrix2d& root = rows.roots[i] = std::sqrt(block_factor(at.weighting, weight, 2)) * W;
@@ -52,8 +65,11 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
     rows.residual.segment<2>(row) = root * residual.value;
     auto by_globals = rows.by_globals.middleRows<2>(row);
     by_globals.leftCols<kTwist>() = root * residual.by_twist;
-    by_globals.middleCols<kLens>(kTwist) = root * pixel_by_lens(lens, change, by_px, q, residual.value + corner.pixel);
-    by_globals.rightCols<kShape>() = root * by_offset * on_board.by_shape;
+    by_globals.middleCols<kLens>(kTwist) =
+        root * pixel_by_lens(lens, change, by_px, residual.point_camera, residual.value + corner.pixel);
+    by_globals.middleCols<kShape>(kTwist + kLens) = root * by_offset * on_board.by_shape;
+    if (seen.motion.moves()) by_globals.col(kStanding) = root * residual.by_readout;
+    if (seen.motion.any()) by_globals.rightCols<kMotion>() = root * residual.by_motion;
     rows.by_offset.middleRows<2>(row) = root * by_offset;
     if (fields.cols() == 0) continue;
     if (all_there)
@@ -61,6 +77,7 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
     else
       rows.by_field.middleRows<2>(row) = root * of_lens.at(corner.pixel);
   }
+  rows.take_out(seen.motion);
   return rows;
 }
 
@@ -69,19 +86,27 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
   const Eigen::Index size = by_globals.cols();
   const auto by_twist = by_globals.topRows<kTwist>();
   for (std::size_t p = 0; p < static_cast<std::size_t>(seen.count); ++p) {
-    const auto& [segment, twist] = seen.parts[p];
+    const BoardInCamera::Part& part = seen.parts[p];
+    const Segment& segment = part.segment;
+    const auto add_to = [&](auto coupling) {
+      coupling.noalias() += part.twist.leftCols(segment.size).transpose() * by_twist;
+      if (seen.motion.any())
+        coupling.noalias() += part.motion.leftCols(segment.size).transpose() * by_globals.bottomRows<kMotion>();
+    };
     if (segment.pose < 0)
-      with_globals.block(segment.offset, place, segment.size, size).noalias() +=
-          twist.leftCols(segment.size).transpose() * by_twist;
+      add_to(with_globals.block(segment.offset, place, segment.size, size));
     else
-      with_poses.block(6 * segment.pose + segment.offset, place, segment.size, size).noalias() +=
-          twist.leftCols(segment.size).transpose() * by_twist;
+      add_to(with_poses.block(6 * segment.pose + segment.offset, place, segment.size, size));
   }
   if (at.layout.has(Nuisance::kLens))
     with_globals.block(at.layout.place(Nuisance::kLens, view.camera), place, kLens, size) +=
         by_globals.middleRows<kLens>(kTwist);
   if (at.layout.has(Nuisance::kBoardShape))
-    with_globals.block(at.layout.place(Nuisance::kBoardShape), place, kShape, size) += by_globals.bottomRows<kShape>();
+    with_globals.block(at.layout.place(Nuisance::kBoardShape), place, kShape, size) +=
+        by_globals.middleRows<kShape>(kTwist + kLens);
+  if (at.layout.has(Nuisance::kReadout) && seen.motion.moves())
+    with_globals.row(at.layout.place(Nuisance::kReadout, view.camera)).segment(place, size) +=
+        by_globals.row(kStanding);
 }
 
 RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, int globals, bool with_fine)
@@ -102,13 +127,13 @@ RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, 
 }
 
 void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const WhitenedView& view) {
-  const BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
-  const Rows rows = rows_of(at, view, seen.T_camera_board, index);
+  const BoardInCamera seen = board_in_view(at, view);
+  const Rows rows = rows_of(at, view, seen, index);
   const int field = errors_.field(view.camera);
   const Eigen::Index fields = field >= 0 ? rows.by_field.cols() : 0;
   if (fields > 0) {
     raw_.add(at, view, seen, field, rows.by_globals.transpose() * rows.by_field);
-    own_.block(field, field, fields, fields).noalias() += rows.by_field.transpose() * rows.by_field;
+    own_.block(field, field, fields, fields).noalias() += rows.by_field.transpose() * rows.field_left();
     gradient_.segment(field, fields).noalias() += rows.by_field.transpose() * rows.residual;
   }
   for (std::size_t i = 0; i < view.corners.size(); ++i) {
@@ -119,7 +144,7 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
       own_.block<3, 3>(print, print) += by_offset.transpose() * by_offset;
       gradient_.segment<3>(print) += by_offset.transpose() * rows.residual.segment<2>(row);
       if (fields > 0)
-        own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.by_field.middleRows<2>(row);
+        own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.field_left().middleRows<2>(row);
     }
     if (!fine_fields_.empty()) add_fine(at, view, seen, rows, i);
   }
@@ -137,7 +162,7 @@ void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view
     if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += rows.by_offset.middleRows<2>(row).transpose() * by_node;
     if (field >= 0)
       raw_with_fine_.block(field, place, rows.by_field.cols(), 2).noalias() +=
-          rows.by_field.middleRows<2>(row).transpose() * by_node;
+          rows.field_left().middleRows<2>(row).transpose() * by_node;
   }
 }
 

@@ -36,7 +36,7 @@ class RepeatingCouplings {
 
  private:
   struct Rows;
-  Rows rows_of(const Evaluation& at, const WhitenedView& view, const Rigid3& T_camera_board, std::size_t index) const;
+  Rows rows_of(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, std::size_t index) const;
   void add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Rows& rows,
                 std::size_t corner);
 

@@ -19,6 +19,15 @@ PriorSigmas usual_priors() {
   return priors;
 }
 
+PriorSigmas with_those_of_rig(PriorSigmas sigmas, const OdometryNoise& stated) {
+  const PriorSigmas usual = usual_priors();
+  if (stated.rotation_centre_sigma_m && sigmas.rotation_centre_m == usual.rotation_centre_m)
+    sigmas.rotation_centre_m = *stated.rotation_centre_sigma_m;
+  if (stated.riding_height_sigma_m && sigmas.riding_height_m == usual.riding_height_m)
+    sigmas.riding_height_m = *stated.riding_height_sigma_m;
+  return sigmas;
+}
+
 const std::vector<PriorSetting>& prior_settings() {
   static const std::vector<PriorSetting> kSettings = {
       {"clock_offset_sigma_ms", &PriorSigmas::clock_offset_s, 1e3, 1000.0, true,
@@ -39,6 +48,9 @@ const std::vector<PriorSetting>& prior_settings() {
       {"riding_height_sigma_mm", &PriorSigmas::riding_height_m, 1e3, 100.0, false,
        "Images taken at speed: the robot rides higher or lower than at rest by about this much, which no data "
        "tell; 0 where it does not"},
+      {"readout_sigma_ms", &PriorSigmas::readout_s, 1e3, 100.0, true,
+       "Images taken at speed: each camera's readout, from the first row to the last, is off by about this much, "
+       "whatever the rig states: estimated; 0: as the rig states"},
   };
   return kSettings;
 }
@@ -160,6 +172,20 @@ Covariances of_turn_lag(const PriorSource& source) {
   return {independent({source.sigmas.clock_offset_s > 0.0 ? source.sigmas.turn_lag_s : 0.0})};
 }
 
+// Of a robot that stands it does not matter.
+Covariances of_readout(const PriorSource& source) {
+  const std::vector<Stop>& stops = source.observations.stops;
+  const bool moves =
+      std::any_of(stops.begin(), stops.end(), [](const Stop& stop) { return !stop.velocity.isZero(0.0); });
+  Covariances covariances;
+  for (const RigCamera& camera : source.observations.cameras) {
+    double sigma = source.sigmas.believe_told ? 0.0 : camera.readout_sigma_s;
+    if (source.sigmas.readout_s > 0.0) sigma = source.sigmas.readout_s;
+    covariances.push_back(independent({moves ? sigma : 0.0}));
+  }
+  return covariances;
+}
+
 }  // namespace
 
 const std::array<NuisanceRow, kNuisances>& nuisance_table() {
@@ -217,6 +243,7 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
        &of_ground_offset},
       {{{"clock_offset_ms", 1e3}}, kCamera, kAnyOdometry, kReported, "clock", &of_clock_offset},
       {{{"turn_lag_ms", 1e3}}, kRig, kAnyOdometry, !kReported, "turn lag", &of_turn_lag},
+      {{{"readout_ms", 1e3}}, kCamera, kAnyOdometry, kReported, "rolling shutter", &of_readout},
   }};
   return kTable;
 }

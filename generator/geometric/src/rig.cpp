@@ -22,6 +22,7 @@ RigCamera depth_camera(const std::string& name) {
   camera.name = camera.folder = name;
   camera.camera = Camera::symmetric(1280, 720, 640.0);
   camera.intrinsics_sigma = IntrinsicsSigma::exact();
+  camera.readout_sigma_s = 0.0;
   camera.depth = DepthStream();
   camera.depth->noise.believe_place_and_common_scale();
   return camera;

@@ -27,6 +27,8 @@ double depth_scale_of(const GenerateConfig& config, const RigCamera& camera, Dev
 void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* camera);
 /// The same for the side of the squares.
 void tell_board(const GenerateConfig& config, Board* board);
+/// The true readout, of images taken at speed; nothing, where errors may be drawn: people do not know it.
+void tell_readout(const GenerateConfig& config, double readout_s, RigCamera* camera);
 /// How well the scale of depth that cameras share is known; neither an offset nor a tilt is simulated.
 void tell_depth(const GenerateConfig& config, RigCamera* camera);
 

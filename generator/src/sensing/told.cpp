@@ -107,6 +107,12 @@ void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* came
   camera->camera = with_errors_asked_for(camera->camera, asked, seed, index);
 }
 
+void tell_readout(const GenerateConfig& config, double readout_s, RigCamera* camera) {
+  if (told_is_drawn(config) || !config.moves_while_exposing()) return;
+  camera->readout_s = readout_s;
+  camera->readout_sigma_s = 0.0;
+}
+
 void tell_board(const GenerateConfig& config, Board* board) {
   const std::optional<double> print_sigma_m = board->print_sigma_m;
   if (!told_is_drawn(config)) board->believe();

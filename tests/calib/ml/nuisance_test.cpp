@@ -267,6 +267,8 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   PriorSigmas sigmas;
   sigmas.clock_offset_s = clock_sigma_s;
   sigmas.turn_lag_s = kTurnLag_s;
+  sigmas.readout_s = clock_sigma_s > 0.0 || !lenses ? 0.015 : 0.0;
+  for (int c = 0; c < 3; ++c) observations.cameras[static_cast<std::size_t>(c)].readout_s = 0.002 * c;
   ml::Priors priors = ml::Priors::of({observations, sigmas, false});
   for (int c = 0; c < 3; ++c) {
     priors.covariance(ml::Nuisance::kDepthScale, c)(0, 0) = 1e-4;
@@ -290,6 +292,7 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
     for (int c = 0; c < 3; ++c)
       state.nuisances.of(ml::Nuisance::kDepthShape, c) << 0.003, -0.002, 0.004, 0.001, -0.003, 0.002;
   }
+  for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kReadout, c)[0] = 0.005 + 0.003 * c;
   const ml::Layout& layout = problem.layout();
   for (std::size_t n = 0; clock_sigma_s > 0.0 && lenses && n < ml::kNuisances; ++n)
     EXPECT_TRUE(layout.has(static_cast<ml::Nuisance>(n))) << n;

@@ -36,20 +36,22 @@ void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
   const LensChange lens_change = at.state.nuisances.of(Nuisance::kLens, view.camera);
   const double coefficient_by_px = at.lenses[static_cast<std::size_t>(view.camera)].coefficient_by_px();
   const Eigen::Vector4d board_shape = at.state.nuisances.of(Nuisance::kBoardShape);
-  const BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
+  const BoardInCamera seen = board_in_view(at, view);
+  const bool moves = seen.motion.any();
   const Eigen::Matrix3d R_camera_board = seen.T_camera_board.rotation_matrix();
   LocalBlock block(Group::kCorners, view.camera);
   TwistSystem system;
   const int lens = system.append(at.layout, Nuisance::kLens, view.camera);
   const int shape = system.append(at.layout, Nuisance::kBoardShape, 0);
+  const int readout = system.append(at.layout, Nuisance::kReadout, view.camera);
   RowJacobian<2, TwistSystem::kMaxDirect> direct = RowJacobian<2, TwistSystem::kMaxDirect>::Zero();
   CostSum cost(at.loss.c2);
   for (const WhitenedView::Corner& corner : view.corners) {
     const CornerOfBoard on_board = shape >= 0 ? corner_of_board(at.observations.board, board_shape, corner.point_board)
                                               : CornerOfBoard{corner.point_board, {}};
     const Eigen::Vector3d q = R_camera_board * on_board.point + seen.T_camera_board.translation;
-    CornerResidual residual;
-    if (!corner_residual(camera, q, corner.pixel, &residual)) {
+    RowResidual residual;
+    if (!row_residual(camera, seen.motion, q, corner.pixel, &residual)) {
       block.sum.dimensions += 2;
       cost.add(kBehindCameraSquare);
       continue;
@@ -61,12 +63,19 @@ void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
     block.sum.add(s, w, 2);
     const RowJacobian<2, 6> J = W * residual.by_twist;
     if (lens >= 0)
-      direct.middleCols<5>(lens) =
-          W * pixel_by_lens(camera, lens_change, coefficient_by_px, q, residual.value + corner.pixel);
+      direct.middleCols<5>(lens) = W * pixel_by_lens(camera, lens_change, coefficient_by_px, residual.point_camera,
+                                                     residual.value + corner.pixel);
     if (shape >= 0) direct.middleCols<4>(shape) = W * (residual.by_point * R_camera_board) * on_board.by_shape;
-    system.add<2>(J, direct, r, block_factor(at.weighting, w, 2));
+    if (readout >= 0) direct.col(readout) = W * residual.by_readout;
+    const double factor = block_factor(at.weighting, w, 2);
+    if (moves)
+      system.add<2>(J, W * residual.by_motion, direct, r, factor);
+    else
+      system.add<2>(J, direct, r, factor);
   }
-  block.cost = cost.cost();
+  block.cost = cost.cost() + seen.motion.error_square;
+  block.sum.add(seen.motion.error_square, 1.0, 0.0);
+  if (moves) system.eliminate_error(seen.motion);
   system.chain(seen, &block);
   sink->add(block);
 }
@@ -76,13 +85,13 @@ ViewFit view_fit(const Evaluation& at, const WhitenedView& view) {
   if (view.corners.empty()) return fit;
   const Camera camera = lens_at(at, view.camera);
   const double scale = at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
-  const Rigid3 T_camera_board = board_in_camera(at, view.stop, view.camera, view.after_stop_s).T_camera_board;
+  const BoardInCamera seen = board_in_view(at, view);
   const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
   double square = 0.0, weight = 0.0;
   for (const WhitenedView::Corner& corner : view.corners) {
-    CornerResidual residual;
+    RowResidual residual;
     const Eigen::Vector3d on_board = corner_of_board(at.observations.board, shape, corner.point_board).point;
-    if (!corner_residual(camera, T_camera_board * on_board, corner.pixel, &residual)) continue;
+    if (!row_residual(camera, seen.motion, seen.T_camera_board * on_board, corner.pixel, &residual)) continue;
     square += residual.value.squaredNorm();
     weight += at.loss.weight((corner.whitening * residual.value / scale).squaredNorm());
   }

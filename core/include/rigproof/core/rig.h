@@ -95,6 +95,10 @@ struct RigCamera {
   std::string folder;                   ///< folder inside the recording, relative
   Camera camera;
   IntrinsicsSigma intrinsics_sigma;
+  /// Rolling shutter: from the first row's time to the last one's, and how well that is known (one sigma). An image's
+  /// stamp is that of its middle row. Published readouts reach from none to some 30 ms.
+  double readout_s = 0.0;
+  double readout_sigma_s = 0.015;
   std::optional<DepthStream> depth;
 
   /// Through which the depth images see: of their own camera, or of the colour camera that they are registered to.
@@ -121,6 +125,10 @@ struct OdometryNoise {
   OdometryModel model = OdometryModel::kUnknown;
   std::optional<double> sigma_xy_m;
   std::optional<double> sigma_yaw_rad;
+  /// One sigma of where along x the robot turns about, off its origin, and of how much higher it rides while it moves;
+  /// absent: as the method assumes.
+  std::optional<double> rotation_centre_sigma_m = std::nullopt;
+  std::optional<double> riding_height_sigma_m = std::nullopt;
 };
 
 struct Rig {

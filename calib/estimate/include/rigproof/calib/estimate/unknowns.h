@@ -26,6 +26,9 @@ struct PriorSigmas {
   /// With clock offsets only: of the delay between the turning of the wheels and of the body (15 ms measured on soft
   /// tyres; less than 1 ms when driving straight). Needs straight driving, too, to be separated from the clock offsets.
   double turn_lag_s = 0.0;
+  /// Images taken while the robot moves: of the time from a camera's first row to its last (rolling shutter), in place
+  /// of the rig's; 0 = as the rig states.
+  double readout_s = 0.0;
   /// Odometry along the way only: of the position along x of the point about which the robot turns, which integrated
   /// wheel odometry takes for the robot's origin. Known by the prior alone; it shifts all cameras alike.
   double rotation_centre_m = 0.0;
@@ -36,6 +39,8 @@ struct PriorSigmas {
 
 /// The priors of an estimate without settings.
 PriorSigmas usual_priors();
+/// Where they are the usual ones: as the rig states them.
+PriorSigmas with_those_of_rig(PriorSigmas sigmas, const OdometryNoise& stated);
 
 namespace ml {
 
@@ -51,9 +56,10 @@ enum class Nuisance {
   kBoardShape,
   kGroundOffset,
   kClockOffset,
-  kTurnLag
+  kTurnLag,
+  kReadout
 };
-inline constexpr std::size_t kNuisances = 10;
+inline constexpr std::size_t kNuisances = 11;
 
 /// Where a prior comes from.
 struct PriorSource {

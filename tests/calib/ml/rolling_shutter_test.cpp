@@ -1,0 +1,146 @@
+// Images of a rolling shutter, taken while the robot moves: rows show the board from where the robot is when they are
+// read, and the robot moves otherwise than its odometry says.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibration_truth.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/core/random.h"
+#include "rigproof/geometric/geometric.h"
+#include "trials.h"
+
+namespace rigproof {
+namespace {
+
+const Trials kTrials(10, 40);
+constexpr int kUnknowns = 18;  // of three cameras: the mean of their NEES
+constexpr double kNoChance = 60.0;
+constexpr double kReadoutSigma_s = 0.015;
+
+struct RollingRun {
+  GeometricRun run;
+  std::vector<double> readout_s;  // of each camera
+};
+
+// Of the robot along its own axes (v, omega), beside what its odometry says (docs/theory/estimation.md).
+Vector6d velocity_error(double turn_rate_rad_s, RandomStream* random) {
+  const double along = std::hypot(1e-3, 8e-3 * turn_rate_rad_s), turn = std::hypot(1e-3, 0.05 * turn_rate_rad_s);
+  Vector6d error;
+  for (const auto& [axis, sigma] : {std::pair(0, along), {1, along}, {2, 2e-3}, {3, 5e-3}, {4, 5e-3}, {5, turn}})
+    error[axis] = random->normal(0.0, sigma);
+  return error;
+}
+
+// By how much a corner lies elsewhere than if all rows were read with the middle one. se3 has (v, omega).
+Eigen::Vector2d shift_of_row(const TrueCamera& camera, const Rigid3& T_world_robot, const Vector6d& velocity,
+                             const Eigen::Vector3d& corner_world, double readout_s) {
+  const auto seen_at = [&](double t) {
+    const Rigid3 T_world_camera = T_world_robot * se3_exp(t * velocity) * camera.T_robot_camera;
+    Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+    EXPECT_TRUE(camera.camera.project(T_world_camera.inverse() * corner_world, &pixel));
+    return pixel;
+  };
+  const Eigen::Vector2d middle = seen_at(0.0);
+  Eigen::Vector2d pixel = middle;
+  for (int round = 0; round < 8; ++round)
+    pixel = seen_at(readout_s * ((pixel.y() + 0.5) / camera.camera.height_px - 0.5));
+  return pixel - middle;
+}
+
+// All cameras of a stop share the error of its velocity, though the estimator gives each view one of its own.
+RollingRun rolling_run(int seed, bool moving = true) {
+  GeometricConfig config;
+  config.seed = static_cast<std::uint64_t>(seed);
+  config.stops = 20;
+  RollingRun made{draw_geometric_run(config), {}};
+  RandomStream random(config.seed, "rolling shutter");
+  for (std::size_t c = 0; c < made.run.truth.cameras.size(); ++c)
+    made.readout_s.push_back(random.normal(0.0, kReadoutSigma_s));
+  Observations& observations = made.run.observations;
+  for (RigCamera& camera : observations.cameras) camera.readout_sigma_s = kReadoutSigma_s;
+  if (!moving) return made;
+  std::vector<Vector6d> velocities;
+  for (Stop& stop : observations.stops) {
+    stop.velocity << random.uniform(-0.8, 0.8), random.uniform(-0.1, 0.1), random.uniform(-0.8, 0.8);
+    velocities.push_back(velocity_error(stop.velocity.z(), &random));
+    velocities.back().head<2>() += stop.velocity.head<2>();
+    velocities.back()[5] += stop.velocity.z();
+  }
+  const Truth& truth = made.run.truth;
+  for (BoardView& view : observations.board_views) {
+    const auto stop = static_cast<std::size_t>(view.stop), camera = static_cast<std::size_t>(view.camera);
+    for (CornerObservation& corner : view.corners)
+      corner.pixel += shift_of_row(truth.cameras[camera], truth.stops[stop].T_world_robot, velocities[stop],
+                                   truth.T_world_board * observations.board.corner(corner.id), made.readout_s[camera]);
+  }
+  return made;
+}
+
+MlOptions told() {
+  MlOptions options;
+  options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
+  options.estimate_corner_level = options.estimate_plane_level = false;
+  options.priors.riding_height_m = 0.0;  // none is drawn
+  return options;
+}
+
+const EstimatedQuantity* readout_of(const Result& result, const std::string& camera) {
+  const auto found =
+      std::find_if(result.also_estimated.begin(), result.also_estimated.end(),
+                   [&](const auto& quantity) { return quantity.camera == camera && quantity.name == "readout_ms"; });
+  return found == result.also_estimated.end() ? nullptr : &*found;
+}
+
+TEST(MlRollingShutter, IsEstimatedAndTheUncertaintyIsTrueOverTrials) {
+  double mean = 0.0, square = 0.0;
+  for (int seed = 0; seed < kTrials.count(); ++seed) {
+    const RollingRun made = rolling_run(seed);
+    const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    EXPECT_TRUE(estimate.converged) << seed;
+    mean += nees(estimate, poses_of(made.run.truth)) / kTrials.count();
+    for (std::size_t c = 0; c < made.readout_s.size(); ++c) {
+      const EstimatedQuantity* readout = readout_of(estimate.result, made.run.truth.cameras[c].name);
+      ASSERT_NE(readout, nullptr);
+      EXPECT_LT(readout->sigma, 1.0);
+      const double z = (readout->value - 1e3 * made.readout_s[c]) / readout->sigma;
+      square += z * z / static_cast<double>(made.readout_s.size()) / kTrials.count();
+    }
+  }
+  EXPECT_NEAR(mean, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
+  EXPECT_NEAR(square, 1.0, kTrials.chi_square_tolerance(1));
+}
+
+TEST(MlRollingShutter, ThatIsTakenForAGlobalOneShows) {
+  RollingRun made = rolling_run(0);
+  for (RigCamera& camera : made.run.observations.cameras) camera.readout_sigma_s = 0.0;
+  const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
+  EXPECT_TRUE(!estimate.result.joint_covariance || nees(estimate, poses_of(made.run.truth)) > kNoChance);
+}
+
+TEST(MlRollingShutter, ThatIsStatedIsNoUnknown) {
+  RollingRun made = rolling_run(1);
+  for (std::size_t c = 0; c < made.readout_s.size(); ++c) {
+    made.run.observations.cameras[c].readout_s = made.readout_s[c];
+    made.run.observations.cameras[c].readout_sigma_s = 0.0;
+  }
+  const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
+  ASSERT_TRUE(estimate.result.joint_covariance);
+  EXPECT_LT(nees(estimate, poses_of(made.run.truth)), kNoChance);
+  for (const TrueCamera& camera : made.run.truth.cameras) EXPECT_EQ(readout_of(estimate.result, camera.name), nullptr);
+}
+
+TEST(MlRollingShutter, OfARobotThatStandsDoesNotMatter) {
+  const RollingRun made = rolling_run(2, false);
+  Observations believed = made.run.observations;
+  for (RigCamera& camera : believed.cameras) camera.readout_sigma_s = 0.0;
+  const MlEstimate doubting = estimate_maximum_likelihood(made.run.observations, told());
+  const MlEstimate believing = estimate_maximum_likelihood(believed, told());
+  ASSERT_TRUE(doubting.result.joint_covariance && believing.result.joint_covariance);
+  EXPECT_EQ(*doubting.result.joint_covariance, *believing.result.joint_covariance);
+}
+
+}  // namespace
+}  // namespace rigproof
