@@ -546,6 +546,20 @@ TEST(Rig, HowWellItIsKnownIsThatOfAStrangerUnlessItIsSaid) {
               AllOf(HasSubstr("focal_percent: -1: allowed is 0 to 20"), HasSubstr("focal_px")));
 }
 
+TEST(Rig, AReadoutIsUnknownUnlessItIsSaid) {
+  const TempFolder folder;
+  const auto camera = [&](const std::string& text) {
+    folder.write("rig.yaml", rig_text("  left: {intrinsics: " + std::string(kIntrinsics) + text + "}\n"));
+    return load_rig(folder / "rig.yaml").cameras.at(0);
+  };
+  EXPECT_EQ(camera("").readout_s, 0.0);
+  EXPECT_EQ(camera("").readout_sigma_s, 0.015);
+  EXPECT_DOUBLE_EQ(camera(", readout_ms: -20, readout_sigma_ms: 0").readout_s, -0.02);
+  EXPECT_EQ(camera(", readout_ms: -20, readout_sigma_ms: 0").readout_sigma_s, 0.0);
+  EXPECT_THAT(error_text([&] { camera(", readout_ms: 300, readout_sigma_ms: -1"); }),
+              AllOf(HasSubstr("readout_ms: 300: allowed is -200 to 200"), HasSubstr("readout_sigma_ms: -1")));
+}
+
 TEST(Rig, ABoardIsAsPrintersLeaveItUnlessItWasMeasured) {
   const Board board = read_board("{squares: [6, 5], square_mm: 110}");
   EXPECT_DOUBLE_EQ(board.square_sigma_relative(), 0.005);

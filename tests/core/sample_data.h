@@ -38,7 +38,9 @@ inline Rig sample_rig() {
   rig.board.square_sigma_m = 0.0001;
   rig.cameras[2].depth.reset();
   rig.cameras[2].sensor.clear();
-  rig.odometry_noise = {OdometryModel::kPerIncrement, 0.002, deg_to_rad(0.57)};
+  rig.cameras[1].readout_s = 0.02;
+  rig.cameras[1].readout_sigma_s = 0.001;
+  rig.odometry_noise = {OdometryModel::kPerIncrement, 0.002, deg_to_rad(0.57), 0.0, 0.001};
   rig.accept = AcceptLimits{0.008, 0.004, deg_to_rad(0.2)};
   return rig;
 }

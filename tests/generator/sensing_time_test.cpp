@@ -188,6 +188,22 @@ TEST(SensingTold, NothingIsDrawnForSensorsWithoutNoiseOrWhereAllIsKnown) {
   EXPECT_EQ(told_of(camera, run, 0).camera.cx_px, camera.camera.cx_px);
 }
 
+// People know the readout of a camera where they know everything of it.
+TEST(SensingTold, TheReadoutOfImagesTakenAtSpeedIsToldWhereNothingIsDrawn) {
+  const auto told = [](const std::string& capture, const std::string& told_is) {
+    GenerateConfig run;
+    run.motion = "drive";
+    run.drive.capture = capture;
+    run.sensing.told = told_is;
+    RigCamera camera;
+    tell_readout(run, 0.02, &camera);
+    return std::pair(camera.readout_s, camera.readout_sigma_s);
+  };
+  EXPECT_EQ(told("moving", "exact"), std::pair(0.02, 0.0));
+  EXPECT_EQ(told("moving", "drawn"), std::pair(0.0, 0.015));
+  EXPECT_EQ(told("standing", "exact"), std::pair(0.0, 0.015));
+}
+
 TEST(SensingTold, SquaresAndDepthScalesAreDrawnWithWhatCamerasShare) {
   GenerateConfig run;
   RigCamera camera;

@@ -408,6 +408,20 @@ TEST(MlRotationCentre, OffTheOriginIsInTheUncertaintyOverTrials) {
   EXPECT_GT(without, 1.5 * kUnknowns);
 }
 
+// The rig's word counts, unless a setting of the method says otherwise.
+TEST(MlRotationCentre, AndRidingHeightMayStandInTheRig) {
+  OdometryNoise stated;
+  stated.rotation_centre_sigma_m = 0.0;
+  stated.riding_height_sigma_m = 0.001;
+  const PriorSigmas of_rig = with_those_of_rig(usual_priors(), stated);
+  EXPECT_EQ(of_rig.rotation_centre_m, 0.0);
+  EXPECT_EQ(of_rig.riding_height_m, 0.001);
+  PriorSigmas asked = usual_priors();
+  asked.rotation_centre_m = 0.02;
+  EXPECT_EQ(with_those_of_rig(asked, stated).rotation_centre_m, 0.02);
+  EXPECT_EQ(with_those_of_rig(usual_priors(), OdometryNoise()).rotation_centre_m, usual_priors().rotation_centre_m);
+}
+
 // Without ways between the stops nothing changes: the noise of a whole motion covers it.
 TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
   GeometricConfig config;
