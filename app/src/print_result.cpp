@@ -100,16 +100,24 @@ std::string head_of(const std::string& name) {
   return unit == std::string::npos ? name : head + " [" + name.substr(unit + 1) + "]";
 }
 
-// Lenses and clocks: a line a camera, a column a quantity.
+// Lenses and clocks: a line a camera, a column a quantity, of which a camera that is believed has none.
 std::vector<std::string> also_estimated_lines(const Result& result) {
   if (result.also_estimated.empty()) return {};
-  std::vector<std::string> head = {"also estimated"};
+  std::vector<std::string> head = {"also estimated"}, names = {""};
+  for (const EstimatedQuantity& quantity : result.also_estimated) {
+    if (quantity.camera.empty() || std::find(names.begin(), names.end(), quantity.name) != names.end()) continue;
+    names.push_back(quantity.name);
+    head.push_back(head_of(quantity.name));
+  }
   std::vector<std::vector<std::string>> rows;
   for (const EstimatedQuantity& quantity : result.also_estimated) {
     if (quantity.camera.empty()) continue;
-    if (rows.empty() || rows.back().front() != " " + quantity.camera) rows.push_back({" " + quantity.camera});
-    if (rows.size() == 1) head.push_back(head_of(quantity.name));
-    rows.back().push_back(value_with_sigma(quantity.value, quantity.sigma));
+    if (rows.empty() || rows.back().front() != " " + quantity.camera) {
+      rows.emplace_back(names.size(), "-");
+      rows.back().front() = " " + quantity.camera;
+    }
+    const auto column = std::find(names.begin(), names.end(), quantity.name) - names.begin();
+    rows.back()[static_cast<std::size_t>(column)] = value_with_sigma(quantity.value, quantity.sigma);
   }
   std::vector<std::string> lines;
   if (!rows.empty()) {

@@ -159,6 +159,31 @@ TEST(Command, SettingsOfMlStandInTheMethodsName) {
   EXPECT_LT(focal.also_estimated.front().sigma, 0.2);
 }
 
+// Of one camera the focal length is doubted, of another the principal point: each value stands below its own name.
+TEST(Command, WhatIsEstimatedOfSomeCamerasStandsInItsOwnColumn) {
+  const TempFolder scratch;
+  const fs::path file = scratch / "observations.json";
+  ASSERT_EQ(rigproof_command({"observe", small_run().string(), "-o", file.string()}).exit_code, 0);
+  auto observations = nlohmann::json::parse(read_whole_file(file));
+  const auto sigma = [](double focal_percent, double principal_point_px) {
+    return nlohmann::json{{"focal_percent", focal_percent},
+                          {"focal_ratio_percent", 0.0},
+                          {"principal_point_px", principal_point_px},
+                          {"distortion_px", 0.0},
+                          {"residual_px", 0.0}};
+  };
+  observations["cameras"]["left"]["intrinsics_sigma"] = sigma(0.2, 0.0);
+  observations["cameras"]["right"]["intrinsics_sigma"] = sigma(0.0, 1.0);
+  scratch.write("observations.json", observations.dump());
+  const ProcessOutput output =
+      rigproof_command({"calibrate", file.string(), "-o", (scratch / "results").string(), "-m", "ml"});
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_THAT(output.out,
+              testing::ContainsRegex("also estimated +focal length \\[percent\\] +principal point x \\[px\\]"));
+  EXPECT_THAT(output.out, testing::ContainsRegex("\n left +[^ ]+ +- +-\n"));
+  EXPECT_THAT(output.out, testing::ContainsRegex("\n right +- +[^ ]+ +[^ ]+\n"));
+}
+
 TEST(Command, ResultsDoNotDependOnTheNumberOfJobs) {
   const TempFolder scratch;
   for (const char* jobs : {"1", "2", "5"})
