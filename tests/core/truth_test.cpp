@@ -101,6 +101,31 @@ TEST(Truth, ProblemsAreNamed) {
     EXPECT_THAT(text, HasSubstr(part));
 }
 
+// The first row is read half a readout before the middle one, the last row half a readout after it.
+TEST(Truth, ACornerIsSeenWhenItsRowIsRead) {
+  Truth truth = sample_truth();
+  TrueCamera& camera = truth.cameras[0];
+  TrueStop stop = truth.stops[0];
+  truth.T_world_board =
+      stop.T_world_robot * camera.T_robot_camera * Rigid3(Eigen::Quaterniond::Identity(), {0, 0, 1.5});
+  camera.sensing["readout_ms"] = 20.0;
+  stop.velocity = (Vector6d() << 0.5, 0.1, 0.0, 0.02, -0.01, 0.8).finished();
+  const double last_row = camera.camera.height_px - 0.5;
+  for (const auto& [row, late_s] :
+       {std::pair(-0.5, -0.01), std::pair(0.5 * (last_row - 0.5), 0.0), std::pair(last_row, 0.01)}) {
+    const Rigid3 T_camera_board =
+        (stop.T_world_robot * se3_exp(late_s * *stop.velocity) * camera.T_robot_camera).inverse() * truth.T_world_board;
+    Eigen::Vector2d pixel, expected;
+    ASSERT_TRUE(camera.project(T_camera_board * truth.corner(3), &expected));
+    ASSERT_TRUE(truth.project_corner(0, stop, 3, row, &pixel));
+    EXPECT_NEAR((pixel - expected).norm(), 0.0, 1e-9) << row;
+  }
+  Eigen::Vector2d pixel;
+  truth.T_world_board =
+      stop.T_world_robot * camera.T_robot_camera * Rigid3(Eigen::Quaterniond::Identity(), {0, 0, -1.5});
+  EXPECT_FALSE(truth.project_corner(0, stop, 3, 0.0, &pixel)) << "behind the camera";
+}
+
 TEST(Truth, StopsAreFoundByTheirStamps) {
   Truth truth;
   for (const double stamp_s : {1.0, 3.0, 3.2}) truth.stops.push_back({stamp_s, planar_pose(stamp_s, 0.0, 0.0)});

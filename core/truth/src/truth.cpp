@@ -116,6 +116,14 @@ static void visit_fields(FieldVisitor& visitor, Truth& truth) {
   visitor.nested_list("stops", truth.stops, "where the robot was when images were taken");
 }
 
+bool Truth::project_corner(std::size_t camera, const TrueStop& stop, int id, double row, Eigen::Vector2d* pixel) const {
+  const TrueCamera& seeing = cameras[camera];
+  const auto readout_ms = seeing.sensing.find("readout_ms");
+  const double readout_s = readout_ms == seeing.sensing.end() ? 0.0 : readout_ms->second / 1000.0;
+  const Rigid3 T_world_robot = stop.T_world_robot_after(row_delay_s(row, seeing.camera.height_px, readout_s));
+  return seeing.project((T_world_robot * seeing.T_robot_camera).inverse() * (T_world_board * corner(id)), pixel);
+}
+
 Truth load_truth(const std::filesystem::path& file) {
   Truth truth;
   read_fields_of_tree(read_yaml_file(file, kMaxBytes),

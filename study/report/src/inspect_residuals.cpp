@@ -188,11 +188,9 @@ Written draw_corners(const InspectInput& input, std::size_t camera, const std::f
     const auto stop = stop_at(stops, view.stamp_s);
     if (view.camera != static_cast<int>(camera) || !stop) continue;
     ++views;
-    const Rigid3 T_camera_board =
-        (stops[*stop].T_world_robot * truth.cameras[*true_camera].T_robot_camera).inverse() * truth.T_world_board;
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;
-      if (!truth.cameras[*true_camera].project(T_camera_board * truth.corner(corner.id), &projected)) continue;
+      if (!truth.project_corner(*true_camera, stops[*stop], corner.id, corner.pixel.y(), &projected)) continue;
       picture.residuals.push_back({corner.pixel, corner.pixel - projected});
       variance += 0.5 * corner.covariance_px2.trace();
     }

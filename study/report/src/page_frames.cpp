@@ -49,13 +49,10 @@ std::vector<Eigen::Vector2d> true_corners(const InspectInput& input, const Board
   const auto camera = index_in_truth(truth, input.observations.cameras[static_cast<std::size_t>(view.camera)].name);
   const auto stop = camera ? stop_at(truth.stops_of(*camera), view.stamp_s) : std::nullopt;
   if (!stop) return {};
-  const Rigid3 T_camera_board =
-      (truth.stops_of(*camera)[*stop].T_world_robot * truth.cameras[*camera].T_robot_camera).inverse() *
-      truth.T_world_board;
   std::vector<Eigen::Vector2d> pixels;
   for (const CornerObservation& corner : view.corners) {
     Eigen::Vector2d pixel = Eigen::Vector2d::Constant(std::nan(""));
-    truth.cameras[*camera].project(T_camera_board * truth.corner(corner.id), &pixel);
+    truth.project_corner(*camera, truth.stops_of(*camera)[*stop], corner.id, corner.pixel.y(), &pixel);
     pixels.push_back(pixel);
   }
   return pixels;

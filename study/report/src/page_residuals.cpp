@@ -16,6 +16,8 @@ struct PlacedView {
   Rigid3 T_robot_camera;
   Camera camera;
   double lens_residual_px = 0.0;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the robot by its odometry: forward, left, yaw rate
+  double readout_s = 0.0;                              // from the first row to the last; 0 if the pose is unknown
 };
 
 Camera lens_of(const Result& result, const RigCamera& camera) {
@@ -30,11 +32,38 @@ const EstimatedTransform* pose_of_camera(const Result& result, const std::string
   return nullptr;
 }
 
-bool project(const PlacedView& placed, const Eigen::Vector3d& p_robot, Eigen::Vector2d* pixel,
-             Eigen::Matrix<double, 2, 3>* J_pixel_robot = nullptr) {
-  Eigen::Matrix<double, 2, 3> J_pixel_camera;
-  if (!placed.camera.project(placed.T_robot_camera.inverse() * p_robot, pixel, &J_pixel_camera)) return false;
-  if (J_pixel_robot != nullptr) *J_pixel_robot = J_pixel_camera * placed.T_robot_camera.rotation_matrix().transpose();
+double readout_of(const Result& result, const RigCamera& camera) {
+  for (const EstimatedQuantity& quantity : result.also_estimated)
+    if (quantity.camera == camera.name && quantity.name == "readout_ms")
+      return camera.readout_s + quantity.value / 1000.0;
+  return camera.readout_s;
+}
+
+// A board as the robot sees it when the middle rows are read, and by how much the robot's velocity differs from its
+// odometry's: forward, left [m/s], yaw rate [rad/s].
+struct BoardInRobot {
+  Rigid3 T_robot_board;
+  Eigen::Vector3d velocity_error = Eigen::Vector3d::Zero();
+};
+using CornerJacobian = Eigen::Matrix<double, 2, 9>;
+
+// A corner where its row is read, which is that of the corner as found.
+// @param J by the error of T_robot_board, chart of transform_error(), and by that of the velocity
+bool project(const PlacedView& placed, const BoardInRobot& seen, const Eigen::Vector3d& p_board, double row,
+             Eigen::Vector2d* pixel, CornerJacobian* J = nullptr) {
+  const double late_s = row_delay_s(row, placed.camera.height_px, placed.readout_s);
+  const Eigen::Vector3d velocity = placed.velocity + seen.velocity_error;
+  Vector6d twist;
+  twist << velocity.x(), velocity.y(), 0.0, 0.0, 0.0, velocity.z();
+  const Eigen::Vector3d turned = seen.T_robot_board.rotation * p_board;
+  const Eigen::Vector3d p_robot = se3_exp(-late_s * twist) * (turned + seen.T_robot_board.translation);
+  Eigen::Matrix<double, 2, 3> J_camera;
+  if (!placed.camera.project(placed.T_robot_camera.inverse() * p_robot, pixel, &J_camera)) return false;
+  if (J == nullptr) return true;
+  const Eigen::Matrix<double, 2, 3> J_robot = J_camera * placed.T_robot_camera.rotation_matrix().transpose();
+  Eigen::Matrix3d by_velocity = Eigen::Matrix3d::Identity();
+  by_velocity.col(2) = Eigen::Vector3d::UnitZ().cross(p_robot);
+  *J << J_robot, -J_robot * skew(turned), -late_s * J_robot * by_velocity;
   return true;
 }
 
@@ -47,41 +76,45 @@ std::optional<Rigid3> first_guess(const std::vector<PlacedView>& views, const Bo
   return most->T_robot_camera * pose->T_camera_board;
 }
 
-// Gauss-Newton over the error of T_robot_board in the chart of transform_error(), weighted by the corners' covariances.
-std::optional<Rigid3> fit_board(const std::vector<PlacedView>& views, const Board& board) {
-  std::optional<Rigid3> T = first_guess(views, board);
-  for (int iteration = 0; T && iteration < 10; ++iteration) {
-    Matrix6d H = Matrix6d::Zero();
-    Vector6d g = Vector6d::Zero();
+// Gauss-Newton, weighted by the corners' covariances.
+std::optional<BoardInRobot> fit_board(const std::vector<PlacedView>& views, const Board& board) {
+  const Eigen::Array3d sigmas(0.02, 0.02, 0.1);  // of the velocity: it need only not run away where rows tell nothing
+  const std::optional<Rigid3> guess = first_guess(views, board);
+  if (!guess) return std::nullopt;
+  BoardInRobot seen{*guess};
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    Eigen::Matrix<double, 9, 9> H = Eigen::Matrix<double, 9, 9>::Zero();
+    Eigen::Matrix<double, 9, 1> g = Eigen::Matrix<double, 9, 1>::Zero();
+    H.diagonal().tail<3>() = sigmas.square().inverse();
+    g.tail<3>() = -seen.velocity_error.array() / sigmas.square();
     for (const PlacedView& placed : views) {
       for (const CornerObservation& corner : placed.view->corners) {
         Eigen::Vector2d pixel;
-        Eigen::Matrix<double, 2, 3> J_robot;
-        if (!project(placed, *T * board.corner(corner.id), &pixel, &J_robot)) continue;
-        Eigen::Matrix<double, 2, 6> J;
-        J << J_robot, -J_robot * skew(T->rotation * board.corner(corner.id));
+        CornerJacobian J;
+        if (!project(placed, seen, board.corner(corner.id), corner.pixel.y(), &pixel, &J)) continue;
         const Eigen::Matrix2d weight = corner.covariance_px2.inverse();
         H += J.transpose() * weight * J;
         g += J.transpose() * weight * (corner.pixel - pixel);
       }
     }
-    const Vector6d step = H.ldlt().solve(g);
+    const Eigen::Matrix<double, 9, 1> step = H.ldlt().solve(g);
     if (!step.allFinite()) return std::nullopt;
-    T = apply_transform_error(*T, step);
+    seen.T_robot_board = apply_transform_error(seen.T_robot_board, step.head<6>());
+    seen.velocity_error += step.tail<3>();
     if (step.norm() < 1e-10) break;
   }
-  return T;
+  return seen;
 }
 
 void add_differences(const std::vector<PlacedView>& views, const Board& board, CornerFit* fit) {
-  const std::optional<Rigid3> T_robot_board = fit_board(views, board);
-  if (!T_robot_board) return;
+  const std::optional<BoardInRobot> seen = fit_board(views, board);
+  if (!seen) return;
   ++fit->boards;
   for (const PlacedView& placed : views) {
     std::vector<Eigen::Vector2d>& differences = fit->differences[placed.index];
     for (const CornerObservation& corner : placed.view->corners) {
       Eigen::Vector2d pixel;
-      const bool visible = project(placed, *T_robot_board * board.corner(corner.id), &pixel);
+      const bool visible = project(placed, *seen, board.corner(corner.id), corner.pixel.y(), &pixel);
       differences.push_back(visible ? Eigen::Vector2d(corner.pixel - pixel) : Eigen::Vector2d::Constant(std::nan("")));
       if (!visible) continue;
       ++fit->corners;
@@ -111,9 +144,13 @@ CornerFit fit_corners(const Observations& observations, const Result& result) {
     const RigCamera& camera = observations.cameras[static_cast<std::size_t>(view.camera)];
     if (view.corners.size() < 4 || is_left_out(result, camera.name, view)) continue;
     const EstimatedTransform* pose = pose_of_camera(result, camera.name);
-    groups[{view.stop, pose == nullptr ? view.camera : -1}].push_back(
-        {&view, i, pose == nullptr ? Rigid3() : pose->T_parent_child, lens_of(result, camera),
-         camera.intrinsics_sigma.residual_px});
+    PlacedView placed{&view, i, Rigid3(), lens_of(result, camera), camera.intrinsics_sigma.residual_px};
+    if (pose != nullptr) {
+      placed.T_robot_camera = pose->T_parent_child;
+      placed.velocity = observations.stops[static_cast<std::size_t>(view.stop)].velocity;
+      if (!placed.velocity.isZero(0.0)) placed.readout_s = readout_of(result, camera);
+    }
+    groups[{view.stop, pose == nullptr ? view.camera : -1}].push_back(placed);
   }
   for (const auto& [key, views] : groups) add_differences(views, observations.board, &fit);
   for (double* sum : {&fit.rms_px, &fit.stated_px})

@@ -74,6 +74,9 @@ struct Truth {
   Eigen::Vector3d corner(int id) const {
     return printed_corners.empty() ? board.corner(id) : printed_corners[static_cast<std::size_t>(id)];
   }
+  /// Where a camera sees a corner in an image of a stop, when it reads the row at which the corner was found.
+  /// Returns false where it does not.
+  bool project_corner(std::size_t camera, const TrueStop& stop, int id, double row, Eigen::Vector2d* pixel) const;
   /// When a camera took its images and where the robot was: those of its own, or the stops that all cameras share.
   const std::vector<TrueStop>& stops_of(std::size_t camera) const {
     return cameras[camera].stops.empty() ? stops : cameras[camera].stops;
