@@ -197,7 +197,7 @@ void visit_readout(FieldVisitor& visitor, RigCamera& camera) {
     visitor.scaled("readout_ms", camera.readout_s, kMsPerS, {-200.0, 200.0},
                    "rolling shutter: from the first row's time to the last one's");
   if (visitor.takes("readout_sigma_ms", camera.readout_sigma_s != usual.readout_sigma_s))
-    visitor.scaled("readout_sigma_ms", camera.readout_sigma_s, kMsPerS, {0.0, 200.0},
+    visitor.scaled("readout_sigma_ms", camera.readout_sigma_s, kMsPerS, {0.0, 100.0},
                    "how well that is known, one sigma: estimated from images taken at speed; 0: as stated");
 }
 
@@ -452,8 +452,8 @@ void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
   visitor.scaled("sigma_xy_mm", noise.sigma_xy_m, kMmPerM, kNotNegative, "one sigma of x and of y; default estimated");
   visitor.scaled("sigma_yaw_deg", noise.sigma_yaw_rad, kDegPerRad, {0.0, 360.0}, "one sigma; default estimated");
   visitor.scaled("rotation_centre_sigma_mm", noise.rotation_centre_sigma_m, kMmPerM, {0.0, 1000.0},
-                 "how far off the origin along x the robot turns about, one sigma; 0 where that is the origin by "
-                 "definition; default 5");
+                 "how far along x the point about which the robot turns lies from the origin, one sigma; 0 where it is "
+                 "the origin by definition; default 5");
   visitor.scaled("riding_height_sigma_mm", noise.riding_height_sigma_m, kMmPerM, {0.0, 100.0},
                  "how much higher the robot rides while it moves, one sigma; default 0.3");
 }

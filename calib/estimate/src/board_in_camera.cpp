@@ -79,7 +79,7 @@ BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
   constexpr double kSettled = 1e-6;  // of a standard deviation
   BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
   RowMotion& motion = seen.motion;
-  if (!motion.any()) return seen;
+  if (!motion.bends_views()) return seen;
   Vector6d error = Vector6d::Zero();
   Vector6d step = Vector6d::Ones();
   for (int round = 0; round < kMostRounds && step.norm() > kSettled; ++round) {
@@ -113,7 +113,7 @@ int TwistSystem::append(const Layout& layout, Nuisance nuisance, int camera) {
 }
 
 void TwistSystem::chain(const BoardInCamera& seen, LocalBlock* block) const {
-  const bool moves = seen.motion.any();
+  const bool moves = seen.motion.bends_views();
   std::array<Matrix6d, 6> H_by, motion_by;
   std::array<int, 6> start;
   for (std::size_t a = 0; a < static_cast<std::size_t>(seen.count); ++a) {

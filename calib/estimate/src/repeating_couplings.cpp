@@ -8,7 +8,7 @@ namespace rigproof::ml {
 namespace {
 
 constexpr int kTwist = 6, kLens = 5, kShape = 4, kReadout = 1, kMotion = 6;
-constexpr int kStanding = kTwist + kLens + kShape;
+constexpr int kWithoutMotion = kTwist + kLens + kShape;
 
 }  // namespace
 
@@ -18,7 +18,7 @@ constexpr int kStanding = kTwist + kLens + kShape;
 struct RepeatingCouplings::Rows {
   Rows(Eigen::Index corners, Eigen::Index fields, bool moves)
       : residual(Eigen::VectorXd::Zero(2 * corners)),
-        by_globals(Eigen::MatrixXd::Zero(2 * corners, kStanding + (moves ? kReadout + kMotion : 0))),
+        by_globals(Eigen::MatrixXd::Zero(2 * corners, kWithoutMotion + (moves ? kReadout + kMotion : 0))),
         by_offset(Eigen::MatrixXd::Zero(2 * corners, 3)),
         by_field(Eigen::MatrixXd::Zero(2 * corners, fields)),
         roots(static_cast<std::size_t>(corners), Eigen::Matrix2d::Zero()) {}
@@ -29,7 +29,7 @@ struct RepeatingCouplings::Rows {
 
   // What the error of the motion explains tells nothing. Of the corners' own offsets that is too little to count.
   void take_out(const RowMotion& motion) {
-    if (!motion.any()) return;
+    if (!motion.bends_views()) return;
     const Eigen::MatrixXd by_motion = by_globals.rightCols<kMotion>();
     const Eigen::MatrixXd by_error = motion.covariance(by_motion.transpose() * by_motion) * by_motion.transpose();
     field_of_rest = by_field - by_motion * (by_error * by_field);
@@ -68,8 +68,8 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
     by_globals.middleCols<kLens>(kTwist) =
         root * pixel_by_lens(lens, change, by_px, residual.point_camera, residual.value + corner.pixel);
     by_globals.middleCols<kShape>(kTwist + kLens) = root * by_offset * on_board.by_shape;
-    if (seen.motion.moves()) by_globals.col(kStanding) = root * residual.by_readout;
-    if (seen.motion.any()) by_globals.rightCols<kMotion>() = root * residual.by_motion;
+    if (seen.motion.moves()) by_globals.col(kWithoutMotion) = root * residual.by_readout;
+    if (seen.motion.bends_views()) by_globals.rightCols<kMotion>() = root * residual.by_motion;
     rows.by_offset.middleRows<2>(row) = root * by_offset;
     if (fields.cols() == 0) continue;
     if (all_there)
@@ -90,7 +90,7 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
     const Segment& segment = part.segment;
     const auto add_to = [&](auto coupling) {
       coupling.noalias() += part.twist.leftCols(segment.size).transpose() * by_twist;
-      if (seen.motion.any())
+      if (seen.motion.bends_views())
         coupling.noalias() += part.motion.leftCols(segment.size).transpose() * by_globals.bottomRows<kMotion>();
     };
     if (segment.pose < 0)
@@ -106,7 +106,7 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
         by_globals.middleRows<kShape>(kTwist + kLens);
   if (at.layout.has(Nuisance::kReadout) && seen.motion.moves())
     with_globals.row(at.layout.place(Nuisance::kReadout, view.camera)).segment(place, size) +=
-        by_globals.row(kStanding);
+        by_globals.row(kWithoutMotion);
 }
 
 RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, int globals, bool with_fine)

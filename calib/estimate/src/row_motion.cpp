@@ -71,7 +71,7 @@ bool row_residual(const Camera& camera, const RowMotion& motion, const Eigen::Ve
   residual->point_camera = corner_camera + t * moving + 0.5 * t * t * omega.cross(moving);
   if (!corner_residual(camera, residual->point_camera, measured, residual)) return false;
   residual->by_readout = share * residual->by_point * (omega.cross(residual->point_camera) + motion.twist.tail<3>());
-  if (!motion.any()) return true;
+  if (!motion.bends_views()) return true;
   const Eigen::Matrix3d turning = skew(omega);
   residual->by_point *= Eigen::Matrix3d::Identity() + t * turning + 0.5 * t * t * turning * turning;
   for (int row = 0; row < 2; ++row) {

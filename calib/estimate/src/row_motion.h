@@ -17,8 +17,8 @@ struct RowMotion {
   int rows = 1;
 
   bool moves() const { return !velocity.isZero(0.0); }
-  /// Whether rows show the board in other places.
-  bool any() const { return readout_s != 0.0 && moves(); }
+  /// Whether the rows of a view show the board in different places.
+  bool bends_views() const { return readout_s != 0.0 && moves(); }
   /// When a row is read, as a share of the readout.
   double share(double row) const { return (row + 0.5) / rows - 0.5; }
   /// Of the twist by the error of the velocity, whitened.
@@ -39,7 +39,7 @@ RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odomet
 /// twist, and by the readout.
 struct RowResidual : CornerResidual {
   Eigen::Vector3d point_camera;  ///< when the corner's row is read
-  RowJacobian<2, 6> by_motion;   ///< only where there is any
+  RowJacobian<2, 6> by_motion;   ///< only where the motion bends views
   Eigen::Vector2d by_readout;
 };
 /// @param corner_camera when the middle row is read
