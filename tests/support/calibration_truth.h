@@ -29,7 +29,7 @@ inline CalibrationState state_of(const Truth& truth) {
 inline CalibrationNoise noise_of(const Truth& truth, double suspension_height_m = 0.0,
                                  double suspension_tilt_rad = 0.0) {
   CalibrationNoise noise;
-  noise.odometry_model = truth.odometry_noise.model;
+  noise.law.model = truth.odometry_noise.model;
   noise.odometry_xy_m = truth.odometry_noise.sigma_xy_m.value_or(0.0);
   noise.odometry_yaw_rad = truth.odometry_noise.sigma_yaw_rad.value_or(0.0);
   noise.suspension_height_m = suspension_height_m;

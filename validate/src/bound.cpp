@@ -33,7 +33,7 @@ std::optional<CalibrationState> state_at(const Observations& observations, const
 
 CalibrationNoise noise_at(const Truth& truth) {
   CalibrationNoise noise;
-  if (truth.odometry_noise.model != OdometryModel::kUnknown) noise.odometry_model = truth.odometry_noise.model;
+  if (truth.odometry_noise.model != OdometryModel::kUnknown) noise.law.model = truth.odometry_noise.model;
   noise.odometry_xy_m = truth.odometry_noise.sigma_xy_m.value_or(0.0);
   noise.odometry_yaw_rad = truth.odometry_noise.sigma_yaw_rad.value_or(0.0);
   return noise;

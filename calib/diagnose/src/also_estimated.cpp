@@ -33,7 +33,7 @@ void note_turn_lag(double lag_s, double sigma_s, double prior_s, Result* result)
 
 void note_rotation_centre(const Preparation& prepared, const Fit& fit, Result* result) {
   const double sigma_m = prepared.sigmas().rotation_centre_m;
-  if (!fit.noise.along_way || !(sigma_m > 0.0)) return;
+  if (!fit.noise.law.along_way || !(sigma_m > 0.0)) return;
   result->notes.push_back(Finding("robot.rotation_centre", {{"sigma_mm", 1e3 * sigma_m}}));
 }
 

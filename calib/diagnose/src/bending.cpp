@@ -18,7 +18,7 @@ double bent_by(const State& without, const Preparation& prepared, const Fit& wit
   const Layout layout = problem_at(prepared, with, with.noise).layout();
   const Eigen::MatrixXd J = camera_chart(with.state, layout);
   Eigen::MatrixXd joint = J * covariance.covariance * J.transpose();
-  add_common_errors(prepared.sigmas(), with.noise.along_way, &joint);
+  add_common_errors(prepared.sigmas(), with.noise.law.along_way, &joint);
   double most = 0.0;
   for (const int c : prepared.solved_cameras()) {
     const std::size_t k = static_cast<std::size_t>(c);

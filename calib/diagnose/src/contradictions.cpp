@@ -62,7 +62,7 @@ void check_majority(const GroupSums& sums, std::vector<Finding>* findings) {
 }
 
 void check_systematics(const Problem& problem, const State& state, std::vector<Finding>* findings) {
-  if (problem.noise.odometry_model != OdometryModel::kPerIncrement) return;
+  if (problem.noise.law.model != OdometryModel::kPerIncrement) return;
   const auto beyond = [&](int part) {
     const double sigma = problem.priors().sigma(Nuisance::kOdometryFactors, 0, part);
     return sigma > 0.0 && std::abs(state.nuisances.of(Nuisance::kOdometryFactors)[part]) > kMaxPriorSigmas * sigma;

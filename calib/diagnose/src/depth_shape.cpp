@@ -63,7 +63,7 @@ double score_of(const Layout& layout, const EliminatedSystem& eliminated, int ca
 std::optional<Finding> look_again(const Preparation& prepared, const Fit& fit, int camera) {
   Preparation free = prepared;
   free.priors = with_doubted_shape(prepared.priors, {camera});
-  const Fit with = fit_model(free, {fit.noise.odometry_model, fit.noise.along_way});
+  const Fit with = fit_model(free, fit.noise.law);
   const std::optional<GlobalCovariance> covariance = stated_covariance(free, with);
   if (!covariance) return std::nullopt;
   const int at = Layout::of(free.used, free.priors).place(Nuisance::kDepthShape, camera);

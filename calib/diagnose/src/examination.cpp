@@ -7,6 +7,7 @@
 #include "depth_shape.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/lens_change.h"
+#include "rigproof/calib/estimate/odometry_choice.h"
 #include "rigproof/core/exclusions.h"
 #include "steps.h"
 #include "swapped_frames.h"
@@ -66,7 +67,7 @@ std::vector<Finding> find_wrong_frames(const Preparation& prepared, const Fit& f
   strict.start.reset();
   strict.estimate_corner_level = strict.estimate_plane_level = false;
   const Preparation other = prepare(prepared.original, strict, &prepared.views);
-  const Fit other_fit = fit_model(other, {fit.noise.odometry_model, fit.noise.along_way});
+  const Fit other_fit = fit_model(other, fit.noise.law);
   std::vector<Finding> wrong;
   for (const SwappedFrames& swapped : swapped_frames(other, other_fit))
     wrong.push_back(finding_of(swapped, prepared.used));
@@ -119,8 +120,10 @@ std::optional<LensTest> lens_test(const Preparation& prepared, const Fit& fit) {
 }
 
 OdometryLaw likely_law(const Preparation& prepared, const Fit& fit, OdometryModel declared) {
-  if (declared == OdometryModel::kUnknown) return {OdometryModel::kPerIncrement, fit.noise.along_way};
-  return {declared, prepared.options.along_way};
+  if (declared != OdometryModel::kUnknown) return declared_law(declared, prepared.options);
+  OdometryLaw law = fit.noise.law;
+  law.model = OdometryModel::kPerIncrement;
+  return law;
 }
 
 // Whether nothing in the solution of a trial contradicts itself.

@@ -44,13 +44,9 @@ CalibrationState state_of(const State& solution) {
 }
 
 CalibrationNoise noise_of(const NoiseLevels& levels, const PriorSigmas& priors) {
-  return {levels.odometry_model,
-          levels.along_way,
-          levels.odometry_xy_m,
-          levels.odometry_yaw_rad,
-          levels.suspension_height_m,
-          levels.suspension_tilt_rad,
-          priors};
+  return {
+      levels.law, levels.odometry_xy_m, levels.odometry_yaw_rad, levels.suspension_height_m, levels.suspension_tilt_rad,
+      priors};
 }
 
 MlEstimate estimate_of(const Preparation& prepared, const OdometryChoice& choice, const Examination& found,
@@ -192,7 +188,7 @@ BoardScale check_lengths(const Preparation& prepared, const Fit& fit, const Exam
   std::optional<OdometryScale> odometry;
   const int index = Layout::of(prepared.used, prepared.priors).place(Nuisance::kOdometryFactors);
   const bool trusted = !found.symptoms.odometry && found.motion_suffices();
-  if (trusted && fit.noise.odometry_model == OdometryModel::kPerIncrement)
+  if (trusted && fit.noise.law.model == OdometryModel::kPerIncrement)
     odometry = {fit.state.odometry_scale(), index < 0 ? 0.0 : std::sqrt(globals(index, index))};
   return check_board_scale(prepared.used, prepared.views, odometry);
 }

@@ -18,7 +18,7 @@ Eigen::MatrixXd chart_of(const Preparation& prepared, const Fit& fit) {
 Eigen::MatrixXd cameras_covariance(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals) {
   const Eigen::MatrixXd J = chart_of(prepared, fit);
   Eigen::MatrixXd joint = J * globals * J.transpose();
-  add_common_errors(prepared.sigmas(), fit.noise.along_way, &joint);
+  add_common_errors(prepared.sigmas(), fit.noise.law.along_way, &joint);
   return joint;
 }
 
@@ -71,7 +71,7 @@ Eigen::MatrixXd normalised(Eigen::MatrixXd directions) {
 std::vector<BudgetLine> whole_budget(std::vector<BudgetLine> budget, const Preparation& prepared, const Fit& fit,
                                      const Eigen::MatrixXd& joint) {
   for (const CommonError& error : common_errors()) {
-    if (error.along_way_only && !fit.noise.along_way) continue;
+    if (error.along_way_only && !fit.noise.law.along_way) continue;
     Eigen::VectorXd variances = Eigen::VectorXd::Zero(joint.rows());
     for (Eigen::Index i = error.axis; i < joint.rows(); i += 6)
       variances[i] = std::pow(prepared.sigmas().*error.sigma_m, 2);

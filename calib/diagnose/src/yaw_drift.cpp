@@ -25,7 +25,7 @@ std::vector<Turn> turns_of(const Observations& observations, const NoiseLevels& 
     const Stop &from = observations.stops[i - 1], &to = observations.stops[i];
     const double told = measured_increment(from, to).z();
     const double turn = told + wrap_angle(state.poses[i].yaw_rad - state.poses[i - 1].yaw_rad - told);
-    const double variance = noise.along_way ? OdometryWay(from, to).noise_of_turning()(2, 2) : 1.0;
+    const double variance = noise.law.along_way ? OdometryWay(from, to).noise_of_heading(noise.law)(2, 2) : 1.0;
     if (variance > 0.0)
       turns.push_back({told - state.odometry_yaw_factor() * turn, turn, to.stamp_s - from.stamp_s, variance});
   }
@@ -33,7 +33,7 @@ std::vector<Turn> turns_of(const Observations& observations, const NoiseLevels& 
 }
 
 Fit without_drift(const Preparation& prepared, const Fit& fit) {
-  return fit_model(prepared, {fit.noise.odometry_model, fit.noise.along_way}, kLeaveOutRounds);
+  return fit_model(prepared, fit.noise.law, kLeaveOutRounds);
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ Fit without_drift(const Preparation& prepared, const Fit& fit) {
 YawDrift estimate_yaw_drift(const Observations& observations, const NoiseLevels& noise, const State& state) {
   if (observations.stops.size() < kLeastStops || state.poses.size() != observations.stops.size()) return {};
   // Of absolute odometry the errors of two motions in a row are opposite, and tell nothing of a drift.
-  if (noise.odometry_model != OdometryModel::kPerIncrement) return {};
+  if (noise.law.model != OdometryModel::kPerIncrement) return {};
   const CauchyLoss loss;
   const double level = noise.odometry_yaw_rad * noise.odometry_yaw_rad;
   Eigen::Matrix2d H = Eigen::Matrix2d::Zero();

@@ -3,8 +3,7 @@
 namespace rigproof::ml {
 Problem declared_problem(const Observations& observations, const CalibrationNoise& noise) {
   return Problem(observations, Priors::of({observations, noise.priors, false}),
-                 plausible({noise.odometry_model,
-                            noise.along_way,
+                 plausible({noise.law,
                             noise.odometry_xy_m,
                             noise.odometry_yaw_rad,
                             noise.suspension_height_m,

@@ -12,8 +12,7 @@ namespace {
 
 NoiseLevels starting_levels(const Observations& observations, const OdometryLaw& law, const MlOptions& options) {
   NoiseLevels levels;
-  levels.odometry_model = law.model;
-  levels.along_way = law.along_way;
+  levels.law = law;
   const OdometryNoise& given = observations.odometry_noise;
   levels.odometry_xy_m = given.sigma_xy_m.value_or(levels.odometry_xy_m);
   levels.odometry_yaw_rad = given.sigma_yaw_rad.value_or(levels.odometry_yaw_rad);
@@ -168,8 +167,7 @@ Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out
   if (other != nullptr) {
     const NoiseLevels own = problem.noise;
     problem.noise = other->noise;
-    problem.noise.odometry_model = own.odometry_model;
-    problem.noise.along_way = own.along_way;
+    problem.noise.law = own.law;
     problem.noise.odometry_xy_m = own.odometry_xy_m;
     problem.noise.odometry_yaw_rad = own.odometry_yaw_rad;
   }

@@ -30,7 +30,8 @@ void note_decision(const Fit& other, OdometryChoice* choice) {
   else if (decision.probability < 0.95)
     notes.push_back(Finding("odometry.model_unsure", {{"model", name}, {"probability", decision.probability}}));
   else if (decision.along_way)
-    notes.push_back(Finding("odometry.noise_along_way", noise));
+    notes.push_back(Finding("odometry.noise_along_way", noise)
+                        .with({{"straight_m", 1.0 / choice->fit.noise.law.metre_as_turn_rad}}));
   else
     notes.push_back(Finding("odometry.noise", noise).with({{"model", name}}));
 }
@@ -45,7 +46,31 @@ void keep_likelier(Fit* fit, Fit* other) {
   if (other->minus_two_log_likelihood < fit->minus_two_log_likelihood) std::swap(*fit, *other);
 }
 
+// Wheels that slip lose heading where they turn, two driven wheels wherever they roll: by the likeliest of figures that
+// lie a decade apart.
+Fit fit_along_way(const Preparation& prepared, const Fit& start) {
+  const auto fit_with = [&](double metre_as_turn_rad, const Fit& other) {
+    return fit_model(prepared, {OdometryModel::kPerIncrement, true, metre_as_turn_rad}, kLeaveOutRounds, &other);
+  };
+  Fit likeliest = fit_with(OdometryLaw().metre_as_turn_rad, start);
+  const auto is_likelier = [&](double metre_as_turn_rad) {
+    Fit fit = fit_with(metre_as_turn_rad, likeliest);
+    const bool likelier = fit.minus_two_log_likelihood < likeliest.minus_two_log_likelihood;
+    if (likelier) likeliest = std::move(fit);
+    return likelier;
+  };
+  if (is_likelier(1.0))
+    is_likelier(10.0);
+  else
+    is_likelier(0.01);
+  return likeliest;
+}
+
 }  // namespace
+
+OdometryLaw declared_law(OdometryModel model, const MlOptions& options) {
+  return {model, options.along_way, options.metre_as_turn_rad};
+}
 
 OdometryChoice choose_odometry(const Preparation& prepared) {
   OdometryChoice choice;
@@ -54,7 +79,7 @@ OdometryChoice choose_odometry(const Preparation& prepared) {
   if (declared != OdometryModel::kUnknown) {
     decision.model = declared;
     decision.along_way = prepared.options.along_way;
-    choice.fit = fit_model(prepared, {declared, prepared.options.along_way});
+    choice.fit = fit_model(prepared, declared_law(declared, prepared.options));
     return choice;
   }
   decision.decided_from_data = true;
@@ -62,14 +87,14 @@ OdometryChoice choose_odometry(const Preparation& prepared) {
   Fit second = fit_model(prepared, {OdometryModel::kPerPose, false}, kLeaveOutRounds, &choice.fit);
   keep_likelier(&choice.fit, &second);
   if (has_ways(prepared.used)) {
-    Fit third = fit_model(prepared, {OdometryModel::kPerIncrement, true}, kLeaveOutRounds, &choice.fit);
+    Fit third = fit_along_way(prepared, choice.fit);
     keep_likelier(&choice.fit, &third);
     keep_likelier(&second, &third);
   }
   const double difference = second.minus_two_log_likelihood - choice.fit.minus_two_log_likelihood;
   decision.compared = std::isfinite(difference);
-  decision.model = choice.fit.noise.odometry_model;
-  decision.along_way = choice.fit.noise.along_way;
+  decision.model = choice.fit.noise.law.model;
+  decision.along_way = choice.fit.noise.law.along_way;
   decision.log_likelihood_ratio = decision.compared ? 0.5 * difference : 0.0;
   decision.probability = 1.0 / (1.0 + std::exp(-decision.log_likelihood_ratio));
   note_decision(second, &choice);

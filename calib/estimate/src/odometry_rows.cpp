@@ -42,7 +42,7 @@ Contradiction along_way(const Observations& observations, const NoiseLevels& noi
 
 Contradiction contradiction_between(const Observations& observations, const NoiseLevels& noise, const State& state,
                                     std::size_t from, std::size_t to) {
-  if (noise.along_way) return along_way(observations, noise, state, from, to);
+  if (noise.law.along_way) return along_way(observations, noise, state, from, to);
   Eigen::Vector3d sigma(noise.odometry_xy_m, noise.odometry_xy_m, noise.odometry_yaw_rad);
   if (to > from + 1) {  // two motions, the second one turned by the first one's error
     const RobotPose &a = state.poses[from + 1], &b = state.poses[to];
@@ -121,8 +121,8 @@ Stop read_between(const Stop& a, const Stop& b, double share) {
 
 std::vector<WildRow> find_wild_rows(const Observations& observations, const NoiseLevels& noise, const State& state) {
   if (state.poses.size() != observations.stops.size()) return {};
-  return noise.odometry_model == OdometryModel::kPerPose ? wild_poses(observations, noise, state)
-                                                         : wild_increments(observations, noise, state);
+  return noise.law.model == OdometryModel::kPerPose ? wild_poses(observations, noise, state)
+                                                    : wild_increments(observations, noise, state);
 }
 
 Finding finding_of(const WildRow& row, const Observations& observations) {
@@ -146,8 +146,8 @@ StampShift estimate_stamp_shift(const Observations& observations, const NoiseLev
   double slope = 0.0, information = 0.0;
   if (n < 4 || state.poses.size() != n) return {};
   // Where the robot drives from stop to stop, a row read early lies on the way, not between two stops.
-  if (noise.along_way) return {};
-  const bool increments = noise.odometry_model == OdometryModel::kPerIncrement;
+  if (noise.law.along_way) return {};
+  const bool increments = noise.law.model == OdometryModel::kPerIncrement;
   const Eigen::Vector3d inverse(1.0 / noise.odometry_xy_m, 1.0 / noise.odometry_xy_m, 1.0 / noise.odometry_yaw_rad);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     if (increments && i + 2 >= n) break;

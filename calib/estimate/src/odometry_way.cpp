@@ -11,8 +11,6 @@ namespace {
 
 // Noise that even a short way has: starting and stopping count like this much of way and turn.
 constexpr double kLeastWay_m = 0.02, kLeastTurn_rad = 0.02;
-// Straight ways lose their heading, too: a metre like this turn.
-constexpr double kTurnOfAMetre_rad = 0.1;
 
 // (sin t / t, (1 - cos t) / t): an arc of unit length that turns by t ends there.
 Eigen::Vector2d unit_arc(double turn) {
@@ -72,46 +70,50 @@ void OdometryWay::add_noise() {
   const Eigen::Vector2d end = motion(1.0).value.head<2>();
   translation_ = (length_m_ + kLeastWay_m) * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal();
   turning_.setZero();
-  const auto add = [&](const Eigen::Vector2d& at, double weight) {
+  straying_.setZero();
+  const auto add = [&](const Eigen::Vector2d& at, double turn, double way) {
     const Eigen::Vector2d lever = quarter_turn(end - at);
     const Eigen::Vector3d effect(lever.x(), lever.y(), 1.0);
-    turning_ += weight * effect * effect.transpose();
+    const Eigen::Matrix3d square = effect * effect.transpose();
+    turning_ += turn * square;
+    straying_ += way * square;
   };
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double yaw = 0.0;
-  add(position, 0.5 * kLeastTurn_rad);
+  add(position, 0.5 * kLeastTurn_rad, 0.0);
   for (const Arc& arc : arcs_) {
     const Eigen::Vector2d heading(std::cos(yaw), std::sin(yaw));
     const Eigen::Vector2d step = product(heading, product(arc.way, unit_arc(arc.turn)));
-    add(position + 0.5 * step, std::abs(arc.turn) + kTurnOfAMetre_rad * arc.way.norm());
+    add(position + 0.5 * step, std::abs(arc.turn), arc.way.norm());
     position += step;
     yaw += arc.turn;
   }
-  add(position, 0.5 * kLeastTurn_rad);
+  add(position, 0.5 * kLeastTurn_rad, 0.0);
 }
 
 WayNoise way_noise(const OdometryWay& way, const NoiseLevels& levels, const Stop& from, const Stop& to) {
   const double xy = levels.odometry_xy_m, yaw = levels.odometry_yaw_rad;
-  const Eigen::Matrix3d turning = yaw * yaw * way.noise_of_turning();
-  Eigen::Matrix3d covariance = xy * xy * way.noise_of_translation() + turning;
+  const Eigen::Matrix3d heading = yaw * yaw * way.noise_of_heading(levels.law);
+  Eigen::Matrix3d covariance = xy * xy * way.noise_of_translation() + heading;
   for (const Stop* stop : {&from, &to})
     covariance.topLeftCorner<2, 2>().diagonal().array() += stop->interpolation_sigma_m * stop->interpolation_sigma_m;
   const Eigen::Matrix3d L = covariance.llt().matrixL();
   WayNoise noise;
   noise.whitening = L.inverse();
-  noise.turning = noise.whitening * turning * noise.whitening.transpose();
+  noise.heading = noise.whitening * heading * noise.whitening.transpose();
   return noise;
 }
 
 NoiseLevels per_increment(const NoiseLevels& along_way, const Observations& observations) {
   NoiseLevels levels = along_way;
-  levels.along_way = false;
+  levels.law.along_way = false;
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();
   const std::size_t n = observations.stops.size();
   for (std::size_t i = 1; i < n; ++i) {
     const OdometryWay way(observations.stops[i - 1], observations.stops[i]);
-    variance += along_way.odometry_xy_m * along_way.odometry_xy_m * way.noise_of_translation().diagonal() +
-                along_way.odometry_yaw_rad * along_way.odometry_yaw_rad * way.noise_of_turning().diagonal();
+    variance +=
+        along_way.odometry_xy_m * along_way.odometry_xy_m * way.noise_of_translation().diagonal() +
+        along_way.odometry_yaw_rad * along_way.odometry_yaw_rad * way.noise_of_heading(along_way.law).diagonal();
   }
   if (n < 2) return levels;
   variance /= static_cast<double>(n - 1);

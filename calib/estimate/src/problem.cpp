@@ -129,7 +129,7 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
                                 : std::make_shared<const Whitened>(whitened(observations))) {
   for (std::size_t i = 0; i + 1 < observations.stops.size(); ++i)
     increments_.push_back(measured_increment(observations.stops[i], observations.stops[i + 1]));
-  for (std::size_t i = 0; noise_levels.along_way && i + 1 < observations.stops.size(); ++i)
+  for (std::size_t i = 0; noise_levels.law.along_way && i + 1 < observations.stops.size(); ++i)
     ways_.emplace_back(observations.stops[i], observations.stops[i + 1]);
 }
 
@@ -138,10 +138,10 @@ Evaluation Problem::at(const State& state, Weighting weighting) const {
 }
 
 void Problem::visit_odometry(const Evaluation& at, int stop, BlockSink* sink) const {
-  if (noise.odometry_model != OdometryModel::kPerIncrement) return odometry_pose(at, stop, sink);
+  if (noise.law.model != OdometryModel::kPerIncrement) return odometry_pose(at, stop, sink);
   if (stop == 0) return;
   const std::size_t from = static_cast<std::size_t>(stop) - 1;
-  if (noise.along_way)
+  if (noise.law.along_way)
     odometry_along_way(at, stop, ways_[from], sink);
   else
     odometry_increment(at, stop, increments_[from], sink);
@@ -160,7 +160,7 @@ void Problem::visit_blocks(const State& state, Weighting weighting, BlockSink* s
 }
 
 bool Problem::counts(Nuisance nuisance) const {
-  return noise.odometry_model == OdometryModel::kPerIncrement || !row_of(nuisance).increments_only;
+  return noise.law.model == OdometryModel::kPerIncrement || !row_of(nuisance).increments_only;
 }
 
 void Problem::for_each_prior(const std::function<void(Nuisance, int, const Eigen::MatrixXd&)>& visit) const {
@@ -183,7 +183,7 @@ void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) 
 
 void Problem::fix_unknowns(ArrowSystem* system) const {
   // Increments say nothing about where the world is: the first pose does.
-  if (noise.odometry_model == OdometryModel::kPerIncrement && layout_.poses > 0)
+  if (noise.law.model == OdometryModel::kPerIncrement && layout_.poses > 0)
     for (int unknown = 0; unknown < 3; ++unknown) system->fix_pose_unknown(0, unknown);
   for (int c = 0; c < layout_.cameras; ++c)
     for (int unknown = 0; camera_fixed[static_cast<std::size_t>(c)] && unknown < 6; ++unknown)
@@ -251,7 +251,7 @@ std::optional<GroupSums> Problem::sums_with_leverage(const State& state, const s
 double Problem::log_normalisation() const {
   double sum = 0.0;
   const auto log_odometry_sigmas = [&](int stop) -> double {
-    if (!noise.along_way) return odometry_sigmas(observations_, noise, stop).array().log().sum();
+    if (!noise.law.along_way) return odometry_sigmas(observations_, noise, stop).array().log().sum();
     const std::size_t to = static_cast<std::size_t>(stop);
     return -way_noise(ways_[to - 1], noise, observations_.stops[to - 1], observations_.stops[to])
                 .whitening.diagonal()
@@ -259,7 +259,7 @@ double Problem::log_normalisation() const {
                 .log()
                 .sum();
   };
-  for (int stop = noise.odometry_model == OdometryModel::kPerIncrement ? 1 : 0; stop < layout_.poses; ++stop)
+  for (int stop = noise.law.model == OdometryModel::kPerIncrement ? 1 : 0; stop < layout_.poses; ++stop)
     sum += 2.0 * log_odometry_sigmas(stop);
   sum += 2.0 * layout_.poses * (std::log(noise.suspension_height_m) + 2.0 * std::log(noise.suspension_tilt_rad));
   for (std::size_t v = 0; v < whitened_->views.size(); ++v) {

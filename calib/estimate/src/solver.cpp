@@ -224,7 +224,7 @@ double minus_two_log_likelihood(const Problem& problem, const State& state) {
   system.global.diagonal().tail(6 * static_cast<Eigen::Index>(problem.layout().step().bodies.size())).array() +=
       kMountingInformation;
   double priors = 0.0;
-  if (problem.noise.odometry_model == OdometryModel::kPerIncrement) priors = count_factors_as_usual(problem, &system);
+  if (problem.noise.law.model == OdometryModel::kPerIncrement) priors = count_factors_as_usual(problem, &system);
   const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) return std::numeric_limits<double>::infinity();
   const double globals = eliminated->log_determinant_of_globals();

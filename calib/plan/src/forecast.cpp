@@ -46,7 +46,7 @@ Observations without_views(Observations observations) {
 }  // namespace
 
 ml::NoiseLevels expected_levels(const ml::Basis& basis) {
-  return basis.levels.along_way ? ml::per_increment(basis.levels, basis.used) : basis.levels;
+  return basis.levels.law.along_way ? ml::per_increment(basis.levels, basis.used) : basis.levels;
 }
 
 Forecast::Forecast(const CalibrationSoFar& knowledge)
@@ -76,8 +76,8 @@ StopInformation Forecast::information_of(const Foresight& foresight, const Place
   state.poses = {ml::RobotPose::from_transform(T_world_robot)};
   // By itself: absolute odometry counts, increments are linked later.
   ml::NoiseLevels levels = levels_;
-  if (levels.odometry_model == OdometryModel::kPerIncrement) {
-    levels.odometry_model = OdometryModel::kPerPose;
+  if (levels.law.model == OdometryModel::kPerIncrement) {
+    levels.law.model = OdometryModel::kPerPose;
     levels.odometry_xy_m = levels.odometry_yaw_rad = kNoInformation;
   }
   const ml::ArrowSystem all = linearised(one, levels, state),
@@ -111,7 +111,7 @@ std::optional<Eigen::MatrixXd> Forecast::with_stops(const std::vector<const Stop
   system.diagonal.front() = base_.diagonal.front();
   system.pose_global.topRows(6) = base_.pose_global;
   system.global = base_.global;
-  const bool increments = levels_.odometry_model == OdometryModel::kPerIncrement;
+  const bool increments = levels_.law.model == OdometryModel::kPerIncrement;
   for (int i = 0; i < count; ++i) {
     const StopInformation& stop = *stops[static_cast<std::size_t>(i)];
     system.diagonal[static_cast<std::size_t>(i) + 1] = stop.diagonal;
@@ -137,7 +137,7 @@ std::optional<Eigen::MatrixXd> Forecast::regular_covariance(const std::vector<co
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Eigen::MatrixXd J = ml::camera_chart(state_, layout_);
   Eigen::MatrixXd joint = J * llt.solve(J.transpose());
-  ml::add_common_errors(knowledge_.estimate.noise.priors, knowledge_.basis.levels.along_way, &joint);
+  ml::add_common_errors(knowledge_.estimate.noise.priors, knowledge_.basis.levels.law.along_way, &joint);
   if (!joint.allFinite()) return std::nullopt;  // LLT lets NaN pass
   std::vector<Eigen::Index> rows;
   for (int c = 0; c < layout_.cameras; ++c)
@@ -158,7 +158,7 @@ std::vector<AxisSigmas> Forecast::sigmas(const std::vector<const StopInformation
     const ml::GlobalCovariance globals = ml::invert_information(*information);
     const Eigen::MatrixXd rows = J.middleRows(6 * c, 6);
     Eigen::MatrixXd covariance = rows * globals.covariance * rows.transpose();
-    ml::add_common_errors(knowledge_.estimate.noise.priors, knowledge_.basis.levels.along_way, &covariance);
+    ml::add_common_errors(knowledge_.estimate.noise.priors, knowledge_.basis.levels.law.along_way, &covariance);
     const Eigen::MatrixXd free = J * globals.free_directions;
     for (int axis = 0; axis < 6; ++axis) {
       bool open = false;

@@ -35,7 +35,7 @@ std::optional<Eigen::Matrix3d> usual_ground(const Observations& observations, in
 void start_over(const Observations& observations, const InitialGuess& guess, MlEstimate* estimate) {
   CalibrationState* state = &estimate->state;
   const Stop& first = observations.stops.front();
-  const bool absolute = estimate->noise.odometry_model == OdometryModel::kPerPose;  // its world is the odometry's
+  const bool absolute = estimate->noise.law.model == OdometryModel::kPerPose;  // its world is the odometry's
   const Rigid3 T_world_guess = absolute ? planar_pose(first.x_m, first.y_m, first.yaw_rad) : Rigid3();
   for (std::size_t c = 0; c < guess.T_robot_camera.size(); ++c)
     if (guess.T_robot_camera[c]) state->T_robot_camera[c] = *guess.T_robot_camera[c];
@@ -243,7 +243,7 @@ void Foresight::append_board_plane(int stop, int camera, const Rigid3& T, Observ
 Stop Foresight::stop_after(const Stop* before, const Rigid3& T_world_before, const Rigid3& T_world_robot) const {
   const CalibrationState& state = knowledge_.estimate.state;
   Rigid3 T = T_world_robot;
-  if (knowledge_.estimate.noise.odometry_model == OdometryModel::kPerIncrement && before != nullptr) {
+  if (knowledge_.estimate.noise.law.model == OdometryModel::kPerIncrement && before != nullptr) {
     const Rigid3 motion = T_world_before.inverse() * T_world_robot;
     T = planar_pose(before->x_m, before->y_m, before->yaw_rad) *
         planar_pose(state.odometry_scale * motion.translation.x(), state.odometry_scale * motion.translation.y(),
@@ -257,7 +257,7 @@ Stop Foresight::stop_after(const Stop* before, const Rigid3& T_world_before, con
 Observations Foresight::as_expected(const ml::NoiseLevels& levels) const {
   const CalibrationState& state = knowledge_.estimate.state;
   Observations expected = knowledge_.basis.used;
-  expected.odometry_noise = {levels.odometry_model, levels.odometry_xy_m, levels.odometry_yaw_rad};
+  expected.odometry_noise = {levels.law.model, levels.odometry_xy_m, levels.odometry_yaw_rad};
   const auto pose = [&state](int stop) { return state.T_world_robot[static_cast<std::size_t>(stop)]; };
   for (std::size_t i = 0; i < expected.stops.size(); ++i)
     expected.stops[i] = stop_after(i > 0 ? &expected.stops[i - 1] : nullptr, state.T_world_robot[i > 0 ? i - 1 : 0],

@@ -30,7 +30,7 @@ double expected_cost(int dimensions) {
 
 // Observations with the noise levels that were estimated, so that every later solution has the same.
 Observations with_levels(Observations observations, const MlEstimate& estimate) {
-  observations.odometry_noise = {estimate.noise.odometry_model, estimate.noise.odometry_xy_m,
+  observations.odometry_noise = {estimate.noise.law.model, estimate.noise.odometry_xy_m,
                                  estimate.noise.odometry_yaw_rad};
   const auto squared = [](const std::vector<double>& scale, int camera) {
     return std::pow(scale[static_cast<std::size_t>(camera)], 2);
@@ -85,7 +85,8 @@ std::optional<HeldOut> predict_held_out(const Observations& observations, int fo
   const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));
   const Observations all = with_levels(used_observations(estimate.result, observations, ground), estimate);
   MlOptions options = asked;
-  options.along_way = estimate.noise.along_way;
+  options.along_way = estimate.noise.law.along_way;
+  options.metre_as_turn_rad = estimate.noise.law.metre_as_turn_rad;
   options.start = estimate.state;
   options.estimate_corner_level = options.estimate_plane_level = false;
   options.suspension_height_sigma_m = estimate.noise.suspension_height_m;

@@ -250,8 +250,7 @@ void add_increment(const GeometricConfig& config, const Step& step, const Eigen:
 void drive_piece(const GeometricConfig& config, double way, double turn, RandomStream* random,
                  Eigen::Vector3d* odometry, std::vector<Eigen::Vector3d>* passed) {
   constexpr int kSteps = 8;
-  constexpr double kTurnOfAMetre_rad = 0.1;
-  const double along_m = std::abs(way) / kSteps, turning = std::abs(turn) / kSteps + kTurnOfAMetre_rad * along_m;
+  const double along_m = std::abs(way) / kSteps, turning = std::abs(turn) / kSteps + config.metre_as_turn_rad * along_m;
   const double sigma_xy = config.lambda * kPaperTranslationSigma_m * std::sqrt(along_m);
   const double sigma_yaw = config.lambda * kPaperYawSigma_rad * std::sqrt(turning);
   for (int k = 0; k < kSteps; ++k) {

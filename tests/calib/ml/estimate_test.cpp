@@ -136,6 +136,47 @@ TEST(MlRecovery, IsExactAlongTheWay) {
   expect_exact(run, estimate, 1e-5);  // the priors of 10 % pull by (1e-5 / 0.1)^2
 }
 
+// Wheels that slip lose their heading where they turn, two driven wheels wherever they roll.
+GeometricConfig losing_heading(double metre_as_turn_rad) {
+  GeometricConfig config;
+  config.stops = 25;
+  config.along_way = true;
+  config.metre_as_turn_rad = metre_as_turn_rad;
+  config.lambda = metre_as_turn_rad > 1.0 ? 0.3 : 1.0;  // alike on the whole
+  config.declare_odometry_model = config.declare_odometry_sigmas = false;
+  return config;
+}
+
+TEST(MlOdometry, TheDataSayHowHeadingIsLost) {
+  for (const double metre_as_turn_rad : {0.01, 1.0, 10.0}) {
+    int near = 0;
+    for (int seed = 0; seed < 10; ++seed) {
+      GeometricConfig config = losing_heading(metre_as_turn_rad);
+      config.seed = static_cast<std::uint64_t>(seed);
+      const MlEstimate estimate = estimate_maximum_likelihood(draw_geometric_run(config).observations);
+      ASSERT_TRUE(estimate.odometry.along_way) << seed;
+      const double found = estimate.noise.law.metre_as_turn_rad;
+      near += std::abs(std::log10(found / metre_as_turn_rad)) < 1.5 ? 1 : 0;
+      const auto note = std::find_if(estimate.result.notes.begin(), estimate.result.notes.end(),
+                                     [](const Finding& one) { return one.is("odometry.noise_along_way"); });
+      ASSERT_NE(note, estimate.result.notes.end()) << seed;
+      EXPECT_DOUBLE_EQ(std::get<double>(note->find("straight_m")->value), 1.0 / found);
+    }
+    EXPECT_GE(near, 8) << metre_as_turn_rad;
+  }
+}
+
+// Told as if it were lost in turns, the heading of a cart has sigmas that are too small.
+TEST(MlUncertainty, HoldsHoweverHeadingIsLostOverTrials) {
+  for (const double metre_as_turn_rad : {0.01, 10.0}) {
+    MlOptions options = told();
+    options.priors.rotation_centre_m = 0.0;
+    const double mean = mean_nees(losing_heading(metre_as_turn_rad), options, kTrials);
+    EXPECT_LT(mean, kUnknowns + kTrials.chi_square_tolerance(kUnknowns)) << metre_as_turn_rad;
+    EXPECT_GT(mean, 0.8 * kUnknowns) << metre_as_turn_rad;
+  }
+}
+
 TEST(MlOdometry, TheWayIsChosenWhereItIsDriven) {
   for (int seed = 0; seed < 10; ++seed) {
     GeometricConfig config;

@@ -208,9 +208,13 @@ TEST(OdometryWay, ATurnsErrorBendsTheWayAfterIt) {
   const Eigen::Vector2d end = way.motion(factor).value.head<2>();
   EXPECT_NEAR((end - 2.0 * Eigen::Vector2d(std::cos(turned), std::sin(turned))).norm(), 0.0, 1e-12);
   // Heading noise of the first turn alone moves the end sideways, by two metres a radian.
-  const Eigen::Matrix3d turning = way.noise_of_turning();
+  const Eigen::Matrix3d turning = way.noise_of_heading({OdometryModel::kPerIncrement, true, 0.0});
   EXPECT_NEAR(turning(0, 0) / (kPi / 2), 4.0, 0.3);
   EXPECT_NEAR(turning(2, 2), kPi, 0.3);
+  // Two metres that lose as much heading as turns of 3 rad, half a way before the end in the mean.
+  const Eigen::Matrix3d straying = way.noise_of_heading({OdometryModel::kPerIncrement, true, 3.0}) - turning;
+  EXPECT_NEAR(straying(2, 2), 6.0, 1e-12);
+  EXPECT_NEAR(straying(0, 2) / 6.0, -1.0, 1e-12);
   EXPECT_NEAR(way.noise_of_translation()(0, 0), 2.0, 0.05);
 }
 

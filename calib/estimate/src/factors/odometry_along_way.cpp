@@ -3,7 +3,7 @@
 
 namespace rigproof::ml {
 
-// Translation and turning share the residuals: a group's part is what its noise is of each residual's variance.
+// Translation and heading share the residuals: a group's part is what its noise is of each residual's variance.
 void odometry_along_way(const Evaluation& at, int to, const OdometryWay& way, BlockSink* sink) {
   const WayNoise shape = way_noise(way, at.noise, at.stop(to - 1), at.stop(to));
   const IncrementResidual residual =
@@ -14,7 +14,7 @@ void odometry_along_way(const Evaluation& at, int to, const OdometryWay& way, Bl
   rows.add(of_pose(to, 0, 3), residual.by_to);
   rows.add(at.layout, Nuisance::kOdometryFactors, 0, residual.by_factors);
   rows.whiten(shape.whitening);
-  add_shared(at, {Group::kOdometryXy, Group::kOdometryYaw}, shape.turning, shape.whitening * residual.value, rows,
+  add_shared(at, {Group::kOdometryXy, Group::kOdometryYaw}, shape.heading, shape.whitening * residual.value, rows,
              &block, sink);
 }
 

@@ -13,7 +13,7 @@ Eigen::Vector3d odometry_sigmas(const Observations& observations, const NoiseLev
     xy2 += interpolation * interpolation;
   };
   add(stop);
-  if (noise.odometry_model == OdometryModel::kPerIncrement) add(stop - 1);
+  if (noise.law.model == OdometryModel::kPerIncrement) add(stop - 1);
   const double xy = std::sqrt(xy2);
   return {xy, xy, noise.odometry_yaw_rad};
 }

@@ -75,9 +75,10 @@ struct GeometricConfig {
   /// Multiple of the noise of the paper: 0.2 cm on x and y, 0.01 rad on yaw.
   double lambda = 1.0;
   /// Increments only: the robot turns, drives straight on or back, and turns; stops know the way. Noise is a random
-  /// walk along it: 0.2 cm after one metre and 0.01 rad after a turn of one radian (ten metres of straight way count
-  /// like that), times lambda; scale and yaw factor act on all of the way.
+  /// walk along it: 0.2 cm after one metre and 0.01 rad after a turn of one radian, times lambda; scale and yaw factor
+  /// act on all of the way.
   bool along_way = false;
+  double metre_as_turn_rad = 0.1;    ///< along the way, a metre loses as much heading as this turn
   double odometry_scale = 1.0;       ///< measured = scale * true translation (increments only)
   double odometry_yaw_factor = 1.0;  ///< measured = factor * true rotation (increments only)
   bool declare_odometry_model = true;

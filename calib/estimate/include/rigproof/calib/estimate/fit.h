@@ -17,11 +17,6 @@ struct Fit {
   double minus_two_log_likelihood = 0.0;
 };
 
-struct OdometryLaw {
-  OdometryModel model = OdometryModel::kPerIncrement;
-  bool along_way = false;
-};
-
 /// Rounds in which wrong views are left out: one for each camera at a stop.
 inline constexpr int kLeaveOutRounds = 8;
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "rigproof/calib/estimate/odometry_law.h"
 #include "rigproof/calib/estimate/unknowns.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/rigid3.h"
@@ -22,10 +23,7 @@ struct CalibrationState {
 
 /// Standard deviations of what is not in the observations themselves. Corners and planes carry their covariances.
 struct CalibrationNoise {
-  OdometryModel odometry_model = OdometryModel::kPerIncrement;
-  /// Increments only: the sigmas hold after one metre and after a turn of one radian, and grow with the square root of
-  /// either along Stop::way; an error in a turn bends the path after it.
-  bool along_way = false;
+  OdometryLaw law;
   double odometry_xy_m = 0.002;
   double odometry_yaw_rad = 0.01;
   double suspension_height_m = 0.0;

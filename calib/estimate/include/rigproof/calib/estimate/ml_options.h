@@ -25,9 +25,11 @@ struct MlOptions {
   bool estimate_corner_level = true;
   bool estimate_plane_level = true;
   PriorSigmas priors = usual_priors();
-  /// Declared odometry noise is along the way (CalibrationNoise::along_way). If no model is declared, this one is tried
+  /// Declared odometry noise is along the way (OdometryLaw::along_way). If no model is declared, this one is tried
   /// when the observations contain the ways.
   bool along_way = false;
+  /// Of declared noise along the way: OdometryLaw::metre_as_turn_rad.
+  double metre_as_turn_rad = OdometryLaw().metre_as_turn_rad;
   PosteriorLimits limits;
   /// Where to start instead of the closed-form guess.
   std::optional<CalibrationState> start;

@@ -4,16 +4,14 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "rigproof/calib/estimate/odometry_law.h"
 #include "rigproof/core/observations.h"
 
 namespace rigproof::ml {
 
 /// Standard deviations by which residuals are whitened; every one is given or estimated (see variance_components.h).
 struct NoiseLevels {
-  OdometryModel odometry_model = OdometryModel::kPerIncrement;
-  /// With kPerIncrement only: the sigmas hold for one metre driven and one radian turned, and grow with the square root
-  /// of each; an error of a turn bends the path after it.
-  bool along_way = false;
+  OdometryLaw law;
   double odometry_xy_m = 0.002;
   double odometry_yaw_rad = 0.01;
   double suspension_height_m = 5e-4;

@@ -1,4 +1,4 @@
-// Which of the two odometry noise models holds.
+// Which odometry noise model holds.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,10 @@ struct OdometryChoice {
   std::vector<Finding> notes;
 };
 
-/// The declared model's solution; where none is declared both are tried and the likelier is kept.
+/// The law of a model that is declared.
+OdometryLaw declared_law(OdometryModel model, const MlOptions& options);
+
+/// The declared model's solution; where none is declared all are tried and the likeliest is kept.
 OdometryChoice choose_odometry(const Preparation& prepared);
 
 }  // namespace rigproof::ml

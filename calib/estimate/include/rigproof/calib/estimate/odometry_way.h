@@ -25,9 +25,12 @@ class OdometryWay {
   Motion motion(double yaw_factor) const;
 
   /// Covariances of the motion's error for unit levels: translation noise of 1 m after a way of 1 m, and heading noise
-  /// of 1 rad after a turn of 1 rad, which bends the path after it. Both are random walks.
+  /// of 1 rad after a turn of 1 rad, or after the way that loses as much; it bends the path after it. Both are random
+  /// walks.
   const Eigen::Matrix3d& noise_of_translation() const { return translation_; }
-  const Eigen::Matrix3d& noise_of_turning() const { return turning_; }
+  Eigen::Matrix3d noise_of_heading(const OdometryLaw& law) const {
+    return turning_ + law.metre_as_turn_rad * straying_;
+  }
 
  private:
   struct Arc {
@@ -38,13 +41,13 @@ class OdometryWay {
 
   std::vector<Arc> arcs_;
   double length_m_ = 0.0;
-  Eigen::Matrix3d translation_, turning_;
+  Eigen::Matrix3d translation_, turning_, straying_;
 };
 
 /// Covariance of the measured motion's error.
 struct WayNoise {
   Eigen::Matrix3d whitening;  ///< lower triangular: whitening * covariance * whitening' = 1
-  Eigen::Matrix3d turning;    ///< share of the turning's noise in the whitened covariance; the rest is translation's
+  Eigen::Matrix3d heading;    ///< share of the heading's noise in the whitened covariance; the rest is translation's
 };
 WayNoise way_noise(const OdometryWay& way, const NoiseLevels& levels, const Stop& from, const Stop& to);
 
