@@ -13,6 +13,8 @@ namespace {
 // Chi-squares of six dimensions: of the score at the solution, which chance exceeds three times in a thousand, and of
 // the shape itself by all that is uncertain, which it exceeds once in 100,000.
 constexpr double kWorthASolution = 20.0, kSure = 33.0;
+// Depth is rounded, and no lens is exact to the last digit.
+constexpr double kNoFault_px = 0.02;
 // Far beyond what any depth camera is off by.
 constexpr double kDoubted = 0.1;
 
@@ -67,12 +69,14 @@ std::optional<Finding> look_again(const Preparation& prepared, const Fit& fit, i
   const std::optional<GlobalCovariance> covariance = stated_covariance(free, with);
   if (!covariance) return std::nullopt;
   const int at = Layout::of(free.used, free.priors).place(Nuisance::kDepthShape, camera);
-  const Eigen::MatrixXd expected =
-      covariance->covariance.block(at, at, 6, 6) + prepared.priors.covariance(Nuisance::kDepthShape, camera);
+  const RigCamera& seeing = prepared.original.cameras[static_cast<std::size_t>(camera)];
+  const double no_fault = kNoFault_px / seeing.depth_optics().fx_px;
+  const Eigen::MatrixXd expected = covariance->covariance.block(at, at, 6, 6) +
+                                   prepared.priors.covariance(Nuisance::kDepthShape, camera) +
+                                   no_fault * no_fault * Eigen::MatrixXd::Identity(6, 6);
   const double square = square_of(with.state.nuisances.of(Nuisance::kDepthShape, camera), expected);
   if (!(square > kSure)) return std::nullopt;
-  return Finding("depth.misplaced", {{"deviations", std::sqrt(square)}})
-      .of(prepared.original.cameras[static_cast<std::size_t>(camera)].name);
+  return Finding("depth.misplaced", {{"deviations", std::sqrt(square)}}).of(seeing.name);
 }
 
 }  // namespace

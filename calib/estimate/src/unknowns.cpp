@@ -115,9 +115,17 @@ Eigen::MatrixXd shape_covariance(double shift_px, double focal_relative, const C
   return independent({shift_px / camera.fx_px, shift_px / camera.fy_px, 0.0, 0.0, focal_relative, 0.0});
 }
 
+// An estimated lens moves planes as if they filled the image: over a floor, distortion acts by up to a tenth of it
+// otherwise, and of the residual field, which moves no plane that fills the image, about all of it is left.
+Eigen::MatrixXd shape_covariance(const IntrinsicsSigma& lens, const Camera& camera) {
+  constexpr double kOfDistortion = 0.1;
+  const double sigma_px = std::hypot(kOfDistortion * lens.distortion_px, lens.residual_px);
+  return std::pow(sigma_px / camera.fx_px, 2) * Eigen::MatrixXd::Identity(6, 6);
+}
+
 // A depth image may lie aside of its colour image. A driver makes clouds with the intrinsics that are stated, or with
-// others, which are no better: they may differ by as much as the stated ones err. Everything else of depth's shape is
-// doubted only where it is tested: see depth_shape.h.
+// others, which are no better: they may differ by as much as the stated ones err. What is far beyond is doubted only
+// where it is tested: see depth_shape.h.
 Covariances of_depth_shape(const PriorSource& source) {
   Covariances covariances = for_each_camera(source, Eigen::MatrixXd::Zero(6, 6));
   const auto doubt = [&covariances](std::size_t camera, const Eigen::MatrixXd& covariance) {
@@ -130,7 +138,9 @@ Covariances of_depth_shape(const PriorSource& source) {
       const IntrinsicsSigma lens = lens_sigma(source.sigmas, camera);
       if (is_cloud(plane, camera))
         doubt(c, shape_covariance(lens.principal_point_px, lens.focal_relative, camera.camera));
-      else if (camera.depth && !source.sigmas.believe_told)
+      if (source.sigmas.believe_told || !camera.depth) continue;
+      doubt(c, shape_covariance(lens, camera.depth_optics()));
+      if (!is_cloud(plane, camera))
         doubt(c, shape_covariance(camera.depth->noise.shift_sigma_px, 0.0, camera.depth_optics()));
     }
   return covariances;
