@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "error_text.h"
 #include "rigproof/core/child_process.h"
 #include "temp_folder.h"
 
@@ -43,6 +44,13 @@ TEST_F(Scratch, IsGoneWithItsOwner) {
     EXPECT_TRUE(fs::is_directory(path));
   }
   EXPECT_FALSE(fs::exists(path));
+}
+
+TEST_F(Scratch, WhereNoneCanBeMadeTheReasonIsSaid) {
+  const std::string gone = (fs::temp_directory_path() / "gone").string();
+  setenv("TMPDIR", gone.c_str(), 1);
+  EXPECT_EQ(error_text([] { const ScratchFolder scratch("a"); }),
+            gone + ": cannot use it as the folder of temporary files (TMPDIR): No such file or directory");
 }
 
 TEST_F(Scratch, OfAKilledOwnerIsRemovedNextTime) {
