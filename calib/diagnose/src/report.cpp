@@ -30,7 +30,7 @@ const std::string& name_of(const Preparation& prepared, int camera) {
   return prepared.original.cameras[static_cast<std::size_t>(camera)].name;
 }
 
-CalibrationState state_of(const State& solution) {
+CalibrationState state_of(const Preparation& prepared, const State& solution) {
   CalibrationState state;
   state.T_robot_camera = solution.T_robot_camera;
   state.T_world_board = solution.T_world_board;
@@ -38,8 +38,9 @@ CalibrationState state_of(const State& solution) {
   state.odometry_scale = solution.odometry_scale();
   state.odometry_yaw_factor = solution.odometry_yaw_factor();
   const double common = solution.nuisances.of(Nuisance::kCommonDepthScale)[0];
-  for (std::size_t c = 0; c < solution.T_robot_camera.size(); ++c)
-    state.depth_scale.push_back(1.0 + common + solution.nuisances.of(Nuisance::kDepthScale, static_cast<int>(c))[0]);
+  for (int c = 0; c < static_cast<int>(solution.T_robot_camera.size()); ++c)
+    state.depth_scale.push_back(1.0 + common_depth_share(prepared.used, c) * common +
+                                solution.nuisances.of(Nuisance::kDepthScale, c)[0]);
   return state;
 }
 
@@ -53,7 +54,7 @@ MlEstimate estimate_of(const Preparation& prepared, const OdometryChoice& choice
                        const Statement& stated) {
   const Fit& fit = choice.fit;
   MlEstimate estimate;
-  estimate.state = state_of(fit.state);
+  estimate.state = state_of(prepared, fit.state);
   estimate.noise = noise_of(fit.noise, prepared.sigmas());
   estimate.corner_scale = fit.noise.corner_scale;
   estimate.ground_scale = fit.noise.ground_scale;

@@ -28,7 +28,7 @@ Camera lens_at(const Evaluation& at, int camera) {
 
 double depth_error(const Evaluation& at, int camera) {
   return at.state.nuisances.of(Nuisance::kDepthScale, camera)[0] +
-         at.state.nuisances.of(Nuisance::kCommonDepthScale)[0];
+         common_depth_share(at.observations, camera) * at.state.nuisances.of(Nuisance::kCommonDepthScale)[0];
 }
 
 MeasuredPlane measured_plane(const Evaluation& at, const WhitenedPlane& plane) {

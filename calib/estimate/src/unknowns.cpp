@@ -88,11 +88,18 @@ DepthNoise exact_depth() {
 }
 
 // Of cameras of one make: as far off as the worst is said to be.
-Covariances of_common_depth_scale(const PriorSource& source) {
+double common_scale_sigma(const RigCamera& camera) {
+  return camera.depth ? camera.depth->noise.common_scale_sigma : 0.0;
+}
+
+double largest_common_scale_sigma(const Observations& observations) {
   double sigma = 0.0;
-  for (const RigCamera& camera : source.observations.cameras)
-    if (camera.depth && !source.sigmas.believe_told) sigma = std::max(sigma, camera.depth->noise.common_scale_sigma);
-  return {independent({sigma})};
+  for (const RigCamera& camera : observations.cameras) sigma = std::max(sigma, common_scale_sigma(camera));
+  return sigma;
+}
+
+Covariances of_common_depth_scale(const PriorSource& source) {
+  return {independent({source.sigmas.believe_told ? 0.0 : largest_common_scale_sigma(source.observations)})};
 }
 
 Covariances of_depth_offset(const PriorSource& source) {
@@ -117,7 +124,7 @@ Eigen::MatrixXd shape_covariance(double shift_px, double focal_relative, const C
 
 // An estimated lens moves planes as if they filled the image: over a floor, distortion acts by up to a tenth of it
 // otherwise, and of the residual field, which moves no plane that fills the image, about all of it is left.
-Eigen::MatrixXd shape_covariance(const IntrinsicsSigma& lens, const Camera& camera) {
+Eigen::MatrixXd shape_left_by(const IntrinsicsSigma& lens, const Camera& camera) {
   constexpr double kOfDistortion = 0.1;
   const double sigma_px = std::hypot(kOfDistortion * lens.distortion_px, lens.residual_px);
   return std::pow(sigma_px / camera.fx_px, 2) * Eigen::MatrixXd::Identity(6, 6);
@@ -139,7 +146,7 @@ Covariances of_depth_shape(const PriorSource& source) {
       if (is_cloud(plane, camera))
         doubt(c, shape_covariance(lens.principal_point_px, lens.focal_relative, camera.camera));
       if (source.sigmas.believe_told || !camera.depth) continue;
-      doubt(c, shape_covariance(lens, camera.depth_optics()));
+      doubt(c, shape_left_by(lens, camera.depth_optics()));
       if (!is_cloud(plane, camera))
         doubt(c, shape_covariance(camera.depth->noise.shift_sigma_px, 0.0, camera.depth_optics()));
     }
@@ -256,6 +263,12 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
       {{{"readout_ms", 1e3}}, kCamera, kAnyOdometry, kReported, "rolling shutter", &of_readout},
   }};
   return kTable;
+}
+
+double common_depth_share(const Observations& observations, int camera) {
+  const double largest = largest_common_scale_sigma(observations);
+  const double own = common_scale_sigma(observations.cameras[static_cast<std::size_t>(camera)]);
+  return largest > 0.0 ? own / largest : 1.0;
 }
 
 const std::array<CommonError, 2>& common_errors() {

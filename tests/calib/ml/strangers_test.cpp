@@ -281,6 +281,29 @@ TEST(MlStrangers, WhatIsFurtherOffThanStatedIsNamed) {
   EXPECT_THAT(strained({1.0, 1.0, 0.04}), testing::Contains("depth_offset_mm of " + camera));
 }
 
+// A camera whose depth is exact has no part in the error that the others have in common.
+TEST(MlStrangers, TheExactDepthOfOneCameraTellsTheCommonErrorOfTheOthers) {
+  GeometricConfig config;
+  config.stops = 20;
+  config.board_planes = true;
+  config.depth_scales = {1.0, 1.025, 1.026};
+  GeometricRun run = draw_geometric_run(config);
+  run.observations.board.doubt();
+  for (std::size_t c = 0; c < 3; ++c) {
+    DepthNoise& noise = run.observations.cameras[c].depth->noise;
+    noise.scale_sigma = c == 0 ? 1e-5 : 0.003;
+    noise.common_scale_sigma = c == 0 ? 0.0 : 0.01;
+  }
+  const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+  ASSERT_EQ(estimate.result.status, ResultStatus::kSolved);
+  for (const Finding& note : estimate.result.notes) EXPECT_NE(note.severity, Severity::kSuspect) << note.code;
+  for (const EstimatedQuantity& quantity : estimate.result.also_estimated)
+    if (quantity.name == "common_depth_scale_percent") {
+      EXPECT_NEAR(quantity.value, 2.5, 0.5);
+    }
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(estimate.state.depth_scale[c], config.depth_scales[c], 1e-3) << c;
+}
+
 std::vector<std::string> with_misplaced_depth(const Observations& observations) {
   MlOptions options = told();
   options.estimate_plane_level = true;

@@ -15,9 +15,10 @@ void board_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* si
   LocalBlock block(Group::kBoardPlane, c);
   TwistSystem system;
   RowJacobian<3, TwistSystem::kMaxDirect> direct = RowJacobian<3, TwistSystem::kMaxDirect>::Zero();
-  for (const Nuisance scale : {Nuisance::kDepthScale, Nuisance::kCommonDepthScale})
-    if (const int depth = system.append(at.layout, scale, c); depth >= 0)
-      direct.col(depth) = W * residual.by_depth_bias;
+  if (const int own = system.append(at.layout, Nuisance::kDepthScale, c); own >= 0)
+    direct.col(own) = W * residual.by_depth_bias;
+  if (const int common = system.append(at.layout, Nuisance::kCommonDepthScale, c); common >= 0)
+    direct.col(common) = common_depth_share(at.observations, c) * W * residual.by_depth_bias;
   const int lens = system.append(at.layout, Nuisance::kLens, c);
   if (lens >= 0) direct.middleCols<5>(lens) = -W * measured.by_lens;
   const int offset = system.append(at.layout, Nuisance::kDepthOffset, c);

@@ -125,6 +125,10 @@ class NuisanceValues {
   Eigen::VectorXd values_;
 };
 
+/// How much of the error that the depth scales of a rig have in common this camera's has, 0 to 1: none where it is
+/// stated as exact.
+double common_depth_share(const Observations& observations, int camera);
+
 /// An error that no data determine: it moves all cameras alike along an axis of the robot, and adds to their
 /// uncertainty.
 struct CommonError {
