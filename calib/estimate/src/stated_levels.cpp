@@ -7,6 +7,14 @@
 namespace rigproof::ml {
 namespace {
 
+// The usual ones. Along the way, heading is lost as much by a drive of a metre for each radian, whatever loses it.
+NoiseLevels nominal_levels(const OdometryLaw& law) {
+  NoiseLevels levels;
+  if (law.along_way)
+    levels.odometry_yaw_rad *= std::sqrt((1.0 + OdometryLaw().metre_as_turn_rad) / (1.0 + law.metre_as_turn_rad));
+  return levels;
+}
+
 // The level of a group by which uncertainty is stated. An estimated level is itself uncertain: with few redundant
 // dimensions its square, as Student's t says, must be taken nu / (nu - 2) times larger. With next to none, the
 // odometry is far better than the cameras, or there is nearly nothing of it: then the level at which the data would
@@ -54,7 +62,7 @@ void allow_for_few_planes(const GroupSums& sums, Group group, std::vector<double
 
 NoiseLevels stated_levels(const Preparation& prepared, const Fit& fit, const GroupSums& sums) {
   NoiseLevels levels = fit.noise;
-  const NoiseLevels nominal;
+  const NoiseLevels nominal = nominal_levels(fit.noise.law);
   if (!prepared.original.odometry_noise.sigma_xy_m)
     allow_for_estimation(prepared, fit, Group::kOdometryXy, sums, &NoiseLevels::odometry_xy_m, nominal.odometry_xy_m,
                          &levels);
@@ -74,7 +82,7 @@ NoiseLevels stated_levels(const Preparation& prepared, const Fit& fit, const Gro
 NoiseLevels gate_levels(const Preparation& prepared, const Fit& fit, const GroupSums& sums) {
   constexpr double kNominalDimensions = 4.0;
   NoiseLevels levels = fit.noise;
-  const NoiseLevels nominal;
+  const NoiseLevels nominal = nominal_levels(fit.noise.law);
   const auto shrink = [&](Group group, double NoiseLevels::*level) {
     const double redundancy = std::max(0.0, sum_of(sums, group).redundancy());
     const double estimated = levels.*level, usual = nominal.*level;
