@@ -10,6 +10,7 @@
 #include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/pcd.h"
 #include "rigproof/core/recording.h"
 #include "rigproof/core/text.h"
@@ -221,7 +222,7 @@ InitReport init_recording(const InitOptions& options) {
   save_recording(imported.recording);
   look_for_board(options, imported.recording, &imported.report);
   write_descriptions(options, imported);
-  fs::remove_all(scratch);
+  remove_tree(scratch);
   making.finish();
   imported.report.folder = options.output;
   return imported.report;

@@ -61,12 +61,12 @@ class RecordingPictures : public PictureSource {
   bool mirror_lists() const {
     bool any = false;
     std::error_code ignored;
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder_)) {
+    for (const fs::directory_entry& entry : folder_tree(folder_)) {
       const fs::path& file = entry.path();
       const bool list = file.extension() == ".csv";
       if (!list && file.extension() != ".yaml" && file.extension() != ".json") continue;
       const fs::path copy = scratch_ / file.lexically_relative(folder_);
-      fs::create_directories(copy.parent_path());
+      create_folder(copy.parent_path());
       if (list)
         copy_whole_lines(file, copy);
       else
@@ -89,8 +89,8 @@ class FolderPictures : public PictureSource {
 
   Recording choose() override {
     InitOptions options = options_;
-    fs::remove_all(scratch_);
-    fs::create_directories(scratch_);
+    remove_tree(scratch_);
+    create_folder(scratch_);
     if (growing_) {
       const fs::path trajectory = find_trajectory(options_);
       options.odometry = scratch_ / trajectory.filename();

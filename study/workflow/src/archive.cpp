@@ -15,6 +15,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/workflow/folder_in_making.h"
 
@@ -113,7 +114,7 @@ bool is_truth(const Member& member) { return member.name.rfind("truth/", 0) == 0
 std::vector<Member> members_of(const fs::path& folder) {
   std::vector<Member> members;
   std::vector<std::string> problems;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+  for (const fs::directory_entry& entry : folder_tree(folder)) {
     const std::string name = entry.path().lexically_relative(folder).generic_string();
     if (entry.is_directory() && !entry.is_symlink()) continue;
     if (entry.is_symlink() || !entry.is_regular_file())
