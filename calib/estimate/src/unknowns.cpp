@@ -123,11 +123,13 @@ Eigen::MatrixXd shape_covariance(double shift_px, double focal_relative, const C
 }
 
 // An estimated lens moves planes as if they filled the image: over a floor, distortion acts by up to a tenth of it
-// otherwise, and of the residual field, which moves no plane that fills the image, about all of it is left.
+// otherwise, and of the residual field, which moves no plane that fills the image, about all of it is left. The latter
+// counts as a shift alone: as slopes and turns, too, it would state too much (docs/measurements/estimation.md).
 Eigen::MatrixXd shape_left_by(const IntrinsicsSigma& lens, const Camera& camera) {
   constexpr double kOfDistortion = 0.1;
-  const double sigma_px = std::hypot(kOfDistortion * lens.distortion_px, lens.residual_px);
-  return std::pow(sigma_px / camera.fx_px, 2) * Eigen::MatrixXd::Identity(6, 6);
+  const double distortion = kOfDistortion * lens.distortion_px / camera.fx_px;
+  const double shift = std::hypot(distortion, lens.residual_px / camera.fx_px);
+  return independent({shift, shift, distortion, distortion, distortion, distortion});
 }
 
 // A depth image may lie aside of its colour image. A driver makes clouds with the intrinsics that are stated, or with

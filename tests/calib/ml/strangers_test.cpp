@@ -83,7 +83,7 @@ struct Stranger {
   std::vector<ml::LensChange> lens;
   Eigen::Vector4d board;
   std::vector<Eigen::Vector3d> depth;  ///< of each camera: offset, tilt about x and y
-  std::vector<Eigen::Vector2d> shift;  ///< of each depth image along x and y [tan]
+  std::vector<Vector6d> shape;         ///< of each depth image: its shift along x and y [tan], and what lenses leave
 };
 
 // What is worse than usual of one thing, as a multiple of its prior; and a depth camera that measures too far.
@@ -100,7 +100,8 @@ Stranger stranger(int seed, double corner_sigma_px = 0.1, const Worse& worse = {
   config.board_planes = true;
   Stranger made;
   const GeometricRig told = config.rig;
-  RandomStream random(config.seed, "strangers"), shifts(config.seed, "shifts of depth images");
+  RandomStream random(config.seed, "strangers"), shifts(config.seed, "shifts of depth images"),
+      left(config.seed, "what lenses leave in planes of depth");
   const IntrinsicsSigma sigma;
   const DepthNoise depth;
   const double common_depth = random.normal(0.0, depth.common_scale_sigma);
@@ -115,7 +116,10 @@ Stranger stranger(int seed, double corner_sigma_px = 0.1, const Worse& worse = {
     made.depth.emplace_back(random.normal(0.0, depth.offset_sigma_m), random.normal(0.0, depth.tilt_sigma_rad),
                             random.normal(0.0, depth.tilt_sigma_rad));
     const double shift_sigma = depth.shift_sigma_px / camera.camera.fx_px;
-    made.shift.push_back(draw_vector<2>([&] { return shifts.normal(0.0, shift_sigma); }));
+    const double left_sigma = 0.1 * sigma.distortion_px / camera.camera.fx_px;
+    made.shape.emplace_back();
+    made.shape.back() << draw_vector<2>([&] { return shifts.normal(0.0, shift_sigma); }),
+        draw_vector<4>([&] { return left.normal(0.0, left_sigma); });
     if (made.depth.size() == 2) made.depth.back()[0] += worse.depth_offset_m;
   }
   Board& board = config.rig.board;
@@ -155,7 +159,7 @@ Stranger stranger(int seed, double corner_sigma_px = 0.1, const Worse& worse = {
           plane.inverse_depth_plane -=
               ml::Lenses(told.cameras[c].camera).plane_by(plane.inverse_depth_plane) * made.lens[c] +
               plane_by_depth_offset(plane.inverse_depth_plane, mean_inverse_depth(plane)) * made.depth[c] +
-              plane_by_depth_shape(plane.inverse_depth_plane).leftCols<2>() * made.shift[c];
+              plane_by_depth_shape(plane.inverse_depth_plane) * made.shape[c];
         }
     };
     as_registered(&observations.ground_planes);
@@ -205,7 +209,7 @@ TEST(MlStrangers, ShiftsOfDepthImagesThatAreBelievedToBeNoneShowOverTrials) {
     for (auto* planes : {&observations.ground_planes, &observations.board_planes})
       for (PlaneObservation& plane : *planes)
         plane.inverse_depth_plane -= plane_by_depth_shape(plane.inverse_depth_plane).leftCols<2>() * 2.0 *
-                                     made.shift[static_cast<std::size_t>(plane.camera)];
+                                     made.shape[static_cast<std::size_t>(plane.camera)].head<2>();
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
     believing += nees(estimate, poses_of(made.run.truth)) / kTrials.count();
