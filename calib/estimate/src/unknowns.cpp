@@ -124,7 +124,7 @@ Eigen::MatrixXd shape_covariance(double shift_px, double focal_relative, const C
 
 // An estimated lens moves planes as if they filled the image: over a floor, distortion acts by up to a tenth of it
 // otherwise, and of the residual field, which moves no plane that fills the image, about all of it is left. The latter
-// counts as a shift alone: as slopes and turns, too, it would state too much (docs/measurements/estimation.md).
+// counts as a shift alone; whether as slopes and turns, too, is open (docs/measurements/estimation.md).
 Eigen::MatrixXd shape_left_by(const IntrinsicsSigma& lens, const Camera& camera) {
   constexpr double kOfDistortion = 0.1;
   const double distortion = kOfDistortion * lens.distortion_px / camera.fx_px;
