@@ -177,6 +177,18 @@ TEST(MlUncertainty, HoldsHoweverHeadingIsLostOverTrials) {
   }
 }
 
+// Six stops hardly tell how heading is lost: what is usual of a drive must not depend on what they seem to say.
+TEST(MlOdometry, FewStopsAreAnsweredHoweverHeadingIsLost) {
+  for (const double metre_as_turn_rad : {0.1, 10.0})
+    for (int seed = 0; seed < 20; ++seed) {
+      GeometricConfig config = losing_heading(metre_as_turn_rad);
+      config.stops = 6;
+      config.seed = static_cast<std::uint64_t>(seed);
+      const MlEstimate estimate = estimate_maximum_likelihood(draw_geometric_run(config).observations);
+      EXPECT_EQ(estimate.result.status, ResultStatus::kSolved) << metre_as_turn_rad << " " << seed;
+    }
+}
+
 TEST(MlOdometry, TheWayIsChosenWhereItIsDriven) {
   for (int seed = 0; seed < 10; ++seed) {
     GeometricConfig config;
