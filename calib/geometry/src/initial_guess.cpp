@@ -40,7 +40,8 @@ struct LevelView {
   double heading;     // of the levelled camera in the levelled board frame
   Vector2d position;  // in the levelled board frame
   double height;
-  double variance;  // of the position
+  double variance;          // of the position
+  double heading_variance;  // a small board far away is seen turned by degrees
   double weight;
 };
 
@@ -81,8 +82,9 @@ std::vector<LevelView> level_views(const std::vector<ViewPose>& views, const std
     const Matrix3d R = R_level_board * T_board_camera.rotation_matrix() *
                        R_level_camera[static_cast<std::size_t>(view.camera)].transpose();
     const double variance = camera_position_covariance(view).trace() / 3.0 + kViewFloor_m * kViewFloor_m;
+    const double heading_variance = view.covariance.bottomRightCorner<3, 3>().trace() / 3.0;
     level.push_back({view.stop, view.camera, heading_of(R), position.head<2>(), position.z(), variance,
-                     std::max(weights[i], 1e-6)});
+                     heading_variance, std::max(weights[i], 1e-6)});
   }
   return level;
 }
@@ -93,18 +95,17 @@ Link link_between(const LevelView& from, const LevelView& to, const std::vector<
   return {&from, &to, motion.translation.head<2>(), yaw_of(motion), to.stop - from.stop};
 }
 
-std::vector<Link> make_links(const std::vector<LevelView>& views, const std::vector<Rigid3>& odometry) {
+// To the previous view, whatever its camera, and to the previous view of every camera at an earlier stop: one wrong
+// view has then no more links to the other cameras than each right one.
+std::vector<Link> make_links(const std::vector<LevelView>& views, const std::vector<Rigid3>& odometry,
+                             std::size_t cameras) {
   std::vector<Link> links;
-  for (std::size_t i = 1; i < views.size(); ++i) {
-    const LevelView& view = views[i];
-    // To the previous view, whatever its camera: this chain connects all cameras.
-    links.push_back(link_between(views[i - 1], view, odometry));
-    // And to the same camera's previous view, if that is another one.
-    for (std::size_t j = i - 1; j-- > 0;) {
-      if (views[j].camera != view.camera) continue;
-      if (views[i - 1].camera != view.camera) links.push_back(link_between(views[j], view, odometry));
-      break;
-    }
+  std::vector<const LevelView*> last(cameras, nullptr);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (const LevelView* earlier : last)
+      if (earlier != nullptr && (earlier == &views[i] - 1 || earlier->stop < views[i].stop))
+        links.push_back(link_between(*earlier, views[i], odometry));
+    last[static_cast<std::size_t>(views[i].camera)] = &views[i];
   }
   return links;
 }
@@ -114,23 +115,30 @@ struct YawDifference {
   double angle = 0.0, certainty = 0.0;
 };
 
-// psi_l - psi_k = (heading_l - heading_k) - turn of the odometry: a robust mean on the circle.
+// psi_l - psi_k = (heading_l - heading_k) - turn of the odometry: a robust mean on the circle. At first every link has
+// one vote, however certain it is: of the links of a wrong view, too, some are short.
 YawDifference yaw_difference(int k, int l, const std::vector<Link>& links) {
-  std::vector<std::pair<double, double>> samples;  // angle, information
+  struct Sample {
+    double angle, variance, weight;
+  };
+  std::vector<Sample> samples;
   for (const Link& link : links) {
     const bool forward = link.from->camera == k && link.to->camera == l;
     if (!forward && !(link.from->camera == l && link.to->camera == k)) continue;
     const double angle = wrap_angle(link.to->heading - link.from->heading - link.turned);
-    const double variance = 1e-6 + kOdometrySigma_rad * kOdometrySigma_rad * link.steps;
-    samples.emplace_back(forward ? angle : -angle, link.from->weight * link.to->weight / variance);
+    const double variance = 1e-6 + kOdometrySigma_rad * kOdometrySigma_rad * link.steps + link.from->heading_variance +
+                            link.to->heading_variance;
+    samples.push_back({forward ? angle : -angle, variance, link.from->weight * link.to->weight});
   }
   YawDifference result;
   double softness = kPi;
+  constexpr int kVoting = 8;
   for (int round = 0; round < 10 && !samples.empty(); ++round) {
     Vector2d sum = Vector2d::Zero();
-    for (const auto& [angle, information] : samples) {
-      const double off = round == 0 ? 0.0 : wrap_angle(angle - result.angle) / softness;
-      sum += information / (1.0 + off * off) * Vector2d(std::cos(angle), std::sin(angle));
+    for (const Sample& sample : samples) {
+      const double off = round == 0 ? 0.0 : wrap_angle(sample.angle - result.angle) / softness;
+      const double information = sample.weight / (sample.variance + (round < kVoting ? softness * softness : 0.0));
+      sum += information / (1.0 + off * off) * Vector2d(std::cos(sample.angle), std::sin(sample.angle));
     }
     result = {std::atan2(sum.y(), sum.x()), sum.norm()};
     softness = std::max(0.02, 0.5 * softness);
@@ -358,7 +366,7 @@ InitialGuess initial_guess(const Observations& observations, const std::vector<V
   const Matrix3d R_level_board = levelling(alignment.up_board);
   const std::vector<Matrix3d> R_level_camera = camera_levelling(cameras, views, alignment);
   const std::vector<LevelView> level = level_views(views, alignment.view_weights, R_level_board, R_level_camera);
-  const std::vector<Link> links = make_links(level, odometry);
+  const std::vector<Link> links = make_links(level, odometry, cameras);
   const PlanarMounting mounting =
       solve_mounting(links, relate_yaws(cameras, static_cast<std::size_t>(level.front().camera), links));
   const std::vector<std::optional<double>> means = mean_heights(cameras, level);

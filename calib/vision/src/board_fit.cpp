@@ -40,6 +40,9 @@ constexpr double kMostModelError = 0.15, kMostOfOthers = 1.5;
 constexpr double kMinPrintContrast = 0.15;
 // Of a square, see disorder().
 constexpr double kMaxDisorder = 0.05;
+// See crookedness(): shutters that read row by row on the move leave .06, corrugated sheets that pass for small blurred
+// boards .17.
+constexpr double kMaxCrookedness_rad = 0.1;
 
 bool has_markers(const Board& board) { return board.type == "charuco" || board.has_tags(); }
 double marker_share(const Board& board) {
@@ -361,6 +364,23 @@ double disorder(const Board& board, const std::vector<MeasuredCorner>& corners) 
   return rms > kSigmas * sigma ? rms / smallest_square(corners) : 0.0;
 }
 
+// How far edges run off the lines that the corners make, rms [rad]: of what only looks like squares, every corner has
+// edges of its own.
+double crookedness(const std::vector<MeasuredCorner>& corners) {
+  double sum = 0.0;
+  int edges = 0;
+  for (const MeasuredCorner& corner : corners) {
+    if (corner.fit.status != SaddleStatus::kFitted) continue;
+    for (int edge = 0; edge < 2; ++edge) {
+      const Vector2d line = corner.window.square.col(edge).normalized();
+      const double angle = corner.fit.edge_rad[edge];
+      sum += std::pow(line.x() * std::sin(angle) - line.y() * std::cos(angle), 2);
+      ++edges;
+    }
+  }
+  return edges > 0 ? std::sqrt(sum / edges) : 0.0;
+}
+
 // Why a measured board cannot be used; absent if it can. Markers tell which corners are seen, so some are enough.
 std::optional<Finding> fault_of(const Board& board, const std::vector<MeasuredCorner>& corners,
                                 const CheckerboardOptions& options) {
@@ -449,7 +469,8 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   if (!result.why_not && incomplete && (!H || !outline_in_image(board, *H, grey)))
     result.why_not = Finding("board.cut_off");
   if (!result.why_not && H && !has_markers(board) &&
-      (print_contrast(grey, *H, board) < kMinPrintContrast || disorder(board, corners) > kMaxDisorder))
+      (print_contrast(grey, *H, board) < kMinPrintContrast || disorder(board, corners) > kMaxDisorder ||
+       crookedness(corners) > kMaxCrookedness_rad))
     result.why_not = Finding("board.not_found");
   if (!result.why_not && H && !has_markers(board) &&
       lies_in_a_larger_pattern(grey, board, *H, {board, corners, options})) {

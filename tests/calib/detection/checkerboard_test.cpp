@@ -329,6 +329,38 @@ TEST(Checkerboard, SquaresInDisorderAreNoBoard) {
   for (const double share : {0.08, 0.1, 0.12, 0.15, 0.18}) EXPECT_EQ(said(share), "no board") << share;
 }
 
+// Turns the edges about each corner by so much, one to the left and the next to the right; corners stay in place.
+Image8 twisted(const Image8& picture, const std::vector<CornerObservation>& corners, double by_rad, double reach_px) {
+  Image8 result = picture;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      Vector2d from(x, y);
+      for (const CornerObservation& corner : corners) {
+        const Vector2d off = Vector2d(x, y) - corner.pixel;
+        const double angle =
+            (corner.id % 2 == 0 ? by_rad : -by_rad) * std::exp(-off.squaredNorm() / reach_px / reach_px);
+        from += Eigen::Rotation2Dd(angle) * off - off;
+      }
+      *(result.row(y) + x) = picture.at(std::clamp(static_cast<int>(std::lround(from.x())), 0, picture.width - 1),
+                                        std::clamp(static_cast<int>(std::lround(from.y())), 0, picture.height - 1));
+    }
+  return result;
+}
+
+// Corrugated sheets behind a truck were read as a small board whose corners lay right, each with edges of its own.
+TEST(Checkerboard, EdgesThatRunOffTheCornersLinesAreNoBoard) {
+  const Camera camera = Camera::symmetric(480, 320, 320.0);
+  const Board board = board_6x5();
+  const double square_px = board.square_m * camera.fx_px / 1.5;
+  const Image8 picture = draw_board(camera, board, board_in_view(camera, board, 1.5, 0.3, 0.4, 0.1, {240.0, 160.0}));
+  const auto corners = std::get<std::vector<CornerObservation>>(detect_checkerboard(picture, board));
+  const auto said = [&](double by_rad) {
+    return reason_of(detect_checkerboard(twisted(picture, corners, by_rad, 0.4 * square_px), board));
+  };
+  EXPECT_EQ(said(0.05), "found");
+  for (const double by_rad : {0.2, 0.25, 0.3}) EXPECT_EQ(said(by_rad), "no board") << by_rad;
+}
+
 TEST(Checkerboard, AnotherBoardIsNotTakenAndIsNamed) {
   const Camera camera = d455();
   const Rigid3 T = board_in_view(camera, board_5x4(), 1.5, 0.4, 0.5, 0.3, {600.0, 330.0});

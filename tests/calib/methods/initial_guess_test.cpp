@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pose_near.h"
+#include "rigproof/core/random.h"
 #include "synthetic_drive.h"
 #include "trials.h"
 
@@ -56,6 +57,42 @@ TEST(InitialGuess, FindsAnyMountingFromNoisyDataOverTrials) {
       EXPECT_TRUE(IsPoseNear(drive.T_robot_camera[k], *guess.T_robot_camera[k], 0.15, deg_to_rad(6.0)));
     }
   }
+}
+
+// What was taken for a small board elsewhere: a view that is seen turned by degrees, at stops of its own.
+void put_a_false_board(int camera, RandomStream& random, SyntheticDrive* drive) {
+  std::vector<ViewPose*> own;
+  for (ViewPose& view : drive->views)
+    if (view.camera == camera) own.push_back(&view);
+  if (own.size() < 6) return;
+  ViewPose& view = *own[random.below(static_cast<std::uint32_t>(own.size()))];
+  const Eigen::Vector3d turn(random.normal(), random.normal(), random.normal());
+  view.T_camera_board.rotation = Eigen::Quaterniond(so3_exp(random.uniform(1.0, 3.0) * turn.normalized()));
+  view.T_camera_board.translation *= 3.0;
+  view.covariance.topLeftCorner<3, 3>() = 1e-2 * Eigen::Matrix3d::Identity();
+  view.covariance.bottomRightCorner<3, 3>() = 1e-2 * Eigen::Matrix3d::Identity();
+}
+
+// A camera that looks back sees the board now and then: a false one among its views turned it by 164 degrees.
+TEST(InitialGuess, AFalseBoardOfEveryCameraTakesNoneAlongOverTrials) {
+  const auto seeds = static_cast<std::uint64_t>(Trials(300, 1000).count());
+  int astray = 0;
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    DriveOptions options = any_mounting(seed, 5);
+    options.stops = 24;
+    options.corner_sigma_px = 0.1;
+    options.odometry_sigma_m = 0.002;
+    options.odometry_sigma_rad = 0.01;
+    SyntheticDrive drive = make_drive(options);
+    RandomStream random(seed, "false board");
+    for (int camera = 0; camera < static_cast<int>(drive.T_robot_camera.size()); ++camera)
+      put_a_false_board(camera, random, &drive);
+    const InitialGuess guess = guess_of(drive);
+    for (std::size_t k = 0; k < drive.T_robot_camera.size(); ++k)
+      astray += !guess.T_robot_camera[k] ||
+                !IsPoseNear(drive.T_robot_camera[k], *guess.T_robot_camera[k], 0.3, deg_to_rad(15.0));
+  }
+  EXPECT_EQ(astray, 0);
 }
 
 // Of very many planes not each is tried as the common height; a table in every third image is no floor for all that.
