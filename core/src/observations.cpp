@@ -108,6 +108,16 @@ void visit_velocity(FieldVisitor& visitor, Eigen::Vector3d& velocity) {
     visitor.field("yaw_rate_rad_per_s", velocity.z(), {}, "of a robot that moves");
 }
 
+void visit_acceleration(FieldVisitor& visitor, Eigen::Vector3d& acceleration) {
+  const bool changes = !acceleration.isZero(0.0);
+  std::vector<double> a = {acceleration.x(), acceleration.y()};
+  if (visitor.takes("acceleration_m_per_s2", changes))
+    visitor.field("acceleration_m_per_s2", a, {}, 2, 2, "[forward, left] of a robot that moves");
+  acceleration.head<2>() << a[0], a[1];
+  if (visitor.takes("yaw_acceleration_rad_per_s2", changes))
+    visitor.field("yaw_acceleration_rad_per_s2", acceleration.z(), {}, "of a robot that moves");
+}
+
 void visit_stop(FieldVisitor& visitor, Stop& stop) {
   visitor.required("stamp_s", stop.stamp_s, {}, "of the robot's clock");
   visitor.required("x_m", stop.x_m, {}, "of the odometry");
@@ -117,6 +127,7 @@ void visit_stop(FieldVisitor& visitor, Stop& stop) {
                    "of the interpolation between odometry's rows; 0 = a row was met");
   visit_way(visitor, stop.way);
   visit_velocity(visitor, stop.velocity);
+  visit_acceleration(visitor, stop.acceleration);
 }
 
 std::vector<double> row_of(const CornerObservation& corner) {

@@ -60,8 +60,20 @@ Rigid3 RobotTrajectory::at(double stamp_s) const {
   if (after == stamps_s_.begin()) return poses_.front();
   if (after == stamps_s_.end()) return poses_.back();
   const auto i = static_cast<std::size_t>(after - stamps_s_.begin());
-  const double share = (stamp_s - stamps_s_[i - 1]) / (stamps_s_[i] - stamps_s_[i - 1]);
-  return poses_[i - 1] * se3_exp(share * se3_log(poses_[i - 1].inverse() * poses_[i]));
+  const double duration_s = stamps_s_[i] - stamps_s_[i - 1], s = (stamp_s - stamps_s_[i - 1]) / duration_s;
+  const Vector6d whole = duration_s * mean_velocity(i);
+  const Vector6d bend =
+      (s - 1.0) * (velocity_at_sample(i - 1) * duration_s - whole) + s * (velocity_at_sample(i) * duration_s - whole);
+  return poses_[i - 1] * se3_exp(s * whole + s * (s - 1.0) * bend);
+}
+Vector6d RobotTrajectory::mean_velocity(std::size_t i) const {
+  return se3_log(poses_[i - 1].inverse() * poses_[i]) / (stamps_s_[i] - stamps_s_[i - 1]);
+}
+Vector6d RobotTrajectory::velocity_at_sample(std::size_t i) const {
+  if (i == 0) return mean_velocity(1);
+  if (i + 1 == poses_.size()) return mean_velocity(i);
+  const double share = (stamps_s_[i] - stamps_s_[i - 1]) / (stamps_s_[i + 1] - stamps_s_[i - 1]);
+  return (1.0 - share) * mean_velocity(i) + share * mean_velocity(i + 1);
 }
 
 Vector6d RobotTrajectory::velocity(double stamp_s) const {

@@ -6,6 +6,27 @@
 #include "rigproof/core/error.h"
 
 namespace rigproof {
+namespace {
+
+// Parts that a row has in part count as whole, so that what moves would lie off by up to an eighth of a part's way,
+// rows of one band alike. Share goes from one end to the other until the mean moment is the middle of the exposure.
+void settle_mean(double middle, std::size_t parts, RowParts* row) {
+  double off = middle;
+  for (std::size_t i = 0; i < row->shares.size(); ++i)
+    off -= row->shares[i] * (static_cast<double>(row->first + i) + 0.5);
+  if (std::abs(off) < 1e-9) return;
+  if (row->shares.size() == 1 && off > 0.0 && row->first + 1 < parts) row->shares.push_back(0.0);
+  if (row->shares.size() == 1 && off < 0.0 && row->first > 0) {
+    row->shares.insert(row->shares.begin(), 0.0);
+    --row->first;
+  }
+  if (row->shares.size() == 1) return;
+  const double moved = off / static_cast<double>(row->shares.size() - 1);
+  row->shares.front() -= moved;
+  row->shares.back() += moved;
+}
+
+}  // namespace
 
 RowParts parts_of_row(const Exposure& exposure, int row, int height) {
   if (exposure.T_world_robot.empty()) throw Error("an exposure needs at least one pose of the robot");
@@ -26,6 +47,7 @@ RowParts parts_of_row(const Exposure& exposure, int row, int height) {
   }
   if (result.shares.empty()) return {first, {1.0}};
   for (double& share : result.shares) share /= sum;
+  settle_mean(begin + 0.5 * length, exposure.parts(), &result);
   return result;
 }
 

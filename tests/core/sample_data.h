@@ -103,6 +103,7 @@ inline Observations sample_observations() {
     o.stops.push_back({stop + random.uniform(), random.normal(), random.normal(), random.normal(), 0.0});
     if (stop > 0) o.stops.back().way = {random_vector(random, 3.0), random_vector(random, 3.0)};
     if (stop > 0) o.stops.back().velocity << 0.31, -0.02, 0.17;
+    if (stop > 0) o.stops.back().acceleration << 0.9, 0.1, -2.5;
     for (int camera = 0; camera < 2; ++camera) {
       BoardView view;
       view.stop = stop;

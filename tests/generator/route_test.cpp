@@ -176,6 +176,18 @@ TEST(RobotTrajectory, InterpolatesOnTheArcAndStandsBeforeAndAfter) {
   EXPECT_LT((se3_log(exposure.back()) - 0.515 * twist).norm(), 1e-12);
 }
 
+TEST(RobotTrajectory, BendsAsTheRobotSpeedsUp) {
+  constexpr double kTurn_rad_s2 = 3.0, kAlong_m_s2 = 1.0;
+  RobotTrajectory trajectory;
+  const auto pose = [&](double t) { return planar_pose(0.5 * kAlong_m_s2 * t * t, 0.0, 0.5 * kTurn_rad_s2 * t * t); };
+  for (int i = 0; i <= 30; ++i) trajectory.add(0.01 * i, pose(0.01 * i));
+  for (const double t : {0.2, 0.2025, 0.205, 0.2075}) {
+    const Vector6d off = se3_log(pose(t).inverse() * trajectory.at(t));
+    EXPECT_LT(off.tail<3>().norm(), 1e-12) << t;
+    EXPECT_LT(off.head<3>().norm(), 2e-7) << t << ": robots that turn drive aside";
+  }
+}
+
 TEST(RobotTrajectory, ForgetsWhatWasTakenBack) {
   RobotTrajectory trajectory;
   for (int i = 0; i <= 10; ++i) trajectory.add(i, planar_pose(i, 0.0, 0.0));

@@ -27,18 +27,28 @@ Exposure resting(std::size_t parts, const Rigid3& T_world_robot, double exposure
 
 TEST(Exposure, RowsOfARollingShutterAreExposedOneAfterTheOther) {
   constexpr int kHeight = 101;
-  const Exposure exposure = resting(60, Rigid3(), 0.010, 0.020);  // parts of 0.5 ms
-  for (int row = 0; row < kHeight; ++row) {
-    const RowParts parts = parts_of_row(exposure, row, kHeight);
-    EXPECT_NEAR(std::accumulate(parts.shares.begin(), parts.shares.end(), 0.0), 1.0, 1e-12);
-    double middle_s = 0.0;
-    for (std::size_t i = 0; i < parts.shares.size(); ++i)
-      middle_s += parts.shares[i] * 0.0005 * (static_cast<double>(parts.first + i) + 0.5);
-    // Cells that a row has in part count as a whole: a fraction of a part, weighted by its share, at most.
-    EXPECT_NEAR(middle_s, 0.005 + 0.020 * (row + 0.5) / kHeight, 0.0005 / 20.0) << row;
-    EXPECT_LE(parts.first + parts.shares.size(), exposure.parts());
+  constexpr double kReadout_s = 0.020;
+  for (const double exposure_s : {0.010, 0.0033, 0.0012, 0.0003}) {
+    constexpr std::size_t kParts = 60;
+    const Exposure exposure = resting(kParts, Rigid3(), exposure_s, kReadout_s);
+    const double part_s = (exposure_s + kReadout_s) / kParts;
+    for (int row = 0; row < kHeight; ++row) {
+      const RowParts parts = parts_of_row(exposure, row, kHeight);
+      EXPECT_NEAR(std::accumulate(parts.shares.begin(), parts.shares.end(), 0.0), 1.0, 1e-12);
+      double middle_s = 0.0;
+      for (std::size_t i = 0; i < parts.shares.size(); ++i)
+        middle_s += parts.shares[i] * part_s * (static_cast<double>(parts.first + i) + 0.5);
+      // Before the first part's middle and behind the last one's there is none to make up for it.
+      const double moment_s = 0.5 * exposure_s + kReadout_s * (row + 0.5) / kHeight,
+                   least_s = std::max(0.0, 0.5 * (part_s - exposure_s));
+      const bool inner = moment_s > 0.5 * part_s && moment_s < (kParts - 0.5) * part_s;
+      EXPECT_NEAR(middle_s, moment_s, inner ? 1e-12 : least_s + 1e-12) << row;
+      EXPECT_GE(*std::min_element(parts.shares.begin(), parts.shares.end()), -1e-15);
+      EXPECT_LE(parts.first + parts.shares.size(), exposure.parts());
+    }
   }
-  EXPECT_NEAR(0.0005 * static_cast<double>(parts_of_row(exposure, 50, kHeight).first), 0.010, 1e-9)
+  EXPECT_NEAR(0.0005 * static_cast<double>(parts_of_row(resting(60, Rigid3(), 0.01, 0.02), 50, kHeight).first), 0.010,
+              1e-9)
       << "the middle row is in the middle of the whole time";
 }
 

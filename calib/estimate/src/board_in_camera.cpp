@@ -8,10 +8,10 @@ namespace rigproof::ml {
 namespace {
 
 // The parts: camera, board, pose, and the odometry's factors where they are unknowns.
-void add_motion(const Evaluation& at, int stop, int camera, BoardInCamera* seen) {
+void add_motion(const Evaluation& at, int stop, int camera, const Eigen::Vector3d& velocity, BoardInCamera* seen) {
   RowMotion& motion = seen->motion;
-  motion = row_motion(at.T_robot_camera(camera, stop), at.stop(stop).velocity, at.state.odometry_scale(),
-                      at.state.odometry_yaw_factor());
+  motion =
+      row_motion(at.T_robot_camera(camera, stop), velocity, at.state.odometry_scale(), at.state.odometry_yaw_factor());
   const RigCamera& stated = at.observations.cameras[static_cast<std::size_t>(camera)];
   motion.readout_s = stated.readout_s + at.state.nuisances.of(Nuisance::kReadout, camera)[0];
   motion.rows = stated.camera.height_px;
@@ -47,15 +47,15 @@ Vector6d step_of_error(const Evaluation& at, const WhitenedView& view, const Boa
 
 BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s) {
   const Layout& layout = at.layout;
-  const Eigen::Vector3d& velocity = at.stop(stop).velocity;
+  const OdometryMotion motion(at.stop(stop));
   const double stated_readout_s = at.observations.cameras[static_cast<std::size_t>(camera)].readout_s;
-  const bool by_rows = (layout.has(Nuisance::kReadout) || stated_readout_s != 0.0) && !velocity.isZero(0.0);
+  const bool by_rows = (layout.has(Nuisance::kReadout) || stated_readout_s != 0.0) && !motion.stands();
   const bool moved = layout.has(Nuisance::kClockOffset) || after_stop_s != 0.0 || by_rows;
+  const double late_s = at.state.nuisances.of(Nuisance::kClockOffset, camera)[0] - after_stop_s;
   PoseAtImage at_image{at.pose(stop)};
   if (moved)
-    at_image = pose_at_image(
-        at.pose(stop), velocity, at.state.nuisances.of(Nuisance::kClockOffset, camera)[0] - after_stop_s,
-        at.state.nuisances.of(Nuisance::kTurnLag)[0], at.state.odometry_scale(), at.state.odometry_yaw_factor());
+    at_image = pose_at_image(at.pose(stop), motion, late_s, at.state.nuisances.of(Nuisance::kTurnLag)[0],
+                             at.state.odometry_scale(), at.state.odometry_yaw_factor());
   ViewGeometry geometry = view_geometry(at.T_robot_camera(camera, stop), at.T_world_board(stop), at_image.pose);
   const ClockTwist clock = moved ? chain_to_stop(at_image, &geometry) : ClockTwist();
   BoardInCamera seen;
@@ -70,7 +70,7 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
   add(Nuisance::kOdometryFactors, clock.by_factors);
   add(Nuisance::kClockOffset, clock.by_clock_offset);
   add(Nuisance::kTurnLag, clock.by_turn_lag);
-  if (by_rows) add_motion(at, stop, camera, &seen);
+  if (by_rows) add_motion(at, stop, camera, motion.velocity_after(after_stop_s), &seen);
   return seen;
 }
 

@@ -4,22 +4,29 @@
 
 namespace rigproof::ml {
 
-PoseAtImage pose_at_image(const RobotPose& stop, const Eigen::Vector3d& velocity, double late_s, double turn_lag_s,
+PoseAtImage pose_at_image(const RobotPose& stop, const OdometryMotion& motion, double late_s, double turn_lag_s,
                           double odometry_scale, double odometry_yaw_factor) {
   const double c = std::cos(stop.yaw_rad), s = std::sin(stop.yaw_rad);
-  const Eigen::Vector2d forward = velocity.head<2>() / odometry_scale;
-  const Eigen::Vector2d in_world(c * forward.x() - s * forward.y(), s * forward.x() + c * forward.y());
-  const double turning = velocity.z() / odometry_yaw_factor;
+  const auto in_world = [&](const Eigen::Vector3d& of_odometry) -> Eigen::Vector2d {
+    const Eigen::Vector2d forward = of_odometry.head<2>() / odometry_scale;
+    return {c * forward.x() - s * forward.y(), s * forward.x() + c * forward.y()};
+  };
+  // On the way between the stop and the image, and at the image.
+  const Eigen::Vector3d mean = motion.velocity_after(-0.5 * late_s), then = motion.velocity_after(-late_s);
+  const Eigen::Vector2d moving = in_world(mean);
+  const double yaw_late_s = late_s + turn_lag_s;
+  const double turning = motion.velocity_after(-0.5 * yaw_late_s).z() / odometry_yaw_factor;
+  const double turning_then = motion.velocity_after(-yaw_late_s).z() / odometry_yaw_factor;
   PoseAtImage at_image;
   at_image.pose = stop;
-  at_image.pose.x_m -= late_s * in_world.x();
-  at_image.pose.y_m -= late_s * in_world.y();
-  at_image.pose.yaw_rad -= (late_s + turn_lag_s) * turning;
-  at_image.xy_by_yaw = late_s * Eigen::Vector2d(in_world.y(), -in_world.x());
-  at_image.by_times.col(0) << -in_world, -turning;
-  at_image.by_times.col(1) << 0.0, 0.0, -turning;
-  at_image.by_factors.col(0) << late_s / odometry_scale * in_world, 0.0;
-  at_image.by_factors.col(1) << 0.0, 0.0, (late_s + turn_lag_s) / odometry_yaw_factor * turning;
+  at_image.pose.x_m -= late_s * moving.x();
+  at_image.pose.y_m -= late_s * moving.y();
+  at_image.pose.yaw_rad -= yaw_late_s * turning;
+  at_image.xy_by_yaw = late_s * Eigen::Vector2d(moving.y(), -moving.x());
+  at_image.by_times.col(0) << -in_world(then), -turning_then;
+  at_image.by_times.col(1) << 0.0, 0.0, -turning_then;
+  at_image.by_factors.col(0) << late_s / odometry_scale * moving, 0.0;
+  at_image.by_factors.col(1) << 0.0, 0.0, yaw_late_s / odometry_yaw_factor * turning;
   return at_image;
 }
 

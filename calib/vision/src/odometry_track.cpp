@@ -1,6 +1,7 @@
 #include "odometry_track.h"
 
 #include <Eigen/Core>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -132,6 +133,29 @@ Eigen::Vector3d OdometryTrack::velocity_at(double stamp_s) const {
   const Eigen::Vector3d velocity(twist[0], twist[1], twist[5]);
   const bool stands = velocity.head<2>().norm() < kStands_m_s && std::abs(velocity.z()) < kStands_rad_s;
   return stands ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : velocity;
+}
+
+Eigen::Vector3d OdometryTrack::acceleration_at(double stamp_s) const {
+  constexpr double kReach_s = 0.06 + kSameStamp;
+  constexpr Eigen::Index kLeast = 5;
+  if (velocity_at(stamp_s).isZero(0.0)) return Eigen::Vector3d::Zero();
+  const auto earlier = [](const OdometrySample& sample, double t) { return sample.stamp_s < t; };
+  const auto first = std::lower_bound(samples_.begin(), samples_.end(), stamp_s - kReach_s, earlier);
+  const auto end = std::lower_bound(first, samples_.end(), stamp_s + kReach_s, earlier);
+  const auto count = static_cast<Eigen::Index>(end - first);
+  if (count < kLeast) return Eigen::Vector3d::Zero();
+  const OdometrySample& middle = *(first + count / 2);
+  const Rigid3 T_middle = planar_pose(middle.x_m, middle.y_m, middle.yaw_rad);
+  Eigen::MatrixXd by(count, 3), poses(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const OdometrySample& sample = *(first + i);
+    const double t = sample.stamp_s - stamp_s;
+    const Vector6d arc = se3_log(T_middle.inverse() * planar_pose(sample.x_m, sample.y_m, sample.yaw_rad));
+    by.row(i) << 1.0, t, 0.5 * t * t;
+    poses.row(i) << arc[0], arc[1], arc[5];
+  }
+  const Eigen::MatrixXd parabola = by.colPivHouseholderQr().solve(poses);
+  return parabola.row(2).transpose();
 }
 
 OdometryReading OdometryTrack::sample(std::size_t index) const {

@@ -89,7 +89,8 @@ Stop stop_of(const std::vector<Frame>& group, const OdometryTrack& track) {
           middle.odometry.yaw_rad,
           middle.odometry.sigma_m,
           {},
-          track.velocity_at(middle.stamp_s)};
+          track.velocity_at(middle.stamp_s),
+          track.acceleration_at(middle.stamp_s)};
 }
 
 PlannedStop plan_stop(const Recording& recording, const std::vector<Frame>& group, const OdometryTrack& track, int stop,

@@ -57,6 +57,32 @@ TEST(OdometryTrack, FollowsArcsBetweenSamples) {
   EXPECT_EQ(track.at(samples[7].stamp_s, &why_not)->sigma_m, 0.0);
 }
 
+// A robot that speeds up while it turns ever faster, at so many rows a second.
+std::vector<OdometrySample> speeding_up(double rate_hz) {
+  Vector6d velocity = Vector6d::Zero(), acceleration = Vector6d::Zero();
+  velocity[0] = 0.3;
+  velocity[5] = 0.2;
+  acceleration[0] = 0.8;
+  acceleration[5] = -2.5;
+  std::vector<OdometrySample> samples;
+  for (int i = 0; i <= rate_hz; ++i) {
+    const double t = i / rate_hz - 0.5;
+    const Rigid3 T = planar_pose(3.0, -2.0, 2.0) * se3_exp(t * velocity + 0.5 * t * t * acceleration);
+    samples.push_back({t, T.translation.x(), T.translation.y(), yaw_of(T)});
+  }
+  return samples;
+}
+
+TEST(OdometryTrack, TellsHowARobotSpeedsUp) {
+  const std::vector<OdometrySample> samples = speeding_up(50.0), sparse = speeding_up(20.0);
+  const Eigen::Vector3d expected(0.8, 0.0, -2.5);
+  EXPECT_LT((OdometryTrack(samples, 0.5, 0.02).acceleration_at(0.0) - expected).norm(), 2e-2);
+  EXPECT_TRUE(OdometryTrack(sparse, 0.5, 0.02).acceleration_at(0.0).isZero(0.0)) << "too few rows";
+  std::vector<OdometrySample> standing = samples;
+  for (OdometrySample& sample : standing) sample = {sample.stamp_s, 1.0, 2.0, 0.5};
+  EXPECT_TRUE(OdometryTrack(standing, 0.5, 0.02).acceleration_at(0.0).isZero(0.0));
+}
+
 Stop stop_at(const OdometrySample& sample) { return {sample.stamp_s, sample.x_m, sample.y_m, sample.yaw_rad, 0.0}; }
 
 // Stands, turns by one radian, drives two metres, turns back by half a radian and stands, at 50 Hz.

@@ -76,10 +76,10 @@ class DrawnBias {
   std::array<Wave, 200> waves_;
 };
 
-GeometricRun run_with_bias(std::uint64_t seed, bool told) {
+GeometricRun run_with_bias(std::uint64_t seed, bool told, int stops = 20) {
   GeometricConfig config;
   config.seed = seed;
-  config.stops = 20;
+  config.stops = stops;
   config.lambda = 0.0;
   config.board_planes = true;
   config.depth_scale_sigma = 0.003;
@@ -163,6 +163,45 @@ TEST(DepthBias, OfFloorsIsWhatDrawnOnesDoOverTrials) {
   }
   const Eigen::Vector3d ratio = scatter.diagonal().cwiseQuotient(stated[0].diagonal());
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(ratio[axis], 1.0, trials.chi_square_tolerance(1)) << "axis " << axis;
+}
+
+std::vector<Eigen::Vector2d> corners_at(const Observations& observations, const PlaneObservation& plane) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (const BoardView& view : observations.board_views)
+    if (view.stop == plane.stop && view.camera == plane.camera)
+      for (const CornerObservation& corner : view.corners) pixels.push_back(corner.pixel);
+  return pixels;
+}
+
+// A sum over boards all over the image: they share the field, so that the mean of many is not much better than one.
+TEST(DepthBias, OfASumOfBoardsIsWhatDrawnOnesDoOverTrials) {
+  const Trials trials(60, 300);
+  const GeometricRun run = run_with_bias(1, true);
+  const std::vector<PlaneObservation>& planes = run.observations.board_planes;
+  const std::vector<Eigen::MatrixXd> each(planes.size(), Eigen::Matrix3d::Identity());
+  const Eigen::MatrixXd stated = board_bias_of_sum(run.observations, 0, each);
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero(), alone = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < trials.count(); ++i) {
+    const DrawnBias bias(run.observations.cameras[0].camera, static_cast<std::uint64_t>(i), 7);
+    Eigen::Vector3d error = Eigen::Vector3d::Zero();
+    for (const PlaneObservation& plane : planes)
+      if (plane.camera == 0) error += bias.on_plane(corners_at(run.observations, plane));
+    scatter += error * error.transpose() / trials.count();
+  }
+  const std::vector<Eigen::Matrix3d> of_each = board_plane_biases(run.observations);
+  for (std::size_t i = 0; i < planes.size(); ++i)
+    if (planes[i].camera == 0) alone += of_each[i];
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(scatter(axis, axis) / stated(axis, axis), 1.0, trials.chi_square_tolerance(1)) << "axis " << axis;
+  EXPECT_GT(stated(2, 2), 2.0 * alone(2, 2));
+}
+
+TEST(DepthBias, IsTakenForNoShapeOverTrials) {
+  for (int seed = 0; seed < Trials(10, 40).count(); ++seed) {
+    const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), true, 40);
+    for (const Finding& note : estimate_maximum_likelihood(run.observations, told_options()).result.notes)
+      EXPECT_FALSE(note.is("depth.misplaced")) << seed;
+  }
 }
 
 TEST(DepthBias, IsInTheHeightOfMemrocToo) {

@@ -9,6 +9,7 @@
 
 #include "calibration_truth.h"
 #include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/clock.h"
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/calib/estimate/problem.h"
@@ -175,6 +176,30 @@ ClockRun run_with_wrong_clocks(int seed, bool moving = true, bool lens_of_every_
   return made;
 }
 
+TEST(MlClocks, AnImageOfARobotThatSpeedsUpLiesOnItsWay) {
+  Stop stop;
+  stop.velocity << 0.6, 0.0, 0.5;
+  stop.acceleration << 1.0, 0.0, -2.5;
+  const ml::OdometryMotion motion(stop);
+  ml::RobotPose at_stop;
+  at_stop.x_m = 3.0;
+  at_stop.yaw_rad = 0.0;
+  constexpr double kLate_s = 0.03, kLag_s = 0.01, kStep_s = 1e-5, kScale = 1.02, kYawFactor = 0.98;
+  const auto pose = [&](double late_s, double lag_s) {
+    const ml::RobotPose at = ml::pose_at_image(at_stop, motion, late_s, lag_s, kScale, kYawFactor).pose;
+    return Eigen::Vector3d(at.x_m, at.y_m, at.yaw_rad);
+  };
+  const double yaw_late_s = kLate_s + kLag_s;
+  const Eigen::Vector3d expected(3.0 - (0.6 * kLate_s - 0.5 * kLate_s * kLate_s) / kScale, 0.0,
+                                 -(0.5 * yaw_late_s + 0.5 * 2.5 * yaw_late_s * yaw_late_s) / kYawFactor);
+  EXPECT_LT((pose(kLate_s, kLag_s) - expected).norm(), 1e-12);
+  const auto by_times = ml::pose_at_image(at_stop, motion, kLate_s, kLag_s, kScale, kYawFactor).by_times;
+  const Eigen::Vector3d by_clock = (pose(kLate_s + kStep_s, kLag_s) - pose(kLate_s - kStep_s, kLag_s)) / (2 * kStep_s);
+  const Eigen::Vector3d by_lag = (pose(kLate_s, kLag_s + kStep_s) - pose(kLate_s, kLag_s - kStep_s)) / (2 * kStep_s);
+  EXPECT_LT((by_times.col(0) - by_clock).norm(), 1e-8);
+  EXPECT_LT((by_times.col(1) - by_lag).norm(), 1e-8);
+}
+
 TEST(MlClocks, AreEstimatedWhileMovingAndTheUncertaintyIsTrueOverTrials) {
   MlOptions options = told();
   options.priors.clock_offset_s = kClock_s;
@@ -331,22 +356,26 @@ TEST(MlClocks, AndLensesHaveRightDerivatives) {
 }
 
 // Cameras without a common trigger, within one stop: each one's images show where the robot is at their true stamps.
-GeometricRun run_without_trigger(int seed) {
+// @param speeding_up largest accelerations, as (along, across, turn) [m/s^2, m/s^2, rad/s^2]
+GeometricRun run_without_trigger(int seed, const Eigen::Vector3d& speeding_up = Eigen::Vector3d::Zero()) {
   GeometricConfig config;
   config.seed = static_cast<std::uint64_t>(seed);
   config.stops = 20;
-  RandomStream random(config.seed, "speeds");
+  RandomStream random(config.seed, "speeds"), more(config.seed, "speeding up");
   const GeometricScene at_stops = draw_scene(config);
-  std::vector<Eigen::Vector3d> velocities;
-  for (std::size_t i = 0; i < at_stops.T_world_robot.size(); ++i)
+  std::vector<Eigen::Vector3d> velocities, accelerations;
+  for (std::size_t i = 0; i < at_stops.T_world_robot.size(); ++i) {
     velocities.emplace_back(random.uniform(-0.8, 0.8), random.uniform(-0.1, 0.1), random.uniform(-0.8, 0.8));
+    const Eigen::Vector3d share(more.uniform(-1.0, 1.0), more.uniform(-1.0, 1.0), more.uniform(-1.0, 1.0));
+    accelerations.emplace_back(speeding_up.cwiseProduct(share));
+  }
   GeometricRun run = draw_geometric_run(config, at_stops);
   std::vector<BoardView> views;
   for (std::size_t camera = 0; camera < config.rig.cameras.size(); ++camera) {
     const double delay_s = 0.008 * static_cast<double>(camera);
     GeometricScene at_images = at_stops;
     for (std::size_t i = 0; i < velocities.size(); ++i) {
-      const Eigen::Vector3d step = delay_s * velocities[i];
+      const Eigen::Vector3d step = delay_s * velocities[i] + 0.5 * delay_s * delay_s * accelerations[i];
       at_images.T_world_robot[i] = at_images.T_world_robot[i] * planar_pose(step.x(), step.y(), step.z());
     }
     for (BoardView& view : draw_geometric_run(config, at_images).observations.board_views) {
@@ -359,8 +388,29 @@ GeometricRun run_without_trigger(int seed) {
     return std::tie(a.stop, a.camera) < std::tie(b.stop, b.camera);
   });
   run.observations.board_views = views;
-  for (std::size_t i = 0; i < velocities.size(); ++i) run.observations.stops[i].velocity = velocities[i];
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    run.observations.stops[i].velocity = velocities[i];
+    run.observations.stops[i].acceleration = accelerations[i];
+  }
   return run;
+}
+
+TEST(MlClocks, ImagesOfARobotThatSpeedsUpAreBelievedOverTrials) {
+  constexpr int kIgnoring = 3;  // refusals take long
+  double following = 0.0, ignoring = 0.0;
+  for (int seed = 0; seed < kTrials.count(); ++seed) {
+    GeometricRun run = run_without_trigger(seed, {1.0, 0.0, 3.0});
+    const auto off = [&run] {
+      const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told());
+      return estimate.result.joint_covariance ? nees(estimate, poses_of(run.truth)) : kNoChance;  // refused
+    };
+    following += off() / kTrials.count();
+    if (seed >= kIgnoring) continue;
+    for (Stop& stop : run.observations.stops) stop.acceleration.setZero();
+    ignoring += off() / kIgnoring;
+  }
+  EXPECT_NEAR(following, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
+  EXPECT_GT(ignoring, 2.0 * kUnknowns) << "against " << following;
 }
 
 TEST(MlClocks, TrueStampsOfCamerasWithoutATriggerAreBelievedOverTrials) {

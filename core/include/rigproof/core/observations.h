@@ -56,6 +56,9 @@ struct Stop {
   /// Velocity by the odometry, in the robot's frame [m/s, m/s, rad/s]; zero where the robot stands, and where the rows
   /// of odometry are too far apart to tell.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  /// How that changes [m/s^2, m/s^2, rad/s^2]: the twist a time dt later is velocity + dt * acceleration. Zero where
+  /// too few rows of odometry lie around the stop to tell.
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
 };
 
 /// A frame that calibration does not use, and why.

@@ -61,7 +61,9 @@ class RobotTrajectory {
   const std::vector<double>& stamps_s() const { return stamps_s_; }
   /// T_scene_robot, one a stamp.
   const std::vector<Rigid3>& poses() const { return poses_; }
-  /// T_scene_robot at a stamp, on the arc of constant twist between two samples; before and after, the robot stands.
+  /// T_scene_robot at a stamp, between two samples with a twist that changes steadily: twists that are constant from
+  /// sample to sample would move the mean of an exposure around a sample by a quarter of what the robot speeds up in
+  /// it. Before and after, the robot stands.
   Rigid3 at(double stamp_s) const;
   /// Velocity at a stamp, linear [m/s] and angular [rad/s], in the robot's frame: the mean over 20 ms around it.
   Vector6d velocity(double stamp_s) const;
@@ -72,6 +74,9 @@ class RobotTrajectory {
   double length_m() const;
 
  private:
+  Vector6d mean_velocity(std::size_t i) const;  // from sample i - 1 to i, in the frame of the first
+  Vector6d velocity_at_sample(std::size_t i) const;
+
   std::vector<double> stamps_s_;
   std::vector<Rigid3> poses_;
 };

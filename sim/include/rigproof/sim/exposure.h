@@ -23,7 +23,8 @@ struct Exposure {
   std::size_t parts() const { return T_world_robot.size(); }
 };
 
-/// The parts in which a row is exposed: `shares` sums to 1, the first entry belongs to part `first`.
+/// The parts in which a row is exposed: `shares` sums to 1, the first entry belongs to part `first`. The mean of the
+/// parts' middles is the middle of the row's exposure; a frozen row is of one part.
 struct RowParts {
   std::size_t first = 0;
   std::vector<double> shares;
