@@ -40,8 +40,8 @@ constexpr double kMostModelError = 0.15, kMostOfOthers = 1.5;
 constexpr double kMinPrintContrast = 0.15;
 // Of a square, see disorder().
 constexpr double kMaxDisorder = 0.05;
-// See crookedness(): shutters that read row by row on the move leave .06, corrugated sheets that pass for small blurred
-// boards .17.
+// See is_crooked(): motion blur leaves .06 and .08 of the contrast, corrugated sheets that pass for small blurred
+// boards .16 to .19 and .19 to .27.
 constexpr double kMaxCrookedness_rad = 0.1;
 
 bool has_markers(const Board& board) { return board.type == "charuco" || board.has_tags(); }
@@ -364,21 +364,42 @@ double disorder(const Board& board, const std::vector<MeasuredCorner>& corners) 
   return rms > kSigmas * sigma ? rms / smallest_square(corners) : 0.0;
 }
 
-// How far edges run off the lines that the corners make, rms [rad]: of what only looks like squares, every corner has
-// edges of its own.
-double crookedness(const std::vector<MeasuredCorner>& corners) {
+// From the fitted corner before one to the one behind it, along an axis; zero where the corner has no neighbour.
+Vector2d line_through(const Board& board, const std::vector<MeasuredCorner>& corners, const MeasuredCorner& corner,
+                      int axis) {
+  const int columns = board.inner_corners_x(), step = axis == 0 ? 1 : columns;
+  const int place = axis == 0 ? corner.id % columns : corner.id / columns;
+  const int last = (axis == 0 ? columns : board.inner_corners_y()) - 1;
+  const auto neighbour = [&](bool exists, int id) {
+    const bool fitted = exists && corners[static_cast<std::size_t>(id)].fit.status == SaddleStatus::kFitted;
+    return fitted ? corners[static_cast<std::size_t>(id)].fit.pixel : corner.fit.pixel;
+  };
+  return neighbour(place < last, corner.id + step) - neighbour(place > 0, corner.id - step);
+}
+
+// How far edges run off the lines through the neighbouring corners, rms [rad]: of what only looks like squares, every
+// corner has edges of its own.
+double crookedness(const Board& board, const std::vector<MeasuredCorner>& corners) {
   double sum = 0.0;
   int edges = 0;
   for (const MeasuredCorner& corner : corners) {
     if (corner.fit.status != SaddleStatus::kFitted) continue;
-    for (int edge = 0; edge < 2; ++edge) {
-      const Vector2d line = corner.window.square.col(edge).normalized();
-      const double angle = corner.fit.edge_rad[edge];
-      sum += std::pow(line.x() * std::sin(angle) - line.y() * std::cos(angle), 2);
+    for (int axis = 0; axis < 2; ++axis) {
+      const Vector2d line = line_through(board, corners, corner, axis);
+      if (line.isZero(0.0)) continue;
+      const double angle = corner.fit.edge_rad[axis];
+      sum += std::pow(line.x() * std::sin(angle) - line.y() * std::cos(angle), 2) / line.squaredNorm();
       ++edges;
     }
   }
   return edges > 0 ? std::sqrt(sum / edges) : 0.0;
+}
+
+// Edges that run off the corners' lines, and a model that does not fit them: a picture that motion blurs has the former
+// alone.
+bool is_crooked(const Board& board, const std::vector<MeasuredCorner>& corners) {
+  return crookedness(board, corners) > kMaxCrookedness_rad &&
+         median_of(corners, [](const SaddleFit& f) { return f.residual_rms / f.contrast; }) > kMostModelError;
 }
 
 // Why a measured board cannot be used; absent if it can. Markers tell which corners are seen, so some are enough.
@@ -470,7 +491,7 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
     result.why_not = Finding("board.cut_off");
   if (!result.why_not && H && !has_markers(board) &&
       (print_contrast(grey, *H, board) < kMinPrintContrast || disorder(board, corners) > kMaxDisorder ||
-       crookedness(corners) > kMaxCrookedness_rad))
+       is_crooked(board, corners)))
     result.why_not = Finding("board.not_found");
   if (!result.why_not && H && !has_markers(board) &&
       lies_in_a_larger_pattern(grey, board, *H, {board, corners, options})) {
