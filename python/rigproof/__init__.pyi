@@ -172,6 +172,9 @@ class Observations:
     @property
     def velocities(self) -> Floats:
         """(stops, 3): m/s, m/s, rad/s in the robot's frame"""
+    @property
+    def accelerations(self) -> Floats:
+        """(stops, 3): m/s^2, m/s^2, rad/s^2, how the velocities change"""
 
 class TrueCamera:
     name: str

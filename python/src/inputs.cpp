@@ -188,6 +188,12 @@ void add_observations(py::module_& module) {
             return rows_of(o.stops, 3, [](const Stop& stop) { return stop.velocity.transpose(); });
           },
           "(stops, 3): m/s, m/s, rad/s in the robot's frame; zero where it stands")
+      .def_property_readonly(
+          "accelerations",
+          [](const Observations& o) {
+            return rows_of(o.stops, 3, [](const Stop& stop) { return stop.acceleration.transpose(); });
+          },
+          "(stops, 3): m/s^2, m/s^2, rad/s^2, how that changes; zero where too few rows of odometry tell")
       .def_property("board_views", copy_of(&Observations::board_views), set_views,
                     "Sorted by stop, then camera. Assigning a list replaces and checks them all.")
       .def_property_readonly("ground_planes", copy_of(&Observations::ground_planes))

@@ -79,6 +79,8 @@ class SameAsTheCommand(unittest.TestCase):
             np.testing.assert_allclose(pose.matrix, self.truth.poses[name].matrix, atol=1e-15)
         self.assertIsNone(opened.recording)
         self.assertEqual(opened.observations.odometry.shape, (15, 3))
+        self.assertEqual(opened.observations.accelerations.shape, (15, 3))
+        self.assertFalse(opened.observations.accelerations.any())
         self.assertEqual(opened.observations.stamps_s.shape, (15,))
 
     def test_errors_are_those_of_the_command(self):
