@@ -396,7 +396,7 @@ GeometricRun run_without_trigger(int seed, const Eigen::Vector3d& speeding_up = 
 }
 
 TEST(MlClocks, ImagesOfARobotThatSpeedsUpAreBelievedOverTrials) {
-  constexpr int kIgnoring = 3;  // refusals take long
+  constexpr int kIgnoring = 2;  // refusals take long
   double following = 0.0, ignoring = 0.0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     GeometricRun run = run_without_trigger(seed, {1.0, 0.0, 3.0});
