@@ -98,24 +98,13 @@ void visit_way(FieldVisitor& visitor, std::vector<Eigen::Vector3d>& way) {
     if (row.size() == 3) way.emplace_back(row[0], row[1], row[2]);
 }
 
-void visit_velocity(FieldVisitor& visitor, Eigen::Vector3d& velocity) {
-  const bool moves = !velocity.isZero(0.0);
-  std::vector<double> v = {velocity.x(), velocity.y()};
-  if (visitor.takes("velocity_m_per_s", moves))
-    visitor.field("velocity_m_per_s", v, {}, 2, 2, "[forward, left] of a robot that moves");
-  velocity.head<2>() << v[0], v[1];
-  if (visitor.takes("yaw_rate_rad_per_s", moves))
-    visitor.field("yaw_rate_rad_per_s", velocity.z(), {}, "of a robot that moves");
-}
-
-void visit_acceleration(FieldVisitor& visitor, Eigen::Vector3d& acceleration) {
-  const bool changes = !acceleration.isZero(0.0);
-  std::vector<double> a = {acceleration.x(), acceleration.y()};
-  if (visitor.takes("acceleration_m_per_s2", changes))
-    visitor.field("acceleration_m_per_s2", a, {}, 2, 2, "[forward, left] of a robot that moves");
-  acceleration.head<2>() << a[0], a[1];
-  if (visitor.takes("yaw_acceleration_rad_per_s2", changes))
-    visitor.field("yaw_acceleration_rad_per_s2", acceleration.z(), {}, "of a robot that moves");
+// (forward, left, turn) of a robot that moves; absent where zero.
+void visit_motion(FieldVisitor& visitor, const char* along, const char* turn, Eigen::Vector3d& motion) {
+  const bool moves = !motion.isZero(0.0);
+  std::vector<double> xy = {motion.x(), motion.y()};
+  if (visitor.takes(along, moves)) visitor.field(along, xy, {}, 2, 2, "[forward, left] of a robot that moves");
+  motion.head<2>() << xy[0], xy[1];
+  if (visitor.takes(turn, moves)) visitor.field(turn, motion.z(), {}, "of a robot that moves");
 }
 
 void visit_stop(FieldVisitor& visitor, Stop& stop) {
@@ -126,8 +115,8 @@ void visit_stop(FieldVisitor& visitor, Stop& stop) {
   visitor.required("interpolation_sigma_m", stop.interpolation_sigma_m, {0.0},
                    "of the interpolation between odometry's rows; 0 = a row was met");
   visit_way(visitor, stop.way);
-  visit_velocity(visitor, stop.velocity);
-  visit_acceleration(visitor, stop.acceleration);
+  visit_motion(visitor, "velocity_m_per_s", "yaw_rate_rad_per_s", stop.velocity);
+  visit_motion(visitor, "acceleration_m_per_s2", "yaw_acceleration_rad_per_s2", stop.acceleration);
 }
 
 std::vector<double> row_of(const CornerObservation& corner) {

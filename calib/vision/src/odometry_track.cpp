@@ -138,6 +138,7 @@ Eigen::Vector3d OdometryTrack::velocity_at(double stamp_s) const {
 Eigen::Vector3d OdometryTrack::acceleration_at(double stamp_s) const {
   constexpr double kReach_s = 0.06 + kSameStamp;
   constexpr Eigen::Index kLeast = 5;
+  constexpr double kMost_m_s2 = 10.0, kMost_rad_s2 = 10.0;  // tyres grip up to about 1 g
   if (velocity_at(stamp_s).isZero(0.0)) return Eigen::Vector3d::Zero();
   const auto earlier = [](const OdometrySample& sample, double t) { return sample.stamp_s < t; };
   const auto first = std::lower_bound(samples_.begin(), samples_.end(), stamp_s - kReach_s, earlier);
@@ -155,7 +156,9 @@ Eigen::Vector3d OdometryTrack::acceleration_at(double stamp_s) const {
     poses.row(i) << arc[0], arc[1], arc[5];
   }
   const Eigen::MatrixXd parabola = by.colPivHouseholderQr().solve(poses);
-  return parabola.row(2).transpose();
+  const Eigen::Vector3d acceleration = parabola.row(2).transpose();
+  const bool possible = acceleration.head<2>().norm() < kMost_m_s2 && std::abs(acceleration.z()) < kMost_rad_s2;
+  return possible ? acceleration : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
 OdometryReading OdometryTrack::sample(std::size_t index) const {

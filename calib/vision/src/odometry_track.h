@@ -34,8 +34,9 @@ class OdometryTrack {
   /// Velocity in the robot's frame [m/s, m/s, rad/s], between the samples beside the stamp; zero where the robot stands
   /// or they are too far apart.
   Eigen::Vector3d velocity_at(double stamp_s) const;
-  /// How the velocity changes around a stamp [m/s^2, m/s^2, rad/s^2]: of the parabola through the samples within 60 ms,
-  /// zero where there are fewer than five or where the robot stands.
+  /// How the velocity changes around a stamp [m/s^2, m/s^2, rad/s^2]: of the parabola through the samples within 60 ms.
+  /// Zero where there are fewer than five, where the robot stands, and where a wild one makes it more than wheels can
+  /// do.
   Eigen::Vector3d acceleration_at(double stamp_s) const;
   /// Samples (x, y, yaw) between two readings of the odometry, thinned: arcs of constant twist between those that are
   /// kept pass the others within 1 mm and 1 mrad. Ends are exact, and a yaw factor moves what lies between by a few per

@@ -78,6 +78,10 @@ TEST(OdometryTrack, TellsHowARobotSpeedsUp) {
   const Eigen::Vector3d expected(0.8, 0.0, -2.5);
   EXPECT_LT((OdometryTrack(samples, 0.5, 0.02).acceleration_at(0.0) - expected).norm(), 2e-2);
   EXPECT_TRUE(OdometryTrack(sparse, 0.5, 0.02).acceleration_at(0.0).isZero(0.0)) << "too few rows";
+  std::vector<OdometrySample> wild = samples;
+  wild[wild.size() / 2 + 3].yaw_rad += 0.5;
+  EXPECT_FALSE(OdometryTrack(wild, 0.5, 0.02).velocity_at(0.0).isZero(0.0));
+  EXPECT_TRUE(OdometryTrack(wild, 0.5, 0.02).acceleration_at(0.0).isZero(0.0)) << "no robot turns so suddenly";
   std::vector<OdometrySample> standing = samples;
   for (OdometrySample& sample : standing) sample = {sample.stamp_s, 1.0, 2.0, 0.5};
   EXPECT_TRUE(OdometryTrack(standing, 0.5, 0.02).acceleration_at(0.0).isZero(0.0));

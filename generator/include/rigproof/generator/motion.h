@@ -61,9 +61,8 @@ class RobotTrajectory {
   const std::vector<double>& stamps_s() const { return stamps_s_; }
   /// T_scene_robot, one a stamp.
   const std::vector<Rigid3>& poses() const { return poses_; }
-  /// T_scene_robot at a stamp, between two samples with a twist that changes steadily: twists that are constant from
-  /// sample to sample would move the mean of an exposure around a sample by a quarter of what the robot speeds up in
-  /// it. Before and after, the robot stands.
+  /// T_scene_robot at a stamp, with a velocity that is continuous: it must not jump at samples, at whose stamps images
+  /// are taken. Before the first sample and after the last, the robot stands.
   Rigid3 at(double stamp_s) const;
   /// Velocity at a stamp, linear [m/s] and angular [rad/s], in the robot's frame: the mean over 20 ms around it.
   Vector6d velocity(double stamp_s) const;
