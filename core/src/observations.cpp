@@ -102,9 +102,9 @@ void visit_way(FieldVisitor& visitor, std::vector<Eigen::Vector3d>& way) {
 void visit_motion(FieldVisitor& visitor, const char* along, const char* turn, Eigen::Vector3d& motion) {
   const bool moves = !motion.isZero(0.0);
   std::vector<double> xy = {motion.x(), motion.y()};
-  if (visitor.takes(along, moves)) visitor.field(along, xy, {}, 2, 2, "[forward, left] of a robot that moves");
+  if (visitor.takes(along, moves)) visitor.field(along, xy, {-1e3, 1e3}, 2, 2, "[forward, left] of a robot that moves");
   motion.head<2>() << xy[0], xy[1];
-  if (visitor.takes(turn, moves)) visitor.field(turn, motion.z(), {}, "of a robot that moves");
+  if (visitor.takes(turn, moves)) visitor.field(turn, motion.z(), {-1e3, 1e3}, "of a robot that moves");
 }
 
 void visit_stop(FieldVisitor& visitor, Stop& stop) {

@@ -102,6 +102,10 @@ TEST(Observations, EveryKindOfProblemIsNamed) {
               HasSubstr("stops[0].x_m: nothing: must be a finite"));
   EXPECT_THAT(f.problems_with("\"way\": [[", "\"way\": [[0, "),
               HasSubstr("stops[1].way[0]: a list of 4: must be a list of 3"));
+  EXPECT_THAT(f.problems_with("\"yaw_acceleration_rad_per_s2\": -2.5", "\"yaw_acceleration_rad_per_s2\": 1e308"),
+              HasSubstr("stops[1].yaw_acceleration_rad_per_s2: 1e+308: allowed is -1000 to 1000"));
+  EXPECT_THAT(f.problems_with("\"velocity_m_per_s\": [0.31", "\"velocity_m_per_s\": [1e308"),
+              HasSubstr("stops[1].velocity_m_per_s"));
   EXPECT_THAT(f.problems_with("\"way\": [", "\"way\": 7, \"x\": ["), HasSubstr("stops[1].way: 7: must be a list"));
   EXPECT_THAT(f.problems_with("rigproof-observations", "rigproof-result"),
               HasSubstr("must be one of rigproof-observations"));
