@@ -170,22 +170,48 @@ bench::Verdict run(const Cell& cell, const fs::path& folder, bench::SharedFindin
   faults::FaultyRecording recording(cell.drive->run, folder, cell.drive->seed);
   if (cell.fault != nullptr) cell.fault->apply(&recording);
   if (cell.subset > 0) leave_stops_out(cell.subset, &recording);
-  const bench::Naming right = {cell.fault != nullptr ? cell.fault->codes : std::vector<std::string>(),
-                               recording.broken()};
+  bench::Naming right = {{}, recording.broken()};
+  if (cell.fault != nullptr) right.codes = cell.fault->codes;
+  if (cell.fault != nullptr && cell.drive->recording.rig.cameras.size() == 1)
+    right.codes.insert(right.codes.end(), cell.fault->codes_if_alone.begin(), cell.fault->codes_if_alone.end());
   return bench::judge_recording(folder, cell.drive->truth, right, findings);
 }
 
+std::string csv_of(const std::vector<Cell>& cells) {
+  std::string text = "fault,part,rig,seed,subset,outcome,status,first,worst_z,worst,sentence\n";
+  const auto quoted = [](std::string words) {
+    std::replace(words.begin(), words.end(), '"', '\'');
+    std::replace(words.begin(), words.end(), '\n', ' ');
+    return "\"" + words + "\"";
+  };
+  for (const Cell& cell : cells) {
+    if (!cell.verdict) continue;
+    const bench::Verdict& verdict = *cell.verdict;
+    text += joined({quoted(cell.name()), cell.part(), cell.drive->rig, std::to_string(cell.drive->seed),
+                    std::to_string(cell.subset), bench::outcome_name(verdict.outcome), verdict.status, verdict.first,
+                    number_text(verdict.worst_z), quoted(verdict.worst), quoted(verdict.sentence)},
+                   ",") +
+            "\n";
+  }
+  return text;
+}
+
 // Each in a folder of its own beside the drives, where files can be shared; several programs may work with the same.
+// What is done so far stands in the CSV, for who stops it early.
 void run_all(const Options& options, const fs::path& data, std::vector<Cell>* cells) {
   bench::SharedFindings findings;
   std::atomic<std::size_t> next{0};
+  int done = 0;
   std::exception_ptr failure;
   std::mutex mutex;
   const auto work = [&](int worker) {
     const fs::path folder = data / ("cell-" + std::to_string(::getpid()) + "-" + std::to_string(worker));
     for (std::size_t i; (i = next++) < cells->size();) try {
         fs::remove_all(folder);
-        (*cells)[i].verdict = run((*cells)[i], folder, &findings);
+        const bench::Verdict verdict = run((*cells)[i], folder, &findings);
+        const std::lock_guard<std::mutex> guard(mutex);
+        (*cells)[i].verdict = verdict;
+        if (!options.csv.empty() && ++done % 100 == 0) write_file_atomically(options.csv, csv_of(*cells));
         if (i % 20 == 0) std::fprintf(stderr, "\r%zu of %zu  ", i, cells->size());
       } catch (...) {
         const std::lock_guard<std::mutex> guard(mutex);
@@ -274,24 +300,6 @@ void print_healthy(const std::vector<Cell>& cells) {
   if (runs > 0)
     std::printf("\n%d healthy runs: %d false alarms, %d not solved whole, %d beyond five sigmas\n", runs, alarms,
                 unsolved, beyond);
-}
-
-std::string csv_of(const std::vector<Cell>& cells) {
-  std::string text = "fault,part,rig,seed,subset,outcome,status,first,worst_z,worst,sentence\n";
-  const auto quoted = [](std::string words) {
-    std::replace(words.begin(), words.end(), '"', '\'');
-    std::replace(words.begin(), words.end(), '\n', ' ');
-    return "\"" + words + "\"";
-  };
-  for (const Cell& cell : cells) {
-    const bench::Verdict& verdict = *cell.verdict;
-    text += joined({quoted(cell.name()), cell.part(), cell.drive->rig, std::to_string(cell.drive->seed),
-                    std::to_string(cell.subset), bench::outcome_name(verdict.outcome), verdict.status, verdict.first,
-                    number_text(verdict.worst_z), quoted(verdict.worst), quoted(verdict.sentence)},
-                   ",") +
-            "\n";
-  }
-  return text;
 }
 
 int list(const std::vector<RecordingFault>& faults) {
