@@ -18,23 +18,24 @@ void add_motion(const Evaluation& at, int stop, int camera, const Eigen::Vector3
   for (auto& part : seen->parts) part.motion.setZero();
   seen->parts[0].motion = motion.by_camera(seen->parts[0].twist);
   if (at.layout.has(Nuisance::kOdometryFactors))
-    seen->parts[3].motion.leftCols<2>() = motion.by_factors(at.state.odometry_scale(), at.state.odometry_yaw_factor());
+    seen->parts[3].motion.topLeftCorner<6, 2>() =
+        motion.by_factors(at.state.odometry_scale(), at.state.odometry_yaw_factor());
 }
 
 // Of the motion's error, whitened, towards what fits the corners of the view best.
-Vector6d step_of_error(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
-                       const Vector6d& error) {
+Motion step_of_error(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Motion& error) {
   const Camera lens = lens_at(at, view.camera);
   const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
   const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
-  Matrix6d H = Matrix6d::Identity();
-  Vector6d g = error;
+  const MotionMatrix by_error = seen.motion.by_error();
+  MotionMatrix H = MotionMatrix::Identity();
+  Motion g = error;
   for (const WhitenedView::Corner& corner : view.corners) {
     const Eigen::Vector3d on_board = corner_of_board(at.observations.board, shape, corner.point_board).point;
     RowResidual residual;
     if (!row_residual(lens, seen.motion, seen.T_camera_board * on_board, corner.pixel, &residual)) continue;
     const Eigen::Matrix2d W = whiten * corner.whitening;
-    const RowJacobian<2, 6> J = W * residual.by_motion * seen.motion.by_error();
+    const RowJacobian<2, kMotion> J = W * residual.by_motion * by_error;
     const Eigen::Vector2d r = W * residual.value;
     const double w = at.loss.weight(r.squaredNorm());
     H.noalias() += w * J.transpose() * J;
@@ -80,8 +81,8 @@ BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
   BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
   RowMotion& motion = seen.motion;
   if (!motion.bends_views()) return seen;
-  Vector6d error = Vector6d::Zero();
-  Vector6d step = Vector6d::Ones();
+  Motion error = Motion::Zero();
+  Motion step = Motion::Ones();
   for (int round = 0; round < kMostRounds && step.norm() > kSettled; ++round) {
     step = step_of_error(at, view, seen, error);
     error += step;
@@ -92,11 +93,11 @@ BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
 }
 
 void TwistSystem::eliminate_error(const RowMotion& motion) {
-  const Matrix6d covariance = motion.covariance(motion_H_);
+  const MotionMatrix covariance = motion.covariance(motion_H_);
   H_ -= motion_by_twist_.transpose() * covariance * motion_by_twist_;
   by_twist_ -= motion_by_direct_.transpose() * covariance * motion_by_twist_;
   by_direct_ -= motion_by_direct_.transpose() * covariance * motion_by_direct_;
-  const Matrix6d left = Matrix6d::Identity() - motion_H_ * covariance;
+  const MotionMatrix left = MotionMatrix::Identity() - motion_H_ * covariance;
   motion_by_twist_ = (left * motion_by_twist_).eval();
   motion_by_direct_ = (left * motion_by_direct_).eval();
   motion_H_ = (left * motion_H_).eval();
@@ -114,7 +115,8 @@ int TwistSystem::append(const Layout& layout, Nuisance nuisance, int camera) {
 
 void TwistSystem::chain(const BoardInCamera& seen, LocalBlock* block) const {
   const bool moves = seen.motion.bends_views();
-  std::array<Matrix6d, 6> H_by, motion_by;
+  std::array<Matrix6d, 6> H_by;
+  std::array<MotionBy6, 6> motion_by;
   std::array<int, 6> start;
   for (std::size_t a = 0; a < static_cast<std::size_t>(seen.count); ++a) {
     const auto& [segment, T, M] = seen.parts[a];

@@ -14,7 +14,7 @@ struct BoardInCamera {
   struct Part {
     Segment segment;
     Matrix6d twist;
-    Matrix6d motion;  ///< the same of the motion's twist, where there is a motion
+    MotionBy6 motion;  ///< the same of the motion's twist, where there is a motion
   };
   Rigid3 T_camera_board;  ///< when the middle row is read
   RowMotion motion;
@@ -60,7 +60,7 @@ class TwistSystem {
 
   /// The same of residuals that know the motion while rows are read.
   template <int kRows>
-  void add(const RowJacobian<kRows, 6>& J, const RowJacobian<kRows, 6>& by_motion,
+  void add(const RowJacobian<kRows, 6>& J, const RowJacobian<kRows, kMotion>& by_motion,
            const RowJacobian<kRows, kMaxDirect>& direct, const Eigen::Matrix<double, kRows, 1>& r, double factor) {
     add<kRows>(J, direct, r, factor);
     const auto weighted = (factor * by_motion.transpose()).eval();
@@ -83,9 +83,10 @@ class TwistSystem {
   RowJacobian<kMaxDirect, 6> by_twist_ = RowJacobian<kMaxDirect, 6>::Zero();
   Eigen::Matrix<double, kMaxDirect, kMaxDirect> by_direct_ = Eigen::Matrix<double, kMaxDirect, kMaxDirect>::Zero();
   Eigen::Matrix<double, kMaxDirect, 1> direct_g_ = Eigen::Matrix<double, kMaxDirect, 1>::Zero();
-  Matrix6d motion_H_ = Matrix6d::Zero(), motion_by_twist_ = Matrix6d::Zero();
-  Vector6d motion_g_ = Vector6d::Zero();
-  Eigen::Matrix<double, 6, kMaxDirect> motion_by_direct_ = Eigen::Matrix<double, 6, kMaxDirect>::Zero();
+  MotionMatrix motion_H_ = MotionMatrix::Zero();
+  MotionBy6 motion_by_twist_ = MotionBy6::Zero();
+  Motion motion_g_ = Motion::Zero();
+  Eigen::Matrix<double, kMotion, kMaxDirect> motion_by_direct_ = Eigen::Matrix<double, kMotion, kMaxDirect>::Zero();
 };
 
 }  // namespace rigproof::ml

@@ -7,7 +7,7 @@
 namespace rigproof::ml {
 namespace {
 
-constexpr int kTwist = 6, kLens = 5, kShape = 4, kReadout = 1, kMotion = 6;
+constexpr int kTwist = 6, kLens = 5, kShape = 4, kReadout = 1;
 constexpr int kWithoutMotion = kTwist + kLens + kShape;
 
 }  // namespace

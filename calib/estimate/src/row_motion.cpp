@@ -8,13 +8,15 @@ namespace {
 
 // Standard deviations by which a robot moves otherwise than its odometry says at a moment: tyres slip and give way
 // where it turns, and its body swings while it speeds up or brakes. Of rendered drives of a skid-steered robot.
-Vector6d sigmas_of_velocity(double turn_rate_rad_s) {
+Motion sigmas_of_motion(double turn_rate_rad_s) {
   constexpr double kAlong_m_s = 1e-3, kUp_m_s = 2e-3, kTilting_rad_s = 5e-3, kTurn_rad_s = 1e-3;
   constexpr double kAlongByTurn_m = 8e-3, kTurnByTurn = 0.05;
+  constexpr double kAlong_m_s2 = 0.3, kUp_m_s2 = 0.3, kTurning_rad_s2 = 1.8;
   const double along = std::hypot(kAlong_m_s, kAlongByTurn_m * turn_rate_rad_s);
   const double turn = std::hypot(kTurn_rad_s, kTurnByTurn * turn_rate_rad_s);
-  Vector6d sigmas;
-  sigmas << along, along, kUp_m_s, kTilting_rad_s, kTilting_rad_s, turn;
+  Motion sigmas;
+  sigmas << along, along, kUp_m_s, kTilting_rad_s, kTilting_rad_s, turn,  //
+      kAlong_m_s2, kAlong_m_s2, kUp_m_s2, kTurning_rad_s2, kTurning_rad_s2, kTurning_rad_s2;
   return sigmas;
 }
 
@@ -28,17 +30,29 @@ Matrix6d bracket(const Vector6d& a) {
 
 }  // namespace
 
-void RowMotion::set_error(const Vector6d& whitened) {
-  twist = twist_by_velocity * (velocity + velocity_sigmas.cwiseProduct(whitened));
+MotionMatrix RowMotion::by_error() const {
+  MotionMatrix by = MotionMatrix::Zero();
+  by.topLeftCorner<6, 6>() = by.bottomRightCorner<6, 6>() = twist_by_velocity;
+  return by * sigmas.asDiagonal();
+}
+
+void RowMotion::set_error(const Motion& whitened) {
+  const Motion error = sigmas.cwiseProduct(whitened);
+  twist << twist_by_velocity * (velocity + error.head<6>()), twist_by_velocity * error.tail<6>();
   error_square = whitened.squaredNorm();
 }
 
-Matrix6d RowMotion::covariance(const Matrix6d& information) const {
-  const Matrix6d by = by_error();
-  return by * (Matrix6d::Identity() + by.transpose() * information * by).ldlt().solve(Matrix6d(by.transpose()));
+MotionMatrix RowMotion::covariance(const MotionMatrix& information) const {
+  const MotionMatrix by = by_error();
+  const MotionMatrix of_error = MotionMatrix::Identity() + by.transpose() * information * by;
+  return by * of_error.ldlt().solve(MotionMatrix(by.transpose()));
 }
 
-Matrix6d RowMotion::by_camera(const Matrix6d& board_twist) const { return -bracket(twist) * board_twist; }
+MotionBy6 RowMotion::by_camera(const Matrix6d& board_twist) const {
+  MotionBy6 by;
+  by << -bracket(twist.head<6>()) * board_twist, -bracket(twist.tail<6>()) * board_twist;
+  return by;
+}
 
 Eigen::Matrix<double, 6, 2> RowMotion::by_factors(double scale, double yaw_factor) const {
   Eigen::Matrix<double, 6, 2> by;
@@ -50,12 +64,12 @@ Eigen::Matrix<double, 6, 2> RowMotion::by_factors(double scale, double yaw_facto
 RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odometry, double scale, double yaw_factor) {
   RowMotion motion;
   motion.velocity << odometry.x() / scale, odometry.y() / scale, 0.0, 0.0, 0.0, odometry.z() / yaw_factor;
-  motion.velocity_sigmas = sigmas_of_velocity(odometry.z());
+  motion.sigmas = sigmas_of_motion(odometry.z());
   const Eigen::Matrix3d R_camera_robot = T_robot_camera.rotation_matrix().transpose();
   Matrix6d& by = motion.twist_by_velocity;
   by.topRightCorner<3, 3>() = by.bottomLeftCorner<3, 3>() = -R_camera_robot;
   by.bottomRightCorner<3, 3>() = R_camera_robot * skew(T_robot_camera.translation);
-  motion.twist = by * motion.velocity;
+  motion.set_error(Motion::Zero());
   return motion;
 }
 
@@ -66,19 +80,30 @@ bool row_residual(const Camera& camera, const RowMotion& motion, const Eigen::Ve
   residual->by_readout.setZero();
   if (!motion.moves()) return corner_residual(camera, corner_camera, measured, residual);
   const double share = motion.share(measured.y()), t = share * motion.readout_s;
-  const Eigen::Vector3d omega = motion.twist.head<3>();
-  const Eigen::Vector3d moving = omega.cross(corner_camera) + motion.twist.tail<3>();
-  residual->point_camera = corner_camera + t * moving + 0.5 * t * t * omega.cross(moving);
+  const Eigen::Vector3d omega = motion.twist.head<3>(), omega_change = motion.twist.segment<3>(6);
+  const auto changes = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
+    return omega_change.cross(point) + motion.twist.tail<3>();
+  };
+  const Eigen::Vector3d moving = omega.cross(corner_camera) + motion.twist.segment<3>(3);
+  residual->point_camera = corner_camera + t * moving + 0.5 * t * t * (omega.cross(moving) + changes(corner_camera));
   if (!corner_residual(camera, residual->point_camera, measured, residual)) return false;
-  residual->by_readout = share * residual->by_point * (omega.cross(residual->point_camera) + motion.twist.tail<3>());
+  const Eigen::Vector3d& q = residual->point_camera;
+  residual->by_readout = share * residual->by_point * (omega.cross(q) + motion.twist.segment<3>(3) + t * changes(q));
   if (!motion.bends_views()) return true;
   const Eigen::Matrix3d turning = skew(omega);
-  residual->by_point *= Eigen::Matrix3d::Identity() + t * turning + 0.5 * t * t * turning * turning;
+  const Eigen::Matrix3d by_corner =
+      Eigen::Matrix3d::Identity() + t * turning + 0.5 * t * t * (turning * turning + skew(omega_change));
+  const double half_square = 0.5 * t * t;
   for (int row = 0; row < 2; ++row) {
-    const Eigen::Vector3d a = residual->by_point.row(row);
-    residual->by_twist.row(row) << corner_camera.cross(a).transpose(), a.transpose();
+    const Eigen::Vector3d a = residual->by_point.row(row), turned = a.cross(omega);
+    const Eigen::Vector3d by_turn = corner_camera.cross(a);
+    residual->by_motion.row(row)
+        << (t * by_turn + half_square * (moving.cross(a) + corner_camera.cross(turned))).transpose(),
+        (t * a + half_square * turned).transpose(), half_square * by_turn.transpose(), half_square * a.transpose();
+    residual->by_point.row(row) = a.transpose() * by_corner;
+    const Eigen::Vector3d by = residual->by_point.row(row);
+    residual->by_twist.row(row) << corner_camera.cross(by).transpose(), by.transpose();
   }
-  residual->by_motion = t * (residual->by_twist - 0.5 * t * residual->by_twist * bracket(motion.twist));
   return true;
 }
 

@@ -5,14 +5,21 @@
 
 namespace rigproof::ml {
 
+/// A twist at a moment, and how it changes: (6 x 1, 6 x 1) per second and per square second.
+inline constexpr int kMotion = 12;
+using Motion = Eigen::Matrix<double, kMotion, 1>;
+using MotionMatrix = Eigen::Matrix<double, kMotion, kMotion>;
+using MotionBy6 = Eigen::Matrix<double, kMotion, 6>;
+
 /// What the board does in the camera's coordinates while the rows of an image are read. All times are after the middle
-/// row's; the twist (omega, v) is constant, so that a point q lies at exp(t [twist]) q.
+/// row's; a point q moves by [omega, v](t) q, with a twist (omega, v) that changes evenly: robots speed up, by how much
+/// is unknown.
 struct RowMotion {
   Vector6d velocity = Vector6d::Zero();           ///< of the robot by its odometry: (v, omega) along its axes
-  Vector6d velocity_sigmas = Vector6d::Zero();    ///< of what the odometry does not tell [m/s, rad/s]
+  Motion sigmas = Motion::Zero();                 ///< of what the odometry does not tell [m/s, rad/s, m/s^2, rad/s^2]
   Matrix6d twist_by_velocity = Matrix6d::Zero();  ///< a robot that moves carries its cameras along
-  Vector6d twist = Vector6d::Zero();              ///< [rad/s, m/s]
-  double error_square = 0.0;                      ///< of the velocity's error, whitened
+  Motion twist = Motion::Zero();                  ///< [rad/s, m/s, rad/s^2, m/s^2]
+  double error_square = 0.0;                      ///< of the error of the robot's motion, whitened
   double readout_s = 0.0;                         ///< from the first row to the last
   int rows = 1;
 
@@ -21,14 +28,14 @@ struct RowMotion {
   bool bends_views() const { return readout_s != 0.0 && moves(); }
   /// When a row is read, as a share of the readout.
   double share(double row) const { return (row + 0.5) / rows - 0.5; }
-  /// Of the twist by the error of the velocity, whitened.
-  Matrix6d by_error() const { return twist_by_velocity * velocity_sigmas.asDiagonal(); }
-  void set_error(const Vector6d& whitened);
+  /// Of the twist by the error of the robot's motion, whitened.
+  MotionMatrix by_error() const;
+  void set_error(const Motion& whitened);
   /// Of the twist, where corners tell this much of it.
-  Matrix6d covariance(const Matrix6d& information) const;
+  MotionMatrix covariance(const MotionMatrix& information) const;
   /// How the twist changes with the unknowns of the camera, by what they do to the board's twist.
-  Matrix6d by_camera(const Matrix6d& board_twist) const;
-  /// The same by the odometry's scale and yaw factor.
+  MotionBy6 by_camera(const Matrix6d& board_twist) const;
+  /// The same of the twist at the middle row by the odometry's scale and yaw factor.
   Eigen::Matrix<double, 6, 2> by_factors(double scale, double yaw_factor) const;
 };
 
@@ -38,8 +45,8 @@ RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odomet
 /// Residual of a corner, with its derivatives by the twist of the board when the middle row is read, by the motion's
 /// twist, and by the readout.
 struct RowResidual : CornerResidual {
-  Eigen::Vector3d point_camera;  ///< when the corner's row is read
-  RowJacobian<2, 6> by_motion;   ///< only where the motion bends views
+  Eigen::Vector3d point_camera;       ///< when the corner's row is read
+  RowJacobian<2, kMotion> by_motion;  ///< only where the motion bends views
   Eigen::Vector2d by_readout;
 };
 /// @param corner_camera when the middle row is read

@@ -9,6 +9,7 @@
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
+#include "row_motion.h"
 #include "trials.h"
 
 namespace rigproof {
@@ -33,11 +34,23 @@ Vector6d velocity_error(double turn_rate_rad_s, RandomStream* random) {
   return error;
 }
 
+// Along the robot's own axes (v, omega), and how it changes.
+struct TrueMotion {
+  Vector6d velocity, acceleration;
+};
+
+Vector6d acceleration_of(RandomStream* random) {
+  Vector6d acceleration;
+  for (int axis = 0; axis < 6; ++axis) acceleration[axis] = random->normal(0.0, axis < 3 ? 0.3 : 1.8);
+  return acceleration;
+}
+
 // By how much a corner lies elsewhere than if all rows were read with the middle one. se3 has (v, omega).
-Eigen::Vector2d shift_of_row(const TrueCamera& camera, const Rigid3& T_world_robot, const Vector6d& velocity,
+Eigen::Vector2d shift_of_row(const TrueCamera& camera, const Rigid3& T_world_robot, const TrueMotion& motion,
                              const Eigen::Vector3d& corner_world, double readout_s) {
   const auto seen_at = [&](double t) {
-    const Rigid3 T_world_camera = T_world_robot * se3_exp(t * velocity) * camera.T_robot_camera;
+    const Vector6d way = t * motion.velocity + 0.5 * t * t * motion.acceleration;
+    const Rigid3 T_world_camera = T_world_robot * se3_exp(way) * camera.T_robot_camera;
     Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
     EXPECT_TRUE(camera.camera.project(T_world_camera.inverse() * corner_world, &pixel));
     return pixel;
@@ -49,7 +62,7 @@ Eigen::Vector2d shift_of_row(const TrueCamera& camera, const Rigid3& T_world_rob
   return pixel - middle;
 }
 
-// All cameras of a stop share the error of its velocity, though the estimator gives each view one of its own.
+// All cameras of a stop share the error of its motion, though the estimator gives each view one of its own.
 RollingRun rolling_run(int seed, bool moving = true, double worse = 1.0) {
   GeometricConfig config;
   config.seed = static_cast<std::uint64_t>(seed);
@@ -61,18 +74,19 @@ RollingRun rolling_run(int seed, bool moving = true, double worse = 1.0) {
   Observations& observations = made.run.observations;
   for (RigCamera& camera : observations.cameras) camera.readout_sigma_s = kReadoutSigma_s;
   if (!moving) return made;
-  std::vector<Vector6d> velocities;
+  std::vector<TrueMotion> motions;
+  RandomStream speeding_up(config.seed, "speeding up");
   for (Stop& stop : observations.stops) {
     stop.velocity << random.uniform(-0.8, 0.8), random.uniform(-0.1, 0.1), random.uniform(-0.8, 0.8);
-    velocities.emplace_back(worse * velocity_error(stop.velocity.z(), &random));
-    velocities.back().head<2>() += stop.velocity.head<2>();
-    velocities.back()[5] += stop.velocity.z();
+    motions.push_back({worse * velocity_error(stop.velocity.z(), &random), acceleration_of(&speeding_up)});
+    motions.back().velocity.head<2>() += stop.velocity.head<2>();
+    motions.back().velocity[5] += stop.velocity.z();
   }
   const Truth& truth = made.run.truth;
   for (BoardView& view : observations.board_views) {
     const auto stop = static_cast<std::size_t>(view.stop), camera = static_cast<std::size_t>(view.camera);
     for (CornerObservation& corner : view.corners)
-      corner.pixel += shift_of_row(truth.cameras[camera], truth.stops[stop].T_world_robot, velocities[stop],
+      corner.pixel += shift_of_row(truth.cameras[camera], truth.stops[stop].T_world_robot, motions[stop],
                                    truth.T_world_board * observations.board.corner(corner.id), made.readout_s[camera]);
   }
   return made;
@@ -111,6 +125,68 @@ TEST(MlRollingShutter, IsEstimatedAndTheUncertaintyIsTrueOverTrials) {
   }
   EXPECT_NEAR(mean, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
   EXPECT_NEAR(square, 1.0, kTrials.chi_square_tolerance(1));
+}
+
+ml::RowMotion speeding_motion(const Rigid3& T_robot_camera) {
+  ml::RowMotion motion = ml::row_motion(T_robot_camera, {0.6, 0.05, 0.7}, 1.0, 1.0);
+  motion.readout_s = 0.03;
+  motion.rows = 720;
+  ml::Motion error = ml::Motion::Zero();
+  error << 0.3, -0.2, 0.5, 1.0, -0.7, 0.4, 0.8, -0.6, 0.9, 1.2, -0.8, 1.1;
+  motion.set_error(error);
+  return motion;
+}
+
+// Where a point of the camera lies a time later, by many small steps along its twist, which changes evenly.
+Eigen::Vector3d carried(const ml::RowMotion& motion, Eigen::Vector3d point, double time_s) {
+  constexpr int kSteps = 4000;
+  for (int i = 0; i < kSteps; ++i) {
+    const Vector6d twist = motion.twist.head<6>() + (i + 0.5) / kSteps * time_s * motion.twist.tail<6>();
+    point += time_s / kSteps * (twist.head<3>().cross(point) + twist.tail<3>());
+  }
+  return point;
+}
+
+TEST(MlRollingShutter, RowsShowWhatARobotThatSpeedsUpCarriesAlong) {
+  const Rigid3 T_robot_camera = GeometricConfig().rig.T_robot_camera[0];
+  const ml::RowMotion motion = speeding_motion(T_robot_camera);
+  const Camera camera = Camera::symmetric(1280, 720, 640.0);
+  const Eigen::Vector3d corner(0.4, -0.5, 2.0);
+  for (const double row : {0.0, 200.0, 359.5, 719.0}) {
+    const double time_s = motion.readout_s * motion.share(row);
+    const Eigen::Vector2d measured(500.0, row);
+    ml::RowResidual residual;
+    ASSERT_TRUE(ml::row_residual(camera, motion, corner, measured, &residual));
+    // The third power of time is left out: .003 px.
+    EXPECT_LT((residual.point_camera - carried(motion, corner, time_s)).norm(), 1e-5) << row;
+  }
+}
+
+TEST(MlRollingShutter, DerivativesByTheMotionAndItsChangeAreThoseOfTheResidual) {
+  const Rigid3 T_robot_camera = GeometricConfig().rig.T_robot_camera[0];
+  const ml::RowMotion motion = speeding_motion(T_robot_camera);
+  const Camera camera = Camera::symmetric(1280, 720, 640.0);
+  const Eigen::Vector3d corner(0.4, -0.5, 2.0);
+  const Eigen::Vector2d measured(500.0, 30.0);
+  const auto value_at = [&](const ml::RowMotion& moved) {
+    ml::RowResidual residual;
+    EXPECT_TRUE(ml::row_residual(camera, moved, corner, measured, &residual));
+    return residual;
+  };
+  const ml::RowResidual residual = value_at(motion);
+  const double step = 1e-4;
+  for (int i = 0; i < ml::kMotion; ++i) {
+    ml::RowMotion more = motion, less = motion;
+    more.twist[i] += step;
+    less.twist[i] -= step;
+    const Eigen::Vector2d slope = (value_at(more).value - value_at(less).value) / (2.0 * step);
+    EXPECT_LT((residual.by_motion.col(i) - slope).norm(), 1e-6 * slope.norm() + 1e-9) << i;
+  }
+  ml::RowMotion longer = motion, shorter = motion;
+  longer.readout_s += step;
+  shorter.readout_s -= step;
+  const Eigen::Vector2d slope = (value_at(longer).value - value_at(shorter).value) / (2.0 * step);
+  EXPECT_LT((residual.by_readout - slope).norm(), 1e-3 * slope.norm());
 }
 
 TEST(MlRollingShutter, ThatIsTakenForAGlobalOneShows) {
