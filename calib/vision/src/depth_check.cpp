@@ -108,7 +108,7 @@ std::optional<DepthFault> of_another_orientation(const std::vector<DepthFrame>& 
   for (const auto& [reading, how] : {std::pair(DepthReading::kMirrored, "mirrored left to right"),
                                      std::pair(DepthReading::kUpsideDown, "mirrored upside down"),
                                      std::pair(DepthReading::kHalfTurn, "turned by half a turn")})
-    if (fits(reading)) return DepthFault{Finding("depth.mirrored", {{"how", how}})};
+    if (fits(reading)) return DepthFault{Finding("depth.mirrored", {{"how", how}}), -1, reading};
   return std::nullopt;
 }
 

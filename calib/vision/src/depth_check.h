@@ -29,6 +29,7 @@ struct DepthFrame {
 struct DepthFault {
   Finding cause;
   int other = -1;
+  DepthReading fits = DepthReading::kAsItIs;  ///< how depth must be taken to meet the board
 };
 std::optional<DepthFault> find_depth_fault(const std::vector<DepthFrame>& frames, const Board& board, double unit_m);
 

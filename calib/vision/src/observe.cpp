@@ -493,9 +493,28 @@ bool meets_board(const PlaneSight& planes, const Rigid3& T_camera_board) {
   return std::abs(planes.board->inverse_depth_plane.dot(place) - 1.0) < kOff + kSigmas * sigma;
 }
 
+// Of depth that is mirrored against its images one of the two is flipped: where the floor that depth would show lies
+// above by the motion of the images, it is they. An image that is turned by half a turn moves as a camera that hangs
+// upside down, and depth cannot tell.
+bool images_are_flipped(const std::vector<detection::DepthFrame>& frames, detection::DepthReading reading,
+                        const Rig& rig, int camera, const Eigen::Vector3d& up_camera) {
+  const DepthNoise& noise = rig.cameras[static_cast<std::size_t>(camera)].depth->noise;
+  int below = 0, above = 0;
+  for (const detection::DepthFrame& frame : frames) {
+    const std::optional<DepthPoints> points = frame.points(reading);
+    if (!points) continue;
+    const auto has_ground = [&](const Eigen::Vector3d& up) {
+      return fit_planes(rig.board, noise, *points, frame.T_camera_board, up).ground.has_value();
+    };
+    below += has_ground(up_camera);
+    above += has_ground(-up_camera);
+  }
+  return above > below;
+}
+
 // Depth that does not belong to its images is left out as a whole, with the cause.
 void drop_foreign_depth(const Source& from, const std::vector<const Sight*>& sights, const Boards& boards,
-                        std::vector<PlaneSight>* planes) {
+                        const Verticals& up, std::vector<PlaneSight>* planes) {
   constexpr double kUnit = 0.4;  // of the logarithm of a factor: no scale is that wrong
   constexpr std::size_t kOneIn = 5;
   for (int camera = 0; camera < static_cast<int>(from.recording.rig.cameras.size()); ++camera) {
@@ -514,8 +533,13 @@ void drop_foreign_depth(const Source& from, const std::vector<const Sight*>& sig
     if (kOneIn * (views - meet) <= views) continue;
     const Board& board = from.recording.rig.board;
     const double unit_m = from.camera(*of_camera.front()).depth->unit_m;
-    const auto fault = detection::find_depth_fault(frames_to_check(from, of_camera, boards), board, unit_m);
+    const std::vector<detection::DepthFrame> frames = frames_to_check(from, of_camera, boards);
+    auto fault = detection::find_depth_fault(frames, board, unit_m);
     if (!fault) continue;
+    const std::optional<Eigen::Vector3d>& up_camera = up[static_cast<std::size_t>(camera)];
+    if (fault->cause.is("depth.mirrored") && up_camera &&
+        images_are_flipped(frames, fault->fits, from.recording.rig, camera, *up_camera))
+      fault->cause = Finding("images.mirrored");
     // A factor of what is within range is the board's or the sensor's, which the solution tells.
     if (const FindingValue* factor = fault->cause.find("factor"))
       if (2 * measured >= views || std::abs(std::log(std::get<double>(factor->value))) < kUnit) continue;
@@ -630,7 +654,7 @@ void add_planes(const Source& from, const std::vector<const Sight*>& chosen, std
   std::vector<PlaneSight> planes = planes_of(from, with_depth, boards, up, images);
   const bool upside_down = by_motion && hang_above(from, with_depth, boards, opposite(up), images, &planes);
   if (by_motion && !upside_down) find_floors_above(from, with_depth, boards, up, images, &planes);
-  drop_foreign_depth(from, with_depth, boards, &planes);
+  drop_foreign_depth(from, with_depth, boards, up, &planes);
   for (std::size_t i = 0; i < planes.size(); ++i)
     keep(*with_depth[i], from.depth_file(*with_depth[i]), std::move(planes[i]), result);
   drop_odd_board_planes(boards, &result->board_planes);
