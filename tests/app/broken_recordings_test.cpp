@@ -164,6 +164,12 @@ const Broken kBroken[] = {
      [](const fs::path& r) {
        for (const char* kind : {"color", "depth"}) edit_images(images_of(r, "left", kind), mirror);
      }},
+    {"ImagesUpsideDown", "images of left are mirrored",
+     [](const fs::path& r) {
+       edit_images(images_of(r, "left", "color"), [](cv::Mat* image) { cv::flip(*image, *image, 0); });
+     }},
+    {"MirroredImagesWithoutTheirDepth", "images of left are mirrored",
+     [](const fs::path& r) { edit_images(images_of(r, "left", "color"), mirror); }},
     {"MirroredDepth", "depth of right is mirrored left to right against its images",
      [](const fs::path& r) { edit_images(images_of(r, "right", "depth"), mirror); }},
     {"LateDepth", "depth of left belongs to the previous image",

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <variant>
 
 #include "faults.h"
 #include "rigproof/calib/estimate/lens_change.h"
@@ -84,7 +88,8 @@ Explanations try_faults(const Run& run, const std::vector<Fault>& faults, bool s
   Explanations better;
   for (const Fault& fault : faults) {
     const std::optional<Trial> trial = run.without(fault, same_views);
-    if (trial && trial->unexplained < run.as_is.unexplained - kDecides) better.push_back({fault, *trial, {}});
+    if (trial && trial->unexplained < run.as_is.unexplained - kDecides)
+      better.push_back({fault, *trial, fault.further});
   }
   return better;
 }
@@ -269,6 +274,45 @@ Explanations try_swaps(const Run& run) {
   return {{{FaultKind::kFrames, causes.front(), true, {}}, best, {causes.begin() + 1, causes.end()}}};
 }
 
+// The stop from which on frames fit best one stop later or earlier: among some of the stops, then about the best.
+Explanations try_lost_frame_of(const Run& run, const std::vector<int>& cameras, int by) {
+  constexpr int kAtFirst = 6;
+  const int stops = static_cast<int>(run.observations.stops.size());
+  std::set<int> tried;
+  std::optional<Explained> best;
+  const auto look = [&](int from) {
+    if (from < 1 || from >= stops || !tried.insert(from).second) return;
+    const Fault fault = shifted_frames(run.observations, cameras, by, from);
+    const std::optional<Trial> trial = run.without(fault, false);
+    if (!trial || trial->unexplained >= (best ? best->trial : run.as_is).unexplained - kDecides) return;
+    best = Explained{fault, *trial, {}};
+  };
+  int step = std::max(1, stops / kAtFirst);
+  for (int from = step; from < stops; from += step) look(from);
+  while (best && step > 1) {
+    const int centre = static_cast<int>(std::get<double>(best->fault.cause.find("from")->value));
+    step /= 2;
+    look(centre - step);
+    look(centre + step);
+  }
+  return best ? Explanations{*best} : Explanations();
+}
+
+Explanations try_lost_frames(const Run& run) {
+  const int cameras = static_cast<int>(run.observations.cameras.size());
+  std::vector<int> all(static_cast<std::size_t>(cameras));
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<std::vector<int>> groups = {all};
+  for (int c = 0; c < cameras && cameras > 1; ++c) groups.push_back({c});
+  Explanations explained;
+  for (const std::vector<int>& group : groups)
+    for (const int by : {1, -1}) {
+      const Explanations more = try_lost_frame_of(run, group, by);
+      explained.insert(explained.end(), more.begin(), more.end());
+    }
+  return explained;
+}
+
 Explanations try_single_stops(const Run& run) {
   const int n = static_cast<int>(run.observations.stops.size());
   if (n > kFewStops || n < 4) return {};
@@ -319,9 +363,8 @@ Cause conclude(Explanations explained, const Trial& as_is) {
 
 std::optional<Cause> find_cause(const Observations& observations, const Symptoms& symptoms, const Refit& refit) {
   Run run{first_stops(observations, kDiagnosedStops), refit, {}};
-  const std::optional<Trial> as_is = refit(run.observations, true);
-  if (!as_is) return std::nullopt;
-  run.as_is = *as_is;
+  run.as_is.unexplained = std::numeric_limits<double>::infinity();  // of data so wrong that they have no solution
+  if (const std::optional<Trial> as_is = refit(run.observations, true)) run.as_is = *as_is;
   // From the plain to the far-fetched; what leaves the data in order ends the search.
   Explanations found;
   const auto add = [&found](const Explanations& more) { found.insert(found.end(), more.begin(), more.end()); };
@@ -336,6 +379,7 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
   if (!any_clean(found) && run.as_is.lenses) add(try_lenses(run, symptoms));
   if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_shift_faults(run.observations), false));
   if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_order_faults(observations), false));
+  if (!any_clean(found) && (symptoms.odometry || symptoms.frames)) add(try_lost_frames(run));
   if (!any_clean(found) && symptoms.frames && run.observations.cameras.size() > 1) add(try_swaps(run));
   if (!any_clean(found) && symptoms.odometry) add(try_single_stops(run));
   if (!any_clean(found)) return std::nullopt;

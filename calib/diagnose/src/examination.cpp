@@ -205,9 +205,11 @@ Symptoms symptoms_of(const Preparation& prepared, const Fit& fit, const Examinat
   symptoms.yaw_drift = estimate_yaw_drift(prepared.used, fit.noise, fit.state);
   symptoms.bad_corners = found.contradictions.bad_corners;
   symptoms.bad_corners.resize(prepared.original.cameras.size(), false);
-  // Odometry in millimetres can bend the corners and agree with the bent ones.
+  // Odometry in millimetres can bend the corners and agree with the bent ones, or outweigh the images so far that most
+  // are left out, or that nothing is determined.
   const bool bent = std::count(symptoms.bad_corners.begin(), symptoms.bad_corners.end(), true) > 0;
-  symptoms.odometry = shift.contradicts() || !found.contradictions.odometry.empty() || bent;
+  const bool outweighs = 2 * views_left_out(prepared, fit).size() > prepared.used.board_views.size();
+  symptoms.odometry = shift.contradicts() || !found.contradictions.odometry.empty() || bent || outweighs || !found.sums;
   if (!found.motion_suffices()) return symptoms;
   const bool cameras = !found.contradictions.cameras.empty();
   symptoms.frames = cameras || !found.contradictions.odometry.empty();
@@ -305,7 +307,9 @@ std::optional<Cause> cause_of_exclusions(const Observations& observations, const
 
 Cause joined(std::optional<Cause> first, const Cause& second) {
   if (!first) return second;
-  for (const Finding& finding : second.findings) first->findings.push_back(finding.with({{"joined_by", "and"}}));
+  for (const Finding& finding : second.findings)
+    if (!has_code(first->findings, finding.code.c_str()))
+      first->findings.push_back(finding.with({{"joined_by", "and"}}));
   return {first->findings, first->spoils_all || second.spoils_all};
 }
 

@@ -37,8 +37,20 @@ Change scale_positions(double factor) {
   };
 }
 
+void yaw_from_degrees(Stop* stop) { stop->yaw_rad = deg_to_rad(stop->yaw_rad); }
+
 Fault in_unit(const char* unit, double metres) {
   return {FaultKind::kUnit, Finding("odometry.unit", {{"unit", unit}}), false, for_each_stop(scale_positions(metres))};
+}
+
+Fault in_unit_and_degrees(const char* unit, double metres) {
+  Fault fault = in_unit(unit, metres);
+  fault.further = {Finding("odometry.yaw_in_degrees")};
+  fault.undo = for_each_stop([scale = scale_positions(metres)](Stop* stop) {
+    scale(stop);
+    yaw_from_degrees(stop);
+  });
+  return fault;
 }
 
 // Columns x, y and yaw that hold `columns`.
@@ -276,12 +288,7 @@ Fault odometry_ahead(const Observations& observations, double stops) {
 
 std::vector<Fault> odometry_faults(const Observations& observations) {
   std::vector<Fault> faults = {
-      in_unit("millimetres", 1e-3),
-      in_unit("centimetres", 1e-2),
-      in_unit("inches", 0.0254),
-      in_unit("feet", 0.3048),
-      {FaultKind::kUnit, Finding("odometry.yaw_in_degrees"), false,
-       for_each_stop([](Stop* stop) { stop->yaw_rad = deg_to_rad(stop->yaw_rad); })},
+      {FaultKind::kUnit, Finding("odometry.yaw_in_degrees"), false, for_each_stop(yaw_from_degrees)},
       {FaultKind::kSign, Finding("odometry.yaw_sign"), false,
        for_each_stop([](Stop* stop) { stop->yaw_rad = -stop->yaw_rad; })},
       {FaultKind::kSign, Finding("odometry.axes_swapped"), false,
@@ -293,23 +300,35 @@ std::vector<Fault> odometry_faults(const Observations& observations) {
       {FaultKind::kSign, Finding("odometry.inverted"), false,
        for_each_stop([](Stop* stop) { set_pose(pose_of(*stop).inverse(), stop); })},
   };
+  for (const auto& [unit, metres] :
+       {std::pair("millimetres", 1e-3), {"centimetres", 1e-2}, {"inches", 0.0254}, {"feet", 0.3048}}) {
+    faults.push_back(in_unit(unit, metres));
+    faults.push_back(in_unit_and_degrees(unit, metres));
+  }
   add_other_columns(&faults);
   if (may_be_of_quaternion(observations.stops)) faults.push_back(yaw_of_quaternion());
   for (const int stops : {1, -1, 2, -2, 3, -3}) faults.push_back(odometry_ahead(observations, stops));
   return faults;
 }
 
+Fault shifted_frames(const Observations& observations, const std::vector<int>& cameras, int by, int from) {
+  Finding cause("frames.shifted", {{"to", by > 0 ? "next" : "previous"}});
+  if (from > 0) {
+    const double stamp_s = observations.stops[static_cast<std::size_t>(from)].stamp_s;
+    cause = cause.with({{"from", from}, {"from_s", stamp_s}});
+  }
+  for (const int c : cameras) cause.cameras.push_back(observations.cameras[static_cast<std::size_t>(c)].name);
+  const bool all = cameras.size() == observations.cameras.size();
+  return {FaultKind::kFrames, cause, !all,
+          [cameras, by, from](Observations* repaired) { shift_cameras(cameras, by, from, repaired); }};
+}
+
 std::vector<Fault> camera_shift_faults(const Observations& observations) {
   std::vector<Fault> faults;
-  if (observations.cameras.size() < 2) return faults;  // the odometry's stamps would be shifted the other way
-  for (std::size_t c = 0; c < observations.cameras.size(); ++c)
-    for (const int by : {1, -1}) {
-      const int camera = static_cast<int>(c);
-      faults.push_back(
-          {FaultKind::kFrames,
-           Finding("frames.shifted", {{"to", by > 0 ? "next" : "previous"}}).of(observations.cameras[c].name), true,
-           [camera, by](Observations* repaired) { shift_camera(camera, by, repaired); }});
-    }
+  const int cameras = static_cast<int>(observations.cameras.size());
+  if (cameras < 2) return faults;  // the odometry's stamps would be shifted the other way
+  for (int c = 0; c < cameras; ++c)
+    for (const int by : {1, -1}) faults.push_back(shifted_frames(observations, {c}, by, 0));
   return faults;
 }
 

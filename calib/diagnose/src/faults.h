@@ -18,6 +18,7 @@ struct Fault {
   Finding cause;
   bool spoils_all = false;  ///< false: only x, y and yaw in the robot rest on it
   std::function<void(Observations*)> undo;
+  std::vector<Finding> further = {};  ///< what is wrong beside the cause, and undone with it
 };
 
 /// Odometry in another unit, of another handedness or inverted, with its columns in another order, and odometry whose
@@ -43,6 +44,8 @@ Fault turns_scaled(double factor);
 /// Odometry whose yaw drifts by so much a second, as by the bias of a gyro.
 Fault odometry_drifting(const Observations& observations, double rad_s);
 
+/// Frames that from the stop `from` on were taken `by` stops (1 or -1) later than stated: one was lost or doubled.
+Fault shifted_frames(const Observations& observations, const std::vector<int>& cameras, int by, int from);
 /// Frames of one camera that were taken a stop earlier or later than stated.
 std::vector<Fault> camera_shift_faults(const Observations& observations);
 

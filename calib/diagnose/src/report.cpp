@@ -266,6 +266,33 @@ void report_missed_frames(const Observations& observations, Result* result) {
   causes_first(&result->reasons);
 }
 
+// Where a camera's images mostly repeat each other, that is why its poses are too few, and no mere note.
+void report_frozen_images(Result* result) {
+  const auto number = [](const Finding& finding, const char* name) {
+    return std::get<double>(finding.find(name)->value);
+  };
+  const auto is_frozen = [&](const Finding& note) {
+    const auto lacks_an_answer = [&](const EstimatedTransform& transform) {
+      const auto& known = transform.observable;
+      return transform.child == note.cameras.front() && std::find(known.begin(), known.end(), false) != known.end();
+    };
+    return note.is("frames.repeat") && 2.0 * number(note, "repeats") > number(note, "images") &&
+           std::any_of(result->camera_to_robot.begin(), result->camera_to_robot.end(), lacks_an_answer);
+  };
+  Findings kept;
+  for (const Finding& note : result->notes) {
+    if (!is_frozen(note)) {
+      kept.push_back(note);
+      continue;
+    }
+    result->reasons.push_back(
+        Finding("images.frozen", {{"repeats", number(note, "repeats")}, {"images", number(note, "images")}})
+            .of(note.cameras));
+  }
+  result->notes = std::move(kept);
+  causes_first(&result->reasons);
+}
+
 void report_residuals(const GroupSums& sums, Result* result) {
   const auto add = [&](const char* name, std::initializer_list<Group> groups) {
     GroupSum total;
@@ -329,10 +356,14 @@ MlEstimate report(const Preparation& prepared, const OdometryChoice& choice, con
     append(lengths.notes, &result.notes);
     report_contradictions(prepared, choice.fit, found, lengths.contradictions, &estimate);
     report_status(prepared, estimate.converged, &result);
-    if (result.status != ResultStatus::kSolved) report_missed_frames(prepared.original, &result);
+    if (result.status != ResultStatus::kSolved) {
+      report_missed_frames(prepared.original, &result);
+      report_frozen_images(&result);
+    }
     report_residuals(stated.sums, &result);
     report_also_estimated(prepared, choice.fit, globals, &result);
   } else {
+    if (found.cause) append(found.cause->findings, &result.reasons);
     result.reasons.emplace_back("poses.undetermined");
   }
   result.use = use_of(prepared, choice.fit);

@@ -15,6 +15,10 @@ namespace {
 // Chi-squares of six dimensions of the largest score, and of the step of the solution that has one. See
 // docs/measurements/refusals.md for what healthy drives reach.
 constexpr double kWorthASolution = 36.0;
+// What moved can pass for odometry that is far worse than wheels are, which then hides it: 26 of a camera that was
+// knocked by 3 degrees, at 73 mm a stop.
+constexpr double kWorthASolutionAtPoorOdometry = 12.0;
+constexpr double kPoorOdometry_m = 0.02, kPoorOdometry_rad = 0.03;
 constexpr double kSure = 49.0;
 // -2 ln of a likelihood ratio that decides between steps.
 constexpr double kDecides = 10.0;
@@ -65,8 +69,9 @@ std::vector<StepScore> candidates(const Preparation& prepared, const Fit& fit, c
     const auto [place, is_new] = best.emplace(score.step.bodies, score);
     if (!is_new && score.square > place->second.square) place->second = score;
   };
+  const bool poor = fit.noise.odometry_xy_m > kPoorOdometry_m || fit.noise.odometry_yaw_rad > kPoorOdometry_rad;
   for (const StepScore& score : scores)
-    if (score.square > kWorthASolution) look(score);
+    if (score.square > (poor ? kWorthASolutionAtPoorOdometry : kWorthASolution)) look(score);
   for (const int c : prepared.solved_cameras())
     if (const std::optional<StepScore> score = by_left_out(prepared, fit, c)) look(*score);
   std::vector<StepScore> all;

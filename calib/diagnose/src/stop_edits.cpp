@@ -79,11 +79,19 @@ void swap_frames(int stop, int first, int second, Observations* observations) {
   });
 }
 
-void shift_camera(int camera, int by, Observations* observations) {
+void shift_cameras(const std::vector<int>& cameras, int by, int from, Observations* observations) {
   const int stops = static_cast<int>(observations->stops.size());
-  edit_seen(observations, [=](auto* values) {
+  edit_seen(observations, [&](auto* values) {
+    const auto is_one_of_them = [&](const auto& value) {
+      return std::find(cameras.begin(), cameras.end(), value.camera) != cameras.end();
+    };
+    values->erase(std::remove_if(values->begin(), values->end(),
+                                 [&](const auto& value) {
+                                   return is_one_of_them(value) && value.stop < from && value.stop >= from + by;
+                                 }),
+                  values->end());
     for (auto& value : *values)
-      if (value.camera == camera) value.stop += by;
+      if (is_one_of_them(value) && value.stop >= from) value.stop += by;
     keep_stops(0, stops, values);
     sort_by_stop(values);
   });

@@ -18,8 +18,9 @@ void leave_out_stop(int stop, Observations* observations);
 /// Exchanges what two cameras saw at a stop.
 void swap_frames(int stop, int first, int second, Observations* observations);
 
-/// What a camera saw, as seen `by` stops later.
-void shift_camera(int camera, int by, Observations* observations);
+/// What cameras saw from the stop `from` on, as seen `by` stops later: what was seen at the stops that it moves to, if
+/// they lie before, is left out.
+void shift_cameras(const std::vector<int>& cameras, int by, int from, Observations* observations);
 
 /// What the cameras saw at each stop, as seen at stop to[stop].
 void move_frames(const std::vector<int>& cameras, const std::vector<int>& to, Observations* observations);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "broken_runs.h"
 #include "faults.h"
@@ -225,7 +226,8 @@ TEST(Faults, AreUndone) {
         stop.x_m /= metres;
         stop.y_m /= metres;
       }
-      if (fault.cause.is("odometry.yaw_in_degrees")) stop.yaw_rad = rad_to_deg(stop.yaw_rad);
+      if (fault.cause.is("odometry.yaw_in_degrees") || has_code(fault.further, "odometry.yaw_in_degrees"))
+        stop.yaw_rad = rad_to_deg(stop.yaw_rad);
       if (fault.cause.is("odometry.yaw_of_quaternion")) stop.yaw_rad = std::sin(0.5 * stop.yaw_rad);
     }
     if (fault.kind == ml::FaultKind::kSign) fault.undo(&wrong);                            // these undo themselves
@@ -295,6 +297,75 @@ TEST(Diagnosis, NamesFramesInAnotherOrder) {
     EXPECT_EQ(result.reasons.front().code, "frames.misordered") << testing::PrintToString(worded(result.reasons));
     EXPECT_EQ(result.reasons.front().cameras.size(), cameras.size() % 3);
   }
+}
+
+Observations drive_of_one_camera(std::uint64_t seed) {
+  GeometricConfig config;
+  config.seed = seed;
+  config.stops = 16;
+  config.rig.cameras.resize(1);
+  config.rig.T_robot_camera.resize(1);
+  config.rig.min_cameras_per_stop = 1;
+  return draw_geometric_run(config).observations;
+}
+
+// One frame less or more from a stop in the middle on, of the only camera or of one among others.
+TEST(Diagnosis, NamesFramesFromWhichOnOneIsMissingOrDoubled) {
+  for (const auto& [right, camera, by] : {std::tuple(drive_of_one_camera(2), 0, 1), {drive_of(12), 1, -1}}) {
+    Observations wrong = right;
+    const int split = static_cast<int>(right.stops.size()) / 2;
+    ml::shift_cameras({camera}, -by, by > 0 ? split + 1 : split, &wrong);
+    const Result result = estimate_maximum_likelihood(wrong).result;
+    ASSERT_FALSE(result.reasons.empty());
+    const Finding& cause = result.reasons.front();
+    EXPECT_EQ(cause.code, "frames.shifted") << testing::PrintToString(worded(result.reasons));
+    EXPECT_EQ(cause.cameras, std::vector<std::string>{right.cameras[static_cast<std::size_t>(camera)].name});
+    ASSERT_NE(cause.find("from"), nullptr);
+    EXPECT_NEAR(std::get<double>(cause.find("from")->value), split, 1.0);
+    EXPECT_EQ(std::get<std::string>(cause.find("to")->value), by > 0 ? "next" : "previous");
+  }
+}
+
+// So large that they outweigh the images, of which most are left out, and the equations have no solution.
+TEST(Diagnosis, NamesMillimetresThatOutweighTheImages) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    Observations wrong = drive_of_one_camera(seed);
+    for (Stop& stop : wrong.stops) stop.x_m *= 1e3, stop.y_m *= 1e3;
+    const Result result = estimate_maximum_likelihood(wrong).result;
+    ASSERT_FALSE(result.reasons.empty());
+    EXPECT_EQ(result.reasons.front().code, "odometry.unit") << seed << testing::PrintToString(worded(result.reasons));
+  }
+}
+
+TEST(Diagnosis, NamesMillimetresAndDegreesAtOnce) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    Observations wrong = drive_of_one_camera(seed);
+    for (Stop& stop : wrong.stops) stop.x_m *= 1e3, stop.y_m *= 1e3, stop.yaw_rad = rad_to_deg(stop.yaw_rad);
+    const Result result = estimate_maximum_likelihood(wrong).result;
+    ASSERT_GE(result.reasons.size(), 2U);
+    EXPECT_EQ(result.reasons[0].code, "odometry.unit") << seed << testing::PrintToString(worded(result.reasons));
+    EXPECT_EQ(result.reasons[1].code, "odometry.yaw_in_degrees");
+  }
+}
+
+// The same images again and again leave too few poses; that they repeat is the reason, not that the drive is short.
+TEST(Diagnosis, NamesACameraThatHung) {
+  Observations wrong = drive_of_one_camera(1);
+  std::vector<BoardView> kept;
+  for (BoardView& view : wrong.board_views) {
+    if (view.stop == 0) {
+      kept.push_back(view);
+      continue;
+    }
+    wrong.exclusions.push_back({0, view.stop, "again.png", Finding("image.repeats", {{"file", "first.png"}}), false});
+  }
+  wrong.board_views = kept;
+  const Result result = estimate_maximum_likelihood(wrong).result;
+  EXPECT_NE(result.status, ResultStatus::kSolved);
+  ASSERT_FALSE(result.reasons.empty());
+  EXPECT_EQ(result.reasons.front().code, "images.frozen") << testing::PrintToString(worded(result.reasons));
+  EXPECT_EQ(result.reasons.front().cameras, std::vector<std::string>{wrong.cameras[0].name});
+  EXPECT_FALSE(has_code(result.notes, "frames.repeat"));
 }
 
 TEST(Diagnosis, NamesStampsThatAreFarOff) {

@@ -102,6 +102,27 @@ TEST(Steps, FromASuspicionToAnAbsurdity) {
   }
 }
 
+// A knock can pass for odometry far worse than wheels are, and such levels hide it: it is looked for all the same.
+TEST(Steps, PoorOdometryHidesNone) {
+  GeometricConfig config = drive(4, 24);
+  config.rig.cameras.resize(1);
+  config.rig.T_robot_camera.resize(1);
+  config.rig.min_cameras_per_stop = 1;
+  GeometricRun run = draw_moved_during(config, 12, {0}, turned(0.0, 4.0));
+  run.observations.odometry_noise = OdometryNoise();
+  const ml::Preparation prepared = ml::prepare(run.observations, MlOptions());
+  ml::Fit fit = ml::choose_odometry(prepared).fit;
+  fit.noise.odometry_xy_m = 0.06;
+  fit.noise.odometry_yaw_rad = 0.06;
+  std::vector<ml::StepScore> scores;
+  ASSERT_TRUE(ml::problem_at(prepared, fit, fit.noise).sums_with_leverage(fit.state, ml::splits_of(24, 16), &scores));
+  for (const ml::StepScore& score : scores) EXPECT_LT(score.square, 36.0);
+  const std::optional<ml::FoundStep> step = ml::find_step(prepared, fit, scores);
+  ASSERT_TRUE(step);
+  EXPECT_EQ(step->findings.front().code, "camera.moved");
+  EXPECT_NEAR(value(step->findings.front(), "turn_deg"), 4.0, 0.3);
+}
+
 TEST(Steps, ASingleCamera) {
   GeometricConfig config = drive(4, 30);
   config.rig.cameras.resize(1);

@@ -12,9 +12,12 @@ using EditImage = FaultyRecording::EditImage;
 
 const Codes kOrder = {"frames.shifted", "stop.contradicts", "frames.contradict", "frames.repeat"};
 // All that is left of a camera may be one image.
-const Codes kFrozen = {"frames.repeat", "camera.no_view", "camera.no_pose", "pose.too_uncertain"};
-const Codes kUnseen = {"board.nowhere", "board.never_seen", "camera.no_view", "camera.no_pose"};
+const Codes kFrozen = {"images.frozen", "frames.repeat", "camera.no_view", "camera.no_pose", "pose.too_uncertain"};
+// A board that is found in one or two images still leaves their number as the cause.
+const Codes kUnseen = {"board.nowhere", "board.never_seen", "camera.no_view", "camera.no_pose", "motion.too_few_poses"};
 const Codes kTurned = {"images.mirrored"};
+// Turned images move as those of a camera that hangs upside down: with depth that is turned the other way.
+const Codes kHalfTurned = {"images.mirrored", "depth.mirrored"};
 const Codes kCentre = {"lens.principal_point", "lens.half_pixel_slip"};
 const Codes kAnyLens = {"lens.intrinsics", "lens.principal_point", "corners.off"};
 
@@ -108,7 +111,10 @@ RecordingFault arranged(const std::string& name, const Codes& codes,
     const std::size_t k = r->any_camera(), count = r->now().frames[k].size();
     r->rearrange(k, &CameraFrame::color_file, [&](std::size_t i) { return source(i, count); });
   };
-  return {name, "pictures", codes, {Files::kColor}, apply};
+  RecordingFault fault = {name, "pictures", codes, {Files::kColor}, apply};
+  // Late images of the only camera are odometry that runs ahead, and in another order they are the recording's.
+  fault.codes_if_alone = {"odometry.stamps", "frames.misordered"};
+  return fault;
 }
 
 // The first two cameras exchange the images (or the depth) of frames first .. first + count - 1.
@@ -130,7 +136,7 @@ void add_mirrors(std::vector<RecordingFault>* faults) {
   // Without depth they would be those of a camera that hangs upside down.
   faults->push_back({"images of one camera with depth turned by 180 deg",
                      "pictures",
-                     kTurned,
+                     kHalfTurned,
                      {Files::kColor},
                      [](FaultyRecording* r) { r->edit_color(r->depth_camera(), flipped(-1)); }});
 }
@@ -202,7 +208,9 @@ void add_geometry(std::vector<RecordingFault>* faults) {
   for (const double px : {0.5, 3.0, 12.0})
     faults->push_back(of_one("images of one camera aside by " + number_text(px) + " px", aside, shifted(px, 0.0)));
   faults->push_back(of_one("images of one camera 1 % wider", kAnyLens, warped({1.01, 0.0, -3.2, 0.0, 1.0, 0.0})));
-  faults->push_back(of_one("images of one camera enlarged by 4 %", kAnyLens, [](std::size_t frame, cv::Mat* image) {
+  std::vector<std::string> enlarged = kAnyLens;
+  enlarged.emplace_back("depth.misplaced");
+  faults->push_back(of_one("images of one camera enlarged by 4 %", enlarged, [](std::size_t frame, cv::Mat* image) {
     warped({1.04, 0.0, -0.02 * image->cols, 0.0, 1.04, -0.02 * image->rows})(frame, image);
   }));
   for (const double px : {0.3, 2.0, 10.0}) faults->push_back(shaken(px));

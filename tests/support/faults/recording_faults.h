@@ -25,9 +25,10 @@ struct RecordingFault {
   std::vector<std::string> codes;  ///< of the findings that name it as they should
   std::set<Files> files;           ///< that it changes, and no others
   std::function<void(FaultyRecording*)> apply;
-  std::function<bool(const Rig&)> fits = {};  ///< whether a rig can have it; empty: every rig can
-  std::set<std::string> variants = {};        ///< names of those whose images it takes
-  std::string cannot_show = {};               ///< why no data can show it; empty: they can
+  std::function<bool(const Rig&)> fits = {};     ///< whether a rig can have it; empty: every rig can
+  std::set<std::string> variants = {};           ///< names of those whose images it takes
+  std::string cannot_show = {};                  ///< why no data can show it; empty: they can
+  std::vector<std::string> codes_if_alone = {};  ///< more of them where it is the rig's only camera
 };
 
 std::vector<RecordingFault> lens_faults();
