@@ -307,9 +307,12 @@ std::optional<Cause> cause_of_exclusions(const Observations& observations, const
 
 Cause joined(std::optional<Cause> first, const Cause& second) {
   if (!first) return second;
-  for (const Finding& finding : second.findings)
-    if (!has_code(first->findings, finding.code.c_str()))
-      first->findings.push_back(finding.with({{"joined_by", "and"}}));
+  for (const Finding& finding : second.findings) {
+    const bool is_said = std::any_of(first->findings.begin(), first->findings.end(), [&finding](const Finding& said) {
+      return said.code == finding.code && said.cameras == finding.cameras;
+    });
+    if (!is_said) first->findings.push_back(finding.with({{"joined_by", "and"}}));
+  }
   return {first->findings, first->spoils_all || second.spoils_all};
 }
 
