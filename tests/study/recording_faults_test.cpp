@@ -117,8 +117,9 @@ TEST(RecordingFaults, AreManyAndHaveNamesOfTheirOwn) {
 
 TEST(RecordingFaults, AreNamedByFindingsThatThereAre) {
   for (const RecordingFault& fault : faults_and_pairs())
-    for (const std::string& code : fault.codes)
-      EXPECT_TRUE(code == kError || is_known(code)) << fault.name << ": " << code;
+    for (const std::vector<std::string>* codes : {&fault.codes, &fault.codes_if_alone})
+      for (const std::string& code : *codes)
+        EXPECT_TRUE(code == kError || is_known(code)) << fault.name << ": " << code;
 }
 
 TEST(RecordingFaults, ChangeTheFilesThatTheyNameAndNoOthers) {

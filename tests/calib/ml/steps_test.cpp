@@ -110,7 +110,8 @@ TEST(Steps, PoorOdometryHidesNone) {
   config.rig.min_cameras_per_stop = 1;
   GeometricRun run = draw_moved_during(config, 12, {0}, turned(0.0, 4.0));
   run.observations.odometry_noise = OdometryNoise();
-  const ml::Preparation prepared = ml::prepare(run.observations, MlOptions());
+  const MlOptions options;  // of which the preparation keeps a reference
+  const ml::Preparation prepared = ml::prepare(run.observations, options);
   ml::Fit fit = ml::choose_odometry(prepared).fit;
   fit.noise.odometry_xy_m = 0.06;
   fit.noise.odometry_yaw_rad = 0.06;

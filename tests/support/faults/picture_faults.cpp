@@ -111,10 +111,7 @@ RecordingFault arranged(const std::string& name, const Codes& codes,
     const std::size_t k = r->any_camera(), count = r->now().frames[k].size();
     r->rearrange(k, &CameraFrame::color_file, [&](std::size_t i) { return source(i, count); });
   };
-  RecordingFault fault = {name, "pictures", codes, {Files::kColor}, apply};
-  // Late images of the only camera are odometry that runs ahead, and in another order they are the recording's.
-  fault.codes_if_alone = {"odometry.stamps", "frames.misordered"};
-  return fault;
+  return {name, "pictures", codes, {Files::kColor}, apply};
 }
 
 // The first two cameras exchange the images (or the depth) of frames first .. first + count - 1.
@@ -169,18 +166,26 @@ void add_orders(std::vector<RecordingFault>* faults) {
       arranged("one image of one camera repeated", kOrder, [](std::size_t i, std::size_t) { return i == 6 ? 5 : i; }));
   faults->push_back(arranged("every other image of one camera repeated", kFrozen,
                              [](std::size_t i, std::size_t) { return i - i % 2; }));
-  faults->push_back(arranged("images of one camera one frame late", kOrder,
-                             [](std::size_t i, std::size_t) { return i == 0 ? i : i - 1; }));
-  faults->push_back(arranged("images of one camera two frames early", kOrder,
-                             [](std::size_t i, std::size_t count) { return std::min(i + 2, count - 1); }));
+  // Of the only camera, late images are odometry that runs ahead, and in another order they are the recording's.
+  const auto push = [faults](RecordingFault fault, const char* code_if_alone) {
+    fault.codes_if_alone = {code_if_alone};
+    faults->push_back(std::move(fault));
+  };
+  push(arranged("images of one camera one frame late", kOrder,
+                [](std::size_t i, std::size_t) { return i == 0 ? i : i - 1; }),
+       "odometry.stamps");
+  push(arranged("images of one camera two frames early", kOrder,
+                [](std::size_t i, std::size_t count) { return std::min(i + 2, count - 1); }),
+       "odometry.stamps");
   faults->push_back(arranged("a frame of one camera lost at half time", kOrder, [](std::size_t i, std::size_t count) {
     return i < count / 2 ? i : std::min(i + 1, count - 1);
   }));
   faults->push_back(arranged("two images of one camera swapped", kOrder, [](std::size_t i, std::size_t) {
     return i == 4 ? 9 : i == 9 ? std::size_t{4} : i;
   }));
-  faults->push_back(arranged("images of one camera in backward order", kOrder,
-                             [](std::size_t i, std::size_t count) { return count - 1 - i; }));
+  push(arranged("images of one camera in backward order", kOrder,
+                [](std::size_t i, std::size_t count) { return count - 1 - i; }),
+       "frames.misordered");
 }
 
 void add_quality(std::vector<RecordingFault>* faults) {
