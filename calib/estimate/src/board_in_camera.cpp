@@ -23,13 +23,14 @@ void add_motion(const Evaluation& at, int stop, int camera, const Eigen::Vector3
 }
 
 // Of the motion's error, whitened, towards what fits the corners of the view best.
-Motion step_of_error(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Motion& error) {
+MotionVector step_of_error(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
+                           const MotionVector& error) {
   const Camera lens = lens_at(at, view.camera);
   const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
   const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
   const MotionMatrix by_error = seen.motion.by_error();
   MotionMatrix H = MotionMatrix::Identity();
-  Motion g = error;
+  MotionVector g = error;
   for (const WhitenedView::Corner& corner : view.corners) {
     const Eigen::Vector3d on_board = corner_of_board(at.observations.board, shape, corner.point_board).point;
     RowResidual residual;
@@ -81,8 +82,8 @@ BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
   BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
   RowMotion& motion = seen.motion;
   if (!motion.bends_views()) return seen;
-  Motion error = Motion::Zero();
-  Motion step = Motion::Ones();
+  MotionVector error = MotionVector::Zero();
+  MotionVector step = MotionVector::Ones();
   for (int round = 0; round < kMostRounds && step.norm() > kSettled; ++round) {
     step = step_of_error(at, view, seen, error);
     error += step;

@@ -85,7 +85,7 @@ class TwistSystem {
   Eigen::Matrix<double, kMaxDirect, 1> direct_g_ = Eigen::Matrix<double, kMaxDirect, 1>::Zero();
   MotionMatrix motion_H_ = MotionMatrix::Zero();
   MotionBy6 motion_by_twist_ = MotionBy6::Zero();
-  Motion motion_g_ = Motion::Zero();
+  MotionVector motion_g_ = MotionVector::Zero();
   Eigen::Matrix<double, kMotion, kMaxDirect> motion_by_direct_ = Eigen::Matrix<double, kMotion, kMaxDirect>::Zero();
 };
 

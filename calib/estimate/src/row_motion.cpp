@@ -8,13 +8,13 @@ namespace {
 
 // Standard deviations by which a robot moves otherwise than its odometry says at a moment: tyres slip and give way
 // where it turns, and its body swings while it speeds up or brakes. Of rendered drives of a skid-steered robot.
-Motion sigmas_of_motion(double turn_rate_rad_s) {
+MotionVector sigmas_of_motion(double turn_rate_rad_s) {
   constexpr double kAlong_m_s = 1e-3, kUp_m_s = 2e-3, kTilting_rad_s = 5e-3, kTurn_rad_s = 1e-3;
   constexpr double kAlongByTurn_m = 8e-3, kTurnByTurn = 0.05;
   constexpr double kAlong_m_s2 = 0.3, kUp_m_s2 = 0.3, kTurning_rad_s2 = 1.8;
   const double along = std::hypot(kAlong_m_s, kAlongByTurn_m * turn_rate_rad_s);
   const double turn = std::hypot(kTurn_rad_s, kTurnByTurn * turn_rate_rad_s);
-  Motion sigmas;
+  MotionVector sigmas;
   sigmas << along, along, kUp_m_s, kTilting_rad_s, kTilting_rad_s, turn,  //
       kAlong_m_s2, kAlong_m_s2, kUp_m_s2, kTurning_rad_s2, kTurning_rad_s2, kTurning_rad_s2;
   return sigmas;
@@ -36,8 +36,8 @@ MotionMatrix RowMotion::by_error() const {
   return by * sigmas.asDiagonal();
 }
 
-void RowMotion::set_error(const Motion& whitened) {
-  const Motion error = sigmas.cwiseProduct(whitened);
+void RowMotion::set_error(const MotionVector& whitened) {
+  const MotionVector error = sigmas.cwiseProduct(whitened);
   twist << twist_by_velocity * (velocity + error.head<6>()), twist_by_velocity * error.tail<6>();
   error_square = whitened.squaredNorm();
 }
@@ -69,7 +69,7 @@ RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odomet
   Matrix6d& by = motion.twist_by_velocity;
   by.topRightCorner<3, 3>() = by.bottomLeftCorner<3, 3>() = -R_camera_robot;
   by.bottomRightCorner<3, 3>() = R_camera_robot * skew(T_robot_camera.translation);
-  motion.set_error(Motion::Zero());
+  motion.set_error(MotionVector::Zero());
   return motion;
 }
 

@@ -7,7 +7,7 @@ namespace rigproof::ml {
 
 /// A twist at a moment, and how it changes: (6 x 1, 6 x 1) per second and per square second.
 inline constexpr int kMotion = 12;
-using Motion = Eigen::Matrix<double, kMotion, 1>;
+using MotionVector = Eigen::Matrix<double, kMotion, 1>;
 using MotionMatrix = Eigen::Matrix<double, kMotion, kMotion>;
 using MotionBy6 = Eigen::Matrix<double, kMotion, 6>;
 
@@ -16,9 +16,9 @@ using MotionBy6 = Eigen::Matrix<double, kMotion, 6>;
 /// is unknown.
 struct RowMotion {
   Vector6d velocity = Vector6d::Zero();           ///< of the robot by its odometry: (v, omega) along its axes
-  Motion sigmas = Motion::Zero();                 ///< of what the odometry does not tell [m/s, rad/s, m/s^2, rad/s^2]
+  MotionVector sigmas = MotionVector::Zero();     ///< of what the odometry does not tell [m/s, rad/s, m/s^2, rad/s^2]
   Matrix6d twist_by_velocity = Matrix6d::Zero();  ///< a robot that moves carries its cameras along
-  Motion twist = Motion::Zero();                  ///< [rad/s, m/s, rad/s^2, m/s^2]
+  MotionVector twist = MotionVector::Zero();      ///< [rad/s, m/s, rad/s^2, m/s^2]
   double error_square = 0.0;                      ///< of the error of the robot's motion, whitened
   double readout_s = 0.0;                         ///< from the first row to the last
   int rows = 1;
@@ -30,7 +30,7 @@ struct RowMotion {
   double share(double row) const { return (row + 0.5) / rows - 0.5; }
   /// Of the twist by the error of the robot's motion, whitened.
   MotionMatrix by_error() const;
-  void set_error(const Motion& whitened);
+  void set_error(const MotionVector& whitened);
   /// Of the twist, where corners tell this much of it.
   MotionMatrix covariance(const MotionMatrix& information) const;
   /// How the twist changes with the unknowns of the camera, by what they do to the board's twist.

@@ -78,7 +78,7 @@ RollingRun rolling_run(int seed, bool moving = true, double worse = 1.0) {
   RandomStream speeding_up(config.seed, "speeding up");
   for (Stop& stop : observations.stops) {
     stop.velocity << random.uniform(-0.8, 0.8), random.uniform(-0.1, 0.1), random.uniform(-0.8, 0.8);
-    motions.push_back({worse * velocity_error(stop.velocity.z(), &random), acceleration_of(&speeding_up)});
+    motions.push_back({worse * velocity_error(stop.velocity.z(), &random), worse * acceleration_of(&speeding_up)});
     motions.back().velocity.head<2>() += stop.velocity.head<2>();
     motions.back().velocity[5] += stop.velocity.z();
   }
@@ -131,7 +131,7 @@ ml::RowMotion speeding_motion(const Rigid3& T_robot_camera) {
   ml::RowMotion motion = ml::row_motion(T_robot_camera, {0.6, 0.05, 0.7}, 1.0, 1.0);
   motion.readout_s = 0.03;
   motion.rows = 720;
-  ml::Motion error = ml::Motion::Zero();
+  ml::MotionVector error = ml::MotionVector::Zero();
   error << 0.3, -0.2, 0.5, 1.0, -0.7, 0.4, 0.8, -0.6, 0.9, 1.2, -0.8, 1.1;
   motion.set_error(error);
   return motion;
