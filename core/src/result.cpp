@@ -319,7 +319,9 @@ void visit_lens(FieldVisitor& visitor, EstimatedLens& lens) {
 void visit_quantity(FieldVisitor& visitor, EstimatedQuantity& quantity) {
   visitor.on_one_line();
   visitor.require("name", "what was estimated, with its unit");
-  visitor.optional("camera", quantity.camera, "of which camera; absent: of the whole rig, or of the board");
+  visitor.optional(
+      "camera", quantity.camera,
+      "of which camera; of what cameras of one sensor share, of the first; absent: of the whole rig, or of the board");
   visitor.field("name", quantity.name, TextChoices{}, "what, with its unit");
   visitor.field("value", quantity.value, {}, "the estimate");
   visitor.field("sigma", quantity.sigma, {0.0}, "its standard deviation");

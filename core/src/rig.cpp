@@ -1,5 +1,7 @@
 #include "rigproof/core/rig.h"
 
+#include <algorithm>
+
 namespace rigproof {
 
 void DepthNoise::doubt_place_and_common_scale() {
@@ -23,6 +25,14 @@ double DepthNoise::inverse_depth_sigma(double depth_m) const {
 double DepthNoise::inverse_depth_bias(double inverse_depth_per_m) const {
   if (law == Law::kStereo) return bias_inverse_depth_per_m;
   return bias_m * inverse_depth_per_m * inverse_depth_per_m;
+}
+
+int first_of_make(const std::vector<RigCamera>& cameras, int camera) {
+  const std::string& make = cameras[static_cast<std::size_t>(camera)].sensor;
+  if (make.empty()) return camera;
+  const auto first = std::find_if(cameras.begin(), cameras.begin() + camera,
+                                  [&make](const RigCamera& other) { return other.depth && other.sensor == make; });
+  return static_cast<int>(first - cameras.begin());
 }
 
 const char* odometry_model_name(OdometryModel model) {

@@ -360,7 +360,7 @@ void visit_fields(FieldVisitor& visitor, DepthNoise& noise) {
                 "side of the square of pixels whose noise is one and the same");
   visitor.field("scale_sigma", noise.scale_sigma, {0.0, 1.0}, "prior of the relative error of all depth, one sigma");
   visitor.field("common_scale_sigma", noise.common_scale_sigma, {0.0, 1.0},
-                "the same of the part that the rig's depth cameras share, being of one make");
+                "the same of the part that the rig's depth cameras of the same sensor share");
   visitor.scaled("offset_sigma_mm", noise.offset_sigma_m, kMmPerM, {0.0, 1000.0},
                  "prior of an error of all depth alike, one sigma");
   visitor.scaled("tilt_sigma_deg", noise.tilt_sigma_rad, kDegPerRad, {0.0, 20.0},

@@ -204,12 +204,17 @@ TEST(SensingTold, TheReadoutOfImagesTakenAtSpeedIsToldWhereNothingIsDrawn) {
   EXPECT_EQ(told("standing", "exact"), std::pair(0.0, 0.015));
 }
 
-TEST(SensingTold, SquaresAndDepthScalesAreDrawnWithWhatCamerasShare) {
+TEST(SensingTold, SquaresAndDepthScalesAreDrawnWithWhatCamerasOfASensorShare) {
   GenerateConfig run;
-  RigCamera camera;
-  camera.depth = DepthStream();
-  camera.depth->noise.scale_sigma = 0.003;
-  double sides = 0.0, shared = 0.0, apart = 0.0;
+  Rig rig;
+  rig.cameras.resize(3);
+  for (RigCamera& camera : rig.cameras) {
+    camera.sensor = "d455";
+    camera.depth = DepthStream();
+    camera.depth->noise.scale_sigma = 0.003;
+  }
+  rig.cameras[2].sensor = "l515";
+  double sides = 0.0, shared = 0.0, apart = 0.0, of_others = 0.0;
   constexpr int kRuns = 1000;
   for (run.seed = 0; run.seed < kRuns; ++run.seed) {
     Board board;
@@ -218,17 +223,19 @@ TEST(SensingTold, SquaresAndDepthScalesAreDrawnWithWhatCamerasShare) {
     EXPECT_FALSE(board.square_sigma_m.has_value());
     EXPECT_EQ(board.print_sigma(), 0.0);
     sides += std::pow(board.square_m / true_m - 1.0, 2) / kRuns;
-    double scales[2];
-    for (std::int32_t i = 0; i < 2; ++i) {
+    double scales[3];
+    for (std::int32_t i = 0; i < 3; ++i) {
       DeviceDraws draws({sensing_seed(run), -1, i});
-      scales[i] = depth_scale_of(run, camera, &draws) - 1.0;
+      scales[i] = depth_scale_of(run, rig, i, &draws) - 1.0;
     }
+    of_others += scales[0] * scales[2] / kRuns;
     shared += scales[0] * scales[1] / kRuns;
     apart += std::pow(scales[0] - scales[1], 2) / 2.0 / kRuns;
   }
   EXPECT_NEAR(std::sqrt(sides) / 0.005, 1.0, 0.09);
   EXPECT_NEAR(std::sqrt(shared) / 0.01, 1.0, 0.09);
   EXPECT_NEAR(std::sqrt(apart) / 0.003, 1.0, 0.09);
+  EXPECT_NEAR(of_others / (0.01 * 0.01), 0.0, 0.15);
 }
 
 TEST(SensingSeed, IsTheRunsUnlessItHasItsOwn) {

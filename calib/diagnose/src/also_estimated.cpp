@@ -54,6 +54,16 @@ struct Estimated {
   const NuisanceRow::Part& about() const { return row_of(nuisance).parts[static_cast<std::size_t>(part)]; }
 };
 
+// The cameras that have a row's values of camera c: it alone, or, of what a make shares, all of the make of which it is
+// the first.
+std::vector<int> cameras_of(const Preparation& prepared, Nuisance nuisance, int c) {
+  std::vector<int> cameras;
+  for (const int solved : prepared.solved_cameras())
+    if ((nuisance == Nuisance::kCommonDepthScale ? first_of_make(prepared.used.cameras, solved) : solved) == c)
+      cameras.push_back(solved);
+  return cameras;
+}
+
 std::vector<Estimated> all_estimated(const Preparation& prepared, const Fit& fit, const GlobalCovariance& globals) {
   const Layout layout = Layout::of(prepared.used, prepared.priors);
   std::vector<Estimated> all;
@@ -66,16 +76,29 @@ std::vector<Estimated> all_estimated(const Preparation& prepared, const Fit& fit
       if (prior > 0.0) all.push_back({nuisance, c, i, fit.state.nuisances.of(nuisance, c)[i], sigma, prior, unweighed});
     }
   };
-  for (const bool per_camera : {true, false})
-    for (const int c : per_camera ? prepared.solved_cameras() : std::vector<int>{0})
-      for (std::size_t n = 0; n < kNuisances; ++n)
-        if (row_of(static_cast<Nuisance>(n)).per_camera == per_camera) add_row(static_cast<Nuisance>(n), c);
+  const auto add_rows = [&](bool per_camera, int c) {
+    for (std::size_t n = 0; n < kNuisances; ++n) {
+      const Nuisance nuisance = static_cast<Nuisance>(n);
+      if (row_of(nuisance).per_camera != per_camera) continue;
+      if (!per_camera || !cameras_of(prepared, nuisance, c).empty()) add_row(nuisance, c);
+    }
+  };
+  for (int c = 0; c < layout.cameras; ++c) add_rows(true, c);
+  add_rows(false, 0);
   return all;
 }
 
-std::string camera_of(const Preparation& prepared, const Estimated& estimated) {
-  if (!row_of(estimated.nuisance).per_camera) return "";
-  return prepared.original.cameras[static_cast<std::size_t>(estimated.camera)].name;
+std::vector<std::string> cameras_of(const Preparation& prepared, const Estimated& estimated) {
+  std::vector<std::string> names;
+  if (row_of(estimated.nuisance).per_camera)
+    for (const int c : cameras_of(prepared, estimated.nuisance, estimated.camera))
+      names.push_back(prepared.original.cameras[static_cast<std::size_t>(c)].name);
+  return names;
+}
+
+std::string first_camera_of(const Preparation& prepared, const Estimated& estimated) {
+  const std::vector<std::string> names = cameras_of(prepared, estimated);
+  return names.empty() ? "" : names.front();
 }
 
 // What a rig states as zero with a sigma; the other rows are judged as odometry or follow from the data.
@@ -96,8 +119,7 @@ void note_strained(const Preparation& prepared, const Estimated& estimated, Resu
                                      {"value", unit * estimated.value},
                                      {"prior", unit * p},
                                      {"deviations", deviations}});
-  const std::string camera = camera_of(prepared, estimated);
-  result->notes.push_back(camera.empty() ? finding : finding.of(camera));
+  result->notes.push_back(finding.of(cameras_of(prepared, estimated)));
 }
 
 Finding strained(const char* quantity, double value, double prior) {
@@ -146,8 +168,8 @@ void report_also_estimated(const Preparation& prepared, const Fit& fit, const Gl
     if (is_stated(estimated.nuisance)) note_strained(prepared, estimated, result);
     if (!row_of(estimated.nuisance).reported) continue;
     const double unit = estimated.about().units_per_si;
-    result->also_estimated.push_back({camera_of(prepared, estimated), estimated.about().name, unit * estimated.value,
-                                      unit * estimated.sigma, unit * estimated.prior});
+    result->also_estimated.push_back({first_camera_of(prepared, estimated), estimated.about().name,
+                                      unit * estimated.value, unit * estimated.sigma, unit * estimated.prior});
   }
   note_strained_repeating(prepared, result);
   report_lenses(prepared, fit, result);

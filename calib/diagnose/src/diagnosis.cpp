@@ -118,8 +118,8 @@ Explanations try_odometry(const Run& run, const Symptoms& symptoms) {
   std::vector<Fault> faults = odometry_faults(run.observations);
   if (std::abs(symptoms.odometry_scale - 1.0) > 0.03) faults.push_back(odometry_scaled(symptoms.odometry_scale));
   if (std::abs(symptoms.odometry_yaw_factor - 1.0) > 0.03) faults.push_back(turns_scaled(symptoms.odometry_yaw_factor));
-  constexpr double kDrifts = 4.0;
-  if (symptoms.yaw_drift.deviations > kDrifts)
+  constexpr double kDrifts = 3.0;
+  if (symptoms.yaw_drift.deviations() > kDrifts)
     faults.push_back(odometry_drifting(run.observations, symptoms.yaw_drift.rad_s));
   Explanations explained = try_faults(run, faults, true);
   if (any_clean(explained)) return explained;

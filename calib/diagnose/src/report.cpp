@@ -37,10 +37,12 @@ CalibrationState state_of(const Preparation& prepared, const State& solution) {
   for (const RobotPose& pose : solution.poses) state.T_world_robot.push_back(pose.transform());
   state.odometry_scale = solution.odometry_scale();
   state.odometry_yaw_factor = solution.odometry_yaw_factor();
-  const double common = solution.nuisances.of(Nuisance::kCommonDepthScale)[0];
-  for (int c = 0; c < static_cast<int>(solution.T_robot_camera.size()); ++c)
-    state.depth_scale.push_back(1.0 + common_depth_share(prepared.used, c) * common +
+  for (int c = 0; c < static_cast<int>(solution.T_robot_camera.size()); ++c) {
+    const CommonDepth common = common_depth(prepared.used, c);
+    state.depth_scale.push_back(1.0 +
+                                common.share * solution.nuisances.of(Nuisance::kCommonDepthScale, common.camera)[0] +
                                 solution.nuisances.of(Nuisance::kDepthScale, c)[0]);
+  }
   return state;
 }
 

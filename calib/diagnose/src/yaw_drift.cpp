@@ -38,6 +38,12 @@ Fit without_drift(const Preparation& prepared, const Fit& fit) {
 
 }  // namespace
 
+double YawDrift::deviations() const {
+  if (!(sigma_rad_s > 0.0)) return 0.0;
+  const double t = rad_s / sigma_rad_s, n = redundancy;
+  return (8.0 * n + 1.0) / (8.0 * n + 3.0) * std::sqrt(n * std::log1p(t * t / n));
+}
+
 YawDrift estimate_yaw_drift(const Observations& observations, const NoiseLevels& noise, const State& state) {
   if (observations.stops.size() < kLeastStops || state.poses.size() != observations.stops.size()) return {};
   // Of absolute odometry the errors of two motions in a row are opposite, and tell nothing of a drift.
@@ -60,39 +66,36 @@ YawDrift estimate_yaw_drift(const Observations& observations, const NoiseLevels&
   const Eigen::Vector2d slope = ldlt.solve(g);
   const double variance = ldlt.solve(Eigen::Vector2d::UnitY().eval()).y();
   // By the scatter that is left of the residuals: a solution that is bent has levels that are too wide.
-  const double left = (squares - g.dot(slope)) / std::max(1.0, weights - 2.0);
+  const double redundancy = std::max(1.0, weights - 2.0), left = (squares - g.dot(slope)) / redundancy;
   if (!slope.allFinite() || !(variance > 0.0) || !(left > 0.0)) return {};
-  return {slope.y(), std::abs(slope.y()) / std::sqrt(variance * left)};
+  return {slope.y(), std::sqrt(variance * left), redundancy};
 }
 
 std::optional<FoundDrift> find_yaw_drift(const Preparation& prepared, const Fit& fit) {
-  // A healthy drive is solved again once in a thousand times, and blamed not once in 100,000 by the second look.
-  constexpr double kWorthASolution = 4.0, kSure = 5.0, kGain = 20.0;
+  // A healthy drive is solved again once in 400 times, and blamed not once in a million.
+  constexpr double kWorthASolution = 3.0, kSure = 5.0, kGain = 20.0;
   constexpr int kSteps = 3;
-  const YawDrift first = estimate_yaw_drift(prepared.used, fit.noise, fit.state);
-  if (first.deviations < kWorthASolution) return std::nullopt;
-  double rad_s = first.rad_s, deviations = first.deviations;
-  std::optional<FoundDrift> found;
+  YawDrift drift = estimate_yaw_drift(prepared.used, fit.noise, fit.state);
+  if (drift.deviations() < kWorthASolution) return std::nullopt;
   for (int step = 0; step < kSteps; ++step) {
     Observations repaired = prepared.original;
-    const Fault fault = odometry_drifting(repaired, rad_s);
+    const Fault fault = odometry_drifting(repaired, drift.rad_s);
     fault.undo(&repaired);
     const Preparation straight = prepare(repaired, prepared.options, &prepared.views);
     if (!straight.solvable()) return std::nullopt;
     const Fit with = without_drift(straight, fit);
     const YawDrift rest = estimate_yaw_drift(repaired, with.noise, with.state);
-    const bool settled = rest.deviations < 0.1 || step + 1 == kSteps;
-    if (!settled) {
-      deviations = std::abs(rad_s + rest.rad_s) * rest.deviations / std::max(std::abs(rest.rad_s), 1e-12);
-      rad_s += rest.rad_s;
+    if (rest.deviations() > 0.1 && step + 1 < kSteps) {
+      drift = {drift.rad_s + rest.rad_s, rest.sigma_rad_s, rest.redundancy};
       continue;
     }
     const std::optional<GlobalCovariance> covariance = stated_covariance(straight, with);
-    if (!covariance || deviations < kSure || with.minus_two_log_likelihood > fit.minus_two_log_likelihood - kGain)
+    if (!covariance || drift.deviations() < kSure ||
+        with.minus_two_log_likelihood > fit.minus_two_log_likelihood - kGain)
       return std::nullopt;
     const bool bends = bent_by(fit.state, straight, with, *covariance) > kBentSigmas;
     const Finding cause = bends ? fault.cause : Finding("odometry.yaw_drifts_slightly", fault.cause.values);
-    return FoundDrift{cause.with({{"deviations", deviations}}), bends};
+    return FoundDrift{cause.with({{"deviations", drift.deviations()}}), bends};
   }
   return std::nullopt;
 }

@@ -11,7 +11,12 @@ namespace rigproof::ml {
 /// The slope of the turns' residuals over the time that they took, beside a factor on the turns.
 struct YawDrift {
   double rad_s = 0.0;
-  double deviations = 0.0;  ///< standard deviations from zero, by the scatter of the residuals
+  double sigma_rad_s = 0.0;  ///< by the scatter of the residuals
+  double redundancy = 0.0;   ///< by how many residuals that scatter is known
+
+  /// As many standard deviations of a Gaussian are as unlikely by chance: Student's t after Wallace, "Bounds on normal
+  /// approximations to Student's and the chi-square distributions" (1959).
+  double deviations() const;
 };
 YawDrift estimate_yaw_drift(const Observations& observations, const NoiseLevels& noise, const State& state);
 

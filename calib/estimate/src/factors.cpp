@@ -27,8 +27,9 @@ Camera lens_at(const Evaluation& at, int camera) {
 }
 
 double depth_error(const Evaluation& at, int camera) {
+  const CommonDepth common = common_depth(at.observations, camera);
   return at.state.nuisances.of(Nuisance::kDepthScale, camera)[0] +
-         common_depth_share(at.observations, camera) * at.state.nuisances.of(Nuisance::kCommonDepthScale)[0];
+         common.share * at.state.nuisances.of(Nuisance::kCommonDepthScale, common.camera)[0];
 }
 
 MeasuredPlane measured_plane(const Evaluation& at, const WhitenedPlane& plane) {

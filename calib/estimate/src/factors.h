@@ -46,7 +46,7 @@ struct Evaluation {
 double block_factor(Weighting weighting, double weight, int dimensions);
 /// A camera by the intrinsics of the state.
 Camera lens_at(const Evaluation& at, int camera);
-/// Relative error of a camera's depth: its own, and what all cameras share.
+/// Relative error of a camera's depth: its own, and what cameras of its make share.
 double depth_error(const Evaluation& at, int camera);
 /// A plane as its depth image shows it through the intrinsics of the state and without the error of its depth camera's
 /// place, and its derivatives by both.

@@ -87,19 +87,26 @@ DepthNoise exact_depth() {
   return noise;
 }
 
-// Of cameras of one make: as far off as the worst is said to be.
 double common_scale_sigma(const RigCamera& camera) {
   return camera.depth ? camera.depth->noise.common_scale_sigma : 0.0;
 }
 
-double largest_common_scale_sigma(const Observations& observations) {
+// As far off as the worst of a make is said to be.
+double largest_common_scale_sigma(const Observations& observations, int make) {
   double sigma = 0.0;
-  for (const RigCamera& camera : observations.cameras) sigma = std::max(sigma, common_scale_sigma(camera));
+  for (int c = 0; c < static_cast<int>(observations.cameras.size()); ++c)
+    if (first_of_make(observations.cameras, c) == make)
+      sigma = std::max(sigma, common_scale_sigma(observations.cameras[static_cast<std::size_t>(c)]));
   return sigma;
 }
 
+// Of each make, at its first camera.
 Covariances of_common_depth_scale(const PriorSource& source) {
-  return {independent({source.sigmas.believe_told ? 0.0 : largest_common_scale_sigma(source.observations)})};
+  Covariances covariances;
+  for (int c = 0; c < static_cast<int>(source.observations.cameras.size()); ++c)
+    covariances.push_back(
+        independent({source.sigmas.believe_told ? 0.0 : largest_common_scale_sigma(source.observations, c)}));
+  return covariances;
 }
 
 Covariances of_depth_offset(const PriorSource& source) {
@@ -217,7 +224,12 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
        "odometry",
        &of_odometry},
       {{{"depth_scale_percent", 100.0}}, kCamera, kAnyOdometry, !kReported, "depth scale", &of_depth_scale},
-      {{{"common_depth_scale_percent", 100.0}}, kRig, kAnyOdometry, kReported, "depth scale", &of_common_depth_scale},
+      {{{"common_depth_scale_percent", 100.0}},
+       kCamera,
+       kAnyOdometry,
+       kReported,
+       "depth scale",
+       &of_common_depth_scale},
       {{{"depth_offset_mm", 1e3}, {"depth_tilt_x_deg", 180.0 / kPi}, {"depth_tilt_y_deg", 180.0 / kPi}},
        kCamera,
        kAnyOdometry,
@@ -267,10 +279,11 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
   return kTable;
 }
 
-double common_depth_share(const Observations& observations, int camera) {
-  const double largest = largest_common_scale_sigma(observations);
+CommonDepth common_depth(const Observations& observations, int camera) {
+  const int make = first_of_make(observations.cameras, camera);
+  const double largest = largest_common_scale_sigma(observations, make);
   const double own = common_scale_sigma(observations.cameras[static_cast<std::size_t>(camera)]);
-  return largest > 0.0 ? own / largest : 1.0;
+  return {make, largest > 0.0 ? own / largest : 1.0};
 }
 
 const std::array<CommonError, 2>& common_errors() {

@@ -19,6 +19,7 @@ Rigid3 mount(const Eigen::Vector3d& position, double yaw, double pitch_down, dou
 
 RigCamera depth_camera(const std::string& name) {
   RigCamera camera;
+  camera.sensor = "geometric";  // all are of one make
   camera.name = camera.folder = name;
   camera.camera = Camera::symmetric(1280, 720, 640.0);
   camera.intrinsics_sigma = IntrinsicsSigma::exact();

@@ -62,7 +62,7 @@ std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig
   for (std::size_t i = 0; i < models.size(); ++i) {
     const RigCamera& camera = rig.cameras[i];
     DeviceDraws draws({sensing_seed(config), -1, static_cast<std::int32_t>(i)});
-    models[i].depth_scale = depth_scale_of(config, camera, &draws);
+    models[i].depth_scale = depth_scale_of(config, rig, static_cast<int>(i), &draws);
     if (config.sensor_noise == "none") continue;
     const SensorDevice device = load_sensor_device(camera.sensor, config.sensing);
     models[i].image = resolve_image(config.sensing.image, device.color, &draws);

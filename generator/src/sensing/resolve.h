@@ -20,8 +20,9 @@ std::vector<SensorModel> resolve_sensors(const GenerateConfig& config, const Rig
 
 /// Whether lenses, board and depth scales are told with the errors that calibrations and rulers leave.
 bool told_is_drawn(const GenerateConfig& config);
-/// What a camera's depth is multiplied by: asked for, or drawn with a part that all cameras share, or 1.
-double depth_scale_of(const GenerateConfig& config, const RigCamera& camera, DeviceDraws* draws);
+/// What the depth of a camera of the rig is multiplied by: asked for, or drawn with a part that cameras of its make
+/// share, or 1.
+double depth_scale_of(const GenerateConfig& config, const Rig& rig, int index, DeviceDraws* draws);
 /// In place of what is true: the intrinsics and how well they are known, which is exactly unless an error may be drawn.
 /// What `sensing.lens` asks for replaces what would be drawn of the same quantity.
 void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* camera);
@@ -29,7 +30,7 @@ void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* came
 void tell_board(const GenerateConfig& config, Board* board);
 /// The true readout, of images taken at speed; nothing, where errors may be drawn: people do not know it.
 void tell_readout(const GenerateConfig& config, double readout_s, RigCamera* camera);
-/// How well the scale of depth that cameras share is known; neither an offset nor a tilt is simulated.
+/// How well the scale of depth that cameras of a make share is known; neither an offset nor a tilt is simulated.
 void tell_depth(const GenerateConfig& config, RigCamera* camera);
 
 /// Says in the camera's noise law how large the device's fixed depth error is that the model simulates: none, if none.

@@ -83,11 +83,12 @@ bool told_is_drawn(const GenerateConfig& config) {
   return config.sensing.told == "drawn" && config.sensor_noise != "none";
 }
 
-double depth_scale_of(const GenerateConfig& config, const RigCamera& camera, DeviceDraws* draws) {
+double depth_scale_of(const GenerateConfig& config, const Rig& rig, int index, DeviceDraws* draws) {
+  const RigCamera& camera = rig.cameras[static_cast<std::size_t>(index)];
   if (!is_zero(config.depth_scale_bias_percent))
     return 1.0 + config.depth_scale_bias_percent.sample(draws->of("depth scale")) / 100.0;
   if (!told_is_drawn(config) || !camera.depth) return 1.0;
-  RandomStream common(sensing_seed(config), "depth scale of all cameras");
+  RandomStream common(sensing_seed(config), "depth scale of a make", -1, first_of_make(rig.cameras, index));
   const DepthNoise& noise = camera.depth->noise;
   return 1.0 + common.normal(0.0, noise.common_scale_sigma) + draws->of("depth scale").normal(0.0, noise.scale_sigma);
 }

@@ -295,6 +295,7 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   sigmas.readout_s = clock_sigma_s > 0.0 || !lenses ? 0.015 : 0.0;
   for (int c = 0; c < 3; ++c) observations.cameras[static_cast<std::size_t>(c)].readout_s = 0.002 * c;
   observations.cameras[2].depth->noise.common_scale_sigma *= 0.5;  // of what depth scales share it has half
+  observations.cameras[0].sensor = "of another make";
   ml::Priors priors = ml::Priors::of({observations, sigmas, false});
   for (int c = 0; c < 3; ++c) {
     priors.covariance(ml::Nuisance::kDepthScale, c)(0, 0) = 1e-4;
@@ -314,7 +315,8 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   if (lenses) {
     for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kLens, c) << 0.002, 0.7 - c, -0.4, 0.0004, 0.2;
     state.nuisances.of(ml::Nuisance::kBoardShape) << 0.004, -0.001, 0.0003, -0.0002;
-    state.nuisances.of(ml::Nuisance::kCommonDepthScale)[0] = 0.005;
+    state.nuisances.of(ml::Nuisance::kCommonDepthScale, 0)[0] = 0.005;
+    state.nuisances.of(ml::Nuisance::kCommonDepthScale, 1)[0] = -0.004;
     for (int c = 0; c < 3; ++c)
       state.nuisances.of(ml::Nuisance::kDepthShape, c) << 0.003, -0.002, 0.004, 0.001, -0.003, 0.002;
   }

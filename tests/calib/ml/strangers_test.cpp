@@ -308,6 +308,39 @@ TEST(MlStrangers, TheExactDepthOfOneCameraTellsTheCommonErrorOfTheOthers) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(estimate.state.depth_scale[c], config.depth_scales[c], 1e-3) << c;
 }
 
+// Two cameras of one sensor measure 1.6 % too far, the third, of another or of an unknown one, 1.6 % too short. As
+// three of one sensor they would be ten sigmas apart.
+TEST(MlStrangers, CamerasOfDifferentSensorsShareNoDepthScale) {
+  GeometricConfig config;
+  config.stops = 20;
+  config.board_planes = true;
+  config.depth_scales = {1.016, 1.0165, 0.984};
+  Observations observations = draw_geometric_run(config).observations;
+  observations.board.doubt();
+  for (RigCamera& camera : observations.cameras) {
+    camera.depth->noise.scale_sigma = DepthNoise().scale_sigma;
+    camera.depth->noise.common_scale_sigma = DepthNoise().common_scale_sigma;
+  }
+  const auto suspicions_and_makes = [&](const char* sensor) {
+    observations.cameras[2].sensor = sensor;
+    const MlEstimate estimate = estimate_maximum_likelihood(observations, told());
+    EXPECT_EQ(estimate.result.status, ResultStatus::kSolved);
+    std::vector<std::string> makes;
+    for (const EstimatedQuantity& quantity : estimate.result.also_estimated)
+      if (quantity.name == "common_depth_scale_percent") makes.push_back(quantity.camera);
+    std::size_t suspicions = 0;
+    for (const Finding& note : estimate.result.notes) suspicions += note.severity == Severity::kSuspect;
+    return std::pair(suspicions, makes);
+  };
+  const std::string first = observations.cameras[0].name, third = observations.cameras[2].name;
+  const std::vector<std::string> two = {first, third};
+  EXPECT_EQ(suspicions_and_makes("another"), std::pair(std::size_t{0}, two));
+  EXPECT_EQ(suspicions_and_makes(""), std::pair(std::size_t{0}, two));
+  const auto [suspicions, makes] = suspicions_and_makes(observations.cameras[0].sensor.c_str());
+  EXPECT_GT(suspicions, 0U);
+  EXPECT_EQ(makes, std::vector<std::string>{first});
+}
+
 std::vector<std::string> with_misplaced_depth(const Observations& observations) {
   MlOptions options = told();
   options.estimate_plane_level = true;

@@ -71,6 +71,15 @@ TEST(YawDrift, AGyrosBiasIsNamedWithItsRate) {
     }
 }
 
+// Two-sided probabilities of Student's t, as tables have them: 5.4e-4, 3.9e-3, 5.7e-7.
+TEST(YawDrift, IsAsUnlikelyAsSoManyDeviationsOfAGaussian) {
+  const auto deviations = [](double t, double redundancy) { return ml::YawDrift{-t, 1.0, redundancy}.deviations(); };
+  EXPECT_NEAR(deviations(5.0, 10.0), 3.46, 0.02);
+  EXPECT_NEAR(deviations(6.0, 4.0), 2.89, 0.03);
+  EXPECT_NEAR(deviations(5.0, 1e6), 5.0, 1e-3);
+  EXPECT_EQ(ml::YawDrift().deviations(), 0.0);
+}
+
 TEST(YawDrift, HealthyDrivesAreNotBlamedOverTrials) {
   for (int i = 0; i < kTrials.count(); ++i) {
     const Result result = estimate_maximum_likelihood(healthy(10 + i, i % 2 == 1).observations).result;

@@ -17,8 +17,9 @@ void board_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* si
   RowJacobian<3, TwistSystem::kMaxDirect> direct = RowJacobian<3, TwistSystem::kMaxDirect>::Zero();
   if (const int own = system.append(at.layout, Nuisance::kDepthScale, c); own >= 0)
     direct.col(own) = W * residual.by_depth_bias;
-  if (const int common = system.append(at.layout, Nuisance::kCommonDepthScale, c); common >= 0)
-    direct.col(common) = common_depth_share(at.observations, c) * W * residual.by_depth_bias;
+  const CommonDepth of_make = common_depth(at.observations, c);
+  if (const int common = system.append(at.layout, Nuisance::kCommonDepthScale, of_make.camera); common >= 0)
+    direct.col(common) = of_make.share * W * residual.by_depth_bias;
   const int lens = system.append(at.layout, Nuisance::kLens, c);
   if (lens >= 0) direct.middleCols<5>(lens) = -W * measured.by_lens;
   const int offset = system.append(at.layout, Nuisance::kDepthOffset, c);

@@ -18,8 +18,8 @@ void ground_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* s
   rows.add(at.camera_unknowns(c, plane.stop), residual.by_camera);
   rows.add(of_pose(plane.stop), residual.by_pose);
   rows.add(at.layout, Nuisance::kDepthScale, c, residual.by_depth_bias);
-  rows.add(at.layout, Nuisance::kCommonDepthScale, c,
-           (common_depth_share(at.observations, c) * residual.by_depth_bias).eval());
+  const CommonDepth common = common_depth(at.observations, c);
+  rows.add(at.layout, Nuisance::kCommonDepthScale, common.camera, (common.share * residual.by_depth_bias).eval());
   rows.add(at.layout, Nuisance::kLens, c, (-measured.by_lens).eval());
   rows.add(at.layout, Nuisance::kDepthOffset, c, (-measured.by_offset).eval());
   rows.add(at.layout, Nuisance::kDepthShape, c, (-measured.by_shape).eval());

@@ -26,7 +26,7 @@ struct DepthNoise {
   double correlation_px = 1.0;
   /// Prior of the relative error of the depth scale, one sigma.
   double scale_sigma = 0.003;
-  /// The same of what all depth cameras of a rig share, being of one make: data sheets promise 2 %.
+  /// The same of what depth cameras of one make share: data sheets promise 2 %.
   double common_scale_sigma = 0.01;
   /// Prior of an error of all depth alike [m], and of a tilt of the depth camera against the colour camera about x and
   /// y of the latter [rad], one sigma each. Assumed: time of flight is off by less than 5 mm at a metre (librealsense
@@ -104,6 +104,10 @@ struct RigCamera {
   /// Through which the depth images see: of their own camera, or of the colour camera that they are registered to.
   const Camera& depth_optics() const { return depth && depth->own_camera ? depth->own_camera->camera : camera; }
 };
+
+/// The first camera with depth of the make of a camera with depth: that names the same sensor. Of cameras that name
+/// none nothing is known: each is of a make of its own, which is the safer mistake.
+int first_of_make(const std::vector<RigCamera>& cameras, int camera);
 
 /// Limits on the stated uncertainty that the user wants to see met (one sigma).
 struct AcceptLimits {

@@ -50,5 +50,10 @@ struct Preparation {
 /// @param views what the same views gave before; null: they are looked at
 Preparation prepare(const Observations& observations, const MlOptions& options,
                     const std::vector<ViewPose>* views = nullptr);
+/// Neither may be a temporary: the preparation refers to both.
+Preparation prepare(const Observations&& observations, const MlOptions& options,
+                    const std::vector<ViewPose>* views = nullptr) = delete;
+Preparation prepare(const Observations& observations, const MlOptions&& options,
+                    const std::vector<ViewPose>* views = nullptr) = delete;
 
 }  // namespace rigproof::ml

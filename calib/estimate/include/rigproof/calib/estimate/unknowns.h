@@ -125,9 +125,12 @@ class NuisanceValues {
   Eigen::VectorXd values_;
 };
 
-/// How much of the error that the depth scales of a rig have in common this camera's has, 0 to 1: none where it is
-/// stated as exact.
-double common_depth_share(const Observations& observations, int camera);
+/// The error that the depth scales of cameras of one make have in common: a value of the first of them.
+struct CommonDepth {
+  int camera;    ///< whose value it is
+  double share;  ///< how much of it the camera that is asked about has, 0 to 1: none where its scale is stated as exact
+};
+CommonDepth common_depth(const Observations& observations, int camera);
 
 /// An error that no data determine: it moves all cameras alike along an axis of the robot, and adds to their
 /// uncertainty.
