@@ -18,7 +18,7 @@ void add_motion(const Evaluation& at, int stop, int camera, const Eigen::Vector3
   for (auto& part : seen->parts) part.motion.setZero();
   seen->parts[0].motion = motion.by_camera(seen->parts[0].twist);
   if (at.layout.has(Nuisance::kOdometryFactors))
-    seen->parts[3].motion.topLeftCorner<6, 2>() =
+    seen->parts[3].motion.block<6, 2>(6, 0) =
         motion.by_factors(at.state.odometry_scale(), at.state.odometry_yaw_factor());
 }
 
@@ -81,7 +81,7 @@ BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
   constexpr double kSettled = 1e-6;  // of a standard deviation
   BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
   RowMotion& motion = seen.motion;
-  if (!motion.bends_views()) return seen;
+  if (!motion.moves()) return seen;
   MotionVector error = MotionVector::Zero();
   MotionVector step = MotionVector::Ones();
   for (int round = 0; round < kMostRounds && step.norm() > kSettled; ++round) {
@@ -115,7 +115,7 @@ int TwistSystem::append(const Layout& layout, Nuisance nuisance, int camera) {
 }
 
 void TwistSystem::chain(const BoardInCamera& seen, LocalBlock* block) const {
-  const bool moves = seen.motion.bends_views();
+  const bool moves = seen.motion.moves();
   std::array<Matrix6d, 6> H_by;
   std::array<MotionBy6, 6> motion_by;
   std::array<int, 6> start;

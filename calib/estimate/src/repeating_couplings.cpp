@@ -29,7 +29,7 @@ struct RepeatingCouplings::Rows {
 
   // What the error of the motion explains tells nothing. Of the corners' own offsets that is too little to count.
   void take_out(const RowMotion& motion) {
-    if (!motion.bends_views()) return;
+    if (!motion.moves()) return;
     const Eigen::MatrixXd by_motion = by_globals.rightCols<kMotion>();
     const Eigen::MatrixXd by_error = motion.covariance(by_motion.transpose() * by_motion) * by_motion.transpose();
     field_of_rest = by_field - by_motion * (by_error * by_field);
@@ -69,7 +69,7 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
         root * pixel_by_lens(lens, change, by_px, residual.point_camera, residual.value + corner.pixel);
     by_globals.middleCols<kShape>(kTwist + kLens) = root * by_offset * on_board.by_shape;
     if (seen.motion.moves()) by_globals.col(kWithoutMotion) = root * residual.by_readout;
-    if (seen.motion.bends_views()) by_globals.rightCols<kMotion>() = root * residual.by_motion;
+    if (seen.motion.moves()) by_globals.rightCols<kMotion>() = root * residual.by_motion;
     rows.by_offset.middleRows<2>(row) = root * by_offset;
     if (fields.cols() == 0) continue;
     if (all_there)
@@ -90,7 +90,7 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
     const Segment& segment = part.segment;
     const auto add_to = [&](auto coupling) {
       coupling.noalias() += part.twist.leftCols(segment.size).transpose() * by_twist;
-      if (seen.motion.bends_views())
+      if (seen.motion.moves())
         coupling.noalias() += part.motion.leftCols(segment.size).transpose() * by_globals.bottomRows<kMotion>();
     };
     if (segment.pose < 0)

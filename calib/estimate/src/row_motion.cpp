@@ -7,16 +7,19 @@ namespace rigproof::ml {
 namespace {
 
 // Standard deviations by which a robot moves otherwise than its odometry says at a moment: tyres slip and give way
-// where it turns, and its body swings while it speeds up or brakes. Of rendered drives of a skid-steered robot.
+// where it turns, and its body swings while it speeds up or brakes. Where it is: an image is the mean of its exposure,
+// not its middle. Of rendered drives of a skid-steered robot and a cart.
 MotionVector sigmas_of_motion(double turn_rate_rad_s) {
   constexpr double kAlong_m_s = 1e-3, kUp_m_s = 2e-3, kTilting_rad_s = 5e-3, kTurn_rad_s = 1e-3;
   constexpr double kAlongByTurn_m = 8e-3, kTurnByTurn = 0.05;
   constexpr double kAlong_m_s2 = 0.3, kUp_m_s2 = 0.3, kTurning_rad_s2 = 1.8;
   const double along = std::hypot(kAlong_m_s, kAlongByTurn_m * turn_rate_rad_s);
   const double turn = std::hypot(kTurn_rad_s, kTurnByTurn * turn_rate_rad_s);
+  constexpr double kShifted_m = 5e-6, kTurned_rad = 1.5e-5;
+  const Eigen::Vector3d any = Eigen::Vector3d::Ones();
   MotionVector sigmas;
-  sigmas << along, along, kUp_m_s, kTilting_rad_s, kTilting_rad_s, turn,  //
-      kAlong_m_s2, kAlong_m_s2, kUp_m_s2, kTurning_rad_s2, kTurning_rad_s2, kTurning_rad_s2;
+  sigmas << kShifted_m * any, kTurned_rad * any, along, along, kUp_m_s, kTilting_rad_s, kTilting_rad_s, turn,
+      kAlong_m_s2, kAlong_m_s2, kUp_m_s2, kTurning_rad_s2 * any;
   return sigmas;
 }
 
@@ -32,13 +35,14 @@ Matrix6d bracket(const Vector6d& a) {
 
 MotionMatrix RowMotion::by_error() const {
   MotionMatrix by = MotionMatrix::Zero();
-  by.topLeftCorner<6, 6>() = by.bottomRightCorner<6, 6>() = twist_by_velocity;
+  for (int i = 0; i < kMotion; i += 6) by.block<6, 6>(i, i) = twist_by_velocity;
   return by * sigmas.asDiagonal();
 }
 
 void RowMotion::set_error(const MotionVector& whitened) {
-  const MotionVector error = sigmas.cwiseProduct(whitened);
-  twist << twist_by_velocity * (velocity + error.head<6>()), twist_by_velocity * error.tail<6>();
+  MotionVector of_robot = sigmas.cwiseProduct(whitened);
+  of_robot.segment<6>(6) += velocity;
+  for (int i = 0; i < kMotion; i += 6) twist.segment<6>(i) = twist_by_velocity * of_robot.segment<6>(i);
   error_square = whitened.squaredNorm();
 }
 
@@ -50,7 +54,7 @@ MotionMatrix RowMotion::covariance(const MotionMatrix& information) const {
 
 MotionBy6 RowMotion::by_camera(const Matrix6d& board_twist) const {
   MotionBy6 by;
-  by << -bracket(twist.head<6>()) * board_twist, -bracket(twist.tail<6>()) * board_twist;
+  for (int i = 0; i < kMotion; i += 6) by.middleRows<6>(i) = -bracket(twist.segment<6>(i)) * board_twist;
   return by;
 }
 
@@ -79,29 +83,28 @@ bool row_residual(const Camera& camera, const RowMotion& motion, const Eigen::Ve
   residual->point_camera = corner_camera;
   residual->by_readout.setZero();
   if (!motion.moves()) return corner_residual(camera, corner_camera, measured, residual);
-  const double share = motion.share(measured.y()), t = share * motion.readout_s;
-  const Eigen::Vector3d omega = motion.twist.head<3>(), omega_change = motion.twist.segment<3>(6);
+  const double share = motion.share(measured.y()), t = share * motion.readout_s, half_square = 0.5 * t * t;
+  const auto part = [&motion](int i) -> Eigen::Vector3d { return motion.twist.segment<3>(i); };
+  const Eigen::Vector3d omega = part(6), omega_change = part(12);
   const auto changes = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
-    return omega_change.cross(point) + motion.twist.tail<3>();
+    return omega_change.cross(point) + part(15);
   };
-  const Eigen::Vector3d moving = omega.cross(corner_camera) + motion.twist.segment<3>(3);
-  residual->point_camera = corner_camera + t * moving + 0.5 * t * t * (omega.cross(moving) + changes(corner_camera));
+  const Eigen::Vector3d there = corner_camera + part(0).cross(corner_camera) + part(3);
+  const Eigen::Vector3d moving = omega.cross(there) + part(9);
+  residual->point_camera = there + t * moving + half_square * (omega.cross(moving) + changes(there));
   if (!corner_residual(camera, residual->point_camera, measured, residual)) return false;
   const Eigen::Vector3d& q = residual->point_camera;
-  residual->by_readout = share * residual->by_point * (omega.cross(q) + motion.twist.segment<3>(3) + t * changes(q));
-  if (!motion.bends_views()) return true;
-  const Eigen::Matrix3d turning = skew(omega);
-  const Eigen::Matrix3d by_corner =
-      Eigen::Matrix3d::Identity() + t * turning + 0.5 * t * t * (turning * turning + skew(omega_change));
-  const double half_square = 0.5 * t * t;
+  residual->by_readout = share * residual->by_point * (omega.cross(q) + part(9) + t * changes(q));
+  const Eigen::Matrix3d turning = skew(omega), displaced = Eigen::Matrix3d::Identity() + skew(part(0));
+  const Eigen::Matrix3d by_there =
+      Eigen::Matrix3d::Identity() + t * turning + half_square * (turning * turning + skew(omega_change));
   for (int row = 0; row < 2; ++row) {
-    const Eigen::Vector3d a = residual->by_point.row(row), turned = a.cross(omega);
-    const Eigen::Vector3d by_turn = corner_camera.cross(a);
-    residual->by_motion.row(row)
-        << (t * by_turn + half_square * (moving.cross(a) + corner_camera.cross(turned))).transpose(),
+    const Eigen::Vector3d a = residual->by_point.row(row), turned = a.cross(omega), by_turn = there.cross(a);
+    const Eigen::Vector3d shift = a.transpose() * by_there, by = shift.transpose() * displaced;
+    residual->by_motion.row(row) << corner_camera.cross(shift).transpose(), shift.transpose(),
+        (t * by_turn + half_square * (moving.cross(a) + there.cross(turned))).transpose(),
         (t * a + half_square * turned).transpose(), half_square * by_turn.transpose(), half_square * a.transpose();
-    residual->by_point.row(row) = a.transpose() * by_corner;
-    const Eigen::Vector3d by = residual->by_point.row(row);
+    residual->by_point.row(row) = by;
     residual->by_twist.row(row) << corner_camera.cross(by).transpose(), by.transpose();
   }
   return true;

@@ -5,27 +5,26 @@
 
 namespace rigproof::ml {
 
-/// A twist at a moment, and how it changes: (6 x 1, 6 x 1) per second and per square second.
-inline constexpr int kMotion = 12;
+/// By how much something is displaced at a moment, its twist, and how that changes: (6 x 1, 6 x 1, 6 x 1), by powers of
+/// time.
+inline constexpr int kMotion = 18;
 using MotionVector = Eigen::Matrix<double, kMotion, 1>;
 using MotionMatrix = Eigen::Matrix<double, kMotion, kMotion>;
 using MotionBy6 = Eigen::Matrix<double, kMotion, 6>;
 
-/// What the board does in the camera's coordinates while the rows of an image are read. All times are after the middle
+/// What the board does in the camera's coordinates while an image is taken, row by row. All times are after the middle
 /// row's; a point q moves by [omega, v](t) q, with a twist (omega, v) that changes evenly: robots speed up, by how much
 /// is unknown.
 struct RowMotion {
   Vector6d velocity = Vector6d::Zero();           ///< of the robot by its odometry: (v, omega) along its axes
-  MotionVector sigmas = MotionVector::Zero();     ///< of what the odometry does not tell [m/s, rad/s, m/s^2, rad/s^2]
+  MotionVector sigmas = MotionVector::Zero();     ///< of what the odometry does not tell [m, rad; by powers of s]
   Matrix6d twist_by_velocity = Matrix6d::Zero();  ///< a robot that moves carries its cameras along
-  MotionVector twist = MotionVector::Zero();      ///< [rad/s, m/s, rad/s^2, m/s^2]
+  MotionVector twist = MotionVector::Zero();      ///< [rad, m; by powers of s]
   double error_square = 0.0;                      ///< of the error of the robot's motion, whitened
   double readout_s = 0.0;                         ///< from the first row to the last
   int rows = 1;
 
   bool moves() const { return !velocity.isZero(0.0); }
-  /// Whether the rows of a view show the board in different places.
-  bool bends_views() const { return readout_s != 0.0 && moves(); }
   /// When a row is read, as a share of the readout.
   double share(double row) const { return (row + 0.5) / rows - 0.5; }
   /// Of the twist by the error of the robot's motion, whitened.
@@ -46,7 +45,7 @@ RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odomet
 /// twist, and by the readout.
 struct RowResidual : CornerResidual {
   Eigen::Vector3d point_camera;       ///< when the corner's row is read
-  RowJacobian<2, kMotion> by_motion;  ///< only where the motion bends views
+  RowJacobian<2, kMotion> by_motion;  ///< only where there is a motion
   Eigen::Vector2d by_readout;
 };
 /// @param corner_camera when the middle row is read

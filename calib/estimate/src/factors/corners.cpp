@@ -37,7 +37,7 @@ void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
   const double coefficient_by_px = at.lenses[static_cast<std::size_t>(view.camera)].coefficient_by_px();
   const Eigen::Vector4d board_shape = at.state.nuisances.of(Nuisance::kBoardShape);
   const BoardInCamera seen = board_in_view(at, view);
-  const bool moves = seen.motion.bends_views();
+  const bool moves = seen.motion.moves();
   const Eigen::Matrix3d R_camera_board = seen.T_camera_board.rotation_matrix();
   LocalBlock block(Group::kCorners, view.camera);
   TwistSystem system;
