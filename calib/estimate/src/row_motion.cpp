@@ -39,6 +39,12 @@ MotionMatrix RowMotion::by_error() const {
   return by * sigmas.asDiagonal();
 }
 
+RowJacobian<2, kMotion> RowMotion::by_error(const RowJacobian<2, kMotion>& by_twist) const {
+  RowJacobian<2, kMotion> by;
+  for (int i = 0; i < kMotion; i += 6) by.middleCols<6>(i) = by_twist.middleCols<6>(i).lazyProduct(twist_by_velocity);
+  return by * sigmas.asDiagonal();
+}
+
 void RowMotion::set_error(const MotionVector& whitened) {
   MotionVector of_robot = sigmas.cwiseProduct(whitened);
   of_robot.segment<6>(6) += velocity;

@@ -30,6 +30,8 @@ struct RowMotion {
   /// Of the twist by the error of the robot's motion, whitened.
   MotionMatrix by_error() const;
   void set_error(const MotionVector& whitened);
+  /// What is known by the twist, by that error.
+  RowJacobian<2, kMotion> by_error(const RowJacobian<2, kMotion>& by_twist) const;
   /// Of the twist, where corners tell this much of it.
   MotionMatrix covariance(const MotionMatrix& information) const;
   /// How the twist changes with the unknowns of the camera, by what they do to the board's twist.
