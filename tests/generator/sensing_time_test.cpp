@@ -235,7 +235,7 @@ TEST(SensingTold, SquaresAndDepthScalesAreDrawnWithWhatCamerasOfASensorShare) {
   EXPECT_NEAR(std::sqrt(sides) / 0.005, 1.0, 0.09);
   EXPECT_NEAR(std::sqrt(shared) / 0.01, 1.0, 0.09);
   EXPECT_NEAR(std::sqrt(apart) / 0.003, 1.0, 0.09);
-  EXPECT_NEAR(of_others / (0.01 * 0.01), 0.0, 0.15);
+  EXPECT_NEAR(of_others / (0.01 * 0.01), 0.0, 0.12);
 }
 
 TEST(SensingSeed, IsTheRunsUnlessItHasItsOwn) {

@@ -88,7 +88,7 @@ std::vector<Estimated> all_estimated(const Preparation& prepared, const Fit& fit
   return all;
 }
 
-std::vector<std::string> cameras_of(const Preparation& prepared, const Estimated& estimated) {
+std::vector<std::string> camera_names_of(const Preparation& prepared, const Estimated& estimated) {
   std::vector<std::string> names;
   if (row_of(estimated.nuisance).per_camera)
     for (const int c : cameras_of(prepared, estimated.nuisance, estimated.camera))
@@ -97,7 +97,7 @@ std::vector<std::string> cameras_of(const Preparation& prepared, const Estimated
 }
 
 std::string first_camera_of(const Preparation& prepared, const Estimated& estimated) {
-  const std::vector<std::string> names = cameras_of(prepared, estimated);
+  const std::vector<std::string> names = camera_names_of(prepared, estimated);
   return names.empty() ? "" : names.front();
 }
 
@@ -119,7 +119,7 @@ void note_strained(const Preparation& prepared, const Estimated& estimated, Resu
                                      {"value", unit * estimated.value},
                                      {"prior", unit * p},
                                      {"deviations", deviations}});
-  result->notes.push_back(finding.of(cameras_of(prepared, estimated)));
+  result->notes.push_back(finding.of(camera_names_of(prepared, estimated)));
 }
 
 Finding strained(const char* quantity, double value, double prior) {

@@ -76,8 +76,10 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
 }
 
 BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
-  constexpr int kMostRounds = 30;    // corners that do not fit lose their weight
-  constexpr double kSettled = 1e-6;  // of a standard deviation
+  // Where a view fits, two or three rounds do. Where corners do not fit, they lose their weight round by round, in
+  // every evaluation of every refit that a search for the cause makes: thirty rounds took minutes.
+  constexpr int kMostRounds = 8;
+  constexpr double kSettled = 1e-4;  // of a standard deviation
   BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
   RowMotion& motion = seen.motion;
   if (!motion.moves()) return seen;

@@ -1,4 +1,4 @@
-// Rolling shutter: rows are read one after the other, while the robot moves.
+// Images taken at speed: rows are read one after the other, and each is the mean of its exposure.
 #pragma once
 
 #include "rigproof/calib/estimate/residuals.h"
@@ -13,8 +13,8 @@ using MotionMatrix = Eigen::Matrix<double, kMotion, kMotion>;
 using MotionBy6 = Eigen::Matrix<double, kMotion, 6>;
 
 /// What the board does in the camera's coordinates while an image is taken, row by row. All times are after the middle
-/// row's; a point q moves by [omega, v](t) q, with a twist (omega, v) that changes evenly: robots speed up, by how much
-/// is unknown.
+/// row's; a point q that lies a little aside, displaced as a whole, moves by [omega, v](t) q, with a twist (omega, v)
+/// that changes evenly: robots speed up and swing while a row is exposed, by how much is unknown.
 struct RowMotion {
   Vector6d velocity = Vector6d::Zero();           ///< of the robot by its odometry: (v, omega) along its axes
   MotionVector sigmas = MotionVector::Zero();     ///< of what the odometry does not tell [m, rad; by powers of s]

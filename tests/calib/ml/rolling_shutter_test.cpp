@@ -116,7 +116,7 @@ const EstimatedQuantity* readout_of(const Result& result, const std::string& cam
 }
 
 TEST(MlRollingShutter, IsEstimatedAndTheUncertaintyIsTrueOverTrials) {
-  double mean = 0.0, square = 0.0;
+  double mean = 0.0, square = 0.0, sigma_ms = 0.0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     const RollingRun made = rolling_run(seed);
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
@@ -126,17 +126,19 @@ TEST(MlRollingShutter, IsEstimatedAndTheUncertaintyIsTrueOverTrials) {
     for (std::size_t c = 0; c < made.readout_s.size(); ++c) {
       const EstimatedQuantity* readout = readout_of(estimate.result, made.run.truth.cameras[c].name);
       ASSERT_NE(readout, nullptr);
-      EXPECT_LT(readout->sigma, 0.1 * 1e3 * kReadoutSigma_s);
+      EXPECT_LT(readout->sigma, 0.1 * readout->prior_sigma);
+      sigma_ms += readout->sigma / static_cast<double>(made.readout_s.size()) / kTrials.count();
       const double z = (readout->value - 1e3 * made.readout_s[c]) / readout->sigma;
       square += z * z / static_cast<double>(made.readout_s.size()) / kTrials.count();
     }
   }
   EXPECT_NEAR(mean, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
   EXPECT_NEAR(square, 1.0, kTrials.chi_square_tolerance(1));
+  EXPECT_LT(sigma_ms, 0.5);
 }
 
 // Global shutters, fine corners: all corners of a view lie elsewhere, by as much as their noise but alike.
-GeometricRun smeared_run(int seed) {
+GeometricRun smeared_run(int seed, double worse = 1.0) {
   GeometricConfig config;
   config.seed = static_cast<std::uint64_t>(seed);
   config.stops = 20;
@@ -149,7 +151,7 @@ GeometricRun smeared_run(int seed) {
   for (BoardView& view : run.observations.board_views) {
     const TrueCamera& camera = run.truth.cameras[static_cast<std::size_t>(view.camera)];
     const Rigid3& T_world_robot = run.truth.stops[static_cast<std::size_t>(view.stop)].T_world_robot;
-    const TrueMotion motion{Vector6d::Zero(), Vector6d::Zero(), displacement_of(&random)};
+    const TrueMotion motion{Vector6d::Zero(), Vector6d::Zero(), worse * displacement_of(&random)};
     for (CornerObservation& corner : view.corners)
       corner.pixel += shift_of_row(camera, T_world_robot, motion,
                                    run.truth.T_world_board * run.observations.board.corner(corner.id), 0.0);
@@ -166,6 +168,15 @@ TEST(MlRollingShutter, MeansOfExposuresAreAllowedForOverTrials) {
     mean += nees(estimate, poses_of(run.truth)) / kTrials.count();
   }
   EXPECT_NEAR(mean, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
+}
+
+TEST(MlRollingShutter, ViewsDisplacedByFarMoreThanIsAllowedForAreNotSilentlyWrong) {
+  for (const double worse : {5.0, 20.0}) {
+    const Result result = estimate_maximum_likelihood(smeared_run(0, worse).observations).result;
+    const bool suspected = std::any_of(result.notes.begin(), result.notes.end(),
+                                       [](const Finding& note) { return note.severity == Severity::kSuspect; });
+    EXPECT_TRUE(result.status != ResultStatus::kSolved || suspected) << worse;
+  }
 }
 
 ml::RowMotion speeding_motion(const Rigid3& T_robot_camera) {
