@@ -1,5 +1,7 @@
 #include "board_in_camera.h"
 
+#include <Eigen/Cholesky>
+
 #include "corner_model.h"
 #include "rigproof/core/error.h"
 
@@ -22,13 +24,14 @@ void add_motion(const Evaluation& at, int stop, int camera, const Eigen::Vector3
         motion.by_factors(at.state.odometry_scale(), at.state.odometry_yaw_factor());
 }
 
-// Of the motion's error, whitened, towards what fits the corners of the view best.
+// Of the motion's error, whitened, towards what fits the corners of the view best: Newton's, and where the loss bends
+// down too much for that, that of reweighted least squares, which always goes down.
 MotionVector step_of_error(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
                            const MotionVector& error) {
   const Camera lens = lens_at(at, view.camera);
   const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
   const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
-  MotionMatrix H = MotionMatrix::Identity();
+  MotionMatrix reweighted = MotionMatrix::Identity(), bent = MotionMatrix::Zero();
   MotionVector g = error;
   for (const WhitenedView::Corner& corner : view.corners) {
     const Eigen::Vector3d on_board = corner_of_board(at.observations.board, shape, corner.point_board).point;
@@ -37,11 +40,16 @@ MotionVector step_of_error(const Evaluation& at, const WhitenedView& view, const
     const Eigen::Matrix2d W = whiten * corner.whitening;
     const RowJacobian<2, kMotion> J = W.lazyProduct(seen.motion.by_error(residual.by_motion));
     const Eigen::Vector2d r = W * residual.value;
-    const RowJacobian<2, kMotion> weighted = at.loss.weight(r.squaredNorm()) * J;
-    H.noalias() += weighted.transpose().lazyProduct(J);  // small: what is made for large ones took a third of a solve
-    g.noalias() += weighted.transpose().lazyProduct(r);
+    const double weight = at.loss.weight(r.squaredNorm());
+    const RowJacobian<2, kMotion> weighted = weight * J;
+    const MotionVector slope = weighted.transpose().lazyProduct(r);
+    // Small: what is made for large products took a third of a solve.
+    reweighted.noalias() += weighted.transpose().lazyProduct(J);
+    bent.noalias() += (2.0 / at.loss.c2) * slope.lazyProduct(slope.transpose());
+    g += slope;
   }
-  return -H.ldlt().solve(g);
+  const Eigen::LLT<MotionMatrix> newton(reweighted - bent);
+  return newton.info() == Eigen::Success ? MotionVector(-newton.solve(g)) : MotionVector(-reweighted.llt().solve(g));
 }
 
 }  // namespace
@@ -76,10 +84,8 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
 }
 
 BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
-  // Where a view fits, two or three rounds do. Where corners do not fit, they lose their weight round by round, in
-  // every evaluation of every refit that a search for the cause makes: thirty rounds took minutes.
-  constexpr int kMostRounds = 8;
-  constexpr double kSettled = 1e-4;  // of a standard deviation
+  constexpr int kMostRounds = 30;
+  constexpr double kSettled = 1e-4;  // of a standard deviation: the last step leaves its square
   BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
   RowMotion& motion = seen.motion;
   if (!motion.moves()) return seen;
