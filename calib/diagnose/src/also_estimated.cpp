@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigproof/core/conventions.h"
+
 namespace rigproof::ml {
 namespace {
 
@@ -29,6 +31,22 @@ void note_clocks(const Preparation& prepared, Result* result) {
 void note_turn_lag(double lag_s, double sigma_s, double prior_s, Result* result) {
   if (!(prior_s > 0.0) || sigma_s > kNothingNew * prior_s) return;
   result->notes.push_back(Finding("robot.turn_lag", {{"lag_ms", 1e3 * lag_s}, {"sigma_ms", 1e3 * sigma_s}}));
+}
+
+// What stamps that are off would do at the speed of the drive is said beside it: the same along the whitened velocity.
+void note_displacement(const Preparation& prepared, const Fit& fit, Result* result) {
+  constexpr double kSuspect = 3.0, kParts = 6.0;
+  const double scale = fit.noise.displacement_scale;
+  if (scale < kSuspect) return;
+  double square = 0.0;
+  for (const Stop& stop : prepared.used.stops)
+    square += stop.velocity.head<2>().squaredNorm() / (kLeastDisplacement_m * kLeastDisplacement_m) +
+              stop.velocity.z() * stop.velocity.z() / (kLeastDisplacement_rad * kLeastDisplacement_rad);
+  const double stamps_s = scale * std::sqrt(kParts * static_cast<double>(prepared.used.stops.size()) / square);
+  result->notes.push_back(Finding("images.displaced", {{"shift_mm", 1e3 * scale * kLeastDisplacement_m},
+                                                       {"turn_deg", rad_to_deg(scale * kLeastDisplacement_rad)},
+                                                       {"times", scale},
+                                                       {"stamps_ms", 1e3 * stamps_s}}));
 }
 
 void note_rotation_centre(const Preparation& prepared, const Fit& fit, Result* result) {
@@ -174,6 +192,7 @@ void report_also_estimated(const Preparation& prepared, const Fit& fit, const Gl
   note_strained_repeating(prepared, result);
   report_lenses(prepared, fit, result);
   note_clocks(prepared, result);
+  note_displacement(prepared, fit, result);
   note_rotation_centre(prepared, fit, result);
   note_riding_height(prepared, result);
 }

@@ -66,6 +66,7 @@ std::vector<Finding> find_wrong_frames(const Preparation& prepared, const Fit& f
   MlOptions strict = prepared.options;
   strict.start.reset();
   strict.estimate_corner_level = strict.estimate_plane_level = false;
+  strict.displacement_scale = NoiseLevels().displacement_scale;
   const Preparation other = prepare(prepared.original, strict, &prepared.views);
   const Fit other_fit = fit_model(other, fit.noise.law);
   std::vector<Finding> wrong;

@@ -61,6 +61,7 @@ MlEstimate estimate_of(const Preparation& prepared, const OdometryChoice& choice
   estimate.corner_scale = fit.noise.corner_scale;
   estimate.ground_scale = fit.noise.ground_scale;
   estimate.board_plane_scale = fit.noise.board_plane_scale;
+  estimate.displacement_scale = fit.noise.displacement_scale;
   estimate.odometry = choice.decision;
   estimate.motion = found.motion;
   estimate.cost = stated.cost;

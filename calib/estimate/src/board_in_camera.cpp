@@ -12,8 +12,8 @@ namespace {
 // The parts: camera, board, pose, and the odometry's factors where they are unknowns.
 void add_motion(const Evaluation& at, int stop, int camera, const Eigen::Vector3d& velocity, BoardInCamera* seen) {
   RowMotion& motion = seen->motion;
-  motion =
-      row_motion(at.T_robot_camera(camera, stop), velocity, at.state.odometry_scale(), at.state.odometry_yaw_factor());
+  motion = row_motion(at.T_robot_camera(camera, stop), velocity, at.state.odometry_scale(),
+                      at.state.odometry_yaw_factor(), at.noise.displacement_scale);
   const RigCamera& stated = at.observations.cameras[static_cast<std::size_t>(camera)];
   motion.readout_s = stated.readout_s + at.state.nuisances.of(Nuisance::kReadout, camera)[0];
   motion.rows = stated.camera.height_px;
@@ -54,12 +54,17 @@ MotionVector step_of_error(const Evaluation& at, const WhitenedView& view, const
 
 }  // namespace
 
+bool is_displaced(const Observations& observations, const Layout& layout, int stop, int camera) {
+  const bool reads_rows =
+      layout.has(Nuisance::kReadout) || observations.cameras[static_cast<std::size_t>(camera)].readout_s != 0.0;
+  return reads_rows && !OdometryMotion(observations.stops[static_cast<std::size_t>(stop)]).stands();
+}
+
 BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s) {
   const Layout& layout = at.layout;
   const OdometryMotion motion(at.stop(stop));
-  const double stated_readout_s = at.observations.cameras[static_cast<std::size_t>(camera)].readout_s;
-  const bool by_rows = (layout.has(Nuisance::kReadout) || stated_readout_s != 0.0) && !motion.stands();
-  const bool moved = layout.has(Nuisance::kClockOffset) || after_stop_s != 0.0 || by_rows;
+  const bool at_speed = is_displaced(at.observations, layout, stop, camera);
+  const bool moved = layout.has(Nuisance::kClockOffset) || after_stop_s != 0.0 || at_speed;
   const double late_s = at.state.nuisances.of(Nuisance::kClockOffset, camera)[0] - after_stop_s;
   PoseAtImage at_image{at.pose(stop)};
   if (moved)
@@ -79,7 +84,7 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
   add(Nuisance::kOdometryFactors, clock.by_factors);
   add(Nuisance::kClockOffset, clock.by_clock_offset);
   add(Nuisance::kTurnLag, clock.by_turn_lag);
-  if (by_rows) add_motion(at, stop, camera, motion.velocity_after(after_stop_s), &seen);
+  if (at_speed) add_motion(at, stop, camera, motion.velocity_after(after_stop_s), &seen);
   return seen;
 }
 
@@ -98,6 +103,19 @@ BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
   }
   seen.parts[0].motion = motion.by_camera(seen.parts[0].twist);
   return seen;
+}
+
+DisplacementRows TwistSystem::displacement(const RowMotion& motion) const {
+  constexpr int kParts = DisplacementRows::kParts;
+  const MotionMatrix covariance = motion.covariance_of_error(motion_H_);
+  const RowJacobian<kParts, kMotion> by_known = -covariance.topRows<kParts>() * motion.by_error().transpose();
+  DisplacementRows rows;
+  rows.by_twist = by_known * motion_by_twist_;
+  rows.by_motion = by_known * motion_H_;
+  rows.by_direct = by_known * motion_by_direct_;
+  rows.residual = motion.error.head<kParts>();
+  rows.unknown = covariance.topLeftCorner<kParts, kParts>().trace();
+  return rows;
 }
 
 void TwistSystem::eliminate_error(const RowMotion& motion) {

@@ -30,15 +30,29 @@ struct BoardInCamera {
   }
 };
 
+/// Whether the image of a camera at a stop was taken at speed and is treated so: where the readout is stated to be none
+/// at all, images are taken as they are.
+bool is_displaced(const Observations& observations, const Layout& layout, int stop, int camera);
 /// @param after_stop_s by how much the image is later than the stop, by the stamps
 BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s);
-/// The same, where rows are read one after the other with the motion by which the view's corners fit best.
+/// The same, of an image taken at speed with the motion by which the view's corners fit best.
 BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view);
+
+/// By how much the image of a view that is taken at speed is displaced, as it fits best: six whitened residuals of the
+/// estimate, and how they change with what the view's corners know.
+struct DisplacementRows {
+  static constexpr int kParts = 6, kMaxDirect = 16;
+  RowJacobian<kParts, 6> by_twist;
+  RowJacobian<kParts, kMotion> by_motion;
+  RowJacobian<kParts, kMaxDirect> by_direct;
+  Eigen::Matrix<double, kParts, 1> residual;
+  double unknown = 0.0;  ///< sum of their variances if all but the displacement were known
+};
 
 /// Residuals of one view: summed up on the twist and on unknowns that they know directly, then chained to all others.
 class TwistSystem {
  public:
-  static constexpr int kMaxDirect = 16;
+  static constexpr int kMaxDirect = DisplacementRows::kMaxDirect;
 
   /// Unknowns that the residuals know directly. Returns their first column, -1 where they are believed.
   int append(const Layout& layout, Nuisance nuisance, int camera);
@@ -68,6 +82,11 @@ class TwistSystem {
     motion_H_.noalias() += weighted.lazyProduct(by_motion);
     motion_g_.noalias() += weighted.lazyProduct(r);
     for (int i = 0; i < direct_; ++i) motion_by_direct_.col(i) += weighted * direct.col(i);
+  }
+  /// What the view tells of its displacement, before that is eliminated.
+  DisplacementRows displacement(const RowMotion& motion) const;
+  void add(const DisplacementRows& rows, double factor) {
+    add<DisplacementRows::kParts>(rows.by_twist, rows.by_motion, rows.by_direct, rows.residual, factor);
   }
   /// Takes out what the error of the motion explains. At its best value its own gradient is zero.
   void eliminate_error(const RowMotion& motion);

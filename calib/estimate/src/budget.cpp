@@ -12,8 +12,8 @@ namespace rigproof::ml {
 namespace {
 
 // By Group.
-constexpr std::array<const char*, kGroupCount> kSources = {"corners",  "ground depth", "board depth", "odometry",
-                                                           "odometry", "suspension",   "suspension"};
+constexpr std::array<const char*, kGroupCount> kSources = {
+    "corners", "ground depth", "board depth", "odometry", "odometry", "suspension", "suspension", "images at speed"};
 
 // C H_b C of every block, by the rows of C: of the unknowns a column each, of the cameras' errors a row each.
 class BudgetSink : public BlockSink {

@@ -10,6 +10,18 @@
 namespace rigproof::ml {
 namespace {
 
+// Only images of one stop tell their displacements from what the odometry does not tell.
+bool shows_displacements(const Observations& observations) {
+  constexpr int kLeastMore = 4;  // views, beyond one a stop and one a camera
+  int more = -static_cast<int>(observations.cameras.size());
+  std::vector<int> views(observations.stops.size(), 0);
+  for (const BoardView& view : observations.board_views)
+    if (!observations.stops[static_cast<std::size_t>(view.stop)].velocity.isZero(0.0) &&
+        ++views[static_cast<std::size_t>(view.stop)] > 1)
+      ++more;
+  return more >= kLeastMore;
+}
+
 NoiseLevels starting_levels(const Observations& observations, const OdometryLaw& law, const MlOptions& options) {
   NoiseLevels levels;
   levels.law = law;
@@ -18,6 +30,10 @@ NoiseLevels starting_levels(const Observations& observations, const OdometryLaw&
   levels.odometry_yaw_rad = given.sigma_yaw_rad.value_or(levels.odometry_yaw_rad);
   levels.suspension_height_m = options.suspension_height_sigma_m.value_or(levels.suspension_height_m);
   levels.suspension_tilt_rad = options.suspension_tilt_sigma_rad.value_or(levels.suspension_tilt_rad);
+  // From above: a view that is farther off than its corners' noise would pass for noise.
+  constexpr double kDisplacementStart = 100.0;
+  levels.displacement_scale =
+      options.displacement_scale.value_or(shows_displacements(observations) ? kDisplacementStart : 1.0);
   return plausible(levels, observations.cameras.size());
 }
 
@@ -29,6 +45,7 @@ EstimatedLevels estimated_levels(const Observations& observations, const MlOptio
   levels.suspension_tilt = !options.suspension_tilt_sigma_rad;
   levels.corners = options.estimate_corner_level;
   levels.planes = options.estimate_plane_level;
+  levels.displacement = !options.displacement_scale && shows_displacements(observations);
   return levels;
 }
 

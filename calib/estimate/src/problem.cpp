@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "board_in_camera.h"
 #include "factors.h"
 #include "repeating_couplings.h"
 #include "step_scan.h"
@@ -264,9 +265,11 @@ double Problem::log_normalisation() const {
   sum += 2.0 * layout_.poses * (std::log(noise.suspension_height_m) + 2.0 * std::log(noise.suspension_tilt_rad));
   for (std::size_t v = 0; v < whitened_->views.size(); ++v) {
     const WhitenedView& view = whitened_->views[v];
-    if (!view_left_out[v])
-      sum += 4.0 * static_cast<double>(view.corners.size()) *
-             std::log(noise.corner_scale[static_cast<std::size_t>(view.camera)]);
+    if (view_left_out[v]) continue;
+    sum += 4.0 * static_cast<double>(view.corners.size()) *
+           std::log(noise.corner_scale[static_cast<std::size_t>(view.camera)]);
+    if (is_displaced(observations_, layout_, view.stop, view.camera))
+      sum += 2.0 * DisplacementRows::kParts * std::log(noise.displacement_scale);
   }
   for (const WhitenedPlane& plane : whitened_->ground_planes)
     sum += 6.0 * std::log(noise.ground_scale[static_cast<std::size_t>(plane.camera)]);

@@ -3,23 +3,26 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "rigproof/calib/estimate/noise.h"
+
 namespace rigproof::ml {
 namespace {
 
 // Standard deviations by which a robot moves otherwise than its odometry says at a moment: tyres slip and give way
-// where it turns, and its body swings while it speeds up or brakes. Where it is: an image is the mean of its exposure,
-// not its middle. Of rendered drives of a skid-steered robot and a cart.
-MotionVector sigmas_of_motion(double turn_rate_rad_s) {
+// where it turns, and its body swings while it speeds up or brakes. Of rendered drives of a skid-steered robot and a
+// cart.
+MotionVector sigmas_of_motion(double turn_rate_rad_s, double displacement_scale) {
   constexpr double kAlong_m_s = 1e-3, kUp_m_s = 2e-3, kTilting_rad_s = 5e-3, kTurn_rad_s = 1e-3;
   constexpr double kAlongByTurn_m = 8e-3, kTurnByTurn = 0.05;
   constexpr double kAlong_m_s2 = 0.3, kUp_m_s2 = 0.3, kTurning_rad_s2 = 1.8;
   const double along = std::hypot(kAlong_m_s, kAlongByTurn_m * turn_rate_rad_s);
   const double turn = std::hypot(kTurn_rad_s, kTurnByTurn * turn_rate_rad_s);
-  constexpr double kShifted_m = 5e-6, kTurned_rad = 1.5e-5;
+  const double shifted_m = displacement_scale * kLeastDisplacement_m;
+  const double turned_rad = displacement_scale * kLeastDisplacement_rad;
   const Eigen::Vector3d any = Eigen::Vector3d::Ones();
   MotionVector sigmas;
-  sigmas << kShifted_m * any, kTurned_rad * any, along, along, kUp_m_s, kTilting_rad_s, kTilting_rad_s, turn,
-      kAlong_m_s2, kAlong_m_s2, kUp_m_s2, kTurning_rad_s2 * any;
+  sigmas << shifted_m * any, turned_rad * any, along, along, kUp_m_s, kTilting_rad_s, kTilting_rad_s, turn, kAlong_m_s2,
+      kAlong_m_s2, kUp_m_s2, kTurning_rad_s2 * any;
   return sigmas;
 }
 
@@ -49,13 +52,18 @@ void RowMotion::set_error(const MotionVector& whitened) {
   MotionVector of_robot = sigmas.cwiseProduct(whitened);
   of_robot.segment<6>(6) += velocity;
   for (int i = 0; i < kMotion; i += 6) twist.segment<6>(i) = twist_by_velocity * of_robot.segment<6>(i);
-  error_square = whitened.squaredNorm();
+  error = whitened;
+}
+
+MotionMatrix RowMotion::covariance_of_error(const MotionMatrix& information) const {
+  const MotionMatrix by = by_error();
+  const MotionMatrix of_error = MotionMatrix::Identity() + by.transpose() * information * by;
+  return of_error.ldlt().solve(MotionMatrix(MotionMatrix::Identity()));
 }
 
 MotionMatrix RowMotion::covariance(const MotionMatrix& information) const {
   const MotionMatrix by = by_error();
-  const MotionMatrix of_error = MotionMatrix::Identity() + by.transpose() * information * by;
-  return by * of_error.ldlt().solve(MotionMatrix(by.transpose()));
+  return by * covariance_of_error(information) * by.transpose();
 }
 
 MotionBy6 RowMotion::by_camera(const Matrix6d& board_twist) const {
@@ -71,10 +79,11 @@ Eigen::Matrix<double, 6, 2> RowMotion::by_factors(double scale, double yaw_facto
   return by;
 }
 
-RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odometry, double scale, double yaw_factor) {
+RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odometry, double scale, double yaw_factor,
+                     double displacement_scale) {
   RowMotion motion;
   motion.velocity << odometry.x() / scale, odometry.y() / scale, 0.0, 0.0, 0.0, odometry.z() / yaw_factor;
-  motion.sigmas = sigmas_of_motion(odometry.z());
+  motion.sigmas = sigmas_of_motion(odometry.z(), displacement_scale);
   const Eigen::Matrix3d R_camera_robot = T_robot_camera.rotation_matrix().transpose();
   Matrix6d& by = motion.twist_by_velocity;
   by.topRightCorner<3, 3>() = by.bottomLeftCorner<3, 3>() = -R_camera_robot;

@@ -20,7 +20,7 @@ struct RowMotion {
   MotionVector sigmas = MotionVector::Zero();     ///< of what the odometry does not tell [m, rad; by powers of s]
   Matrix6d twist_by_velocity = Matrix6d::Zero();  ///< a robot that moves carries its cameras along
   MotionVector twist = MotionVector::Zero();      ///< [rad, m; by powers of s]
-  double error_square = 0.0;                      ///< of the error of the robot's motion, whitened
+  MotionVector error = MotionVector::Zero();      ///< of the robot's motion, whitened
   double readout_s = 0.0;                         ///< from the first row to the last
   int rows = 1;
 
@@ -32,7 +32,9 @@ struct RowMotion {
   void set_error(const MotionVector& whitened);
   /// What is known by the twist, by that error.
   RowJacobian<2, kMotion> by_error(const RowJacobian<2, kMotion>& by_twist) const;
-  /// Of the twist, where corners tell this much of it.
+  /// Of the whitened error, where corners tell this much of the twist.
+  MotionMatrix covariance_of_error(const MotionMatrix& information) const;
+  /// The same of the twist.
   MotionMatrix covariance(const MotionMatrix& information) const;
   /// How the twist changes with the unknowns of the camera, by what they do to the board's twist.
   MotionBy6 by_camera(const Matrix6d& board_twist) const;
@@ -41,7 +43,9 @@ struct RowMotion {
 };
 
 /// @param odometry velocity as measured [m/s, m/s, rad/s]: its scale and yaw factor times the true one
-RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odometry, double scale, double yaw_factor);
+/// @param displacement_scale times the least displacement
+RowMotion row_motion(const Rigid3& T_robot_camera, const Eigen::Vector3d& odometry, double scale, double yaw_factor,
+                     double displacement_scale);
 
 /// Residual of a corner, with its derivatives by the twist of the board when the middle row is read, by the motion's
 /// twist, and by the readout.

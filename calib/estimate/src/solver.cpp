@@ -11,6 +11,9 @@ constexpr double kMaxDamping = 1e12;
 
 // What is left of a variance component when the data say nothing about it.
 constexpr double kMinRedundancy = 0.5;
+// Displacements are at their least where few residuals tell otherwise.
+constexpr double kMinDisplacementRedundancy = 6.0;
+constexpr double kMostOfARound = 2.302585;  // ln 10
 
 // One metre and one radian: nothing beside what determines a camera's pose.
 constexpr double kMountingInformation = 1.0;
@@ -23,6 +26,8 @@ constexpr Bounds kOdometryYaw = {kMinOdometryYaw_rad, 0.5};
 constexpr Bounds kSuspensionHeight = {kMinSuspensionHeight_m, 0.02};
 constexpr Bounds kSuspensionTilt = {kMinSuspensionTilt_rad, 0.02};
 constexpr Bounds kScale = {0.05, 200.0};
+// The most is .15 rad.
+constexpr Bounds kDisplacement = {1.0, 1e4};
 // No sensor resolves less, whatever is stated; beyond it, equations that also hold odometry lose that in rounding.
 constexpr double kMinCorner_px = 1e-3;
 constexpr double kMinPlane_per_m = 2e-5;  // a hundredth of a millimetre at 0.7 m
@@ -44,11 +49,14 @@ double stated_plane_per_m(const std::vector<PlaneObservation>& planes, int camer
 }
 
 // ln of what sigma must be multiplied by so that the weighted squares meet their expectation.
+// @param loss_dimensions 0 for displacements, which have no loss
 double log_change(const GroupSum& all, int loss_dimensions) {
   const GroupSum sum = all.without_outliers();
   const double redundancy = sum.redundancy();
+  if (loss_dimensions == 0 && redundancy < kMinDisplacementRedundancy) return -kMostOfARound;
   if (sum.dimensions == 0 || redundancy < kMinRedundancy) return 0.0;
-  const double expected = cauchy_moments(loss_dimensions).weighted_square * redundancy;
+  const double of_loss = loss_dimensions > 0 ? cauchy_moments(loss_dimensions).weighted_square : 1.0;
+  const double expected = of_loss * redundancy;
   return 0.5 * std::log(std::max(sum.weighted_square, 1e-300) / expected);
 }
 
@@ -67,6 +75,7 @@ class LevelUpdater {
     add(levels.odometry_yaw, Group::kOdometryYaw, 0, 3, kOdometryYaw, &noise->odometry_yaw_rad);
     add(levels.suspension_height, Group::kSuspensionHeight, 0, 3, kSuspensionHeight, &noise->suspension_height_m);
     add(levels.suspension_tilt, Group::kSuspensionTilt, 0, 3, kSuspensionTilt, &noise->suspension_tilt_rad);
+    add(levels.displacement, Group::kDisplacement, 0, 0, kDisplacement, &noise->displacement_scale);
     for (std::size_t c = 0; c < noise->corner_scale.size(); ++c) {
       const int camera = static_cast<int>(c);
       const auto plane_scale = [camera](const std::vector<PlaneObservation>& planes) {
@@ -96,7 +105,6 @@ class LevelUpdater {
     double last;  // change of the round before; 0 = none to extrapolate from
 
     double update(const GroupSum& sum) {
-      constexpr double kMostOfARound = 2.302585;  // ln 10
       double step = log_change(sum, dimensions);
       const double ratio = last == 0.0 ? 0.0 : step / last;
       const bool slow = ratio > 0.2 && ratio < 1.0;
@@ -165,6 +173,10 @@ SolverSummary minimise(const Problem& problem, const SolverOptions& options, Sta
     ArrowSystem trial_system = problem.linearise(trial, Weighting::kRobust, &trial_cost, nullptr);
     // Rounding: near the optimum of a large cost the last digits decide nothing.
     if (!(trial_cost <= summary.cost + 1e-13 * summary.cost)) {
+      // The derivatives of images taken at speed are true to a millionth: no step of theirs brings less than this.
+      constexpr double kLeastPromise = 1e-10;
+      summary.converged = promised < kLeastPromise * summary.cost;
+      if (summary.converged) break;
       damping = std::max(10.0 * damping, 1e-6);
       continue;
     }

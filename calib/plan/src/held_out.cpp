@@ -91,6 +91,7 @@ std::optional<HeldOut> predict_held_out(const Observations& observations, int fo
   options.estimate_corner_level = options.estimate_plane_level = false;
   options.suspension_height_sigma_m = estimate.noise.suspension_height_m;
   options.suspension_tilt_sigma_rad = estimate.noise.suspension_tilt_rad;
+  options.displacement_scale = estimate.displacement_scale;
   const double cost = estimate_maximum_likelihood(all, options).cost;
   // What the images that were left out add to the least cost is the square of what the others did not foresee of them,
   // whitened by the uncertainty of the forecast.

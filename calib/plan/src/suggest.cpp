@@ -208,6 +208,7 @@ Result foreseen(const Outlook& outlook, const Observations& observations) {
   options.estimate_corner_level = options.estimate_plane_level = false;
   options.suspension_height_sigma_m = outlook.forecast.levels().suspension_height_m;
   options.suspension_tilt_sigma_rad = outlook.forecast.levels().suspension_tilt_rad;
+  options.displacement_scale = outlook.forecast.levels().displacement_scale;
   return estimate_maximum_likelihood(observations, options).result;
 }
 

@@ -221,6 +221,34 @@ TEST(MlClocks, AreEstimatedWhileMovingAndTheUncertaintyIsTrueOverTrials) {
   offset.expect_one();
 }
 
+// As by drivers that stamp images when they arrive.
+ClockRun run_with_scattered_stamps(int seed) {
+  constexpr double kScatter_s = 1e-3, kReadoutSigma_s = 0.01;
+  ClockRun made = run_with_wrong_clocks(seed);
+  RandomStream random(static_cast<std::uint64_t>(seed), "scattered stamps");
+  for (BoardView& view : made.run.observations.board_views) view.stamp_s += random.normal(0.0, kScatter_s);
+  for (RigCamera& camera : made.run.observations.cameras) camera.readout_sigma_s = kReadoutSigma_s;
+  return made;
+}
+
+// Stamps displace images along the motion alone, and images are taken to be displaced alike along all axes: what is
+// stated is a little too small.
+TEST(MlClocks, ThatScatterAreAllowedForAndTold) {
+  constexpr double kMostTooSmall = 1.6;
+  MlOptions options = told();
+  options.priors.clock_offset_s = kClock_s;
+  options.estimate_corner_level = true;
+  double allowing = 0.0;
+  for (int seed = 0; seed < kTrials.count(); ++seed) {
+    const ClockRun made = run_with_scattered_stamps(seed);
+    const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    EXPECT_TRUE(has_code(estimate.result.notes, "images.displaced")) << seed;
+    allowing += nees(estimate, poses_of(made.run.truth)) / kTrials.count();
+  }
+  EXPECT_LT(allowing, kMostTooSmall * kUnknowns + kTrials.chi_square_tolerance(kUnknowns));
+}
+
 TEST(MlClocks, WithoutPriorsTheErrorShows) { EXPECT_TRUE(error_shows(run_with_wrong_clocks(0).run)); }
 
 // The body turns later than its wheels: taken for rigid, that is an error of every clock beyond five of its sigmas, and

@@ -28,6 +28,37 @@ class CostSum {
   double c2_, excess_ = 0.0, sum_ = 0.0;
 };
 
+// Unknowns that corners know directly: their first columns, -1 where they are believed.
+struct Direct {
+  Direct(const Evaluation& at, int camera, TwistSystem* system)
+      : lens(system->append(at.layout, Nuisance::kLens, camera)),
+        shape(system->append(at.layout, Nuisance::kBoardShape, 0)),
+        readout(system->append(at.layout, Nuisance::kReadout, camera)) {}
+  int lens, shape, readout;
+};
+
+// The displacement of a view, a group beside its corners: levels and the budget of the uncertainty count it apart.
+void take_displacement(const Evaluation& at, const BoardInCamera& seen, TwistSystem* of_corners, LocalBlock* block,
+                       BlockSink* sink) {
+  constexpr double kParts = DisplacementRows::kParts;
+  const DisplacementRows rows = of_corners->displacement(seen.motion);
+  const double square = rows.residual.squaredNorm();
+  TwistSystem system;
+  Direct(at, block->camera, &system);
+  system.add(rows, 1.0);
+  of_corners->eliminate_error(seen.motion);
+  of_corners->add(rows, -1.0);
+  LocalBlock displaced(Group::kDisplacement, 0);
+  displaced.sum.add(square, 1.0, kParts);
+  displaced.sum.leverage = rows.unknown;
+  displaced.cost = square;
+  block->cost -= square;
+  block->sum.add(-square, 1.0, 0.0);
+  block->sum.leverage = kParts - rows.unknown;
+  system.chain(seen, &displaced);
+  sink->add(displaced);
+}
+
 }  // namespace
 
 void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
@@ -41,9 +72,7 @@ void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
   const Eigen::Matrix3d R_camera_board = seen.T_camera_board.rotation_matrix();
   LocalBlock block(Group::kCorners, view.camera);
   TwistSystem system;
-  const int lens = system.append(at.layout, Nuisance::kLens, view.camera);
-  const int shape = system.append(at.layout, Nuisance::kBoardShape, 0);
-  const int readout = system.append(at.layout, Nuisance::kReadout, view.camera);
+  const auto [lens, shape, readout] = Direct(at, view.camera, &system);
   RowJacobian<2, TwistSystem::kMaxDirect> direct = RowJacobian<2, TwistSystem::kMaxDirect>::Zero();
   CostSum cost(at.loss.c2);
   for (const WhitenedView::Corner& corner : view.corners) {
@@ -73,9 +102,12 @@ void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
     else
       system.add<2>(J, direct, r, factor);
   }
-  block.cost = cost.cost() + seen.motion.error_square;
-  block.sum.add(seen.motion.error_square, 1.0, 0.0);
-  if (moves) system.eliminate_error(seen.motion);
+  block.cost = cost.cost() + seen.motion.error.squaredNorm();
+  block.sum.add(seen.motion.error.squaredNorm(), 1.0, 0.0);
+  if (moves && at.weighting == Weighting::kInformation)
+    take_displacement(at, seen, &system, &block, sink);
+  else if (moves)
+    system.eliminate_error(seen.motion);
   system.chain(seen, &block);
   sink->add(block);
 }

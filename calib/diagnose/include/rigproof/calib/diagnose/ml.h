@@ -19,6 +19,7 @@ struct MlEstimate {
   std::vector<double> corner_scale;  ///< of the stated corner sigmas, per camera
   std::vector<double> ground_scale;  ///< of the stated ground planes' sigmas
   std::vector<double> board_plane_scale;
+  double displacement_scale = 1.0;  ///< of the least displacement of images taken at speed
   OdometryDecision odometry;
   MotionVerdict motion;
   /// What in the observations contradicts the rest, likely causes first; each is one of the result's reasons, too.

@@ -6,8 +6,17 @@
 
 namespace rigproof::ml {
 
-enum class Group { kCorners, kGround, kBoardPlane, kOdometryXy, kOdometryYaw, kSuspensionHeight, kSuspensionTilt };
-inline constexpr std::size_t kGroupCount = 7;
+enum class Group {
+  kCorners,
+  kGround,
+  kBoardPlane,
+  kOdometryXy,
+  kOdometryYaw,
+  kSuspensionHeight,
+  kSuspensionTilt,
+  kDisplacement  ///< of images taken at speed
+};
+inline constexpr std::size_t kGroupCount = 8;
 
 /// Sums over the residuals of a group, whitened by the current noise levels.
 struct GroupSum {

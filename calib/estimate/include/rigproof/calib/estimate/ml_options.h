@@ -21,6 +21,8 @@ struct MlOptions {
   /// Standard deviations of the suspension's slack about the plane; absent: estimated.
   std::optional<double> suspension_height_sigma_m;
   std::optional<double> suspension_tilt_sigma_rad;
+  /// NoiseLevels::displacement_scale; absent: estimated.
+  std::optional<double> displacement_scale;
   /// Whether the stated covariances of corners and planes are scaled to what the residuals show, per camera.
   bool estimate_corner_level = true;
   bool estimate_plane_level = true;

@@ -9,6 +9,10 @@
 
 namespace rigproof::ml {
 
+/// By how much an image taken at speed is displaced as a whole along and about each axis at least, one sigma: it is the
+/// mean of its exposure, not its middle. Of rendered drives of a skid-steered robot and a cart.
+inline constexpr double kLeastDisplacement_m = 5e-6, kLeastDisplacement_rad = 1.5e-5;
+
 /// Standard deviations by which residuals are whitened; every one is given or estimated (see variance_components.h).
 struct NoiseLevels {
   OdometryLaw law;
@@ -19,6 +23,7 @@ struct NoiseLevels {
   std::vector<double> corner_scale;       ///< times the stated sigma of the corners, one a camera
   std::vector<double> ground_scale;       ///< times the stated sigma of the ground planes, one a camera
   std::vector<double> board_plane_scale;  ///< times the stated sigma of the board's planes, one a camera
+  double displacement_scale = 1.0;        ///< times the least displacement of images taken at speed
 };
 
 /// `levels`, none below the smallest plausible one, with corners and planes as uncertain as stated (scales of 1).

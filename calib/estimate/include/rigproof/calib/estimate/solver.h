@@ -31,7 +31,10 @@ struct EstimatedLevels {
   bool suspension_tilt = true;
   bool corners = true;
   bool planes = true;
-  bool any() const { return odometry_xy || odometry_yaw || suspension_height || suspension_tilt || corners || planes; }
+  bool displacement = true;
+  bool any() const {
+    return odometry_xy || odometry_yaw || suspension_height || suspension_tilt || corners || planes || displacement;
+  }
 };
 
 /// Minimises, re-estimating the levels from the residuals with the redundancy that the unknowns leave (variance
