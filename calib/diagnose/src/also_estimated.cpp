@@ -33,16 +33,18 @@ void note_turn_lag(double lag_s, double sigma_s, double prior_s, Result* result)
   result->notes.push_back(Finding("robot.turn_lag", {{"lag_ms", 1e3 * lag_s}, {"sigma_ms", 1e3 * sigma_s}}));
 }
 
-// What stamps that are off would do at the speed of the drive is said beside it: the same along the whitened velocity.
+// Beside it, which scatter of stamps would do as much at the speed of the drive: the same along the whitened velocity.
 void note_displacement(const Preparation& prepared, const Fit& fit, Result* result) {
   constexpr double kSuspect = 3.0, kParts = 6.0;
   const double scale = fit.noise.displacement_scale;
   if (scale < kSuspect) return;
-  double square = 0.0;
-  for (const Stop& stop : prepared.used.stops)
+  double square = 0.0, at_speed = 0.0;
+  for (const Stop& stop : prepared.used.stops) {
     square += stop.velocity.head<2>().squaredNorm() / (kLeastDisplacement_m * kLeastDisplacement_m) +
               stop.velocity.z() * stop.velocity.z() / (kLeastDisplacement_rad * kLeastDisplacement_rad);
-  const double stamps_s = scale * std::sqrt(kParts * static_cast<double>(prepared.used.stops.size()) / square);
+    if (!stop.velocity.isZero(0.0)) ++at_speed;
+  }
+  const double stamps_s = scale * std::sqrt(kParts * at_speed / square);
   result->notes.push_back(Finding("images.displaced", {{"shift_mm", 1e3 * scale * kLeastDisplacement_m},
                                                        {"turn_deg", rad_to_deg(scale * kLeastDisplacement_rad)},
                                                        {"times", scale},

@@ -13,7 +13,7 @@ namespace rigproof::ml {
 /// mean of its exposure, not its middle. Of rendered drives of a skid-steered robot and a cart.
 inline constexpr double kLeastDisplacement_m = 5e-6, kLeastDisplacement_rad = 1.5e-5;
 
-/// Standard deviations by which residuals are whitened; every one is given or estimated (see variance_components.h).
+/// Standard deviations by which residuals are whitened; every one is given or estimated (see solver.h).
 struct NoiseLevels {
   OdometryLaw law;
   double odometry_xy_m = 0.002;
