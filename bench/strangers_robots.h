@@ -1,0 +1,20 @@
+// Robots that nobody here built: their cameras, board, world and wheels, drawn.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace rigproof::bench {
+
+struct StrangersRobot {
+  std::string rig;      ///< its rig file
+  std::string run;      ///< its run's configuration, without the line that names the rig file
+  std::string summary;  ///< what it is, in a few words
+};
+
+/// Depends on the number alone. Robots count through the ten worlds and three ways to know how far the robot went:
+/// noise on each motion, wheels whose radii, track and turning point are not what is stated, and physics.
+/// @param stops of the drive; @param image_scale as in a run's configuration.
+StrangersRobot strangers_robot(std::uint64_t number, int stops, double image_scale);
+
+}  // namespace rigproof::bench
