@@ -27,10 +27,11 @@ constexpr std::size_t kRansacPoints = 1200;
 constexpr int kRansacIterations = 600;
 // Stretches image directions against inverse depth, so that distance to a plane is nearly its inverse-depth residual.
 constexpr float kDirectionScale = 10.0F;
-constexpr int kMaxPlanes = 3;
+constexpr int kMaxPlanes = 5;
 // Without a known vertical, a plane whose normal is nearer than this to the image's up is "below the camera".
 constexpr double kBelowCamera_rad = 1.2;
-// A lower parallel plane is the floor if it has at least this share of the largest one's points.
+// A lower parallel plane is the floor if it has at least this share of the largest one's points; and what so many
+// points lie below is none.
 constexpr double kFloorShare = 0.2;
 // A better sensor than stated drops what lies beyond three of its own sigmas, but near points, which rounding governs,
 // must stay.
@@ -426,10 +427,19 @@ PlaneObservation to_observation(const Refined& refined, double points_per_measur
   return plane;
 }
 
-double most_inliers(const std::vector<Refined>& planes) {
+std::size_t most_inliers(const std::vector<Refined>& planes) {
   std::size_t most = 0;
   for (const Refined& plane : planes) most = std::max(most, plane.inliers.size());
-  return static_cast<double>(most);
+  return most;
+}
+
+// Points well below a plane, on rays that meet it where the sensor would see it.
+std::size_t points_below(const std::vector<Measurement>& measurements, const Vector3d& a, const RangeLimits& limits) {
+  constexpr double kWellBelow = 1.2;  // times the camera's height over the plane
+  return static_cast<std::size_t>(std::count_if(measurements.begin(), measurements.end(), [&](const Measurement& m) {
+    const double on_plane = a.dot(m.ray);
+    return on_plane > limits.min_inverse_m && on_plane > kWellBelow * m.inverse_depth;
+  }));
 }
 
 // Planes of the cone, each found among the points below those before it.
@@ -447,22 +457,31 @@ std::vector<Refined> find_planes(const std::vector<Measurement>& measurements, c
     // Only a lower plane can still be the floor: its points are farther away than this one along their rays.
     const auto not_below = [&](const Measurement& m) { return residual_sigmas(m, a) > -2.0 * options.inlier_sigmas; };
     rest.erase(std::remove_if(rest.begin(), rest.end(), not_below), rest.end());
-    const double enough = std::max<double>(options.min_inliers, kFloorShare * most_inliers(planes));
-    if (static_cast<double>(rest.size()) < enough) break;
+    const double share = kFloorShare * static_cast<double>(most_inliers(planes));
+    if (static_cast<double>(rest.size()) < std::max<double>(options.min_inliers, share)) break;
   }
   return planes;
 }
 
-// The lowest plane that is neither a mere speck nor a chance alignment of points that belong to other things.
-const Refined& floor_of(const std::vector<Refined>& planes) {
-  const double most = most_inliers(planes);
-  const Refined* lowest = &planes.front();
+// The lowest plane that is neither a mere speck nor a chance alignment of points that belong to other things. What is
+// seen past the robot's deck, a table or a platform's edge lies below it: those are left to lower planes, which may
+// then be cluttered, or to none.
+const Refined* floor_of(const std::vector<Refined>& planes, const std::vector<Measurement>& measurements,
+                        const RangeLimits& limits) {
+  const double most = static_cast<double>(most_inliers(planes));
+  const auto is_seen_past = [&](const Refined& plane) {
+    return static_cast<double>(points_below(measurements, plane.a, limits)) >
+           kFloorShare * static_cast<double>(plane.inliers.size());
+  };
+  const Refined *lowest = nullptr, *cluttered = nullptr;
   for (const Refined& plane : planes) {
-    const bool whole = plane.uncluttered != nullptr;
+    if (is_seen_past(plane)) continue;
     const bool large = static_cast<double>(plane.inliers.size()) >= kFloorShare * most;
-    if (whole && large && plane.a.norm() < lowest->a.norm()) lowest = &plane;
+    const bool whole = plane.uncluttered != nullptr && large;
+    if (whole && (lowest == nullptr || plane.a.norm() < lowest->a.norm())) lowest = &plane;
+    if (cluttered == nullptr && (&plane == &planes.front() || (large && plane.rms < kMaxScale))) cluttered = &plane;
   }
-  return *lowest;
+  return lowest != nullptr ? lowest : cluttered;
 }
 
 void check_size(const Image16& depth, const Camera& camera, const std::string& name) {
@@ -535,6 +554,12 @@ Finding too_few(const DepthPoints& points, std::size_t measurements) {
                        {"farthest_m", points.farthest_m}});
 }
 
+Finding seen_past(const Refined& plane, const std::vector<Measurement>& measurements, const RangeLimits& limits) {
+  return Finding("plane.seen_past", {{"above_m", 1.0 / plane.a.norm()},
+                                     {"below", points_below(measurements, plane.a, limits)},
+                                     {"on", plane.inliers.size()}});
+}
+
 }  // namespace
 
 GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noise,
@@ -553,9 +578,11 @@ GroundPlaneFit fit_ground_plane(const DepthPoints& points, const DepthNoise& noi
     if (planes.empty()) planes = find_planes(measurements, {image_up, kPi}, limits, options, 1);
     if (planes.empty()) return {std::nullopt, Finding("plane.none")};
   }
-  const Refined& floor = floor_of(planes);
-  const std::optional<Refined> rounded = refine_as_rounded(floor, limits, points.unit_m, options.inlier_sigmas);
-  return {to_observation(rounded ? *rounded : floor, points.points_per_measurement), {}};
+  // Without a vertical the plane may be a wall, which things stand behind.
+  const Refined* floor = up_camera ? floor_of(planes, measurements, limits) : &planes.front();
+  if (floor == nullptr) return {std::nullopt, seen_past(planes.front(), measurements, limits)};
+  const std::optional<Refined> rounded = refine_as_rounded(*floor, limits, points.unit_m, options.inlier_sigmas);
+  return {to_observation(rounded ? *rounded : *floor, points.points_per_measurement), {}};
 }
 
 std::vector<bool> lie_on_plane(const DepthPoints& points, const DepthNoise& noise, const PlaneObservation& plane,

@@ -170,6 +170,22 @@ TEST(GroundPlane, TakesTheFloorBelowALargerTable) {
   EXPECT_NEAR(height_above(*result.plane).height_m, 1.2, 0.01);
 }
 
+// The robot's own deck fills the lower part of every image; of the floor beyond it little is in range.
+TEST(GroundPlane, TakesNoDeckThatMostIsSeenPast) {
+  Scene scene(6);
+  scene.stream().max_m = 3.0;
+  const Plane floor = floor_plane(0.6, 0.1), deck = floor_plane(0.2, 0.1);
+  const auto on_deck = [](int, int y) { return y > 240; };
+  const GroundPlaneFit beyond = fit(scene, scene.render({{floor, nullptr}, {deck, on_deck}}, 0.0019), floor.up_camera);
+  ASSERT_TRUE(beyond.plane) << worded(beyond.why_not);
+  EXPECT_NEAR(height_above(*beyond.plane).height_m, 0.6, 0.02);
+  // A wall hides the floor: what is seen past the deck is no plane that could be it.
+  const Plane wall{Vector3d(0.0, 0.0, -1.0), 1.5};
+  const GroundPlaneFit none = fit(scene, scene.render({{wall, nullptr}, {deck, on_deck}}, 0.0019), floor.up_camera);
+  EXPECT_FALSE(none.plane);
+  EXPECT_THAT(worded(none.why_not), HasSubstr("level plane 0.20 m below the camera is not the ground"));
+}
+
 TEST(GroundPlane, FindsTheFloorOfACameraThatHangsUpsideDown) {
   Scene scene(3);
   Plane floor = floor_plane();
