@@ -150,6 +150,13 @@ void gate_pair(const PosteriorLimits& limits, const Matrix6d& covariance, Estima
              reasons);
 }
 
+// The error's axes are the parent camera's, and no angle of a file belongs to one of them: a rotation of which a part
+// is open is told of no axis.
+void tell_rotation_whole_or_not(std::array<bool, 6>* observable) {
+  if (!std::all_of(observable->begin() + 3, observable->end(), [](bool known) { return known; }))
+    std::fill(observable->begin() + 3, observable->end(), false);
+}
+
 EstimatedTransform pair_transform(const Preparation& prepared, const std::vector<Rigid3>& T_robot_camera,
                                   const Uncertainty& uncertainty, int j, int k, Findings* reasons) {
   const Eigen::MatrixXd P = pair_chart(T_robot_camera, j, k);
@@ -163,6 +170,7 @@ EstimatedTransform pair_transform(const Preparation& prepared, const std::vector
   if (!transform.fully_observable() && reasons->empty())
     reasons->push_back(Finding("pair.open").of({transform.child, transform.parent}));
   gate_pair(prepared.options.limits, P * uncertainty.gate_joint * P.transpose(), &transform, reasons);
+  tell_rotation_whole_or_not(&transform.observable);
   return transform;
 }
 

@@ -213,6 +213,25 @@ TEST(Refusal, HealthyDrivesAreNotOverTrials) {
   }
 }
 
+// Of a rotation between cameras no angle of a file belongs to an axis of its uncertainty.
+TEST(Refusal, RotationsBetweenCamerasAreToldWholeOrNot) {
+  int open = 0;
+  for (std::uint64_t seed = 1; seed < 13; ++seed) {
+    GeometricConfig config;
+    config.seed = seed;
+    config.rig = random_rig(seed, 3);
+    config.stops = 6;
+    config.corner_sigma_px = 0.7 + 0.3 * static_cast<double>(seed % 4);
+    const Result result = estimate_maximum_likelihood(draw_geometric_run(config).observations).result;
+    for (const EstimatedTransform& pair : result.camera_to_camera) {
+      const auto told = std::count(pair.observable.begin() + 3, pair.observable.end(), true);
+      EXPECT_TRUE(told == 0 || told == 3) << pair.parent << " " << pair.child << " " << told;
+      open += told == 0;
+    }
+  }
+  EXPECT_GT(open, 0);
+}
+
 bool mentions(const Result& result, const std::string& words) {
   for (const std::string& reason : worded(result.reasons))
     if (reason.find(words) != std::string::npos) return true;
