@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "faults.h"
+#include "pair_agreement.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/core/conventions.h"
 #include "stop_edits.h"
@@ -220,18 +221,23 @@ Explanations try_lenses(const Run& run, const Symptoms& symptoms) {
   return explained;
 }
 
-// What could have been exchanged: at every stop every two cameras of which one saw the board.
+// What could have been exchanged: at every stop every two cameras of which one saw the board, and whose frames no other
+// camera vouches for.
 std::vector<SwappedFrames> possible_swaps(const Observations& observations) {
+  const PairAgreement agreement(observations);
   std::vector<std::vector<bool>> saw(observations.stops.size(), std::vector<bool>(observations.cameras.size(), false));
   for (const BoardView& view : observations.board_views)
     saw[static_cast<std::size_t>(view.stop)][static_cast<std::size_t>(view.camera)] = true;
   std::vector<SwappedFrames> all;
   const int cameras = static_cast<int>(observations.cameras.size());
-  for (std::size_t stop = 0; stop < saw.size(); ++stop)
+  for (int stop = 0; stop < static_cast<int>(saw.size()); ++stop) {
+    const std::vector<bool>& saw_there = saw[static_cast<std::size_t>(stop)];
     for (int a = 0; a < cameras; ++a)
       for (int b = a + 1; b < cameras; ++b)
-        if (saw[stop][static_cast<std::size_t>(a)] || saw[stop][static_cast<std::size_t>(b)])
-          all.push_back({a, b, {static_cast<int>(stop)}});
+        if ((saw_there[static_cast<std::size_t>(a)] || saw_there[static_cast<std::size_t>(b)]) &&
+            !agreement.vouches_for(a, stop) && !agreement.vouches_for(b, stop))
+          all.push_back({a, b, {stop}});
+  }
   return all;
 }
 
@@ -298,12 +304,22 @@ Explanations try_lost_frame_of(const Run& run, const std::vector<int>& cameras, 
   return best ? Explanations{*best} : Explanations();
 }
 
-Explanations try_lost_frames(const Run& run) {
-  const int cameras = static_cast<int>(run.observations.cameras.size());
-  std::vector<int> all(static_cast<std::size_t>(cameras));
+// Cameras of which all frames could have been filed at other stops: those that no other camera vouches for.
+std::vector<int> doubtful_cameras(const Observations& observations) {
+  const PairAgreement agreement(observations);
+  std::vector<int> doubtful;
+  for (int c = 0; c < static_cast<int>(observations.cameras.size()); ++c)
+    if (!agreement.vouches_for(c)) doubtful.push_back(c);
+  return doubtful;
+}
+
+// Of all cameras, and of the doubtful ones by themselves.
+Explanations try_lost_frames(const Run& run, const std::vector<int>& doubtful) {
+  std::vector<int> all(run.observations.cameras.size());
   std::iota(all.begin(), all.end(), 0);
   std::vector<std::vector<int>> groups = {all};
-  for (int c = 0; c < cameras && cameras > 1; ++c) groups.push_back({c});
+  if (all.size() > 1)
+    for (const int c : doubtful) groups.push_back({c});
   Explanations explained;
   for (const std::vector<int>& group : groups)
     for (const int by : {1, -1}) {
@@ -377,9 +393,11 @@ std::optional<Cause> find_cause(const Observations& observations, const Symptoms
   if (causes.empty() || (causes.size() == 1 && causes.front().is("odometry.mirrored")))
     add(try_faults(run, image_faults(run.observations), false));
   if (!any_clean(found) && run.as_is.lenses) add(try_lenses(run, symptoms));
-  if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_shift_faults(run.observations), false));
-  if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_order_faults(observations), false));
-  if (!any_clean(found) && (symptoms.odometry || symptoms.frames)) add(try_lost_frames(run));
+  const std::vector<int> doubtful = any_clean(found) ? std::vector<int>() : doubtful_cameras(run.observations);
+  if (!any_clean(found) && symptoms.frames)
+    add(try_faults(run, camera_shift_faults(run.observations, doubtful), false));
+  if (!any_clean(found) && symptoms.frames) add(try_faults(run, camera_order_faults(observations, doubtful), false));
+  if (!any_clean(found) && (symptoms.odometry || symptoms.frames)) add(try_lost_frames(run, doubtful));
   if (!any_clean(found) && symptoms.frames && run.observations.cameras.size() > 1) add(try_swaps(run));
   if (!any_clean(found) && symptoms.odometry) add(try_single_stops(run));
   if (!any_clean(found)) return std::nullopt;

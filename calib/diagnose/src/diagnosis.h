@@ -20,6 +20,7 @@ struct Trial {
   double odometry_yaw_rad = 0.0;
   bool clean = false;  ///< nothing contradicts itself any more
   std::optional<LensTest> lenses;
+  std::vector<double> lens_strains;  ///< of each camera, see lens_strains()
 };
 /// @param same_views whether only the odometry was changed, so that the board's poses in the views still hold
 using Refit = std::function<std::optional<Trial>(const Observations&, bool same_views)>;

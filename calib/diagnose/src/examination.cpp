@@ -5,6 +5,7 @@
 
 #include "dead_odometry.h"
 #include "depth_shape.h"
+#include "exchanged_cameras.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/calib/estimate/odometry_choice.h"
@@ -173,6 +174,7 @@ std::optional<Trial> refit(const Preparation& before, const Fit& fit, const Obse
   trial.odometry_xy_m = refitted.noise.odometry_xy_m;
   trial.odometry_yaw_rad = refitted.noise.odometry_yaw_rad;
   if (with_lenses) trial.lenses = lens_test(prepared, refitted);
+  trial.lens_strains = lens_strains(prepared, refitted);
   trial.clean = is_clean(prepared, refitted, problem, trial.lenses);
   return trial;
 }
@@ -371,6 +373,16 @@ void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std:
       take({drift->finding}, drift->bends, false, found);
 }
 
+// Lenses that are those of other cameras bend all else.
+void find_cause_of(const Preparation& prepared, const Fit& fit, const std::vector<StepScore>& scores,
+                   Examination* found) {
+  if (found->motion_suffices())
+    found->cause = find_exchanged_cameras(prepared, fit, [&](const Observations& repaired, bool same_views) {
+      return refit(prepared, fit, repaired, same_views, false);
+    });
+  if (!found->cause) find_moved_or_wrong(prepared, fit, scores, found);
+}
+
 }  // namespace
 
 Examination examine(const Preparation& prepared, const Fit& fit) {
@@ -409,7 +421,7 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
   if (const auto dead = find_dead_odometry(prepared.original, prepared.views, !found.contradictions.odometry.empty()))
     found.cause = Cause{{*dead}, false};
   else if (found.wrong_frames.empty())
-    find_moved_or_wrong(prepared, fit, steps, &found);
+    find_cause_of(prepared, fit, steps, &found);
   // What else is wrong bends planes, too.
   if (found.motion_suffices() && !found.cause && !foreign && !found.symptoms.any() && of_cameras.empty() &&
       found.wrong_frames.empty()) {

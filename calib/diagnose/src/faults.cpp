@@ -217,6 +217,8 @@ bool other_intrinsics(const Camera& a, const Camera& b) {
           std::abs(a.cy_px - b.cy_px) > kCentre_px);
 }
 
+}  // namespace
+
 Fault exchanged_folders(const Observations& observations, int first, int second) {
   const auto& cameras = observations.cameras;
   return {FaultKind::kImages,
@@ -227,8 +229,6 @@ Fault exchanged_folders(const Observations& observations, int first, int second)
               swap_frames(stop, first, second, repaired);
           }};
 }
-
-}  // namespace
 
 std::vector<Fault> image_faults(const Observations& observations) {
   std::vector<Fault> faults;
@@ -323,11 +323,10 @@ Fault shifted_frames(const Observations& observations, const std::vector<int>& c
           [cameras, by, from](Observations* repaired) { shift_cameras(cameras, by, from, repaired); }};
 }
 
-std::vector<Fault> camera_shift_faults(const Observations& observations) {
+std::vector<Fault> camera_shift_faults(const Observations& observations, const std::vector<int>& cameras) {
   std::vector<Fault> faults;
-  const int cameras = static_cast<int>(observations.cameras.size());
-  if (cameras < 2) return faults;  // the odometry's stamps would be shifted the other way
-  for (int c = 0; c < cameras; ++c)
+  if (observations.cameras.size() < 2) return faults;  // the odometry's stamps would be shifted the other way
+  for (const int c : cameras)
     for (const int by : {1, -1}) faults.push_back(shifted_frames(observations, {c}, by, 0));
   return faults;
 }

@@ -25,6 +25,9 @@ struct Fault {
 /// stamps are off by a few stops.
 std::vector<Fault> odometry_faults(const Observations& observations);
 
+/// Two cameras of which each has the frames of the other.
+Fault exchanged_folders(const Observations& observations, int first, int second);
+
 /// Images that are mirrored, depth with them, of one camera or of all, and cameras of other intrinsics whose images are
 /// exchanged.
 std::vector<Fault> image_faults(const Observations& observations);
@@ -46,14 +49,14 @@ Fault odometry_drifting(const Observations& observations, double rad_s);
 
 /// Frames that from the stop `from` on were taken `by` stops (1 or -1) later than stated: one was lost or doubled.
 Fault shifted_frames(const Observations& observations, const std::vector<int>& cameras, int by, int from);
-/// Frames of one camera that were taken a stop earlier or later than stated.
-std::vector<Fault> camera_shift_faults(const Observations& observations);
+/// Frames of one of these cameras, among others, that were taken a stop earlier or later than stated.
+std::vector<Fault> camera_shift_faults(const Observations& observations, const std::vector<int>& cameras);
 
 /// Frames of all cameras whose stamps are those of other frames: in the order of their numbers as text, or backwards.
 /// @param observations all of the drive, of which a part is repaired; must outlive the faults
 std::vector<Fault> frame_order_faults(const Observations& observations);
-/// The same of one camera among others.
-std::vector<Fault> camera_order_faults(const Observations& observations);
+/// The same of one of these cameras, among others.
+std::vector<Fault> camera_order_faults(const Observations& observations, const std::vector<int>& cameras);
 
 /// Leaves out the stop: its row or frames may be wrong, with too few other stops to outvote it.
 Fault wrong_stop(const Observations& observations, int stop);

@@ -53,10 +53,10 @@ std::vector<Fault> frame_order_faults(const Observations& observations) {
   return faults;
 }
 
-std::vector<Fault> camera_order_faults(const Observations& observations) {
+std::vector<Fault> camera_order_faults(const Observations& observations, const std::vector<int>& cameras) {
   std::vector<Fault> faults;
-  const int cameras = static_cast<int>(observations.cameras.size());
-  for (int c = 0; c < cameras && cameras > 1; ++c) add_orders(observations, {c}, &faults);
+  if (observations.cameras.size() < 2) return faults;
+  for (const int c : cameras) add_orders(observations, {c}, &faults);
   return faults;
 }
 

@@ -1,0 +1,80 @@
+#include "exchanged_cameras.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "faults.h"
+#include "rigproof/core/conventions.h"
+#include "stop_edits.h"
+
+namespace rigproof::ml {
+namespace {
+
+// A ratio of the priors' densities; healthy lenses of two cameras, all of whose ten values are told, are strained by
+// as much in one of 200 rigs, and an exchange would have to ease that.
+constexpr double kDecides = 25.0;
+
+bool same_size(const Camera& a, const Camera& b) { return a.width_px == b.width_px && a.height_px == b.height_px; }
+
+double strain_of(const std::vector<double>& strains, int first, int second) {
+  return strains[static_cast<std::size_t>(first)] + strains[static_cast<std::size_t>(second)];
+}
+
+std::optional<Cause> cause_of_exchange(const Observations& some_stops, const Trial& as_is, int first, int second,
+                                       const Refit& refit) {
+  const Fault exchanged = exchanged_folders(some_stops, first, second);
+  Observations repaired = some_stops;
+  exchanged.undo(&repaired);
+  const std::optional<Trial> trial = refit(repaired, false);
+  if (!trial || !trial->clean) return std::nullopt;
+  const double gain = strain_of(as_is.lens_strains, first, second) - strain_of(trial->lens_strains, first, second);
+  if (gain < kDecides) return std::nullopt;
+  return Cause{{exchanged.cause.with(
+                   {{"undone_mm", 1e3 * trial->odometry_xy_m}, {"undone_deg", rad_to_deg(trial->odometry_yaw_rad)}})},
+               true,
+               gain};
+}
+
+}  // namespace
+
+std::vector<double> lens_strains(const Preparation& prepared, const Fit& fit) {
+  std::vector<double> strains(prepared.used.cameras.size(), 0.0);
+  for (const RepeatingErrors::Group& group : prepared.repeating.errors.groups())
+    if (group.camera >= 0)
+      strains[static_cast<std::size_t>(group.camera)] +=
+          group.level * group.level * prepared.repeating.value.segment(group.first, group.size).squaredNorm();
+  if (!prepared.priors.has(Nuisance::kLens)) return strains;
+  for (std::size_t c = 0; c < strains.size(); ++c) {
+    const auto change = fit.state.nuisances.of(Nuisance::kLens, static_cast<int>(c));
+    const Eigen::VectorXd variances = prepared.priors.covariance(Nuisance::kLens, static_cast<int>(c)).diagonal();
+    for (Eigen::Index i = 0; i < variances.size(); ++i)
+      if (variances[i] > 0.0) strains[c] += change[i] * change[i] / variances[i];
+  }
+  return strains;
+}
+
+std::optional<Cause> find_exchanged_cameras(const Preparation& prepared, const Fit& fit, const Refit& refit) {
+  const std::vector<int> solved = prepared.solved_cameras();
+  const std::vector<double> strains = lens_strains(prepared, fit);
+  std::optional<Observations> some_stops;
+  std::optional<Trial> as_is;
+  std::optional<Cause> best;
+  for (std::size_t i = 0; i < solved.size(); ++i)
+    for (std::size_t j = i + 1; j < solved.size(); ++j) {
+      const int first = solved[i], second = solved[j];
+      const auto& cameras = prepared.original.cameras;
+      if (strain_of(strains, first, second) < kDecides ||
+          !same_size(cameras[static_cast<std::size_t>(first)].camera, cameras[static_cast<std::size_t>(second)].camera))
+        continue;
+      if (!some_stops) {
+        some_stops = first_stops(prepared.original, kDiagnosedStops);
+        as_is = refit(*some_stops, false);
+      }
+      if (!as_is) return std::nullopt;
+      const std::optional<Cause> cause = cause_of_exchange(*some_stops, *as_is, first, second, refit);
+      if (cause && (!best || cause->gain > best->gain)) best = cause;
+    }
+  return best;
+}
+
+}  // namespace rigproof::ml
