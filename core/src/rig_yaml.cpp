@@ -451,9 +451,10 @@ void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
                  "unknown: decided from the data");
   visitor.scaled("sigma_xy_mm", noise.sigma_xy_m, kMmPerM, kNotNegative, "one sigma of x and of y; default estimated");
   visitor.scaled("sigma_yaw_deg", noise.sigma_yaw_rad, kDegPerRad, {0.0, 360.0}, "one sigma; default estimated");
-  visitor.scaled("rotation_centre_sigma_mm", noise.rotation_centre_sigma_m, kMmPerM, {0.0, 1000.0},
-                 "how far along x the point about which the robot turns lies from the origin, one sigma; 0 where it is "
-                 "the origin by definition; default 5");
+  visitor.scaled(
+      "rotation_centre_sigma_mm", noise.rotation_centre_sigma_m, kMmPerM, {0.0, 1000.0},
+      "how far the point about which the robot turns lies from the origin along x, and along y, one sigma; 0 "
+      "where it is the origin by definition; default 5");
   visitor.scaled("riding_height_sigma_mm", noise.riding_height_sigma_m, kMmPerM, {0.0, 100.0},
                  "how much higher the robot rides while it moves, one sigma; default 0.3");
 }

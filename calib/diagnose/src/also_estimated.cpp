@@ -33,6 +33,13 @@ void note_turn_lag(double lag_s, double sigma_s, double prior_s, Result* result)
   result->notes.push_back(Finding("robot.turn_lag", {{"lag_ms", 1e3 * lag_s}, {"sigma_ms", 1e3 * sigma_s}}));
 }
 
+// Where the data tell it beyond doubt.
+void note_veer(double veer, double sigma, Result* result) {
+  constexpr double kSure = 5.0;
+  if (std::abs(veer) > kSure * sigma)
+    result->notes.push_back(Finding("odometry.veers", {{"deg_per_m", rad_to_deg(veer)}, {"sigma", rad_to_deg(sigma)}}));
+}
+
 // Beside it, which scatter of stamps would do as much at the speed of the drive: the same along the whitened velocity.
 void note_displacement(const Preparation& prepared, const Fit& fit, Result* result) {
   constexpr double kSuspect = 3.0, kParts = 6.0;
@@ -185,6 +192,8 @@ void report_also_estimated(const Preparation& prepared, const Fit& fit, const Gl
   for (const Estimated& estimated : all_estimated(prepared, fit, globals)) {
     if (estimated.nuisance == Nuisance::kTurnLag)
       note_turn_lag(estimated.value, estimated.sigma, estimated.prior, result);
+    if (estimated.nuisance == Nuisance::kOdometryVeer && fit.noise.law.model == OdometryModel::kPerIncrement)
+      note_veer(estimated.value, estimated.sigma, result);
     if (is_stated(estimated.nuisance)) note_strained(prepared, estimated, result);
     if (!row_of(estimated.nuisance).reported) continue;
     const double unit = estimated.about().units_per_si;

@@ -26,8 +26,9 @@ std::vector<Turn> turns_of(const Observations& observations, const NoiseLevels& 
     const double told = measured_increment(from, to).z();
     const double turn = told + wrap_angle(state.poses[i].yaw_rad - state.poses[i - 1].yaw_rad - told);
     const double variance = noise.law.along_way ? OdometryWay(from, to).noise_of_heading(noise.law)(2, 2) : 1.0;
+    const double veer = state.odometry_veer() * veering_increment(from, to).by_veer.z();
     if (variance > 0.0)
-      turns.push_back({told - state.odometry_yaw_factor() * turn, turn, to.stamp_s - from.stamp_s, variance});
+      turns.push_back({told - state.odometry_yaw_factor() * turn + veer, turn, to.stamp_s - from.stamp_s, variance});
   }
   return turns;
 }

@@ -62,7 +62,7 @@ void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink);
 void board_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* sink);
 void ground_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* sink);
 /// Odometry from the stop before `to` to that stop: as one motion, or along the way.
-void odometry_increment(const Evaluation& at, int to, const Eigen::Vector3d& measured, BlockSink* sink);
+void odometry_increment(const Evaluation& at, int to, const VeeringIncrement& measured, BlockSink* sink);
 void odometry_along_way(const Evaluation& at, int to, const OdometryWay& way, BlockSink* sink);
 void odometry_pose(const Evaluation& at, int stop, BlockSink* sink);
 void suspension(const Evaluation& at, int stop, BlockSink* sink);

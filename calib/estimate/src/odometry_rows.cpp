@@ -29,14 +29,17 @@ Stop over_two(const Stop& middle, Stop to) {
   return to;
 }
 
+// The stop `to`, with the way to it from the stop `from`, which is one or two before.
+Stop end_of_way(const Observations& observations, std::size_t from, std::size_t to) {
+  return to == from + 2 ? over_two(observations.stops[from + 1], observations.stops[to]) : observations.stops[to];
+}
+
 Contradiction along_way(const Observations& observations, const NoiseLevels& noise, const State& state,
                         std::size_t from, std::size_t to) {
   const Stop& start = observations.stops[from];
-  const Stop end =
-      to == from + 2 ? over_two(observations.stops[from + 1], observations.stops[to]) : observations.stops[to];
+  const Stop end = end_of_way(observations, from, to);
   const OdometryWay way(start, end);
-  const Eigen::Vector3d residual =
-      way_residual(state.poses[from], state.poses[to], state.odometry_scale(), state.odometry_yaw_factor(), way).value;
+  const Eigen::Vector3d residual = way_residual(state.poses[from], state.poses[to], state.odometry_errors(), way).value;
   return {residual, way_noise(way, noise, start, end).whitening * residual};
 }
 
@@ -51,8 +54,8 @@ Contradiction contradiction_between(const Observations& observations, const Nois
     sigma.z() *= std::sqrt(2.0);
   }
   const Eigen::Vector3d residual =
-      increment_residual(state.poses[from], state.poses[to], state.odometry_scale(), state.odometry_yaw_factor(),
-                         measured_increment(observations.stops[from], observations.stops[to]))
+      increment_residual(state.poses[from], state.poses[to], state.odometry_errors(),
+                         veering_increment(observations.stops[from], end_of_way(observations, from, to)))
           .value;
   return {residual, residual.cwiseQuotient(sigma)};
 }

@@ -47,21 +47,26 @@ OdometryWay::OdometryWay(const Stop& from, const Stop& to) {
   add_noise();
 }
 
-OdometryWay::Motion OdometryWay::motion(double yaw_factor) const {
-  Motion motion{Eigen::Vector3d::Zero(), Eigen::Vector2d::Zero()};
-  Eigen::Vector2d position = Eigen::Vector2d::Zero(), by_inverse = Eigen::Vector2d::Zero();
+OdometryWay::Motion OdometryWay::motion(double yaw_factor, double veer) const {
+  Motion motion{Eigen::Vector3d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector3d::Zero()};
+  Eigen::Vector2d position = Eigen::Vector2d::Zero(), by_inverse = position, by_veer = position;
   const double inverse = 1.0 / yaw_factor;
+  double forward = 0.0;
   for (const Arc& arc : arcs_) {
-    const double before = motion.value.z();  // measured
+    const double before = motion.value.z(), turned = arc.turn - veer * arc.way.x();  // measured, without the veer
     const Eigen::Vector2d heading(std::cos(inverse * before), std::sin(inverse * before));
-    const double turn = inverse * arc.turn;
+    const double turn = inverse * turned;
     const Eigen::Vector2d step = product(heading, product(arc.way, unit_arc(turn)));
+    const Eigen::Vector2d step_by_turn = product(heading, product(arc.way, unit_arc_by_turn(turn)));
     position += step;
-    by_inverse += before * quarter_turn(step) + arc.turn * product(heading, product(arc.way, unit_arc_by_turn(turn)));
-    motion.value.z() += arc.turn;
+    by_inverse += before * quarter_turn(step) + turned * step_by_turn;
+    by_veer -= inverse * (forward * quarter_turn(step) + arc.way.x() * step_by_turn);
+    motion.value.z() += turned;
+    forward += arc.way.x();
   }
   motion.value.head<2>() = position;
   motion.xy_by_yaw_factor = -inverse * inverse * by_inverse;
+  motion.by_veer << by_veer, -forward;
   return motion;
 }
 

@@ -129,7 +129,7 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
       whitened_(whitened_before ? std::move(whitened_before)
                                 : std::make_shared<const Whitened>(whitened(observations))) {
   for (std::size_t i = 0; i + 1 < observations.stops.size(); ++i)
-    increments_.push_back(measured_increment(observations.stops[i], observations.stops[i + 1]));
+    increments_.push_back(veering_increment(observations.stops[i], observations.stops[i + 1]));
   for (std::size_t i = 0; noise_levels.law.along_way && i + 1 < observations.stops.size(); ++i)
     ways_.emplace_back(observations.stops[i], observations.stops[i + 1]);
 }

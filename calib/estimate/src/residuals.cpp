@@ -96,8 +96,10 @@ BoardPlaneResidual board_plane_residual(const Rigid3& T_camera_board, double dep
   return residual;
 }
 
-IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to, double scale, double yaw_factor,
-                                     const Eigen::Vector3d& measured) {
+IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to, const OdometryErrors& errors,
+                                     const VeeringIncrement& veering) {
+  const double scale = errors.scale, yaw_factor = errors.yaw_factor;
+  const Eigen::Vector3d measured = veering.measured + errors.veer_rad_per_m * veering.by_veer;
   const double c = std::cos(from.yaw_rad), s = std::sin(from.yaw_rad);
   const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
   const double along = c * dx + s * dy, across = c * dy - s * dx;
@@ -110,21 +112,25 @@ IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to,
   residual.by_from(0, 2) = scale * across;
   residual.by_from(1, 2) = -scale * along;
   residual.by_factors << along, 0.0, across, 0.0, 0.0, turn;
+  residual.by_veer = -veering.by_veer;
   return residual;
 }
 
-IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, double scale, double yaw_factor,
+IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, const OdometryErrors& errors,
                                const OdometryWay& way) {
-  const OdometryWay::Motion motion = way.motion(yaw_factor);
+  const double yaw_factor = errors.yaw_factor;
+  const OdometryWay::Motion motion = way.motion(yaw_factor, errors.veer_rad_per_m);
   // Of equal headings the one nearest to the turns that were driven.
   Eigen::Vector3d turned = motion.value;
   turned.z() /= yaw_factor;
-  IncrementResidual residual = increment_residual(from, to, scale, 1.0, turned);
+  IncrementResidual residual =
+      increment_residual(from, to, {errors.scale, 1.0, 0.0}, {turned, Eigen::Vector3d::Zero()});
   const double turn = turned.z() + residual.value.z();
   residual.value.z() = yaw_factor * turn - motion.value.z();
   residual.by_from(2, 2) *= yaw_factor;
   residual.by_to(2, 2) *= yaw_factor;
   residual.by_factors.col(1) << -motion.xy_by_yaw_factor, turn;
+  residual.by_veer = -motion.by_veer;
   return residual;
 }
 
@@ -132,6 +138,10 @@ Eigen::Vector3d measured_increment(const Stop& from, const Stop& to) {
   const double c = std::cos(from.yaw_rad), s = std::sin(from.yaw_rad);
   const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
   return {c * dx + s * dy, c * dy - s * dx, wrap_angle(to.yaw_rad - from.yaw_rad)};
+}
+
+VeeringIncrement veering_increment(const Stop& from, const Stop& to) {
+  return {measured_increment(from, to), OdometryWay(from, to).motion(1.0).by_veer};
 }
 
 }  // namespace rigproof::ml

@@ -215,15 +215,19 @@ namespace {
 // that width would cost increments seven nats of a drive with right wheels, and favour absolute poses. Returns the
 // logarithm of the priors' determinant.
 double count_factors_as_usual(const Problem& problem, ArrowSystem* system) {
-  constexpr double kUsual = 0.01;  // assumed, see docs/theory/estimation.md
-  const Eigen::Array2d variance = problem.priors().covariance(Nuisance::kOdometryFactors).diagonal().array();
-  const Eigen::Array2d usual = variance.min(kUsual * kUsual);
-  if (problem.layout().has(Nuisance::kOdometryFactors))
-    for (int i = 0; i < 2; ++i)
+  constexpr double kUsual = 0.01, kUsualVeer = 0.003;  // assumed, see docs/theory/estimation.md
+  double log_determinant = 0.0;
+  const auto count = [&](Nuisance nuisance, double most) {
+    const Eigen::ArrayXd variance = problem.priors().covariance(nuisance).diagonal().array();
+    const Eigen::ArrayXd usual = variance.min(most * most);
+    for (Eigen::Index i = 0; problem.layout().has(nuisance) && i < usual.size(); ++i)
       if (usual[i] < variance[i])
-        system->global.diagonal()[problem.layout().place(Nuisance::kOdometryFactors, 0) + i] +=
-            1.0 / usual[i] - 1.0 / variance[i];
-  return usual.log().sum();
+        system->global.diagonal()[problem.layout().place(nuisance, 0) + i] += 1.0 / usual[i] - 1.0 / variance[i];
+    log_determinant += usual.log().sum();
+  };
+  count(Nuisance::kOdometryFactors, kUsual);
+  if (problem.priors().has(Nuisance::kOdometryVeer)) count(Nuisance::kOdometryVeer, kUsualVeer);
+  return log_determinant;
 }
 
 }  // namespace

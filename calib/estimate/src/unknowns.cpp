@@ -13,6 +13,7 @@ namespace rigproof {
 
 PriorSigmas usual_priors() {
   PriorSigmas priors;
+  priors.odometry_veer_rad_per_m = 0.01;
   priors.turn_lag_s = 0.02;
   priors.rotation_centre_m = 0.005;
   priors.riding_height_m = 0.0003;
@@ -39,9 +40,12 @@ const std::vector<PriorSetting>& prior_settings() {
       {"principal_point_sigma_px", &PriorSigmas::principal_point_px, 1.0, 50.0, true,
        "Each camera's principal point is off by about this much along x and y, whatever the rig states: estimated; "
        "0: as the rig states"},
+      {"odometry_veer_sigma_deg_per_m", &PriorSigmas::odometry_veer_rad_per_m, 180.0 / kPi, 100.0, true,
+       "Odometry from stop to stop: its heading gains about this much on the robot's with every metre forward, as of "
+       "wheels whose diameters differ; 0 where they do not"},
       {"rotation_centre_sigma_mm", &PriorSigmas::rotation_centre_m, 1e3, 1000.0, false,
-       "Odometry along the way: the point about which the robot turns lies off the robot's origin along x by about "
-       "this much, which no data tell; 0 where the origin is that point by definition"},
+       "Odometry along the way: the point about which the robot turns lies off the robot's origin by about this "
+       "much along x and along y, which no data tell; 0 where the origin is that point by definition"},
       {"turn_lag_sigma_ms", &PriorSigmas::turn_lag_s, 1e3, 1000.0, true,
        "Beside clock offsets: the body turns later than its wheels by about this much (tyres give way): "
        "estimated; 0 where it does not"},
@@ -72,6 +76,10 @@ Covariances for_each_camera(const PriorSource& source, const Eigen::MatrixXd& co
 
 Covariances of_odometry(const PriorSource& source) {
   return {independent({source.sigmas.odometry_scale, source.sigmas.odometry_yaw_factor})};
+}
+
+Covariances of_odometry_veer(const PriorSource& source) {
+  return {independent({source.sigmas.odometry_veer_rad_per_m})};
 }
 
 Covariances of_depth_scale(const PriorSource& source) {
@@ -223,6 +231,7 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
        !kReported,
        "odometry",
        &of_odometry},
+      {{{"odometry_veer_deg_per_m", 180.0 / kPi}}, kRig, kIncrements, !kReported, "odometry", &of_odometry_veer},
       {{{"depth_scale_percent", 100.0}}, kCamera, kAnyOdometry, !kReported, "depth scale", &of_depth_scale},
       {{{"common_depth_scale_percent", 100.0}},
        kCamera,
@@ -286,9 +295,10 @@ CommonDepth common_depth(const Observations& observations, int camera) {
   return {make, largest > 0.0 ? own / largest : 1.0};
 }
 
-const std::array<CommonError, 2>& common_errors() {
-  static const std::array<CommonError, 2> kErrors = {{
+const std::array<CommonError, 3>& common_errors() {
+  static const std::array<CommonError, 3> kErrors = {{
       {&PriorSigmas::rotation_centre_m, 0, true, "turning point"},
+      {&PriorSigmas::rotation_centre_m, 1, true, "turning point"},
       {&PriorSigmas::riding_height_m, 2, false, "riding height"},
   }};
   return kErrors;

@@ -85,10 +85,18 @@ StopInformation Forecast::information_of(const Foresight& foresight, const Place
   return {state.poses.front(), all.diagonal.front(), all.pose_global, all.global - priors_alone.global};
 }
 
+Stop stop_at(const ml::RobotPose& pose) {
+  Stop stop;
+  stop.x_m = pose.x_m;
+  stop.y_m = pose.y_m;
+  stop.yaw_rad = pose.yaw_rad;
+  return stop;
+}
+
 // The odometry between the poses `index` and `index` + 1 of the system.
 void Forecast::link(const ml::RobotPose& from, const ml::RobotPose& to, int index, ml::ArrowSystem* system) const {
   const ml::IncrementResidual residual =
-      ml::increment_residual(from, to, state_.odometry_scale(), state_.odometry_yaw_factor(), Eigen::Vector3d::Zero());
+      ml::increment_residual(from, to, state_.odometry_errors(), ml::veering_increment(stop_at(from), stop_at(to)));
   const Eigen::Vector3d inverse =
       Eigen::Vector3d(levels_.odometry_xy_m, levels_.odometry_xy_m, levels_.odometry_yaw_rad).cwiseInverse();
   const Eigen::Matrix3d A = inverse.asDiagonal() * residual.by_from, B = inverse.asDiagonal() * residual.by_to;
@@ -96,6 +104,8 @@ void Forecast::link(const ml::RobotPose& from, const ml::RobotPose& to, int inde
   for (int part = 0; part < 2; ++part)
     if (priors_.sigma(ml::Nuisance::kOdometryFactors, 0, part) > 0.0)
       G.col(layout_.place(ml::Nuisance::kOdometryFactors) + part) = inverse.cwiseProduct(residual.by_factors.col(part));
+  if (priors_.sigma(ml::Nuisance::kOdometryVeer) > 0.0)
+    G.col(layout_.place(ml::Nuisance::kOdometryVeer)) = inverse.cwiseProduct(residual.by_veer);
   const std::size_t a = static_cast<std::size_t>(index), b = a + 1;
   system->diagonal[a].topLeftCorner<3, 3>() += A.transpose() * A;
   system->diagonal[b].topLeftCorner<3, 3>() += B.transpose() * B;

@@ -255,7 +255,8 @@ void drive_piece(const GeometricConfig& config, double way, double turn, RandomS
   const double sigma_yaw = config.lambda * kPaperYawSigma_rad * std::sqrt(turning);
   for (int k = 0; k < kSteps; ++k) {
     const Eigen::Vector2d noise = draw_vector<2>([&] { return random->normal(0.0, sigma_xy); });
-    const double turned = config.odometry_yaw_factor * turn / kSteps + random->normal(0.0, sigma_yaw);
+    const double turned = (config.odometry_yaw_factor * turn + config.odometry_veer_rad_per_m * way) / kSteps +
+                          random->normal(0.0, sigma_yaw);
     odometry->head<2>() += Eigen::Rotation2Dd(odometry->z() + 0.5 * turned) *
                            Eigen::Vector2d(Eigen::Vector2d(config.odometry_scale * way / kSteps, 0.0) + noise);
     odometry->z() += turned;

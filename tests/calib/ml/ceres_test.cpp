@@ -213,6 +213,7 @@ TEST(MlAgainstCeres, FindsTheSameOptimum) {
   options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.001;
   options.estimate_corner_level = options.estimate_plane_level = false;
   options.priors.believe_told = true;  // the other problem knows of no doubts
+  options.priors.odometry_veer_rad_per_m = 0.0;
   options.tolerance = 1e-20;
   const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
   CeresProblem ceres_problem(run, estimate);

@@ -13,6 +13,7 @@
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/calib/estimate/problem.h"
+#include "rigproof/core/draw_vector.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
 #include "trials.h"
@@ -325,6 +326,7 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   for (std::size_t i = 0; i < observations.ground_planes.size(); i += 2)
     observations.ground_planes[i].file = "depth/000000.png";
   PriorSigmas sigmas;
+  sigmas.odometry_veer_rad_per_m = 0.01;
   sigmas.clock_offset_s = clock_sigma_s;
   sigmas.turn_lag_s = kTurnLag_s;
   sigmas.readout_s = clock_sigma_s > 0.0 || !lenses ? 0.015 : 0.0;
@@ -343,6 +345,7 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   CalibrationState values = state_of(made.run.truth);
   ml::State state = ml::state_from(values);
   state.nuisances.of(ml::Nuisance::kOdometryFactors) << 0.02, -0.03;
+  state.nuisances.of(ml::Nuisance::kOdometryVeer)[0] = 0.004;
   if (clock_sigma_s > 0.0) {
     for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kClockOffset, c)[0] = 0.012 - 0.016 * c;
     state.nuisances.of(ml::Nuisance::kTurnLag)[0] = 0.015;
@@ -485,8 +488,9 @@ TEST(MlRotationCentre, OffTheOriginIsInTheUncertaintyOverTrials) {
     const GeometricRun run = draw_geometric_run(config);
     RandomStream random(config.seed, "rotation centre");
     std::vector<Rigid3> truth = poses_of(run.truth);
-    const double centre_x_m = random.normal(0.0, options.priors.rotation_centre_m);
-    for (Rigid3& T : truth) T.translation.x() += centre_x_m;
+    const auto drawn_m = [&] { return random.normal(0.0, options.priors.rotation_centre_m); };
+    const Eigen::Vector2d centre_m = draw_vector<2>(drawn_m);
+    for (Rigid3& T : truth) T.translation.head<2>() += centre_m;
     const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options);
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
     with += nees(estimate, truth) / kTrials.count();
@@ -533,7 +537,7 @@ TEST(MlCommonErrors, AddTheirVarianceAlongTheirAxis) {
     Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(12, 12);
     for (const Eigen::Index i : {0, 6})
       for (const Eigen::Index j : {0, 6}) {
-        expected(i, j) = along_way ? 0.02 * 0.02 : 0.0;
+        expected(i, j) = expected(i + 1, j + 1) = along_way ? 0.02 * 0.02 : 0.0;
         expected(i + 2, j + 2) = 0.003 * 0.003;
       }
     EXPECT_TRUE(joint.isApprox(expected, 1e-12)) << joint;

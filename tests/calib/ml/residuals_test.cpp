@@ -135,18 +135,19 @@ TEST_P(Residuals, IncrementByEveryUnknown) {
   to.x_m += 0.7;
   to.y_m -= 0.4;
   to.yaw_rad += 0.5;
-  const Eigen::Vector3d measured(0.6, 0.1, 0.45);
+  const VeeringIncrement measured = {{0.6, 0.1, 0.45}, {0.05, -0.3, -0.6}};
   const auto residual = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
     Eigen::VectorXd from_step = Eigen::VectorXd::Zero(6), to_step = Eigen::VectorXd::Zero(6);
     from_step.head<3>() = step.head<3>();
     to_step.head<3>() = step.segment<3>(3);
-    return increment_residual(moved(pose, from_step), moved(to, to_step), 1.02 + step[6], 0.97 + step[7], measured)
+    return increment_residual(moved(pose, from_step), moved(to, to_step),
+                              {1.02 + step[6], 0.97 + step[7], 0.05 + step[8]}, measured)
         .value;
   };
-  const IncrementResidual value = increment_residual(pose, to, 1.02, 0.97, measured);
-  Eigen::MatrixXd J(3, 8);
-  J << value.by_from, value.by_to, value.by_factors;
-  expect_near(differences(8, residual), J);
+  const IncrementResidual value = increment_residual(pose, to, {1.02, 0.97, 0.05}, measured);
+  Eigen::MatrixXd J(3, 9);
+  J << value.by_from, value.by_to, value.by_factors, value.by_veer;
+  expect_near(differences(9, residual), J);
 }
 
 // A way of turns, arcs and a way back, as odometry measured it.
@@ -169,19 +170,19 @@ Stop driven_stop(RandomStream* random) {
 TEST_P(Residuals, WayByEveryUnknown) {
   RandomStream random(static_cast<std::uint64_t>(GetParam()), "way test");
   const OdometryWay way(Stop(), driven_stop(&random));
-  const double scale = 1.02, factor = 1.05;
+  const double scale = 1.02, factor = 1.05, veer = 0.07;
   RobotPose to = pose;
   to.x_m += 0.6;
-  to.yaw_rad += way.motion(factor).value.z() / factor + 0.1;
-  const IncrementResidual analytic = way_residual(pose, to, scale, factor, way);
-  const Eigen::MatrixXd J = differences(8, [&](const Eigen::VectorXd& step) {
+  to.yaw_rad += way.motion(factor, veer).value.z() / factor + 0.1;
+  const IncrementResidual analytic = way_residual(pose, to, {scale, factor, veer}, way);
+  const Eigen::MatrixXd J = differences(9, [&](const Eigen::VectorXd& step) {
     Vector6d a = Vector6d::Zero(), b = Vector6d::Zero();
     a.head<3>() = step.head<3>();
     b.head<3>() = step.segment<3>(3);
-    return way_residual(moved(pose, a), moved(to, b), scale + step[6], factor + step[7], way).value;
+    return way_residual(moved(pose, a), moved(to, b), {scale + step[6], factor + step[7], veer + step[8]}, way).value;
   });
-  Eigen::MatrixXd expected(3, 8);
-  expected << analytic.by_from, analytic.by_to, analytic.by_factors;
+  Eigen::MatrixXd expected(3, 9);
+  expected << analytic.by_from, analytic.by_to, analytic.by_factors, analytic.by_veer;
   expect_near(J, expected);
 }
 

@@ -78,9 +78,10 @@ struct GeometricConfig {
   /// walk along it: 0.2 cm after one metre and 0.01 rad after a turn of one radian, times lambda; scale and yaw factor
   /// act on all of the way.
   bool along_way = false;
-  double metre_as_turn_rad = 0.1;    ///< along the way, a metre loses as much heading as this turn
-  double odometry_scale = 1.0;       ///< measured = scale * true translation (increments only)
-  double odometry_yaw_factor = 1.0;  ///< measured = factor * true rotation (increments only)
+  double metre_as_turn_rad = 0.1;        ///< along the way, a metre loses as much heading as this turn
+  double odometry_scale = 1.0;           ///< measured = scale * true translation (increments only)
+  double odometry_yaw_factor = 1.0;      ///< measured = factor * true rotation (increments only)
+  double odometry_veer_rad_per_m = 0.0;  ///< measured heading gains on the true one with each metre (along the way)
   bool declare_odometry_model = true;
   bool declare_odometry_sigmas = true;
   double suspension_height_sigma_m = 0.0;

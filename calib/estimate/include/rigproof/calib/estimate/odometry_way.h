@@ -16,13 +16,15 @@ class OdometryWay {
   /// The way to `to` from the previous stop; a single arc if its samples are unknown.
   OdometryWay(const Stop& from, const Stop& to);
 
-  /// Motion to the end of the way in the frame of its start, with turns of 1 / yaw_factor times the measured ones: x, y
-  /// [m], yaw as it was measured, full turns included.
+  /// Motion to the end of the way in the frame of its start, without what the measured heading veers by with every
+  /// metre forward [rad/m], and with turns of 1 / yaw_factor times what remains: x, y [m], yaw as it remains, full
+  /// turns included.
   struct Motion {
     Eigen::Vector3d value;
     Eigen::Vector2d xy_by_yaw_factor;
+    Eigen::Vector3d by_veer;
   };
-  Motion motion(double yaw_factor) const;
+  Motion motion(double yaw_factor, double veer = 0.0) const;
 
   /// Covariances of the motion's error for unit levels: translation noise of 1 m after a way of 1 m, and heading noise
   /// of 1 rad after a turn of 1 rad, or after the way that loses as much; it bends the path after it. Both are random
@@ -42,6 +44,13 @@ class OdometryWay {
   std::vector<Arc> arcs_;
   double length_m_ = 0.0;
   Eigen::Matrix3d translation_, turning_, straying_;
+};
+
+/// A motion from one stop to the next: x, y, yaw in the frame of its beginning, and its derivative by a veer that is
+/// taken out of it.
+struct VeeringIncrement {
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();
+  Eigen::Vector3d by_veer = Eigen::Vector3d::Zero();
 };
 
 /// Covariance of the measured motion's error.

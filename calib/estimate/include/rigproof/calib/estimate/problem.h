@@ -94,8 +94,8 @@ class Problem {
   Layout layout_;
   Priors priors_;
   std::shared_ptr<const Whitened> whitened_;
-  std::vector<Eigen::Vector3d> increments_;  // [i]: from stop i to i + 1
-  std::vector<OdometryWay> ways_;            // the same; only if the noise is that of the way
+  std::vector<VeeringIncrement> increments_;  // [i]: from stop i to i + 1
+  std::vector<OdometryWay> ways_;             // the same; only if the noise is that of the way
 };
 
 }  // namespace rigproof::ml

@@ -60,13 +60,17 @@ struct IncrementResidual {
   Eigen::Matrix3d by_from;  ///< by (x, y, yaw)
   Eigen::Matrix3d by_to;
   Eigen::Matrix<double, 3, 2> by_factors;  ///< scale, yaw factor
+  Eigen::Vector3d by_veer;                 ///< [1/(rad/m)]
 };
-IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to, double scale, double yaw_factor,
-                                     const Eigen::Vector3d& measured);
-/// The same along the way, which the yaw factor bends: s Rz(-yaw_i) dp - m_xy(k).
-IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, double scale, double yaw_factor,
+/// @param measured from which a veer is subtracted along the way
+IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to, const OdometryErrors& errors,
+                                     const VeeringIncrement& measured);
+/// The same along the way, which yaw factor and veer bend: s Rz(-yaw_i) dp - m_xy(k, v).
+IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, const OdometryErrors& errors,
                                const OdometryWay& way);
 /// What the odometry says about the motion from one stop to the next, in the former's frame: x, y, yaw.
 Eigen::Vector3d measured_increment(const Stop& from, const Stop& to);
+/// The same, with what a veer of the heading does to it; on a single arc if the samples between them are unknown.
+VeeringIncrement veering_increment(const Stop& from, const Stop& to);
 
 }  // namespace rigproof::ml

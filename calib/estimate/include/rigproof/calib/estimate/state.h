@@ -34,6 +34,13 @@ struct Step {
   std::vector<int> bodies;  ///< cameras, kBoard
 };
 
+/// What the odometry's increments are off by: measured = scale * true way; = yaw_factor * true turn + veer * way
+/// forward.
+struct OdometryErrors {
+  double scale = 1.0, yaw_factor = 1.0;
+  double veer_rad_per_m = 0.0;
+};
+
 struct State {
   std::vector<Rigid3> T_robot_camera;
   Rigid3 T_world_board;
@@ -43,6 +50,8 @@ struct State {
 
   double odometry_scale() const { return 1.0 + nuisances.of(Nuisance::kOdometryFactors)[0]; }
   double odometry_yaw_factor() const { return 1.0 + nuisances.of(Nuisance::kOdometryFactors)[1]; }
+  double odometry_veer() const { return nuisances.of(Nuisance::kOdometryVeer)[0]; }
+  OdometryErrors odometry_errors() const { return {odometry_scale(), odometry_yaw_factor(), odometry_veer()}; }
 };
 
 /// The state of values as they are reported; depth scales of one where none are given, all else as declared.
