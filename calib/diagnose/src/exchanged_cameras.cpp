@@ -11,7 +11,8 @@ namespace rigproof::ml {
 namespace {
 
 // A ratio of the priors' densities; healthy lenses of two cameras, all of whose ten values are told, are strained by
-// as much in one of 200 rigs, and an exchange would have to ease that.
+// as much in one of 200 rigs. Exchanged ones are strained by more, and by less once they are exchanged back; a lens
+// that is wrong stays so in either place.
 constexpr double kDecides = 25.0;
 
 bool same_size(const Camera& a, const Camera& b) { return a.width_px == b.width_px && a.height_px == b.height_px; }
@@ -27,8 +28,9 @@ std::optional<Cause> cause_of_exchange(const Observations& some_stops, const Tri
   exchanged.undo(&repaired);
   const std::optional<Trial> trial = refit(repaired, false);
   if (!trial || !trial->clean) return std::nullopt;
-  const double gain = strain_of(as_is.lens_strains, first, second) - strain_of(trial->lens_strains, first, second);
-  if (gain < kDecides) return std::nullopt;
+  const double strain = strain_of(trial->lens_strains, first, second);
+  const double gain = strain_of(as_is.lens_strains, first, second) - strain;
+  if (gain < kDecides || strain > kDecides) return std::nullopt;
   return Cause{{exchanged.cause.with(
                    {{"undone_mm", 1e3 * trial->odometry_xy_m}, {"undone_deg", rad_to_deg(trial->odometry_yaw_rad)}})},
                true,
