@@ -54,7 +54,8 @@ Options parse(int count, char** arguments) {
                                          {"--jobs", &options.jobs}};
   for (int i = 1; i < count; ++i) {
     const std::string name = arguments[i];
-    const std::string value = i + 1 < count ? arguments[++i] : "";
+    if (i + 1 == count) throw Error(name + ": needs a value");
+    const std::string value = arguments[++i];
     if (name == "--data")
       options.data = value;
     else if (name == "--image-scale")
@@ -145,6 +146,7 @@ void calibrate_and_keep(const Robots& robots, int i) {
   const auto number = static_cast<std::uint64_t>(robots.options.first + i);
   const bench::StrangersRobot robot = bench::strangers_robot(number, robots.options.stops, robots.options.image_scale);
   Row row;
+  fs::remove(robots.row_file(i));  // of before: a worker that dies leaves none
   try {
     row = calibrate_robot(robot, robots.run(i));
   } catch (const Error& error) {

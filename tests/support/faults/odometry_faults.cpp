@@ -60,6 +60,16 @@ EditSamples turning(double factor, double bias_rad_s) {
   });
 }
 
+// As wheels of unequal diameters do.
+EditSamples veering(double rad_per_m) {
+  return increments([=](const Rigid3& step, double) {
+    const double yaw = yaw_of(step);
+    const Rigid3 half = planar_pose(0.0, 0.0, 0.5 * yaw);
+    const double forward_m = (half.inverse() * step).translation.x();
+    return planar_pose(step.translation.x(), step.translation.y(), yaw + rad_per_m * forward_m);
+  });
+}
+
 // All that comes after half time is moved as a body.
 EditSamples jump(double x_m, double yaw_rad) {
   return [=](Samples* odometry) {
@@ -171,6 +181,9 @@ void add_scales(std::vector<RecordingFault>* faults) {
                               {"odometry.turn_factor", "odometry.turns_scale"}, turning(1.0 + percent / 100.0, 0.0)));
   for (const double deg_s : {0.01, 0.05, 0.2, 1.0})
     faults->push_back(samples(sized("gyro bias", deg_s, " deg/s"), kDrift, turning(1.0, deg_to_rad(deg_s))));
+  for (const double deg_m : {0.1, 0.5, 2.0, 10.0})
+    faults->push_back(samples(sized("odometry's heading", deg_m, " deg/m"), {"odometry.veers_far", "odometry.veers"},
+                              veering(deg_to_rad(deg_m))));
 }
 
 void add_deaths(std::vector<RecordingFault>* faults) {
