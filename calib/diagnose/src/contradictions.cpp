@@ -70,8 +70,8 @@ void check_systematics(const Problem& problem, const State& state, std::vector<F
   if (beyond(0))
     findings->emplace_back("odometry.translation_factor", FindingValues{{"factor", state.odometry_scale()}});
   if (beyond(1)) findings->emplace_back("odometry.turn_factor", FindingValues{{"factor", state.odometry_yaw_factor()}});
-  const double veer_sigma = problem.priors().sigma(Nuisance::kOdometryVeer);
-  if (veer_sigma > 0.0 && std::abs(state.odometry_veer()) > kMaxPriorSigmas * veer_sigma)
+  constexpr double kMostVeer = 0.03;  // [rad/m] of wheels that differ by 1 % on a track of 0.3 m
+  if (std::abs(state.odometry_veer()) > kMostVeer)
     findings->emplace_back("odometry.veers_far", FindingValues{{"deg_per_m", rad_to_deg(state.odometry_veer())}});
 }
 
