@@ -13,7 +13,7 @@ namespace rigproof {
 
 PriorSigmas usual_priors() {
   PriorSigmas priors;
-  priors.odometry_veer_rad_per_m = 0.1;  // so wide that the data decide
+  priors.odometry_veer_rad_per_m = 0.03;
   priors.turn_lag_s = 0.02;
   priors.rotation_centre_m = 0.005;
   priors.riding_height_m = 0.0003;

@@ -16,7 +16,7 @@ struct PriorSigmas {
   double odometry_scale = 0.1;
   double odometry_yaw_factor = 0.1;
   /// Of the heading that increments gain over the robot's with every metre forward, and lose backward: wheels of
-  /// unequal diameters (UMBmark's E_d).
+  /// unequal diameters (UMBmark's E_d), 1 % on a track of 0.3 m.
   double odometry_veer_rad_per_m = 0.0;
   /// Whether what the rig states of lenses and board is believed to the last digit, whatever sigmas it states.
   bool believe_told = false;
