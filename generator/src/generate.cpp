@@ -15,6 +15,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/folder_lock.h"
+#include "rigproof/sim/render_device.h"
 #include "run_state.h"
 #include "scenario.h"
 #include "worker_pool.h"
@@ -31,8 +32,7 @@ constexpr int kProgressPeriodMs = 100;
 constexpr double kPatienceS = 300.0;
 
 // Bytes a pixel and milliseconds a megapixel on one core, measured in the indoor lab: CPU time of `generate` less that
-// of
-// `--dry-run`, with llvmpipe on a shared machine of two cores, three runs each. Clean images took 66 to 76 ms, noisy
+// of `--dry-run`, with llvmpipe on a shared machine of two cores, three runs each. Clean images took 66 to 76 ms, noisy
 // ones 69 to 93.
 constexpr double kColorBytesClean = 1.15, kColorBytesNoisy = 1.5;
 constexpr double kDepthBytesClean = 0.3, kDepthBytesNoisy = 0.72;
@@ -171,16 +171,48 @@ CacheContent content_of(const CleanCache& cache, const std::vector<std::string>&
   return content;
 }
 
-// Before anything is written.
-void require_cached(const Scenario& scenario, const std::filesystem::path& folder) {
+CacheContent content_of(const std::filesystem::path& cache, const Scenario& scenario) {
+  if (cache.empty()) return {};
   std::vector<std::uint32_t> frames(scenario.frame_count());
   std::iota(frames.begin(), frames.end(), 0U);
-  const CacheContent content = content_of(CleanCache(folder), clean_frame_keys(scenario), frames);
-  if (content.held == frames.size() && content.drivers.size() == 1) return;
-  throw Error(folder.string() + ": holds " + std::to_string(content.held) + " of " + std::to_string(frames.size()) +
-              " clean renders" +
+  return content_of(CleanCache(cache), clean_frame_keys(scenario), frames);
+}
+
+bool is_whole(const CacheContent& content, std::size_t frames) {
+  return content.held == frames && content.drivers.size() == 1;
+}
+
+// Before anything is written.
+void require_cached(const Scenario& scenario, const std::filesystem::path& folder) {
+  const CacheContent content = content_of(folder, scenario);
+  if (is_whole(content, scenario.frame_count())) return;
+  throw Error(folder.string() + ": holds " + std::to_string(content.held) + " of " +
+              std::to_string(scenario.frame_count()) + " clean renders" +
               (content.drivers.size() > 1 ? ", drawn by " + std::to_string(content.drivers.size()) + " drivers" : "") +
               "; `rigproof generate CONFIG --cache " + folder.string() + "` makes them");
+}
+
+// Before anything is written or removed. In a process of its own, for this one is to fork and must not inherit what a
+// driver starts.
+void require_renderer(int device) {
+  const WorkerPool::Prepare open = [device](std::string*) {
+    require_render_device(device);
+    return [](std::uint32_t) { return std::string(); };
+  };
+  WorkerPool pool(1, open, kPatienceS);
+  pool.submit(0);  // one that has nothing to do may be silent for ever
+  std::vector<WorkerEvent> events;
+  while (events.empty()) events = pool.wait(kProgressPeriodMs);
+  const WorkerEvent& event = events.front();
+  if (event.kind == WorkerEvent::Kind::kFailed) throw Error(event.text, event.exit_code);
+  if (event.kind == WorkerEvent::Kind::kDied)
+    throw Error("a render process " + event.text + " while it opened the render device", ExitCode::kTryAgain);
+}
+
+// Of a run that is begun anew; one that goes on is kept as far as it came whatever happens.
+void require_renderer_of_new_run(const Scenario& scenario, const RunFolder& run, const GenerateOptions& options) {
+  if (!options.fresh && fs::exists(run.manifest_file())) return;
+  if (!is_whole(content_of(options.cache, scenario), scenario.frame_count())) require_renderer(options.device);
 }
 
 // Hands the missing frames to processes and books what they finish.
@@ -226,7 +258,7 @@ class Generation {
   void look_into_cache(const std::vector<std::uint32_t>& frames) {
     if (source_.cache == nullptr) return;
     const CacheContent content = content_of(cache_, source_.keys, frames);
-    source_.may_render = content.held < frames.size() || content.drivers.size() != 1;
+    source_.may_render = !is_whole(content, frames.size());
     if (!source_.may_render) take_renderer(*content.drivers.begin());
   }
 
@@ -366,8 +398,11 @@ GenerateReport generate(const GenerateConfig& config, const GenerateOptions& opt
 
 GenerateReport generate(const Scenario& scenario, const GenerateOptions& options) {
   const auto start = Clock::now();
-  if (!options.render) require_cached(scenario, options.cache);
   const RunFolder run{options.output};
+  if (options.render)
+    require_renderer_of_new_run(scenario, run, options);
+  else
+    require_cached(scenario, options.cache);
   const FolderLock lock(run.root, "another rigproof generates into this folder");
   Manifest manifest = open_run(run, scenario, options.fresh);
   const std::size_t files_known = manifest.files.size();

@@ -196,6 +196,8 @@ EglContext::EglContext(int device) : handles_(std::make_unique<Handles>()) {
 
 EglContext::~EglContext() { close(handles_.get()); }
 
+void require_render_device(int device) { const EglContext context(device); }
+
 bool EglContext::open(int device, std::string* why_not) {
   const EglLibrary& egl = *handles_->egl;
   const auto fail = [&](const char* step) {

@@ -280,6 +280,18 @@ TEST(Generation, ARunOfAnotherGeneratorIsRefusedUnlessFresh) {
   EXPECT_EQ(load_manifest(run.manifest_file()).tool_version, generator_version());
 }
 
+TEST(Generation, WithoutItsRenderDeviceNothingIsBegunAndNothingRemoved) {
+  const TempFolder folder;
+  GenerateOptions options = into(folder.path() / "run");
+  options.device = 99;
+  EXPECT_THAT(error_text([&] { generate(small_config(), options); }), HasSubstr("render device 99 does not exist"));
+  EXPECT_FALSE(fs::exists(options.output));
+  generate(small_config(), into(options.output));
+  options.fresh = true;
+  EXPECT_THAT(error_text([&] { generate(small_config(), options); }), HasSubstr("render device 99 does not exist"));
+  EXPECT_EQ(contents(options.output), reference());
+}
+
 TEST(Generation, ForeignFolderIsNeverTouched) {
   const TempFolder folder;
   write_file_atomically(folder.path() / "thesis.tex", std::string_view("ten years of work"));

@@ -17,4 +17,8 @@ struct RenderDevice {
 /// All devices, hardware first. Never throws: without libEGL the list is empty and `problem` says what to install.
 std::vector<RenderDevice> enumerate_render_devices(std::string* problem = nullptr);
 
+/// Makes an OpenGL context and lets it go. Throws Error that says what is missing and what to install.
+/// @param device -2 = the first that works, -1 = surfaceless Mesa, else the index of enumerate_render_devices()
+void require_render_device(int device);
+
 }  // namespace rigproof
