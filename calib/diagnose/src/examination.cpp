@@ -9,6 +9,7 @@
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/calib/estimate/odometry_choice.h"
+#include "rigproof/calib/estimate/shaking.h"
 #include "rigproof/core/exclusions.h"
 #include "steps.h"
 #include "swapped_frames.h"
@@ -128,13 +129,14 @@ OdometryLaw likely_law(const Preparation& prepared, const Fit& fit, OdometryMode
   return law;
 }
 
-// Whether nothing in the solution of a trial contradicts itself.
+// Whether nothing in the solution of a trial contradicts itself. What is wrong displaces images, too: a trial that
+// undoes it leaves none displaced.
 bool is_clean(const Preparation& prepared, const Fit& fit, const Problem& problem,
               const std::optional<LensTest>& lenses) {
   const std::optional<GroupSums> sums = problem.sums_with_leverage(fit.state);
   if (!sums || (lenses && lenses->suspicious())) return false;
   const Contradictions found = contradictions_of(problem, fit.state, sums, hangs_upside_down(prepared));
-  if (!found.odometry.empty() || !found.cameras.empty()) return false;
+  if (!found.odometry.empty() || !found.cameras.empty() || shakes_anywhere(prepared, fit)) return false;
   const std::vector<const BoardView*> left_out = views_left_out(prepared, fit);
   return std::none_of(left_out.begin(), left_out.end(),
                       [&](const BoardView* view) { return count_of(left_out, view->camera) > 1; });
@@ -355,7 +357,7 @@ void take(const std::vector<Finding>& findings, bool bends, bool spoils_all, Exa
 }
 
 // What moved during the drive, and what else may be wrong. A step counts if it leaves the data in order: what is wrong
-// otherwise has a best step, too. So has what is loose all the time, which is then said to have moved once.
+// otherwise has a best step, too, and so has what is loose all the time.
 void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std::vector<StepScore>& scores,
                          Examination* found) {
   std::optional<FoundStep> step;

@@ -4,6 +4,7 @@
 
 #include "report.h"
 #include "rigproof/calib/diagnose/basis.h"
+#include "rigproof/calib/estimate/shaking.h"
 
 namespace rigproof {
 namespace {
@@ -16,11 +17,25 @@ Observations without_left_out(const ml::Preparation& prepared, const ml::Fit& fi
   return used;
 }
 
+// Last: what is wrong otherwise displaces images, too.
+void allow_for_shaking(const ml::Preparation& prepared, ml::OdometryChoice* choice, ml::Examination* found) {
+  const std::optional<ml::Fit> shaken = ml::fit_with_shaking(prepared, choice->fit);
+  if (!shaken) return;
+  choice->fit = *shaken;
+  if (choice->other)
+    if (const std::optional<ml::Fit> other = ml::fit_with_shaking(prepared, *choice->other)) choice->other = other;
+  found->sums = ml::problem_at(prepared, *shaken, shaken->noise).sums_with_leverage(shaken->state);
+  for (std::size_t c = 0; c < shaken->shaken_px.size(); ++c)
+    if (const double by_px = shaken->shaken_px[c]; by_px > 0.0)
+      found->notes.push_back(Finding("images.shaken", {{"by_px", by_px}}).of(prepared.used.cameras[c].name));
+}
+
 MlEstimate solve(const Observations& observations, const MlOptions& options, std::optional<ml::Basis>* basis) {
   const ml::Preparation prepared = ml::prepare(observations, options);
   if (!prepared.solvable()) return ml::report_unsolvable(prepared);
-  const ml::OdometryChoice choice = ml::choose_odometry(prepared);
-  const ml::Examination found = ml::examine(prepared, choice.fit);
+  ml::OdometryChoice choice = ml::choose_odometry(prepared);
+  ml::Examination found = ml::examine(prepared, choice.fit);
+  if (!found.cause && found.wrong_frames.empty()) allow_for_shaking(prepared, &choice, &found);
   const ml::Statement stated = ml::state_solution(prepared, choice, found);
   if (basis != nullptr)
     *basis = ml::Basis{without_left_out(prepared, choice.fit),

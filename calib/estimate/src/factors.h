@@ -71,6 +71,8 @@ void suspension(const Evaluation& at, int stop, BlockSink* sink);
 Eigen::Vector3d odometry_sigmas(const Observations& observations, const NoiseLevels& noise, int stop);
 
 ViewFit view_fit(const Evaluation& at, const WhitenedView& view);
+/// @param block its information on the unknowns, by the twist alone
+ViewPull view_pull(const Evaluation& at, const WhitenedView& view, LocalBlock* block);
 
 /// Three residuals that share a loss between two groups; few stops have none to spare, so that they count by the loss
 /// even in steps from afar.

@@ -37,18 +37,6 @@ NoiseLevels starting_levels(const Observations& observations, const OdometryLaw&
   return plausible(levels, observations.cameras.size());
 }
 
-EstimatedLevels estimated_levels(const Observations& observations, const MlOptions& options) {
-  EstimatedLevels levels;
-  levels.odometry_xy = !observations.odometry_noise.sigma_xy_m;
-  levels.odometry_yaw = !observations.odometry_noise.sigma_yaw_rad;
-  levels.suspension_height = !options.suspension_height_sigma_m;
-  levels.suspension_tilt = !options.suspension_tilt_sigma_rad;
-  levels.corners = options.estimate_corner_level;
-  levels.planes = options.estimate_plane_level;
-  levels.displacement = !options.displacement_scale && shows_displacements(observations);
-  return levels;
-}
-
 // Odometry's own world: absolute poses are compared with it, so the state moves there.
 void move_to_odometry_frame(const Observations& observations, State* state) {
   if (observations.stops.empty()) return;
@@ -176,6 +164,18 @@ void solve(const Preparation& prepared, int leave_out_rounds, Problem* problem, 
 }
 
 }  // namespace
+
+EstimatedLevels estimated_levels(const Observations& observations, const MlOptions& options) {
+  EstimatedLevels levels;
+  levels.odometry_xy = !observations.odometry_noise.sigma_xy_m;
+  levels.odometry_yaw = !observations.odometry_noise.sigma_yaw_rad;
+  levels.suspension_height = !options.suspension_height_sigma_m;
+  levels.suspension_tilt = !options.suspension_tilt_sigma_rad;
+  levels.corners = options.estimate_corner_level;
+  levels.planes = options.estimate_plane_level;
+  levels.displacement = !options.displacement_scale && shows_displacements(observations);
+  return levels;
+}
 
 Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out_rounds, const Fit* other) {
   Fit fit;

@@ -282,6 +282,25 @@ ViewFit Problem::view_fit(const State& state, std::size_t view) const {
   return ml::view_fit(at(state, Weighting::kRobust), whitened_->views[view]);
 }
 
+std::optional<std::vector<ViewPull>> Problem::view_pulls(const State& state) const {
+  const ArrowSystem system = linearise(state, Weighting::kInformation, nullptr, nullptr);
+  const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
+  if (!eliminated) return std::nullopt;
+  const Eigen::MatrixXd covariance = invert_information(eliminated->schur()).covariance;
+  const EliminatedSystem::PoseCovariance poses = eliminated->pose_covariance(covariance);
+  const Evaluation here = at(state, Weighting::kInformation);
+  std::vector<ViewPull> pulls(whitened_->views.size());
+  for (std::size_t v = 0; v < pulls.size(); ++v) {
+    if (view_left_out[v]) continue;
+    LocalBlock block(Group::kCorners, whitened_->views[v].camera);
+    GroupSums sums = empty_sums();
+    pulls[v] = view_pull(here, whitened_->views[v], &block);
+    if (pulls[v].corners > 0) LeverageSink(poses, covariance, &sums).add(block);
+    pulls[v].leverage = sum_of(sums, block.group, block.camera).leverage;
+  }
+  return pulls;
+}
+
 GroupSums Problem::empty_sums() const {
   GroupSums sums;
   for (std::vector<GroupSum>& group : sums)

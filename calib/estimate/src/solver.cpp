@@ -81,8 +81,9 @@ class LevelUpdater {
       const auto plane_scale = [camera](const std::vector<PlaneObservation>& planes) {
         return scale_above(kMinPlane_per_m, stated_plane_per_m(planes, camera));
       };
-      add(levels.corners, Group::kCorners, c, 2, scale_above(kMinCorner_px, stated_corner_px(observations, camera)),
-          &noise->corner_scale[c]);
+      const bool given = c < levels.corners_given.size() && levels.corners_given[c];
+      add(levels.corners && !given, Group::kCorners, c, 2,
+          scale_above(kMinCorner_px, stated_corner_px(observations, camera)), &noise->corner_scale[c]);
       add(levels.planes, Group::kGround, c, 3, plane_scale(observations.ground_planes), &noise->ground_scale[c]);
       add(levels.planes, Group::kBoardPlane, c, 3, plane_scale(observations.board_planes),
           &noise->board_plane_scale[c]);

@@ -94,7 +94,7 @@ RecordingFault noisy(double levels_8bit) {
 RecordingFault shaken(double sigma_px) {
   return {"images of one camera shaken by " + number_text(sigma_px) + " px",
           "pictures",
-          {"corners.off"},
+          {"corners.off", "images.shaken"},
           {Files::kColor},
           [sigma_px](FaultyRecording* r) {
             r->edit_color(r->any_camera(), [&](std::size_t frame, cv::Mat* image) {

@@ -15,7 +15,13 @@ struct Fit {
   Step step;  ///< that the state's second poses are of
   SolverSummary summary;
   double minus_two_log_likelihood = 0.0;
+  /// Of each camera whose images are displaced as a whole from stop to stop, by how much [px]; else 0. Empty: not
+  /// asked.
+  std::vector<double> shaken_px;
 };
+
+/// Which levels are estimated: all that nobody states.
+EstimatedLevels estimated_levels(const Observations& observations, const MlOptions& options);
 
 /// Rounds in which wrong views are left out: one for each camera at a stop.
 inline constexpr int kLeaveOutRounds = 8;

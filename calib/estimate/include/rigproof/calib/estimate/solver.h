@@ -32,6 +32,7 @@ struct EstimatedLevels {
   bool corners = true;
   bool planes = true;
   bool displacement = true;
+  std::vector<bool> corners_given;  ///< of which cameras the corners' level is taken as given all the same; empty: none
   bool any() const {
     return odometry_xy || odometry_yaw || suspension_height || suspension_tilt || corners || planes || displacement;
   }

@@ -1,0 +1,103 @@
+// A camera on a loose mount: each of its images is displaced as a whole.
+#include <gtest/gtest.h>
+
+#include "calibration_truth.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/core/random.h"
+#include "rigproof/geometric/geometric.h"
+#include "trials.h"
+#include "worded.h"
+
+namespace rigproof {
+namespace {
+
+const Trials kTrials(6, 20);
+constexpr int kUnknowns = 18;  // of three cameras
+constexpr int kLoose = 1;
+
+GeometricRun drive(int seed) {
+  GeometricConfig config;
+  config.seed = static_cast<std::uint64_t>(seed);
+  config.stops = 20;
+  return draw_geometric_run(config);
+}
+
+// The corners' level has to be found: nobody states how a mount shakes.
+MlOptions options_of_run() {
+  MlOptions options;
+  options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
+  options.estimate_plane_level = false;
+  return options;
+}
+
+void shake(int camera, double sigma_px, int seed, Observations* observations) {
+  RandomStream random(static_cast<std::uint64_t>(seed), "shaken");
+  for (BoardView& view : observations->board_views) {
+    const Eigen::Vector2d by_px(random.normal(0.0, sigma_px), random.normal(0.0, sigma_px));
+    if (view.camera != camera) continue;
+    for (CornerObservation& corner : view.corners) corner.pixel += by_px;
+  }
+}
+
+std::vector<const Finding*> told(const Result& result) {
+  std::vector<const Finding*> all;
+  for (const Finding& finding : result.notes)
+    if (finding.is("images.shaken")) all.push_back(&finding);
+  return all;
+}
+
+// Twenty corners that are displaced alike tell no more than one: who takes them for twenty is four times too sure.
+TEST(MlShaking, AShakenCameraIsNamedAndAsUncertainAsItIsOverTrials) {
+  double sum = 0.0;
+  for (int seed = 0; seed < kTrials.count(); ++seed) {
+    GeometricRun run = drive(seed);
+    shake(kLoose, 1.0, seed, &run.observations);
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, options_of_run());
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed << worded(estimate.result.reasons).front();
+    sum += nees(estimate, poses_of(run.truth)) / kTrials.count();
+    const std::vector<const Finding*> findings = told(estimate.result);
+    ASSERT_EQ(findings.size(), 1U) << seed;
+    EXPECT_EQ(findings.front()->cameras, std::vector{run.observations.cameras[kLoose].name});
+    EXPECT_NEAR(std::get<double>(findings.front()->find("by_px")->value), 1.4, 0.5) << seed;
+  }
+  EXPECT_LT(sum, kUnknowns + kTrials.chi_square_tolerance(kUnknowns));
+  EXPECT_GT(sum, 0.5 * kUnknowns);
+}
+
+TEST(MlShaking, OthersAnswersDoNotSuffer) {
+  GeometricRun run = drive(3);
+  const MlEstimate still = estimate_maximum_likelihood(run.observations, options_of_run());
+  EXPECT_TRUE(told(still.result).empty());
+  shake(kLoose, 1.0, 3, &run.observations);
+  const MlEstimate shaken = estimate_maximum_likelihood(run.observations, options_of_run());
+  ASSERT_TRUE(still.result.joint_covariance && shaken.result.joint_covariance);
+  for (int camera = 0; camera < 3; ++camera) {
+    const auto sigma = [&](const MlEstimate& estimate) {
+      return std::sqrt((*estimate.result.joint_covariance)(6 * camera, 6 * camera));
+    };
+    if (camera == kLoose)
+      EXPECT_GT(sigma(shaken), 1.1 * sigma(still));
+    else
+      EXPECT_LT(sigma(shaken), 1.6 * sigma(still)) << camera;
+  }
+}
+
+// Alone, it shakes as its robot does: nothing holds its views.
+TEST(MlShaking, ACameraAloneIsNotBlamed) {
+  GeometricConfig config;
+  config.seed = 4;
+  config.stops = 20;
+  config.rig = reference_rig();
+  config.rig.cameras.resize(1);
+  config.rig.T_robot_camera.resize(1);
+  config.rig.min_cameras_per_stop = 1;
+  GeometricRun run = draw_geometric_run(config);
+  shake(0, 0.5, 4, &run.observations);
+  MlOptions options = options_of_run();
+  options.suspension_height_sigma_m.reset();
+  options.suspension_tilt_sigma_rad.reset();
+  EXPECT_TRUE(told(estimate_maximum_likelihood(run.observations, options).result).empty());
+}
+
+}  // namespace
+}  // namespace rigproof
