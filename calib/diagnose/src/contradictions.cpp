@@ -84,12 +84,13 @@ Contradictions find_contradictions(const Problem& problem, const State& state, c
   check_majority(sums, &found.odometry);
   check_systematics(problem, state, &found.odometry);
   for (int c = 0; c < problem.layout().cameras; ++c) {
-    const double level =
-        problem.noise.corner_scale[static_cast<std::size_t>(c)] * stated_corner_px(problem.observations(), c);
+    const auto camera = static_cast<std::size_t>(c);
+    const double scale = problem.noise.corner_scale[camera] / problem.noise.shaken[camera];
+    const double level = scale * stated_corner_px(problem.observations(), c);
     found.bad_corners.push_back(level > kMaxCorner_px);
     if (level > kMaxCorner_px)
       found.cameras.push_back(Finding("corners.off", {{"off_px", level}, {"limit_px", kMaxCorner_px}})
-                                  .of(problem.observations().cameras[static_cast<std::size_t>(c)].name));
+                                  .of(problem.observations().cameras[camera].name));
   }
   return found;
 }

@@ -363,7 +363,8 @@ Cause conclude(Explanations explained, const Trial& as_is) {
   Cause cause{{best.fault.cause.with({{"undone_mm", 1e3 * best.trial.odometry_xy_m},
                                       {"undone_deg", rad_to_deg(best.trial.odometry_yaw_rad)}})},
               best.fault.spoils_all,
-              as_is.unexplained - best.trial.unexplained};
+              as_is.unexplained - best.trial.unexplained,
+              best.trial.shakes};
   add_further(best, &cause);
   for (std::size_t i = 1; i < explained.size(); ++i) {
     if (!explained[i].trial.clean || explained[i].trial.unexplained > best.trial.unexplained + kDecides) break;

@@ -18,7 +18,8 @@ struct Trial {
   double unexplained = 0.0;  ///< -2 ln of the restricted likelihood; what was left out counts as very wrong
   double odometry_xy_m = 0.0;
   double odometry_yaw_rad = 0.0;
-  bool clean = false;  ///< nothing contradicts itself any more
+  bool clean = false;   ///< nothing contradicts itself any more
+  bool shakes = false;  ///< but images of some camera are displaced as a whole, see shaking.h
   std::optional<LensTest> lenses;
   std::vector<double> lens_strains;  ///< of each camera, see lens_strains()
 };
@@ -45,6 +46,7 @@ struct Cause {
   std::vector<Finding> findings;  ///< one, or more where the data do not tell them apart (`joined_by`)
   bool spoils_all = false;
   double gain = 0.0;  ///< by how much -2 ln of the likelihood falls without it, over the stops that are examined
+  bool leaves_shaking = false;  ///< images of some camera remain displaced as a whole: that may be all there is
 };
 
 /// The most likely cause, or several where the data do not tell them apart; absent if none leaves the data in order.

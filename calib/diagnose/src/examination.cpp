@@ -129,14 +129,13 @@ OdometryLaw likely_law(const Preparation& prepared, const Fit& fit, OdometryMode
   return law;
 }
 
-// Whether nothing in the solution of a trial contradicts itself. What is wrong displaces images, too: a trial that
-// undoes it leaves none displaced.
+// Whether nothing in the solution of a trial contradicts itself.
 bool is_clean(const Preparation& prepared, const Fit& fit, const Problem& problem,
               const std::optional<LensTest>& lenses) {
   const std::optional<GroupSums> sums = problem.sums_with_leverage(fit.state);
   if (!sums || (lenses && lenses->suspicious())) return false;
   const Contradictions found = contradictions_of(problem, fit.state, sums, hangs_upside_down(prepared));
-  if (!found.odometry.empty() || !found.cameras.empty() || shakes_anywhere(prepared, fit)) return false;
+  if (!found.odometry.empty() || !found.cameras.empty()) return false;
   const std::vector<const BoardView*> left_out = views_left_out(prepared, fit);
   return std::none_of(left_out.begin(), left_out.end(),
                       [&](const BoardView* view) { return count_of(left_out, view->camera) > 1; });
@@ -178,6 +177,7 @@ std::optional<Trial> refit(const Preparation& before, const Fit& fit, const Obse
   if (with_lenses) trial.lenses = lens_test(prepared, refitted);
   trial.lens_strains = lens_strains(prepared, refitted);
   trial.clean = is_clean(prepared, refitted, problem, trial.lenses);
+  trial.shakes = trial.clean && shakes_anywhere(prepared, refitted);
   return trial;
 }
 
@@ -357,7 +357,7 @@ void take(const std::vector<Finding>& findings, bool bends, bool spoils_all, Exa
 }
 
 // What moved during the drive, and what else may be wrong. A step counts if it leaves the data in order: what is wrong
-// otherwise has a best step, too, and so has what is loose all the time.
+// otherwise has a best step, too. So has what is loose all the time, which still shakes then.
 void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std::vector<StepScore>& scores,
                          Examination* found) {
   std::optional<FoundStep> step;
@@ -368,9 +368,10 @@ void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std:
     found->cause = cause_of(prepared, fit, found->symptoms);
   if (step && found->cause && explains_more(*step, *found->cause, prepared.used.stops.size())) found->cause.reset();
   if (found->cause) return;
-  if (step)
+  if (step) {
     take(step->findings, step->bends, true, found);
-  else if (found->motion_suffices() && !found->symptoms.any())
+    if (found->cause) found->cause->leaves_shaking = shakes_anywhere(prepared, step->fit);
+  } else if (found->motion_suffices() && !found->symptoms.any())
     if (const std::optional<FoundDrift> drift = find_yaw_drift(prepared, fit))
       take({drift->finding}, drift->bends, false, found);
 }
@@ -386,6 +387,14 @@ void find_cause_of(const Preparation& prepared, const Fit& fit, const std::vecto
 }
 
 }  // namespace
+
+bool Examination::is_in_order() const {
+  return !cause && wrong_frames.empty() && !symptoms.any() && contradictions.odometry.empty() &&
+         contradictions.cameras.empty() && std::all_of(notes.begin(), notes.end(), [](const Finding& note) {
+           return note.severity == Severity::kNote || note.is("camera.moved_slightly") ||
+                  note.is("board.moved_slightly");
+         });
+}
 
 Examination examine(const Preparation& prepared, const Fit& fit) {
   const Problem problem = problem_at(prepared, fit, fit.noise);

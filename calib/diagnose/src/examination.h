@@ -25,6 +25,8 @@ struct Examination {
   /// If the motion does not determine the mounting, the solution is one of many: its residuals accuse no lens and no
   /// frame.
   bool motion_suffices() const { return motion.kind == MotionKind::kSufficient; }
+  /// Nothing contradicts itself, and nothing is suspected but slight movements.
+  bool is_in_order() const;
   bool lens_spoils() const { return cause && cause->spoils_all; }
 };
 

@@ -17,10 +17,17 @@ Observations without_left_out(const ml::Preparation& prepared, const ml::Fit& fi
   return used;
 }
 
-// Last: what is wrong otherwise displaces images, too.
+// Last: what is wrong otherwise displaces images, too. A cause that leaves them displaced gives way where nothing else
+// is wrong once that is allowed for.
 void allow_for_shaking(const ml::Preparation& prepared, ml::OdometryChoice* choice, ml::Examination* found) {
+  if (!found->wrong_frames.empty() || (found->cause && !found->cause->leaves_shaking)) return;
   const std::optional<ml::Fit> shaken = ml::fit_with_shaking(prepared, choice->fit);
   if (!shaken) return;
+  if (found->cause) {
+    const ml::Examination again = ml::examine(prepared, *shaken);
+    if (!again.is_in_order()) return;
+    *found = again;
+  }
   choice->fit = *shaken;
   if (choice->other)
     if (const std::optional<ml::Fit> other = ml::fit_with_shaking(prepared, *choice->other)) choice->other = other;
@@ -35,7 +42,7 @@ MlEstimate solve(const Observations& observations, const MlOptions& options, std
   if (!prepared.solvable()) return ml::report_unsolvable(prepared);
   ml::OdometryChoice choice = ml::choose_odometry(prepared);
   ml::Examination found = ml::examine(prepared, choice.fit);
-  if (!found.cause && found.wrong_frames.empty()) allow_for_shaking(prepared, &choice, &found);
+  allow_for_shaking(prepared, &choice, &found);
   const ml::Statement stated = ml::state_solution(prepared, choice, found);
   if (basis != nullptr)
     *basis = ml::Basis{without_left_out(prepared, choice.fit),

@@ -40,7 +40,8 @@ NoiseLevels plausible(NoiseLevels levels, std::size_t cameras) {
   levels.odometry_yaw_rad = std::max(levels.odometry_yaw_rad, kMinOdometryYaw_rad);
   levels.suspension_height_m = std::max(levels.suspension_height_m, kMinSuspensionHeight_m);
   levels.suspension_tilt_rad = std::max(levels.suspension_tilt_rad, kMinSuspensionTilt_rad);
-  for (std::vector<double>* scales : {&levels.corner_scale, &levels.ground_scale, &levels.board_plane_scale})
+  for (std::vector<double>* scales :
+       {&levels.corner_scale, &levels.shaken, &levels.ground_scale, &levels.board_plane_scale})
     scales->assign(cameras, 1.0);
   return levels;
 }

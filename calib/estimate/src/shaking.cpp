@@ -102,6 +102,7 @@ std::optional<Fit> fit_with_shaking(const Preparation& prepared, const Fit& with
       if (!levels.corners_given[c]) continue;
       fit.shaken_px[c] = shaking[c].displaced_px;
       problem.noise.corner_scale[c] *= std::sqrt(shaking[c].ratio);
+      problem.noise.shaken[c] *= std::sqrt(shaking[c].ratio);
       change = std::max(change, std::abs(std::log(shaking[c].ratio)));
     }
     if (change < kSettled) break;

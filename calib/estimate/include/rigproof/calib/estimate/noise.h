@@ -24,6 +24,8 @@ struct NoiseLevels {
   std::vector<double> ground_scale;       ///< times the stated sigma of the ground planes, one a camera
   std::vector<double> board_plane_scale;  ///< times the stated sigma of the board's planes, one a camera
   double displacement_scale = 1.0;        ///< times the least displacement of images taken at speed
+  /// What of the corners' scale comes of images that are displaced as a whole: a factor, one a camera.
+  std::vector<double> shaken = {};
 };
 
 /// `levels`, none below the smallest plausible one, with corners and planes as uncertain as stated (scales of 1).
