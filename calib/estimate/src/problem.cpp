@@ -291,10 +291,11 @@ std::optional<std::vector<ViewPull>> Problem::view_pulls(const State& state) con
   const Evaluation here = at(state, Weighting::kInformation);
   std::vector<ViewPull> pulls(whitened_->views.size());
   for (std::size_t v = 0; v < pulls.size(); ++v) {
-    if (view_left_out[v]) continue;
-    LocalBlock block(Group::kCorners, whitened_->views[v].camera);
+    const WhitenedView& view = whitened_->views[v];
+    if (view_left_out[v] || is_displaced(observations_, layout_, view.stop, view.camera)) continue;
+    LocalBlock block(Group::kCorners, view.camera);
     GroupSums sums = empty_sums();
-    pulls[v] = view_pull(here, whitened_->views[v], &block);
+    pulls[v] = view_pull(here, view, &block);
     if (pulls[v].corners > 0) LeverageSink(poses, covariance, &sums).add(block);
     pulls[v].leverage = sum_of(sums, block.group, block.camera).leverage;
   }

@@ -16,13 +16,12 @@ struct Sums {
 // Of the views that others of their stop hold: alone, a camera shakes as its robot does.
 std::vector<Sums> sums_of_cameras(const Observations& observations, const std::vector<ViewPull>& pulls) {
   std::vector<int> views_at(observations.stops.size(), 0);
-  const auto counts = [&pulls](std::size_t v) { return pulls[v].corners > 0 && !pulls[v].at_speed; };
   for (std::size_t v = 0; v < pulls.size(); ++v)
-    if (counts(v)) ++views_at[static_cast<std::size_t>(observations.board_views[v].stop)];
+    if (pulls[v].corners > 0) ++views_at[static_cast<std::size_t>(observations.board_views[v].stop)];
   std::vector<Sums> sums(observations.cameras.size());
   for (std::size_t v = 0; v < pulls.size(); ++v) {
     const BoardView& view = observations.board_views[v];
-    if (!counts(v) || views_at[static_cast<std::size_t>(view.stop)] < 2) continue;
+    if (pulls[v].corners == 0 || views_at[static_cast<std::size_t>(view.stop)] < 2) continue;
     Sums& sum = sums[static_cast<std::size_t>(view.camera)];
     sum.square += pulls[v].square;
     sum.redundancy += kOfView - pulls[v].leverage;
@@ -37,6 +36,7 @@ std::vector<Sums> sums_of_cameras(const Observations& observations, const std::v
 std::vector<Shaking> shaking_of_cameras(const Problem& problem, const State& state) {
   const Observations& observations = problem.observations();
   std::vector<Shaking> all(observations.cameras.size());
+  if (all.size() < 2) return all;
   const std::optional<std::vector<ViewPull>> pulls = problem.view_pulls(state);
   if (!pulls) return all;
   const std::vector<Sums> sums = sums_of_cameras(observations, *pulls);

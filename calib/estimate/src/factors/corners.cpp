@@ -169,7 +169,6 @@ ViewPull view_pull(const Evaluation& at, const WhitenedView& view, LocalBlock* b
   TwistSystem system;
   CornerRows rows(at, view, &system);
   ViewPull pull;
-  pull.at_speed = rows.seen().motion.moves();
   RowJacobian<3, 6> by_twist = RowJacobian<3, 6>::Zero();
   RowJacobian<3, TwistSystem::kMaxDirect> by_direct = RowJacobian<3, TwistSystem::kMaxDirect>::Zero();
   Eigen::Vector3d slope = Eigen::Vector3d::Zero();

@@ -32,7 +32,6 @@ struct ViewPull {
   double square = 0.0;    ///< whitened: by the corners' noise alone three, less what the estimate absorbs
   double leverage = 0.0;  ///< dimensions that the estimate absorbs
   int corners = 0;
-  bool at_speed = false;  ///< its displacement is an unknown
 };
 
 struct Couplings;
@@ -76,7 +75,8 @@ class Problem {
   /// Every prior that counts: of which row, where its unknowns stand among the globals, its information.
   void for_each_prior(const std::function<void(Nuisance, int, const Eigen::MatrixXd&)>& visit) const;
   ViewFit view_fit(const State& state, std::size_t view) const;
-  /// One for each board view, none of those left out; absent if the poses are not determined.
+  /// One for each board view, none of those left out or taken at speed, of which the displacement is an unknown; absent
+  /// if the poses are not determined.
   std::optional<std::vector<ViewPull>> view_pulls(const State& state) const;
   /// Whether each view is left out.
   std::vector<bool> view_left_out;
