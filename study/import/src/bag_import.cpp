@@ -36,25 +36,28 @@ class Planner {
     choice_ = choose_topics(survey_, topic_rules(options_.topics));
     plan_.recording.rig.name = options_.output.filename().string();
     if (options_.board) plan_.recording.rig.board = *options_.board;
-    describe_cameras();
-    take_odometry();
-    check_clocks();
-    keep_frames();
+    describe(choice_.cameras);
+    take_odometry(*choice_.odometry);
+    add_notes(notes_of_clocks());
+    keep_frames(stamps_of(plan_.images));
     return std::move(plan_);
   }
 
  private:
-  std::vector<std::string>& notes() { return plan_.report.notes; }
+  void note(const std::string& text) { plan_.report.notes.push_back(text); }
+  void add_notes(const std::vector<std::string>& texts) {
+    plan_.report.notes.insert(plan_.report.notes.end(), texts.begin(), texts.end());
+  }
 
   // ------------------------------------------------------------------------------------------------------ cameras
 
-  void describe_cameras() {
+  void describe(const std::vector<CameraTopics>& cameras) {
     std::vector<std::string> names;
-    for (const CameraTopics& camera : choice_.cameras) names.push_back(camera.name);
+    for (const CameraTopics& camera : cameras) names.push_back(camera.name);
     const auto infos = values_by_camera(options_.camera_infos, "--camera-info", names, false);
     const auto sensors = values_by_camera(options_.sensors, "--sensor", names, true);
     Problems problems;
-    for (const CameraTopics& topics : choice_.cameras) {
+    for (const CameraTopics& topics : cameras) {
       try {
         describe_camera(topics, infos, sensors);
       } catch (const Error& error) {
@@ -64,10 +67,9 @@ class Planner {
     }
     problems.throw_if_any();
     if (!without_sensor_.empty())
-      notes().push_back(
-          "depth of " + joined(without_sensor_) +
-          " is taken for that of a common stereo camera; say what it is: --sensor d455, or `sensor: d455` "
-          "below each in rig.yaml (`rigproof sensors` lists them)");
+      note("depth of " + joined(without_sensor_) +
+           " is taken for that of a common stereo camera; say what it is: --sensor d455, or `sensor: d455` "
+           "below each in rig.yaml (`rigproof sensors` lists them)");
   }
 
   void describe_camera(const CameraTopics& topics, const std::map<std::string, std::string>& infos,
@@ -113,7 +115,7 @@ class Planner {
                   topics.name + "=FILE");
     try {
       const InfoReading reading = camera_of_info(info.info, is_rectified(images.name));
-      for (const std::string& note : reading.notes) notes().push_back(topics.name + ": " + note);
+      for (const std::string& text : reading.notes) note(topics.name + ": " + text);
       *to_undo = reading.to_undo;
       return reading.camera;
     } catch (const Error& error) {
@@ -141,20 +143,19 @@ class Planner {
     camera->link = camera->optical_frame = tree.way_up(images.frame_id()).front();
     if (images.frame_id().empty()) {
       camera->link = camera->name;
-      notes().push_back(images.name + ": its headers name no frame; say `link` and `optical_frame` in rig.yaml");
+      note(images.name + ": its headers name no frame; say `link` and `optical_frame` in rig.yaml");
     } else if (!tree.has(images.frame_id())) {
-      notes().push_back(images.name + ": its frame " + for_message(images.frame_id()) +
-                        " is not in /tf_static, so that the link by which the camera is mounted is unknown; `link` in "
-                        "rig.yaml is the frame itself");
+      note(images.name + ": its frame " + for_message(images.frame_id()) +
+           " is not in /tf_static, so that the link by which the camera is mounted is unknown; `link` in "
+           "rig.yaml is the frame itself");
     } else {
       camera->link = tree.mount_link(images.frame_id(), robot_frames());
       if (camera->link != camera->optical_frame)
         camera->T_link_camera = tree.between(camera->link, camera->optical_frame);
       const std::string& moved = choice_.odometry->child_frame_id;
       if (!tree.between(moved, camera->optical_frame))
-        notes().push_back("/tf_static does not join " + camera->optical_frame + " with " + for_message(moved) +
-                          ", which " + choice_.odometry->name + " moves: `export` hangs " + camera->link +
-                          " on the robot frame itself");
+        note("/tf_static does not join " + camera->optical_frame + " with " + for_message(moved) + ", which " +
+             choice_.odometry->name + " moves: `export` hangs " + camera->link + " on the robot frame itself");
     }
   }
 
@@ -169,7 +170,7 @@ class Planner {
     if (preset) camera->sensor = sensor->second;
     std::vector<std::string> depth_notes;
     if (depth != nullptr) camera->depth = depth_of_topic(survey_, *depth, images, camera->camera, &depth_notes);
-    for (const std::string& note : depth_notes) notes().push_back(topics.name + ": " + note);
+    for (const std::string& text : depth_notes) note(topics.name + ": " + text);
     if (!camera->depth) depth = nullptr;
     if (depth != nullptr && preset && preset->depth) {
       camera->depth->min_m = preset->depth->min_m;
@@ -184,36 +185,32 @@ class Planner {
   // ----------------------------------------------------------------------------------------------------- odometry
 
   // The robot frame lies on the ground below the frame that odometry moves.
-  Rigid3 find_robot_frame() {
-    const std::string& child = choice_.odometry->child_frame_id;
-    Rig& rig = plan_.recording.rig;
-    rig.robot_frame = options_.robot_frame.empty() ? kGroundFrame : options_.robot_frame;
-    const std::optional<Rigid3> T = survey_.tf_static.between(child, rig.robot_frame);
-    if (!T && !options_.robot_frame.empty() && options_.robot_frame != child &&
-        survey_.tf_static.has(options_.robot_frame))
-      throw Error("--robot-frame " + for_message(options_.robot_frame) + ": /tf_static does not join it with " + child +
-                  ", which " + choice_.odometry->name + " moves");
+  Rigid3 T_child_robot(const PoseTopic& odometry, const std::string& robot_frame) {
+    const std::string& child = odometry.child_frame_id;
+    const std::optional<Rigid3> T = survey_.tf_static.between(child, robot_frame);
+    if (!T && !options_.robot_frame.empty() && robot_frame != child && survey_.tf_static.has(robot_frame))
+      throw Error("--robot-frame " + for_message(robot_frame) + ": /tf_static does not join it with " + child +
+                  ", which " + odometry.name + " moves");
     if (!T)
-      notes().push_back("/tf_static has no " + rig.robot_frame + ": it stands for the point on the ground below " +
-                        child + ", which " + choice_.odometry->name + " moves");
+      note("/tf_static has no " + robot_frame + ": it stands for the point on the ground below " + child + ", which " +
+           odometry.name + " moves");
     return T.value_or(Rigid3());
   }
 
-  void take_odometry() {
-    const PoseTopic& topic = *choice_.odometry;
-    const Rigid3 T_child_robot = find_robot_frame();
-    std::vector<TimedPose> poses;
-    for (const StampedPose& pose : topic.poses)
-      poses.push_back({seconds(pose.stamp_ns), pose.T_odom_child * T_child_robot});
-    GroundTrack track = ground_track(poses);
+  void take_odometry(const PoseTopic& topic) {
     InitReport& report = plan_.report;
+    report.robot_frame = options_.robot_frame.empty() ? kGroundFrame : options_.robot_frame;
+    plan_.recording.rig.robot_frame = report.robot_frame;
+    const Rigid3 T = T_child_robot(topic, report.robot_frame);
+    std::vector<TimedPose> poses;
+    for (const StampedPose& pose : topic.poses) poses.push_back({seconds(pose.stamp_ns), pose.T_odom_child * T});
+    GroundTrack track = ground_track(poses);
     report.odometry = topic.name;
     report.odometry_rows = track.odometry.size();
     report.duration_s = track.odometry.back().stamp_s - track.odometry.front().stamp_s;
     report.tilt_deg = track.tilt_deg;
     report.rise_m = track.rise_m;
-    report.robot_frame = plan_.recording.rig.robot_frame;
-    if (const std::string note = level_note(topic.name, track); !note.empty()) notes().push_back(note);
+    if (const std::string text = level_note(topic.name, track); !text.empty()) note(text);
     plan_.recording.odometry = std::move(track.odometry);
   }
 
@@ -229,7 +226,9 @@ class Planner {
     return {seconds(images.images.front().stamp_ns), seconds(images.images.back().stamp_ns)};
   }
 
-  void check_clocks() {
+  // Throws Error where a camera's stamps never meet those of the odometry.
+  std::vector<std::string> notes_of_clocks() const {
+    std::vector<std::string> notes;
     const auto& odometry = plan_.recording.odometry;
     const Span driven{odometry.front().stamp_s, odometry.back().stamp_s};
     Problems problems;
@@ -239,10 +238,11 @@ class Planner {
         problems.add({"", 0, "camera " + plan_.report.cameras[i].name, "",
                       plan_.images[i]->name + " has stamps from " + seen.text() + ", " + choice_.odometry->name +
                           " from " + driven.text() + clock_remedy(*plan_.images[i])});
-      else
-        note_lag(*plan_.images[i]);
+      else if (const std::string text = note_of_lag(*plan_.images[i]); !text.empty())
+        notes.push_back(text);
     }
     problems.throw_if_any();
+    return notes;
   }
 
   const Clocks* clocks_of(const std::string& topic) const {
@@ -263,32 +263,36 @@ class Planner {
   }
 
   // Headers of one clock lag behind the log alike.
-  void note_lag(const ImageTopic& images) {
+  std::string note_of_lag(const ImageTopic& images) const {
     const Clocks* camera = clocks_of(images.name);
     const Clocks* wheels = clocks_of(choice_.odometry->name);
     constexpr double kAlike_s = 0.5;
-    if (options_.log_stamps || camera == nullptr || wheels == nullptr) return;
+    if (options_.log_stamps || camera == nullptr || wheels == nullptr) return "";
     const double lag =
         seconds(camera->last_log_ns - camera->last_stamp_ns) - seconds(wheels->last_log_ns - wheels->last_stamp_ns);
-    if (std::abs(lag) > kAlike_s)
-      notes().push_back(images.name + ": its headers are " + fixed_text(lag, 2) +
-                        " s further behind the time of recording than those of " + choice_.odometry->name +
-                        "; if their clocks differ, `--stamps log` takes the times of recording");
+    if (std::abs(lag) <= kAlike_s) return "";
+    return images.name + ": its headers are " + fixed_text(lag, 2) +
+           " s further behind the time of recording than those of " + choice_.odometry->name +
+           "; if their clocks differ, `--stamps log` takes the times of recording";
   }
 
   // ------------------------------------------------------------------------------------------------------- frames
 
-  void keep_frames() {
+  static std::vector<std::vector<double>> stamps_of(const std::vector<const ImageTopic*>& topics) {
     std::vector<std::vector<double>> stamps_s;
-    for (const ImageTopic* images : plan_.images) {
+    for (const ImageTopic* images : topics) {
       stamps_s.emplace_back();
       for (const StampedPlace& image : images->images) stamps_s.back().push_back(seconds(image.stamp_ns));
     }
+    return stamps_s;
+  }
+
+  void keep_frames(const std::vector<std::vector<double>>& stamps_s) {
     const FrameChoice kept =
         choose_frames(stamps_s, plan_.recording.odometry, {options_.every_image, options_.images_per_stop});
     plan_.report.stops = kept.stops;
     plan_.report.moving_images = kept.moving;
-    for (const std::string& note : choice_notes(kept, options_.images_per_stop)) notes().push_back(note);
+    add_notes(choice_notes(kept, options_.images_per_stop));
     for (std::size_t camera = 0; camera < plan_.images.size(); ++camera) keep_frames_of(camera, kept);
   }
 
@@ -321,11 +325,11 @@ class Planner {
     const bool any =
         std::any_of(pairs.nearest.begin(), pairs.nearest.end(), [](const auto& one) { return one.has_value(); });
     if (!any)
-      notes().push_back(camera + ": " + depth.name + " is left out: its stamps are " + ms(pairs.least_gap_s) +
-                        " and more beside those of the images; 20 ms are allowed");
+      note(camera + ": " + depth.name + " is left out: its stamps are " + ms(pairs.least_gap_s) +
+           " and more beside those of the images; 20 ms are allowed");
     else if (pairs.largest_gap_s > 1e-3)
-      notes().push_back(camera + ": depth is up to " + ms(pairs.largest_gap_s) +
-                        " beside its image; each image has the nearest one, which is right while the robot stands");
+      note(camera + ": depth is up to " + ms(pairs.largest_gap_s) +
+           " beside its image; each image has the nearest one, which is right while the robot stands");
   }
 
   const BagSurvey& survey_;

@@ -55,6 +55,53 @@ bool is_trajectory(const fs::path& file) {
   }
 }
 
+std::vector<OdometrySample> rows_of_odometry(const fs::path& file) {
+  Problems problems;
+  std::vector<OdometrySample> odometry = read_odometry_csv(file, &problems);
+  problems.throw_if_any();
+  return odometry;
+}
+
+GroundTrack track_of_trajectory(const fs::path& file) {
+  constexpr double kUpright_deg = 30.0;
+  std::vector<TimedPose> poses;
+  for (const TrajectoryPose& pose : read_trajectory(file)) poses.push_back({pose.stamp_s, pose.T_world_body});
+  GroundTrack track = ground_track(poses);
+  if (track.tilt_deg > kUpright_deg)
+    throw Error(file.string() + ": its poses tilt by up to " + fixed_text(track.tilt_deg, 0) +
+                " deg: z does not point up, in the world or in what moves; write poses of the robot with x forward "
+                "and z up");
+  return track;
+}
+
+// Says in the report what was read.
+std::vector<OdometrySample> read_odometry(const fs::path& file, InitReport* report) {
+  report->odometry = file.filename().string();
+  GroundTrack track;
+  if (report->odometry == "odometry.csv") {
+    track.odometry = rows_of_odometry(file);
+  } else {
+    track = track_of_trajectory(file);
+    report->tilt_deg = track.tilt_deg;
+    report->rise_m = track.rise_m;
+    if (const std::string note = level_note(report->odometry, track); !note.empty()) report->notes.push_back(note);
+  }
+  if (track.odometry.size() < 2) throw Error(file.string() + ": has fewer than two poses");
+  report->odometry_rows = track.odometry.size();
+  report->duration_s = track.odometry.back().stamp_s - track.odometry.front().stamp_s;
+  return track.odometry;
+}
+
+// Of each camera.
+std::vector<std::vector<double>> stamps_of(const std::vector<std::vector<StampedFile>>& files) {
+  std::vector<std::vector<double>> stamps_s;
+  for (const std::vector<StampedFile>& of_camera : files) {
+    stamps_s.emplace_back();
+    for (const StampedFile& file : of_camera) stamps_s.back().push_back(file.stamp_s);
+  }
+  return stamps_s;
+}
+
 class FolderPlanner {
  public:
   FolderPlanner(const InitOptions& options, fs::path scratch) : options_(options), scratch_(std::move(scratch)) {}
@@ -67,41 +114,13 @@ class FolderPlanner {
     const std::vector<CameraFolder> cameras = find_cameras(options_.source);
     if (cameras.empty())
       throw Error(options_.source.string() + ": holds no bag, no images, and no folders with images (PNG or JPEG)");
-    read_odometry();
+    plan_.recording.odometry = read_odometry(find_trajectory(options_), &plan_.report);
     describe(cameras);
-    keep_frames();
+    keep_frames(stamps_of(files_));
     return std::move(plan_);
   }
 
  private:
-  void read_odometry() {
-    const fs::path file = find_trajectory(options_);
-    InitReport& report = plan_.report;
-    report.odometry = file.filename().string();
-    std::vector<OdometrySample>& odometry = plan_.recording.odometry;
-    if (file.filename() == "odometry.csv") {
-      Problems problems;
-      odometry = read_odometry_csv(file, &problems);
-      problems.throw_if_any();
-    } else {
-      std::vector<TimedPose> poses;
-      for (const TrajectoryPose& pose : read_trajectory(file)) poses.push_back({pose.stamp_s, pose.T_world_body});
-      GroundTrack track = ground_track(poses);
-      constexpr double kUpright_deg = 30.0;
-      if (track.tilt_deg > kUpright_deg)
-        throw Error(file.string() + ": its poses tilt by up to " + fixed_text(track.tilt_deg, 0) +
-                    " deg: z does not point up, in the world or in what moves; write poses of the robot with x forward "
-                    "and z up");
-      report.tilt_deg = track.tilt_deg;
-      report.rise_m = track.rise_m;
-      if (const std::string note = level_note(report.odometry, track); !note.empty()) report.notes.push_back(note);
-      odometry = std::move(track.odometry);
-    }
-    if (odometry.size() < 2) throw Error(file.string() + ": has fewer than two poses");
-    report.odometry_rows = odometry.size();
-    report.duration_s = odometry.back().stamp_s - odometry.front().stamp_s;
-  }
-
   void describe(const std::vector<CameraFolder>& cameras) {
     std::vector<std::string> names;
     for (const CameraFolder& camera : cameras) names.push_back(camera.name);
@@ -153,12 +172,7 @@ class FolderPlanner {
     plan_.report.cameras.push_back(report);
   }
 
-  void keep_frames() {
-    std::vector<std::vector<double>> stamps_s;
-    for (const auto& files : files_) {
-      stamps_s.emplace_back();
-      for (const StampedFile& file : files) stamps_s.back().push_back(file.stamp_s);
-    }
+  void keep_frames(const std::vector<std::vector<double>>& stamps_s) {
     const FrameChoice kept =
         choose_frames(stamps_s, plan_.recording.odometry, {options_.every_image, options_.images_per_stop});
     plan_.report.stops = kept.stops;

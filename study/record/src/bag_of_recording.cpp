@@ -67,7 +67,7 @@ class Writer {
       else
         write_frame(recording_.rig.cameras[event.source], recording_.frames[event.source][event.index]);
     bag_.finish();
-    note_what_is_left_out();
+    report_.notes = notes();
     return std::move(report_);
   }
 
@@ -112,7 +112,7 @@ class Writer {
     const fs::path color = path_inside(recording_.folder, frame.color_file);
     write_picture(name, camera.camera, header, color_message_of(color, header, options_.compressed_images));
     ++report_.images;
-    step();
+    tell_progress();
     if (!frame.cloud_file.empty()) write_cloud(name, frame, header);
     if (frame.depth_file.empty() || !camera.depth) return;
     const RosHeader deep{header.stamp_ns, depth_frame_in_bag(camera)};
@@ -121,7 +121,7 @@ class Writer {
                   depth_message_of(path_inside(recording_.folder, frame.depth_file), deep, camera.depth->unit_m,
                                    options_.compressed_images));
     ++report_.depth_images;
-    step();
+    tell_progress();
   }
 
   // Points are in the frame of the pictures.
@@ -137,16 +137,18 @@ class Writer {
     put(name + "/image_raw" + picture.transport, picture.type.c_str(), header.stamp_ns, picture.bytes);
   }
 
-  void step() {
+  void tell_progress() const {
     if (options_.progress && !options_.progress(report_.images + report_.depth_images, total_))
       throw Error("interrupted", ExitCode::kTryAgain);
   }
 
-  void note_what_is_left_out() {
+  std::vector<std::string> notes() const {
+    std::vector<std::string> all;
     if (!unmounted_.empty())
-      report_.notes.push_back("/tf_static does not say where " + joined(unmounted_) +
-                              (unmounted_.size() > 1 ? " are" : " is") + " mounted: that is sought");
-    if (!recording_.segments.empty()) report_.notes.emplace_back("segments.csv is left out: a bag has no place for it");
+      all.push_back("/tf_static does not say where " + joined(unmounted_) + (unmounted_.size() > 1 ? " are" : " is") +
+                    " mounted: that is sought");
+    if (!recording_.segments.empty()) all.emplace_back("segments.csv is left out: a bag has no place for it");
+    return all;
   }
 
   const Recording& recording_;
