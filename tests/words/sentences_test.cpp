@@ -67,6 +67,14 @@ TEST(Sentences, OptionalPartsNeedTheirValues) {
             "One of these moved, and the images do not tell which: left, right, the whole rig.");
 }
 
+TEST(Sentences, ACauseSaysOfWhichCameraItIs) {
+  const Finding all("frames.misordered", {{"order", "backwards"}});
+  EXPECT_EQ(words::sentence_of(all),
+            "Most likely cause: the frames do not come in the order of their stamps, but backwards.");
+  EXPECT_EQ(words::sentence_of(Finding(all).of("left")),
+            "Most likely cause: the frames of left do not come in the order of their stamps, but backwards.");
+}
+
 TEST(Sentences, WordsGoByNumber) {
   const auto poses = [](int count) { return worded(Finding("motion.too_few_poses", {{"poses", count}}).along({"x"})); };
   EXPECT_THAT(poses(0), testing::HasSubstr("only 0 usable poses,"));

@@ -91,9 +91,15 @@ class Filler {
   bool all_known(std::string_view part) const {
     for (std::size_t open = part.find('{'); open != std::string_view::npos; open = part.find('{', open + 1)) {
       const std::string name(part.substr(open + 1, part.find_first_of(":|}", open) - open - 1));
-      if (name == "because" ? finding_.because.empty() : finding_.find(name) == nullptr) return false;
+      if (!is_known(name)) return false;
     }
     return true;
+  }
+
+  bool is_known(const std::string& name) const {
+    if (name == "because") return !finding_.because.empty();
+    if (name == "cameras") return !finding_.cameras.empty();
+    return finding_.find(name) != nullptr;
   }
 
   std::string filled(std::string_view part) const {

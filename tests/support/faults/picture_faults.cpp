@@ -183,7 +183,7 @@ void add_orders(std::vector<RecordingFault>* faults) {
   faults->push_back(arranged("two images of one camera swapped", kOrder, [](std::size_t i, std::size_t) {
     return i == 4 ? 9 : i == 9 ? std::size_t{4} : i;
   }));
-  push(arranged("images of one camera in backward order", kOrder,
+  push(arranged("images of one camera in backward order", {"frames.misordered"},
                 [](std::size_t i, std::size_t count) { return count - 1 - i; }),
        "frames.misordered");
 }
