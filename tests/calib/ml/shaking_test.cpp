@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration_truth.h"
+#include "examination.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
@@ -33,7 +34,7 @@ MlOptions options_of_run() {
   return options;
 }
 
-// Neither is known how the robot stands.
+// Nor how steadily the robot stands.
 MlOptions options_of_stranger() {
   MlOptions options = options_of_run();
   options.suspension_height_sigma_m.reset();
@@ -103,6 +104,34 @@ TEST(MlShaking, OfTwoCamerasTheRightOneIsBlamed) {
     ASSERT_EQ(findings.size(), 1U) << seed;
     EXPECT_EQ(findings.front()->cameras, std::vector{run.observations.cameras[kLoose].name});
   }
+}
+
+// Shaking explains a little of all that displaces images: what is wrong beside it is still refused.
+TEST(MlShaking, ExcusesNothingElse) {
+  GeometricRun run = drive(2);
+  shake(kLoose, 1.0, 2, &run.observations);
+  Camera& stated = run.observations.cameras[0].camera;
+  stated.fx_px *= 1.03;
+  stated.fy_px *= 1.03;
+  const Result result = estimate_maximum_likelihood(run.observations, options_of_run()).result;
+  EXPECT_NE(result.status, ResultStatus::kSolved);
+  ASSERT_FALSE(result.reasons.empty());
+  EXPECT_EQ(result.reasons.front().cameras, std::vector{run.observations.cameras[0].name});
+}
+
+// Images upside down were answered, wrong by 260 sigmas, when shaking was believed beside depth that did not fit them.
+TEST(MlShaking, IsBelievedOnlyWhereNothingElseIsSuspected) {
+  const ml::Examination clean;
+  EXPECT_TRUE(clean.is_in_order());
+  ml::Examination moved = clean, misplaced = clean, contradicted = clean, caused = clean;
+  moved.notes.push_back(Finding("camera.moved_slightly"));
+  misplaced.notes.push_back(Finding("depth.misplaced"));
+  contradicted.contradictions.cameras.push_back(Finding("corners.off"));
+  caused.cause = ml::Cause{{Finding("camera.moved")}};
+  EXPECT_TRUE(moved.is_in_order());
+  EXPECT_FALSE(misplaced.is_in_order());
+  EXPECT_FALSE(contradicted.is_in_order());
+  EXPECT_FALSE(caused.is_in_order());
 }
 
 // Alone, it shakes as its robot does: nothing holds its views.
