@@ -2,24 +2,26 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
 namespace rigproof::ml {
 namespace {
 
-// Of what is strongest: what is weaker is rounding, where the board never was.
+// Of what is strongest, or of what it was before something was taken out: what is weaker is rounding.
 constexpr double kIndependent = 1e-7;
 
 // r = B f + e without what the views' poses follow: A = B' B, u = B' r. The last of f is what is smooth: a change of
 // the lens, a turn of the camera, polynomials.
 struct NormalEquations {
-  explicit NormalEquations(int size) : A(Eigen::MatrixXd::Zero(size, size)), u(Eigen::VectorXd::Zero(size)) {}
+  explicit NormalEquations(int size)
+      : A(Eigen::MatrixXd::Zero(size, size)), u(Eigen::VectorXd::Zero(size)), with_poses(Eigen::VectorXd::Zero(size)) {}
   Eigen::MatrixXd A;
   Eigen::VectorXd u;
-  double squares = 0.0;  // of r
-  double degrees = 0.0;  // of freedom of r
+  Eigen::VectorXd with_poses;  // squares of the columns of B before what poses follow is taken out
+  double squares = 0.0;        // of r
+  double degrees = 0.0;        // of freedom of r
 };
 
 // Of a view: which of f its columns are.
@@ -63,6 +65,7 @@ void add(const LeftOver& view, const FineField& fine, const LensField& smooth, N
   const Eigen::VectorXd u = B.transpose() * r;
   for (std::size_t i = 0; i < places.size(); ++i) {
     sum->u[places[i]] += u[static_cast<Eigen::Index>(i)];
+    sum->with_poses[places[i]] += B.col(static_cast<Eigen::Index>(i)).squaredNorm();
     for (std::size_t j = 0; j < places.size(); ++j)
       sum->A(places[j], places[i]) += A(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i));
   }
@@ -75,63 +78,79 @@ void add(const LeftOver& view, const FineField& fine, const LensField& smooth, N
 NormalEquations of_fine_alone(const NormalEquations& all, int fines) {
   const Eigen::Index smooth = all.u.size() - fines;
   NormalEquations fine(fines);
-  const Eigen::VectorXd scale = all.A.diagonal().tail(smooth).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd across = all.A.topRightCorner(fines, smooth) * scale.asDiagonal();
-  const Eigen::VectorXd u = scale.cwiseProduct(all.u.tail(smooth));
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
-  inverse.setThreshold(kIndependent);
-  inverse.compute(scale.asDiagonal() * all.A.bottomRightCorner(smooth, smooth) * scale.asDiagonal());
-  const Eigen::VectorXd by_u = inverse.solve(u);
-  fine.squares = all.squares - u.dot(by_u);
-  fine.degrees = all.degrees - static_cast<double>(inverse.rank());
-  fine.u = all.u.head(fines) - across * by_u;
-  fine.A = all.A.topLeftCorner(fines, fines) - across * inverse.solve(across.transpose());
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(smooth);
+  for (Eigen::Index i = 0; i < smooth; ++i)  // of what poses follow rounding is left
+    if (const double square = all.A(fines + i, fines + i); square > kIndependent * all.with_poses[fines + i])
+      scale[i] = 1.0 / std::sqrt(square);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      scale.asDiagonal() * all.A.bottomRightCorner(smooth, smooth) * scale.asDiagonal());
+  const Eigen::Index kept = (eigen.eigenvalues().array() > kIndependent * eigen.eigenvalues()[smooth - 1]).count();
+  const Eigen::MatrixXd orthonormal = scale.asDiagonal() * eigen.eigenvectors().rightCols(kept) *
+                                      eigen.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd across = all.A.topRightCorner(fines, smooth) * orthonormal;
+  const Eigen::VectorXd u = orthonormal.transpose() * all.u.tail(smooth);
+  fine.squares = all.squares - u.squaredNorm();
+  fine.degrees = all.degrees - static_cast<double>(kept);
+  fine.with_poses = all.with_poses.head(fines);
+  fine.u = all.u.head(fines) - across * u;
+  fine.A = all.A.topLeftCorner(fines, fines) - across * across.transpose();
   return fine;
 }
 
-// Of independent numbers: c_i has variance v d_i^2 + s d_i, and the rest of the squares has s a degree of freedom.
-class Spectrum {
+// Independent numbers of variance v displace: u has variance v A A + s A, and all of the squares have s a degree of
+// freedom besides. A is reduced to three diagonals once, so that each v costs little.
+class Likelihood {
  public:
-  explicit Spectrum(const NormalEquations& sums) : degrees_(sums.degrees), rest_(sums.squares) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sums.A);
-    const double least = kIndependent * std::max(eigen.eigenvalues().maxCoeff(), 0.0);
-    for (Eigen::Index i = 0; i < sums.u.size(); ++i) {
-      const double d = eigen.eigenvalues()[i];
-      if (!(d > least)) continue;
-      const double c = eigen.eigenvectors().col(i).dot(sums.u);
-      strengths_.push_back(d);
-      squares_.push_back(c * c / d);
-      rest_ -= squares_.back();
-    }
-    rest_ = std::max(rest_, 0.0);
+  explicit Likelihood(const NormalEquations& sums) : degrees_(sums.degrees), squares_(sums.squares) {
+    std::vector<int> seen;
+    for (Eigen::Index i = 0; i < sums.u.size(); ++i)
+      if (sums.A(i, i) > kIndependent * sums.with_poses[i]) seen.push_back(static_cast<int>(i));
+    if (seen.empty()) return;
+    const Eigen::Tridiagonalization<Eigen::MatrixXd> tridiagonal(sums.A(seen, seen));
+    diagonal_ = tridiagonal.diagonal();
+    beside_ = tridiagonal.subDiagonal();
+    u_ = tridiagonal.matrixQ().adjoint() * Eigen::VectorXd(sums.u(seen));
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
+    eigen.computeFromTridiagonal(diagonal_, beside_, Eigen::EigenvaluesOnly);
+    strengths_ = eigen.eigenvalues().cwiseMax(0.0);
+    rank_ = static_cast<double>((strengths_.array() > kIndependent * strengths_.maxCoeff()).count());
   }
-  bool tells() const { return degrees_ > static_cast<double>(strengths_.size()) && !strengths_.empty(); }
+  bool tells() const { return rank_ > 0.0 && degrees_ > rank_; }
 
-  // Log likelihood of a variance of the nodes, at the noise that fits best with it.
-  double log_likelihood(double variance, double* noise) const {
-    double sum = 0.0;
+  // Its logarithm for a variance of the nodes, at the noise that fits best with it.
+  double log(double variance) const {
+    double noise = std::max(squares_, 1e-9) / degrees_, left = squares_;
     for (int round = 0; round < 8; ++round) {
-      sum = rest_;
-      for (std::size_t i = 0; i < strengths_.size(); ++i)
-        sum += squares_[i] / (1.0 + variance * strengths_[i] / *noise);
-      *noise = std::max(sum / degrees_, 1e-12);
+      left = std::max(squares_ - explained(variance / noise), 0.0);
+      noise = std::max(left / degrees_, 1e-12);
     }
-    double logs = (degrees_ - static_cast<double>(strengths_.size())) * std::log(*noise);
-    for (const double d : strengths_) logs += std::log(*noise + variance * d);
-    double fit = rest_ / *noise;
-    for (std::size_t i = 0; i < strengths_.size(); ++i) fit += squares_[i] / (*noise + variance * strengths_[i]);
-    return -0.5 * (logs + fit);
+    left = std::max(squares_ - explained(variance / noise), 0.0);
+    const double log_determinant = (variance / noise * strengths_).array().log1p().sum();
+    return -0.5 * (degrees_ * std::log(noise) + log_determinant + left / noise);
   }
-  double noise_at_first() const { return std::max(rest_, 1e-9) / degrees_; }
 
  private:
-  double degrees_, rest_;
-  std::vector<double> strengths_, squares_;
+  // By the numbers, of the squares: t u' (I + t A)^-1 u, t what the variance is of the noise.
+  double explained(double t) const {
+    double sum = 0.0, pivot = 0.0, forward = 0.0;  // of Gaussian elimination, row by row
+    for (Eigen::Index i = 0; i < u_.size(); ++i) {
+      const double before = i > 0 ? t * beside_[i - 1] : 0.0, by = i > 0 ? before / pivot : 0.0;
+      pivot = std::max(1.0, 1.0 + t * diagonal_[i] - by * before);  // less is rounding
+      forward = u_[i] - by * forward;
+      sum += forward * forward / pivot;
+    }
+    return t * sum;
+  }
+
+  double degrees_, squares_, rank_ = 0.0;
+  Eigen::VectorXd diagonal_, beside_, u_, strengths_;
 };
 
-// Its tails are those of Student's t of four degrees of freedom: data decide where they speak.
-double log_prior(double sigma_px, double scale_px) {
-  return std::log(sigma_px) - 2.5 * std::log1p(0.25 * std::pow(sigma_px / scale_px, 2));  // on a logarithmic grid
+// Density of the logarithm of a size, a multiple of what is stated: Student's t of four degrees of freedom around it,
+// so that data decide where they speak.
+double log_prior(double size) {
+  constexpr double kSigma = 0.25;  // a factor of 1.3
+  return -2.5 * std::log1p(0.25 * std::pow(std::log(size) / kSigma, 2));
 }
 
 }  // namespace
@@ -143,23 +162,24 @@ FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, 
   NormalEquations all(fine.size() + smooth.followed_size());
   for (const LeftOver& view : views) add(view, fine, smooth, &all);
   const NormalEquations sums = of_fine_alone(all, fine.size());
-  const Spectrum spectrum(sums);
-  double noise = spectrum.noise_at_first(), best = -1e300;
-  std::vector<double> variances, logs;
+  const Likelihood likelihood(sums);
+  std::vector<double> variances, priors, logs;
   for (int i = 0; i < kPoints; ++i) {
-    const double sigma = prior_px * kLeast * std::pow(kMost / kLeast, i / (kPoints - 1.0));
-    variances.push_back(sigma * sigma);
-    logs.push_back(log_prior(sigma, prior_px) +
-                   (spectrum.tells() ? spectrum.log_likelihood(sigma * sigma, &noise) : 0.0));
-    best = std::max(best, logs.back());
+    const double size = kLeast * std::pow(kMost / kLeast, i / (kPoints - 1.0));
+    variances.push_back(std::pow(size * prior_px, 2));
+    priors.push_back(log_prior(size));
+    logs.push_back(priors.back() + (likelihood.tells() ? likelihood.log(variances.back()) : 0.0));
   }
-  double weights = 0.0, mean = 0.0;
+  const double best = *std::max_element(logs.begin(), logs.end()),
+               none = likelihood.tells() ? likelihood.log(0.0) : 0.0;
+  double all_priors = 0.0, weights = 0.0, mean = 0.0;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const double weight = std::exp(logs[i] - best);
+    all_priors += std::exp(priors[i]);
     weights += weight;
     mean += weight * variances[i];
   }
-  return {std::sqrt(mean / weights), best + std::log(weights)};
+  return {std::sqrt(mean / weights), best - none + std::log(weights / all_priors)};
 }
 
 }  // namespace rigproof::ml

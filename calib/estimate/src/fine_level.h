@@ -12,16 +12,16 @@ namespace rigproof::ml {
 struct LeftOver {
   const ViewRows* rows;
   Eigen::VectorXd residual;  ///< whitened by what is stated
-  Eigen::VectorXd weights;
+  Eigen::VectorXd weights;   ///< of each row: weights that fall with the residual would make the field look smaller
 };
 
 struct FineLevel {
   double sigma_px;      ///< root mean square at the nodes
-  double log_evidence;  ///< of the field's grid: likelihood of what is left, averaged over the prior of the size
+  double log_evidence;  ///< of the grid against no field: likelihood of what is left, averaged over the size's prior
 };
 /// By restricted likelihood: poses of the views and what polynomials follow are projected out. Where the images tell
 /// little the size is near what the prior says.
-/// @param prior_px scale of its prior, whose tails are wide
+/// @param prior_px median of its prior, at the nodes; the prior's tails are wide
 FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, const LensField& smooth,
                      double prior_px);
 

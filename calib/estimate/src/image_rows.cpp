@@ -40,6 +40,7 @@ ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Obser
     Eigen::Vector2d pixel;
     Eigen::Matrix<double, 2, 3> by_point;
     if (!corner.whitening.allFinite() || !lens.project(q, &pixel, &by_point)) continue;
+    result.pixels.back() = pixel;
     const Eigen::Matrix2d& W = result.whitening.back() = corner.whitening;
     const auto at = static_cast<Eigen::Index>(2 * i);
     const Eigen::Matrix<double, 2, 3> by_offset = W * by_point * R;

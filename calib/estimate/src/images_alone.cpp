@@ -191,23 +191,36 @@ bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
   return changed;
 }
 
-// A field that the coarse grid has for much larger than stated may be a finer one, which bends more within a board: how
-// large it is says the likeliest of a few grids. The coarse one stays what is counted with.
+// How fine the field of a lens is nobody states. Before any data the grids and none at all are alike.
 RemovedErrors::Fine fine_field(const std::vector<LeftOver>& views, const LensField& smooth, double prior_px) {
-  constexpr double kLarge = 2.0;
-  constexpr std::array<int, 2> kFiner = {12, 16};
-  const FineLevel coarse = fine_level(views, FineField(smooth.camera()), smooth, prior_px);
-  FineLevel likeliest = coarse;
-  int likely_cells = FineField::kCoarse;
-  if (FineField::kRms * coarse.sigma_px > kLarge * prior_px) {
-    for (const int cells : kFiner) {
-      const FineLevel finer = fine_level(views, FineField(smooth.camera(), cells), smooth, prior_px);
-      if (finer.log_evidence < likeliest.log_evidence) continue;
-      likeliest = finer;
-      likely_cells = cells;
-    }
+  constexpr std::array<int, 2> kGrids = {FineField::kCoarse, 2 * FineField::kCoarse};
+  constexpr double kUnlikely = 0.01;  // is left out
+  std::array<FineLevel, kGrids.size()> levels{};
+  double most = 0.0;  // of the logarithms: that of none
+  RemovedErrors::Fine fine;
+  for (std::size_t i = 0; i < kGrids.size(); ++i) {
+    levels[i] = fine_level(views, FineField(smooth.camera(), kGrids[i]), smooth, prior_px / FineField::kRms);
+    if (i > 0 && levels[i].log_evidence < levels[0].log_evidence) continue;
+    fine.likely_px = FineField::kRms * levels[i].sigma_px;
+    most = std::max(most, levels[i].log_evidence);
   }
-  return {coarse.sigma_px, FineField::kRms * likeliest.sigma_px, likely_cells};
+  double sum = std::exp(-most);
+  for (const FineLevel& level : levels) sum += std::exp(level.log_evidence - most);
+  for (std::size_t i = 0; i < kGrids.size(); ++i) {
+    const double share = std::exp(levels[i].log_evidence - most) / sum;
+    if (share > kUnlikely) fine.grids.push_back({kGrids[i], std::sqrt(share) * levels[i].sigma_px});
+  }
+  return fine;
+}
+
+// 1 for rows of corners that fit, 0 for others. Weights that fall with the residual would make a field that adds to
+// noise look smaller than it is.
+Eigen::VectorXd used_rows(const Eigen::VectorXd& residual, double level) {
+  constexpr double kMostSigmas = 5.0;
+  Eigen::VectorXd weights(residual.size());
+  for (Eigen::Index i = 0; i + 1 < residual.size(); i += 2)
+    weights.segment<2>(i).setConstant(residual.segment<2>(i).squaredNorm() < kMostSigmas * kMostSigmas * level);
+  return weights;
 }
 
 std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
@@ -219,12 +232,10 @@ std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
     const int camera = static_cast<int>(c);
     std::vector<LeftOver> seen;
     for (std::size_t v = 0; v < views.size(); ++v)
-      if (views[v].camera == camera)
-        seen.push_back({&views[v], residuals[v], levels[c] * weighted(views[v], residuals[v], levels[c]).weights});
+      if (views[v].camera == camera) seen.push_back({&views[v], residuals[v], used_rows(residuals[v], levels[c])});
     const double prior = observations.cameras[c].intrinsics_sigma.residual_px;
     const bool has_field = errors.field(camera) >= 0 && !seen.empty();
-    fine.push_back(has_field ? fine_field(seen, errors.lens_field(camera), prior)
-                             : RemovedErrors::Fine{0.0, 0.0, FineField::kCoarse});
+    fine.push_back(has_field ? fine_field(seen, errors.lens_field(camera), prior) : RemovedErrors::Fine{});
   }
   return fine;
 }
@@ -235,8 +246,10 @@ std::vector<FineGrid> bending_grids(const std::vector<RemovedErrors::Fine>& fine
   std::vector<FineGrid> grids;
   for (std::size_t c = 0; c < fine.size(); ++c) {
     const double stated_px = observations.cameras[c].intrinsics_sigma.residual_px;
-    const bool bends = fine[c].likely_cells > FineField::kCoarse;
-    grids.push_back({fine[c].likely_cells, bends ? std::min(fine[c].likely_px, stated_px) / FineField::kRms : 0.0});
+    FineGrid bending{FineField::kCoarse, 0.0};
+    for (const RemovedErrors::Fine::Grid& grid : fine[c].grids)
+      if (grid.cells > bending.cells) bending = {grid.cells, std::min(grid.sigma_px, stated_px / FineField::kRms)};
+    grids.push_back(bending);
   }
   return grids;
 }

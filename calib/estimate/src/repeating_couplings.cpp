@@ -118,9 +118,11 @@ RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, 
       fine_(0, 0, 0) {
   int size = 0;
   for (std::size_t c = 0; with_fine && c < removed.fine.size(); ++c) {
-    fine_fields_.emplace_back(errors_.lens_field(static_cast<int>(c)).camera());
-    fine_places_.push_back(size);
-    size += fine_fields_.back().size();
+    std::vector<FineGrid>& grids = fine_grids_.emplace_back();
+    for (const RemovedErrors::Fine::Grid& grid : removed.fine[c].grids) {
+      grids.push_back({FineField(errors_.lens_field(static_cast<int>(c)).camera(), grid.cells), size, grid.sigma_px});
+      size += grids.back().field.size();
+    }
   }
   fine_ = Couplings(poses, globals, size);
   raw_with_fine_ = Eigen::MatrixXd::Zero(errors_.raw_size(), size);
@@ -146,18 +148,19 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
       if (fields > 0)
         own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.field_left().middleRows<2>(row);
     }
-    if (!fine_fields_.empty()) add_fine(at, view, seen, rows, i);
+    if (!fine_grids_.empty())
+      for (const FineGrid& grid : fine_grids_[static_cast<std::size_t>(view.camera)])
+        add_fine(at, view, seen, rows, i, grid);
   }
 }
 
 void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
-                                  const Rows& rows, std::size_t corner) {
-  const auto c = static_cast<std::size_t>(view.camera);
+                                  const Rows& rows, std::size_t corner, const FineGrid& grid) {
   const int print = errors_.print(view.corners[corner].id), field = errors_.field(view.camera);
   const auto row = static_cast<Eigen::Index>(2 * corner);
-  for (const FineField::Share& share : fine_fields_[c].at(view.corners[corner].pixel)) {
-    const Eigen::Matrix2d by_node = removed_.fine[c].sigma_px * share.weight * rows.roots[corner];
-    const int place = fine_places_[c] + 2 * share.node;
+  for (const FineField::Share& share : grid.field.at(view.corners[corner].pixel)) {
+    const Eigen::Matrix2d by_node = grid.sigma_px * share.weight * rows.roots[corner];
+    const int place = grid.first + 2 * share.node;
     fine_.add(at, view, seen, place, rows.by_globals.middleRows<2>(row).transpose() * by_node);
     if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += rows.by_offset.middleRows<2>(row).transpose() * by_node;
     if (field >= 0)

@@ -37,16 +37,21 @@ class RepeatingCouplings {
  private:
   struct Rows;
   Rows rows_of(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, std::size_t index) const;
+  // A grid of a camera's fine field.
+  struct FineGrid {
+    FineField field;
+    int first;  // of its columns
+    double sigma_px;
+  };
   void add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Rows& rows,
-                std::size_t corner);
+                std::size_t corner, const FineGrid& grid);
 
   const RemovedErrors& removed_;
   const RepeatingErrors& errors_;
   Couplings raw_;
   Eigen::MatrixXd own_;  // by the raw errors
   Eigen::VectorXd gradient_;
-  std::vector<FineField> fine_fields_;
-  std::vector<int> fine_places_;
+  std::vector<std::vector<FineGrid>> fine_grids_;  // of each camera
   Couplings fine_;
   Eigen::MatrixXd raw_with_fine_;
 };

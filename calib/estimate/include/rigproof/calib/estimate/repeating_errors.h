@@ -60,9 +60,13 @@ struct RemovedErrors {
   Eigen::VectorXd value;  ///< of the errors' unknowns
   /// Of each camera: what no polynomial follows. It stays in the corners.
   struct Fine {
-    double sigma_px;   ///< root mean square at the nodes of a coarse grid (FineField): what is counted with
-    double likely_px;  ///< root mean square over the image, by the grid that is likeliest
-    int likely_cells;  ///< of that grid
+    /// Root mean square at the nodes of a grid (FineField), weighted by how likely the grid is.
+    struct Grid {
+      int cells;
+      double sigma_px;
+    };
+    std::vector<Grid> grids;  ///< what is counted with: none where the lens is believed
+    double likely_px = 0.0;   ///< root mean square over the image, by the grid that is likeliest
   };
   std::vector<Fine> fine;
   /// Of each group: how many times larger it is than stated, where neither chance explains it nor a finer field that is
