@@ -21,10 +21,7 @@ struct Estimate {
   Eigen::MatrixXd by_raw;      // what gradients by the raw unknowns make of the value, a column each
 };
 
-struct FineGrid {
-  int cells;
-  double sigma_px;  // at its nodes
-};
+using FineGrid = RemovedErrors::Fine::Grid;
 
 // The unknowns: five of each lens, four of the board, the repeating errors. Poses of views are eliminated.
 class ImagesAlone {
@@ -197,18 +194,18 @@ RemovedErrors::Fine fine_field(const std::vector<LeftOver>& views, const LensFie
   constexpr double kUnlikely = 0.01;  // is left out
   std::array<FineLevel, kGrids.size()> levels{};
   double most = 0.0;  // of the logarithms: that of none
-  RemovedErrors::Fine fine;
   for (std::size_t i = 0; i < kGrids.size(); ++i) {
     levels[i] = fine_level(views, FineField(smooth.camera(), kGrids[i]), smooth, prior_px / FineField::kRms);
-    if (i > 0 && levels[i].log_evidence < levels[0].log_evidence) continue;
-    fine.likely_px = FineField::kRms * levels[i].sigma_px;
     most = std::max(most, levels[i].log_evidence);
   }
   double sum = std::exp(-most);
   for (const FineLevel& level : levels) sum += std::exp(level.log_evidence - most);
+  RemovedErrors::Fine fine;
   for (std::size_t i = 0; i < kGrids.size(); ++i) {
     const double share = std::exp(levels[i].log_evidence - most) / sum;
-    if (share > kUnlikely) fine.grids.push_back({kGrids[i], std::sqrt(share) * levels[i].sigma_px});
+    if (share < kUnlikely) continue;
+    fine.grids.push_back({kGrids[i], std::sqrt(share) * levels[i].sigma_px});
+    fine.rms_px = std::hypot(fine.rms_px, FineField::kRms * fine.grids.back().sigma_px);
   }
   return fine;
 }

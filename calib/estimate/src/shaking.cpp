@@ -57,7 +57,7 @@ namespace {
 double unexplained_px(const Preparation& prepared, std::size_t camera) {
   constexpr double kTimes = 2.0, kLeast_px = 0.02;
   const std::vector<RemovedErrors::Fine>& fine = prepared.repeating.fine;
-  return std::max(kLeast_px, camera < fine.size() ? kTimes * fine[camera].likely_px : 0.0);
+  return std::max(kLeast_px, camera < fine.size() ? kTimes * fine[camera].rms_px : 0.0);
 }
 
 bool is_shaken(const Shaking& shaking, double unexplained_px) {

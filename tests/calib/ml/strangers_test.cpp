@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 #include "calibration_truth.h"
 #include "rigproof/calib/diagnose/ml.h"
@@ -188,11 +189,20 @@ MlOptions told() {
   return options;
 }
 
+// How fine the field of a lens is nobody states: of three robots one has waves, two have a lattice of 8 to 16 cells
+// across the image.
+Worse of_any_scale(int seed) {
+  Worse drawn;
+  RandomStream random(static_cast<std::uint64_t>(seed), "scale of the lenses' fields");
+  if (seed % 3 != 0) drawn.cells = 8.0 * std::exp2(random.uniform());
+  return drawn;
+}
+
 TEST(MlStrangers, AreSolvedWithinTheStatedUncertaintyOverTrials) {
   double mean = 0.0, z_square = 0.0;
   int suspicions = 0, values = 0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
-    const Stranger made = stranger(seed);
+    const Stranger made = stranger(seed, 0.1, of_any_scale(seed));
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
     ASSERT_EQ(estimate.result.status, ResultStatus::kSolved) << seed;
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
@@ -206,9 +216,7 @@ TEST(MlStrangers, AreSolvedWithinTheStatedUncertaintyOverTrials) {
     ASSERT_EQ(estimate.result.lenses.size(), 3U);
     EXPECT_NEAR(estimate.result.lenses[1].intrinsics.fx_px, made.run.truth.cameras[1].camera.fx_px, 0.02 * 640.0);
   }
-  // Lenses that bend the image as smoothly as these are less uncertain than the stated ones may be.
-  EXPECT_LT(mean, kUnknowns + kTrials.chi_square_tolerance(kUnknowns));
-  EXPECT_GT(mean, 0.65 * kUnknowns);
+  EXPECT_NEAR(mean, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
   EXPECT_EQ(values, kTrials.count());
   EXPECT_NEAR(z_square / values, 1.0, kTrials.chi_square_tolerance(1));
   EXPECT_EQ(suspicions, 0);
@@ -253,7 +261,11 @@ TEST(MlStrangers, ShiftsOfDepthImagesThatAreBelievedToBeNoneShowOverTrials) {
 
 // Detectors see far finer than lenses and prints are made: what repeats in every image is not averaged away.
 TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
-  double mean = 0.0, level = 0.0, believed = 0.0;
+  // Polynomials follow most of waves, and finer fields that might be there are counted all the same.
+  constexpr double kCaution = 0.85;
+  constexpr int kToldApart = 6;  // of so many robots one is also believed to be without such errors
+  double mean = 0.0, level = 0.0;
+  std::vector<double> believed;
   int suspicions = 0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     const Stranger made = stranger(seed, 0.01);
@@ -264,17 +276,18 @@ TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
     mean += nees(estimate, poses_of(made.run.truth)) / kTrials.count();
     level += 0.01 * estimate.corner_scale[0] / kTrials.count();
     for (const Finding& note : estimate.result.notes) suspicions += note.severity == Severity::kSuspect;
+    if (seed % kToldApart != 0) continue;
     Observations without = made.run.observations;
     without.board.print_sigma_m = 0.0;
     for (RigCamera& camera : without.cameras) camera.intrinsics_sigma.residual_px = 0.0;
     const MlEstimate exact = estimate_maximum_likelihood(without, options);
-    believed += exact.result.joint_covariance ? nees(exact, poses_of(made.run.truth)) / kTrials.count() : 0.0;
+    believed.push_back(exact.result.joint_covariance ? nees(exact, poses_of(made.run.truth)) : 0.0);
   }
-  EXPECT_LT(mean, kUnknowns + kTrials.chi_square_tolerance(kUnknowns));
-  EXPECT_GT(mean, 0.65 * kUnknowns);
+  EXPECT_NEAR(mean, kCaution * kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
   EXPECT_EQ(suspicions, 0);
   EXPECT_LT(level, 0.03);  // of .01 px, and waves that polynomials do not follow
-  EXPECT_GT(believed, 3.0 * kUnknowns);
+  EXPECT_GT(std::accumulate(believed.begin(), believed.end(), 0.0),
+            3.0 * kUnknowns * static_cast<double>(believed.size()));
 }
 
 TEST(MlStrangers, BelievedToTheLastDigitTheirErrorsShow) {

@@ -66,7 +66,7 @@ struct RemovedErrors {
       double sigma_px;
     };
     std::vector<Grid> grids;  ///< what is counted with: none where the lens is believed
-    double likely_px = 0.0;   ///< root mean square over the image, by the grid that is likeliest
+    double rms_px = 0.0;      ///< of all of them together, over the image
   };
   std::vector<Fine> fine;
   /// Of each group: how many times larger it is than stated, where neither chance explains it nor a finer field that is
