@@ -17,7 +17,7 @@ constexpr double kIndependent = 1e-7;
 struct NormalEquations {
   explicit NormalEquations(int size)
       : A(Eigen::MatrixXd::Zero(size, size)), u(Eigen::VectorXd::Zero(size)), with_poses(Eigen::VectorXd::Zero(size)) {}
-  Eigen::MatrixXd A;
+  Eigen::MatrixXd A;  // the lower triangle
   Eigen::VectorXd u;
   Eigen::VectorXd with_poses;  // squares of the columns of B before what poses follow is taken out
   double squares = 0.0;        // of r
@@ -60,14 +60,16 @@ void add(const LeftOver& view, const FineField& fine, const LensField& smooth, N
   Eigen::VectorXd r = roots.asDiagonal() * view.residual;
   const Eigen::LDLT<Eigen::MatrixXd> poses(P.transpose() * P);
   r -= P * poses.solve(P.transpose() * r);
-  const Eigen::MatrixXd PtB = P.transpose() * B;
-  const Eigen::MatrixXd A = B.transpose() * B - PtB.transpose() * poses.solve(PtB);
+  const Eigen::MatrixXd left = B - P * poses.solve(P.transpose() * B);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(B.cols(), B.cols());
+  A.selfadjointView<Eigen::Lower>().rankUpdate(left.transpose());
   const Eigen::VectorXd u = B.transpose() * r;
   for (std::size_t i = 0; i < places.size(); ++i) {
     sum->u[places[i]] += u[static_cast<Eigen::Index>(i)];
     sum->with_poses[places[i]] += B.col(static_cast<Eigen::Index>(i)).squaredNorm();
-    for (std::size_t j = 0; j < places.size(); ++j)
-      sum->A(places[j], places[i]) += A(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i));
+    for (std::size_t j = i; j < places.size(); ++j)
+      sum->A(std::max(places[i], places[j]), std::min(places[i], places[j])) +=
+          A(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i));
   }
   sum->squares += r.squaredNorm();
   for (const Eigen::Matrix2d& whitening : rows.whitening) sum->degrees += whitening.isZero(0.0) ? 0.0 : 2.0;
@@ -87,13 +89,14 @@ NormalEquations of_fine_alone(const NormalEquations& all, int fines) {
   const Eigen::Index kept = (eigen.eigenvalues().array() > kIndependent * eigen.eigenvalues()[smooth - 1]).count();
   const Eigen::MatrixXd orthonormal = scale.asDiagonal() * eigen.eigenvectors().rightCols(kept) *
                                       eigen.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd across = all.A.topRightCorner(fines, smooth) * orthonormal;
+  const Eigen::MatrixXd across = all.A.bottomLeftCorner(smooth, fines).transpose() * orthonormal;
   const Eigen::VectorXd u = orthonormal.transpose() * all.u.tail(smooth);
   fine.squares = all.squares - u.squaredNorm();
   fine.degrees = all.degrees - static_cast<double>(kept);
   fine.with_poses = all.with_poses.head(fines);
   fine.u = all.u.head(fines) - across * u;
-  fine.A = all.A.topLeftCorner(fines, fines) - across * across.transpose();
+  fine.A = all.A.topLeftCorner(fines, fines);
+  fine.A.selfadjointView<Eigen::Lower>().rankUpdate(across, -1.0);
   return fine;
 }
 

@@ -1,5 +1,6 @@
 #include "repeating_couplings.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "corner_model.h"
@@ -148,25 +149,36 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
       if (fields > 0)
         own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.field_left().middleRows<2>(row);
     }
-    if (!fine_grids_.empty())
-      for (const FineGrid& grid : fine_grids_[static_cast<std::size_t>(view.camera)])
-        add_fine(at, view, seen, rows, i, grid);
   }
+  if (!fine_grids_.empty())
+    for (const FineGrid& grid : fine_grids_[static_cast<std::size_t>(view.camera)])
+      add_fine(at, view, seen, rows, grid);
 }
 
+// Corners share nodes: summed over the corners first, a view is added once.
 void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
-                                  const Rows& rows, std::size_t corner, const FineGrid& grid) {
-  const int print = errors_.print(view.corners[corner].id), field = errors_.field(view.camera);
-  const auto row = static_cast<Eigen::Index>(2 * corner);
-  for (const FineField::Share& share : grid.field.at(view.corners[corner].pixel)) {
-    const Eigen::Matrix2d by_node = grid.sigma_px * share.weight * rows.roots[corner];
-    const int place = grid.first + 2 * share.node;
-    fine_.add(at, view, seen, place, rows.by_globals.middleRows<2>(row).transpose() * by_node);
-    if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += rows.by_offset.middleRows<2>(row).transpose() * by_node;
-    if (field >= 0)
-      raw_with_fine_.block(field, place, rows.by_field.cols(), 2).noalias() +=
-          rows.field_left().middleRows<2>(row).transpose() * by_node;
+                                  const Rows& rows, const FineGrid& grid) {
+  const int field = errors_.field(view.camera);
+  Eigen::MatrixXd by_globals = Eigen::MatrixXd::Zero(rows.by_globals.cols(), grid.field.size());
+  int first = grid.field.nodes(), last = -1;
+  for (std::size_t i = 0; i < view.corners.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    const int print = errors_.print(view.corners[i].id);
+    const Eigen::Matrix2d by_pixel = grid.sigma_px * rows.roots[i];
+    const Eigen::MatrixX2d globals_by_pixel = rows.by_globals.middleRows<2>(row).transpose() * by_pixel;
+    const Eigen::Matrix<double, 3, 2> offset_by_pixel = rows.by_offset.middleRows<2>(row).transpose() * by_pixel;
+    const Eigen::MatrixX2d field_by_pixel = rows.field_left().middleRows<2>(row).transpose() * by_pixel;
+    for (const FineField::Share& share : grid.field.at(view.corners[i].pixel)) {
+      const int place = grid.first + 2 * share.node;
+      by_globals.middleCols<2>(2 * share.node) += share.weight * globals_by_pixel;
+      if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += share.weight * offset_by_pixel;
+      if (field >= 0) raw_with_fine_.block(field, place, field_by_pixel.rows(), 2) += share.weight * field_by_pixel;
+      first = std::min(first, share.node);
+      last = std::max(last, share.node);
+    }
   }
+  if (last >= first)
+    fine_.add(at, view, seen, grid.first + 2 * first, by_globals.middleCols(2 * first, 2 * (last - first + 1)));
 }
 
 void RepeatingCouplings::add_to(ArrowSystem* system) const {

@@ -44,7 +44,7 @@ class RepeatingCouplings {
     double sigma_px;
   };
   void add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Rows& rows,
-                std::size_t corner, const FineGrid& grid);
+                const FineGrid& grid);
 
   const RemovedErrors& removed_;
   const RepeatingErrors& errors_;
