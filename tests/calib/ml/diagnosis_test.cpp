@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "broken_runs.h"
+#include "cases.h"
 #include "faults.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/diagnose/ml.h"
@@ -63,7 +64,7 @@ Observations drive_with_depth_on_the_board() {
 
 // Far from what small steps reach, and no unit of the depth: what the depth says of the focal length is tried.
 TEST(Lenses, AFocalLengthHalvedOrDoubledIsNotBlamedOnTheDepth) {
-  for (const double factor : {0.5, 2.0}) {
+  for (const double factor : cases<double>({0.5, 2.0})) {
     Observations observations = drive_with_depth_on_the_board();
     Camera& told = observations.cameras[1].camera;
     told.fx_px *= factor;
@@ -93,7 +94,7 @@ TEST(Lenses, AHalfPixelIsJudgedByTheLevelsWithoutIt) {
     return std::string(breakage.name) == "half-pixel offset";
   });
   ASSERT_NE(slip, breakages().end());
-  for (const std::uint64_t seed : {6U, 7U, 8U, 9U}) {
+  for (const std::uint64_t seed : cases<std::uint64_t>({6U, 7U, 8U, 9U})) {
     Observations observations = draw_geometric_run(broken_run_config(*slip, seed)).observations;
     const std::string words = slip->apply(seed, &observations);
     const Result result = estimate_maximum_likelihood(observations).result;
@@ -288,8 +289,8 @@ TEST(Diagnosis, NamesFramesInAnotherOrder) {
   std::sort(numbers.begin(), numbers.end());
   for (int place = 0; place < 12; ++place)
     text[static_cast<std::size_t>(std::stoi(numbers[static_cast<std::size_t>(place)]) - 1)] = place;
-  const std::vector<std::pair<std::vector<int>, std::vector<int>>> cases = {{{0, 1, 2}, text}, {{1}, backward}};
-  for (const auto& [cameras, order] : cases) {
+  const auto orders = cases<std::pair<std::vector<int>, std::vector<int>>>({{{0, 1, 2}, text}, {{1}, backward}});
+  for (const auto& [cameras, order] : orders) {
     Observations wrong = right;
     ml::move_frames(cameras, order, &wrong);
     const Result result = estimate_maximum_likelihood(wrong).result;
@@ -328,7 +329,7 @@ TEST(Diagnosis, NamesFramesFromWhichOnOneIsMissingOrDoubled) {
 
 // So large that they outweigh the images, of which most are left out, and the equations have no solution.
 TEST(Diagnosis, NamesMillimetresThatOutweighTheImages) {
-  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+  for (const std::uint64_t seed : cases<std::uint64_t>({1U, 2U, 3U, 4U})) {
     Observations wrong = drive_of_one_camera(seed);
     for (Stop& stop : wrong.stops) stop.x_m *= 1e3, stop.y_m *= 1e3;
     const Result result = estimate_maximum_likelihood(wrong).result;

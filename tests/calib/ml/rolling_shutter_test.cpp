@@ -7,6 +7,7 @@
 
 #include "calibration_truth.h"
 #include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/odometry_choice.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
 #include "row_motion.h"
@@ -193,7 +194,9 @@ TEST(MlRollingShutter, DisplacementsThatDoNotShowAreTheLeast) {
   GeometricRun run = smeared_run(0);
   for (BoardView& view : run.observations.board_views)
     for (CornerObservation& corner : view.corners) corner.covariance_px2 = 400.0 * Eigen::Matrix2d::Identity();
-  EXPECT_EQ(estimate_maximum_likelihood(run.observations, told()).displacement_scale, 1.0);
+  const MlOptions options = told();  // of which the preparation keeps a reference
+  const ml::Preparation prepared = ml::prepare(run.observations, options);
+  EXPECT_EQ(ml::choose_odometry(prepared).fit.noise.displacement_scale, 1.0);
 }
 
 TEST(MlRollingShutter, ViewsDisplacedAsByExposuresRaiseNoSuspicion) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "cases.h"
 #include "moved_during.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/calib/estimate/odometry_choice.h"
@@ -72,7 +73,7 @@ TEST(Steps, ScoreIsTheGainOfSixMoreUnknowns) {
 }
 
 TEST(Steps, AKnockedCameraIsNamedWithStopAndSize) {
-  for (const int camera : {0, 1, 2}) {
+  for (const int camera : cases<int>({0, 1, 2})) {
     const GeometricRun run = draw_moved_during(drive(10 + camera, 20), 12, {camera}, turned(0.0, 0.7));
     const Result result = estimate_maximum_likelihood(run.observations).result;
     EXPECT_EQ(result.status, ResultStatus::kRefused);
@@ -89,7 +90,7 @@ TEST(Steps, AKnockedCameraIsNamedWithStopAndSize) {
 
 // Whatever the size: what bends the answer by little is a warning, beside which the answer stands.
 TEST(Steps, FromASuspicionToAnAbsurdity) {
-  for (const double deg : {0.05, 0.3, 5.0, 30.0}) {
+  for (const double deg : cases<double>({5.0, 0.05, 0.3, 30.0})) {
     Vector6d change = turned(deg, 0.0);
     if (deg > 10.0) std::swap(change[3], change[4]);  // a roll: pitched as far it would not see the board any more
     const GeometricRun run = draw_moved_during(drive(20, 30), 10, {2}, change);
