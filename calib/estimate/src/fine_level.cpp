@@ -52,6 +52,14 @@ Columns columns_of(const LeftOver& view, const FineField& fine, const LensField&
   return columns;
 }
 
+// Of freedom of the corners that count.
+double degrees_of(const LeftOver& view) {
+  double degrees = 0.0;
+  for (std::size_t i = 0; i < view.rows->whitening.size(); ++i)
+    if (view.weights[static_cast<Eigen::Index>(2 * i)] > 0.0 && !view.rows->whitening[i].isZero(0.0)) degrees += 2.0;
+  return degrees;
+}
+
 void add(const LeftOver& view, const FineField& fine, const LensField& smooth, NormalEquations* sum) {
   const ViewRows& rows = *view.rows;
   const auto [places, B] = columns_of(view, fine, smooth);
@@ -72,8 +80,7 @@ void add(const LeftOver& view, const FineField& fine, const LensField& smooth, N
           A(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i));
   }
   sum->squares += r.squaredNorm();
-  for (const Eigen::Matrix2d& whitening : rows.whitening) sum->degrees += whitening.isZero(0.0) ? 0.0 : 2.0;
-  sum->degrees -= 6.0;
+  sum->degrees += std::max(0.0, degrees_of(view) - 6.0);
 }
 
 // Without what is smooth.
@@ -96,7 +103,7 @@ NormalEquations of_fine_alone(const NormalEquations& all, int fines) {
   fine.with_poses = all.with_poses.head(fines);
   fine.u = all.u.head(fines) - across * u;
   fine.A = all.A.topLeftCorner(fines, fines);
-  fine.A.selfadjointView<Eigen::Lower>().rankUpdate(across, -1.0);
+  if (kept > 0) fine.A.selfadjointView<Eigen::Lower>().rankUpdate(across, -1.0);  // Eigen divides by how many they are
   return fine;
 }
 
@@ -118,22 +125,21 @@ class Likelihood {
     strengths_ = eigen.eigenvalues().cwiseMax(0.0);
     rank_ = static_cast<double>((strengths_.array() > kIndependent * strengths_.maxCoeff()).count());
   }
-  bool tells() const { return rank_ > 0.0 && degrees_ > rank_; }
-
-  // Its logarithm for a variance of the nodes, at the noise that fits best with it.
-  double log(double variance) const {
-    double noise = std::max(squares_, 1e-9) / degrees_, left = squares_;
-    for (int round = 0; round < 8; ++round) {
-      left = std::max(squares_ - explained(variance / noise), 0.0);
-      noise = std::max(left / degrees_, 1e-12);
-    }
-    left = std::max(squares_ - explained(variance / noise), 0.0);
-    const double log_determinant = (variance / noise * strengths_).array().log1p().sum();
-    return -0.5 * (degrees_ * std::log(noise) + log_determinant + left / noise);
+  struct At {
+    double noise;  // variance that fits best
+    double log;    // of the likelihood with it
+  };
+  // For a variance of the nodes that is t times the noise's.
+  At at(double t) const {
+    if (!tells()) return {1.0, 0.0};
+    const double noise = std::max(squares_ - explained(t), 1e-9) / degrees_;
+    return {noise, -0.5 * (degrees_ * std::log(noise) + (t * strengths_).array().log1p().sum())};
   }
 
  private:
-  // By the numbers, of the squares: t u' (I + t A)^-1 u, t what the variance is of the noise.
+  bool tells() const { return rank_ > 0.0 && degrees_ > rank_; }
+
+  // By the numbers, of the squares: t u' (I + t A)^-1 u.
   double explained(double t) const {
     double sum = 0.0, pivot = 0.0, forward = 0.0;  // of Gaussian elimination, row by row
     for (Eigen::Index i = 0; i < u_.size(); ++i) {
@@ -149,40 +155,41 @@ class Likelihood {
   Eigen::VectorXd diagonal_, beside_, u_, strengths_;
 };
 
-// Density of the logarithm of a size, a multiple of what is stated: Student's t of four degrees of freedom around it,
-// so that data decide where they speak.
+// Logarithm of the density of the logarithm of a size, a multiple of what is stated: Student's t of four degrees of
+// freedom around it, so that data decide where they speak.
 double log_prior(double size) {
   constexpr double kSigma = 0.25;  // a factor of 1.3
-  return -2.5 * std::log1p(0.25 * std::pow(std::log(size) / kSigma, 2));
+  return std::log(0.375 / kSigma) - 2.5 * std::log1p(0.25 * std::pow(std::log(size) / kSigma, 2));
 }
 
 }  // namespace
 
 FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, const LensField& smooth,
                      double prior_px) {
-  constexpr int kPoints = 48;
-  constexpr double kLeast = 0.02, kMost = 20.0;  // of the prior's scale
+  constexpr double kLeast = 0.02, kMost = 20.0;  // of what is stated
+  constexpr double kStep = 0.25;                 // of the logarithm of a variance
+  constexpr std::size_t kMostSteps = 400;        // where nothing but the field is left, its variance does not grow on
   NormalEquations all(fine.size() + smooth.followed_size());
   for (const LeftOver& view : views) add(view, fine, smooth, &all);
-  const NormalEquations sums = of_fine_alone(all, fine.size());
-  const Likelihood likelihood(sums);
-  std::vector<double> variances, priors, logs;
-  for (int i = 0; i < kPoints; ++i) {
-    const double size = kLeast * std::pow(kMost / kLeast, i / (kPoints - 1.0));
-    variances.push_back(std::pow(size * prior_px, 2));
-    priors.push_back(log_prior(size));
-    logs.push_back(priors.back() + (likelihood.tells() ? likelihood.log(variances.back()) : 0.0));
+  const Likelihood likelihood(of_fine_alone(all, fine.size()));
+  const Likelihood::At none = likelihood.at(0.0);
+  const double least = std::pow(kLeast * prior_px, 2), most = std::pow(kMost * prior_px, 2);
+  // The noise is known far better than the field: for each multiple of it one noise is enough.
+  std::vector<double> variances, logs;
+  for (double t = least / none.noise; logs.size() < kMostSteps; t *= std::exp(kStep)) {
+    const Likelihood::At at = likelihood.at(t);
+    if (t * at.noise > most) break;
+    variances.push_back(t * at.noise);
+    logs.push_back(log_prior(std::sqrt(variances.back()) / prior_px) + at.log - none.log);
   }
-  const double best = *std::max_element(logs.begin(), logs.end()),
-               none = likelihood.tells() ? likelihood.log(0.0) : 0.0;
-  double all_priors = 0.0, weights = 0.0, mean = 0.0;
+  const double best = *std::max_element(logs.begin(), logs.end());
+  double weights = 0.0, mean = 0.0;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const double weight = std::exp(logs[i] - best);
-    all_priors += std::exp(priors[i]);
     weights += weight;
     mean += weight * variances[i];
   }
-  return {std::sqrt(mean / weights), best - none + std::log(weights / all_priors)};
+  return {std::sqrt(mean / weights), best + std::log(0.5 * kStep * weights)};
 }
 
 }  // namespace rigproof::ml

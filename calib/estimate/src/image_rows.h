@@ -20,7 +20,7 @@ struct ViewRows {
   Eigen::VectorXd residual;
   Eigen::MatrixXd by_pose;    ///< chart of transform_error()
   Eigen::MatrixXd by_others;  ///< lens, shape, offset of each corner, field
-  /// Where corners should be: what is taken at the seen ones would follow their noise, since poses follow the rest.
+  /// Where corners should be by the view's pose [px]: columns taken at the seen ones would hold their noise.
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Matrix2d> whitening;
 };

@@ -21,7 +21,10 @@ struct Estimate {
   Eigen::MatrixXd by_raw;      // what gradients by the raw unknowns make of the value, a column each
 };
 
-using FineGrid = RemovedErrors::Fine::Grid;
+struct BendingGrid {
+  int cells;
+  double sigma_px;  // of its coefficients
+};
 
 // The unknowns: five of each lens, four of the board, the repeating errors. Poses of views are eliminated.
 class ImagesAlone {
@@ -66,7 +69,7 @@ class ImagesAlone {
 
   // What fine fields of some grids make of an estimate that does not know of them: a column for each coefficient.
   Eigen::MatrixXd response_to_fine(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
-                                   const std::vector<FineGrid>& fine, const Estimate& estimate) const {
+                                   const std::vector<BendingGrid>& fine, const Estimate& estimate) const {
     std::vector<FineField> fields;
     std::vector<int> places{0};
     for (int c = 0; c < cameras_; ++c) {
@@ -203,16 +206,16 @@ RemovedErrors::Fine fine_field(const std::vector<LeftOver>& views, const LensFie
   RemovedErrors::Fine fine;
   for (std::size_t i = 0; i < kGrids.size(); ++i) {
     const double share = std::exp(levels[i].log_evidence - most) / sum;
-    if (share < kUnlikely) continue;
-    fine.grids.push_back({kGrids[i], std::sqrt(share) * levels[i].sigma_px});
-    fine.rms_px = std::hypot(fine.rms_px, FineField::kRms * fine.grids.back().sigma_px);
+    if (!(share >= kUnlikely)) continue;  // nor one of which nothing is known
+    fine.grids.push_back({kGrids[i], levels[i].sigma_px, share});
+    fine.rms_px = std::hypot(fine.rms_px, FineField::kRms * fine.grids.back().counted_px());
   }
   return fine;
 }
 
 // 1 for rows of corners that fit, 0 for others. Weights that fall with the residual would make a field that adds to
 // noise look smaller than it is.
-Eigen::VectorXd used_rows(const Eigen::VectorXd& residual, double level) {
+Eigen::VectorXd weights_of_used(const Eigen::VectorXd& residual, double level) {
   constexpr double kMostSigmas = 5.0;
   Eigen::VectorXd weights(residual.size());
   for (Eigen::Index i = 0; i + 1 < residual.size(); i += 2)
@@ -229,7 +232,8 @@ std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
     const int camera = static_cast<int>(c);
     std::vector<LeftOver> seen;
     for (std::size_t v = 0; v < views.size(); ++v)
-      if (views[v].camera == camera) seen.push_back({&views[v], residuals[v], used_rows(residuals[v], levels[c])});
+      if (views[v].camera == camera)
+        seen.push_back({&views[v], residuals[v], weights_of_used(residuals[v], levels[c])});
     const double prior = observations.cameras[c].intrinsics_sigma.residual_px;
     const bool has_field = errors.field(camera) >= 0 && !seen.empty();
     fine.push_back(has_field ? fine_field(seen, errors.lens_field(camera), prior) : RemovedErrors::Fine{});
@@ -239,13 +243,14 @@ std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
 
 // Of fields that bend within a board polynomials follow what they can, and are large for it, though the field is not
 // larger than stated. None for the others: those tell the same as the polynomials.
-std::vector<FineGrid> bending_grids(const std::vector<RemovedErrors::Fine>& fine, const Observations& observations) {
-  std::vector<FineGrid> grids;
+std::vector<BendingGrid> bending_grids(const std::vector<RemovedErrors::Fine>& fine, const Observations& observations) {
+  std::vector<BendingGrid> grids;
   for (std::size_t c = 0; c < fine.size(); ++c) {
     const double stated_px = observations.cameras[c].intrinsics_sigma.residual_px;
-    FineGrid bending{FineField::kCoarse, 0.0};
+    BendingGrid bending{FineField::kCoarse, 0.0};
     for (const RemovedErrors::Fine::Grid& grid : fine[c].grids)
-      if (grid.cells > bending.cells) bending = {grid.cells, std::min(grid.sigma_px, stated_px / FineField::kRms)};
+      if (grid.cells > bending.cells)
+        bending = {grid.cells, std::sqrt(grid.share) * std::min(grid.sigma_px, stated_px / FineField::kRms)};
     grids.push_back(bending);
   }
   return grids;
@@ -258,16 +263,19 @@ void estimate_repeating(const Observations& observations, const std::vector<View
   constexpr int kRounds = 3, kMostRounds = 5;  // weights and levels settle soon
   std::vector<ViewRows> rows;
   const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
-  for (std::size_t v = 0; v < views.size(); v += step) rows.push_back(rows_of(views[v], *removed, observations));
+  std::vector<std::size_t> seen(observations.cameras.size());  // by each camera: cameras take turns among the views
+  for (const ViewPose& view : views)
+    if (seen[static_cast<std::size_t>(view.camera)]++ % step == 0)
+      rows.push_back(rows_of(view, *removed, observations));
   std::vector<Eigen::VectorXd> residuals;
   for (const ViewRows& view : rows) residuals.push_back(view.residual);
   const ImagesAlone problem(removed->errors, observations.cameras.size(), priors);
   Estimate estimate;
   for (int round = 0; round < kRounds; ++round) estimate = problem.solve(rows, &residuals);
   removed->fine = fine_fields(rows, residuals, problem, observations, removed->errors);
-  const std::vector<FineGrid> bending = bending_grids(removed->fine, observations);
+  const std::vector<BendingGrid> bending = bending_grids(removed->fine, observations);
   const bool any_bends =
-      std::any_of(bending.begin(), bending.end(), [](const FineGrid& grid) { return grid.sigma_px > 0.0; });
+      std::any_of(bending.begin(), bending.end(), [](const BendingGrid& grid) { return grid.sigma_px > 0.0; });
   const Eigen::MatrixXd by_fine =
       any_bends ? problem.response_to_fine(rows, residuals, bending, estimate) : nothing(estimate);
   for (const RepeatingErrors::Group& group : removed->errors.groups())

@@ -119,9 +119,10 @@ RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, 
       fine_(0, 0, 0) {
   int size = 0;
   for (std::size_t c = 0; with_fine && c < removed.fine.size(); ++c) {
-    std::vector<FineGrid>& grids = fine_grids_.emplace_back();
+    std::vector<GridColumns>& grids = fine_grids_.emplace_back();
     for (const RemovedErrors::Fine::Grid& grid : removed.fine[c].grids) {
-      grids.push_back({FineField(errors_.lens_field(static_cast<int>(c)).camera(), grid.cells), size, grid.sigma_px});
+      grids.push_back(
+          {FineField(errors_.lens_field(static_cast<int>(c)).camera(), grid.cells), size, grid.counted_px()});
       size += grids.back().field.size();
     }
   }
@@ -151,13 +152,13 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
     }
   }
   if (!fine_grids_.empty())
-    for (const FineGrid& grid : fine_grids_[static_cast<std::size_t>(view.camera)])
+    for (const GridColumns& grid : fine_grids_[static_cast<std::size_t>(view.camera)])
       add_fine(at, view, seen, rows, grid);
 }
 
 // Corners share nodes: summed over the corners first, a view is added once.
 void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
-                                  const Rows& rows, const FineGrid& grid) {
+                                  const Rows& rows, const GridColumns& grid) {
   const int field = errors_.field(view.camera);
   Eigen::MatrixXd by_globals = Eigen::MatrixXd::Zero(rows.by_globals.cols(), grid.field.size());
   int first = grid.field.nodes(), last = -1;

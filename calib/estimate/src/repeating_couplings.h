@@ -38,20 +38,20 @@ class RepeatingCouplings {
   struct Rows;
   Rows rows_of(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, std::size_t index) const;
   // A grid of a camera's fine field.
-  struct FineGrid {
+  struct GridColumns {
     FineField field;
     int first;  // of its columns
     double sigma_px;
   };
   void add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Rows& rows,
-                const FineGrid& grid);
+                const GridColumns& grid);
 
   const RemovedErrors& removed_;
   const RepeatingErrors& errors_;
   Couplings raw_;
   Eigen::MatrixXd own_;  // by the raw errors
   Eigen::VectorXd gradient_;
-  std::vector<std::vector<FineGrid>> fine_grids_;  // of each camera
+  std::vector<std::vector<GridColumns>> fine_grids_;  // of each camera
   Couplings fine_;
   Eigen::MatrixXd raw_with_fine_;
 };

@@ -42,8 +42,8 @@ TEST(MlFineField, IsAsLargeAsSaid) {
 // Boards here and there in the image, whose corners a field displaces: the rows of their views.
 class Drawn {
  public:
-  Drawn(double node_sigma_px, double noise_px, RandomStream* random, int cells = FineField::kCoarse)
-      : field_(kCamera, cells) {
+  Drawn(double node_sigma_px, double noise_px, RandomStream* random, int cells = FineField::kCoarse, int corners = 48)
+      : field_(kCamera, cells), corners_(corners) {
     Eigen::VectorXd nodes(field_.size());
     for (double& node : nodes) node = random->normal(0.0, node_sigma_px);
     for (int view = 0; view < 60; ++view) add_view(nodes, noise_px, random);
@@ -51,17 +51,31 @@ class Drawn {
   double sigma_px(double prior_px) const { return level(prior_px, FineField::kCoarse).sigma_px; }
   FineLevel level(double prior_px, int cells) const {
     std::vector<LeftOver> left;
-    for (const ViewRows& rows : views_)
-      left.push_back({&rows, rows.residual, Eigen::VectorXd::Ones(rows.residual.size())});
+    for (std::size_t v = 0; v < views_.size(); ++v) left.push_back({&views_[v], views_[v].residual, weights_[v]});
     return fine_level(left, FineField(kCamera, cells), LensField(kCamera), prior_px);
+  }
+
+  // Every twentieth corner: far off and without weight, or of no use to begin with.
+  void leave_out(bool far_off) {
+    for (std::size_t v = 0; v < views_.size(); ++v)
+      for (int row = 0; row < 2 * corners_; row += 40) {
+        if (far_off) {
+          views_[v].residual.segment<2>(row).array() += 50.0;
+          weights_[v].segment<2>(row).setZero();
+        } else {
+          views_[v].residual.segment<2>(row).setZero();
+          views_[v].by_pose.middleRows<2>(row).setZero();
+          views_[v].whitening[static_cast<std::size_t>(row / 2)].setZero();
+        }
+      }
   }
 
  private:
   void add_view(const Eigen::VectorXd& nodes, double noise_px, RandomStream* random) {
-    constexpr int kColumns = 8, kCorners = 48;
+    constexpr int kColumns = 8;
     const Eigen::Vector2d corner(random->uniform(0.0, 900.0), random->uniform(0.0, 450.0));
-    ViewRows rows{0, {}, Eigen::VectorXd(2 * kCorners), Eigen::MatrixXd::Zero(2 * kCorners, 6), {}, {}, {}};
-    for (int i = 0; i < kCorners; ++i) {
+    ViewRows rows{0, {}, Eigen::VectorXd(2 * corners_), Eigen::MatrixXd::Zero(2 * corners_, 6), {}, {}, {}};
+    for (int i = 0; i < corners_; ++i) {
       const Eigen::Vector2d place = 50.0 * Eigen::Vector2d(i % kColumns, i / kColumns);
       rows.pixels.emplace_back(corner + place);
       rows.whitening.emplace_back(Eigen::Matrix2d::Identity() / noise_px);
@@ -72,11 +86,14 @@ class Drawn {
       rows.by_pose.block<2, 2>(2 * i, 0).setIdentity();
       rows.by_pose.block<2, 4>(2 * i, 2) << place.x(), place.y(), 0, 0, 0, 0, place.x(), place.y();
     }
+    weights_.emplace_back(Eigen::VectorXd::Ones(2 * corners_));
     views_.push_back(std::move(rows));
   }
 
   FineField field_;
+  int corners_;
   std::vector<ViewRows> views_;
+  std::vector<Eigen::VectorXd> weights_;
 };
 
 TEST(MlFineField, ItsSizeIsFoundWhereCornersTellIt) {
@@ -113,10 +130,31 @@ TEST(MlFineField, WithoutOneNoneIsFound) {
 }
 
 TEST(MlFineField, WhereCornersTellNothingThePriorStands) {
-  constexpr double kOfPrior =
-      1.168;  // root mean square of sizes whose logarithm is Student's t, as far as they are tried
+  // Root mean square of sizes whose logarithm is Student's t, as far as they are tried.
+  constexpr double kOfPrior = 1.168;
   RandomStream random(8, "fine field");
   EXPECT_NEAR(Drawn(0.1, 20.0, &random).sigma_px(0.1), 0.1 * kOfPrior, 0.005);
+}
+
+// Three corners a view, which poses of six numbers follow wherever they are.
+TEST(MlFineField, ViewsThatTheirPosesFollowTellNothing) {
+  RandomStream random(9, "fine field");
+  const FineLevel level = Drawn(0.3, 0.05, &random, FineField::kCoarse, 3).level(0.1, FineField::kCoarse);
+  EXPECT_NEAR(level.sigma_px, 0.1 * 1.168, 0.005);
+  EXPECT_NEAR(level.log_evidence, 0.0, 0.01);
+}
+
+TEST(MlFineField, CornersWithoutWeightAreNotThere) {
+  RandomStream random(10, "fine field");
+  Drawn far_off(0.3, 0.05, &random);
+  Drawn of_no_use = far_off;
+  const double with_all = far_off.level(0.1, FineField::kCoarse).log_evidence;
+  far_off.leave_out(true);
+  of_no_use.leave_out(false);
+  const FineLevel level = far_off.level(0.1, FineField::kCoarse), without = of_no_use.level(0.1, FineField::kCoarse);
+  EXPECT_NEAR(level.sigma_px, without.sigma_px, 1e-9);
+  EXPECT_NEAR(level.log_evidence, without.log_evidence, 1e-6);
+  EXPECT_LT(level.log_evidence, with_all);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "rigproof/calib/estimate/lens_field.h"
@@ -60,12 +61,13 @@ struct RemovedErrors {
   Eigen::VectorXd value;  ///< of the errors' unknowns
   /// Of each camera: what no polynomial follows. It stays in the corners.
   struct Fine {
-    /// Root mean square at the nodes of a grid (FineField), weighted by how likely the grid is.
     struct Grid {
       int cells;
-      double sigma_px;
+      double sigma_px;  ///< root mean square of its coefficients (FineField)
+      double share;     ///< how likely it is
+      double counted_px() const { return std::sqrt(share) * sigma_px; }
     };
-    std::vector<Grid> grids;  ///< what is counted with: none where the lens is believed
+    std::vector<Grid> grids;  ///< none where the lens is believed, no view tells, or no field at all is likelier by far
     double rms_px = 0.0;      ///< of all of them together, over the image
   };
   std::vector<Fine> fine;
