@@ -50,13 +50,14 @@ const char* const kCameraInfo =
     "distortion_model: plumb_bob\n"
     "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0.0, 0.0, 0.0, 0.0, 0.0]\n";
 
+// In images of half the size a lens leaves half as many pixels.
 const char* const kRig =
     "robot_frame: base_link\n"
     "board: {type: checkerboard, squares: [5, 4], square_mm: 100}\n"
     "cameras:\n"
-    "  front_left: {sensor: d455, folder: cam0, link: front_left_link}\n"
-    "  middle: {sensor: d455, folder: cam1, link: middle_link, depth: none}\n"
-    "  right: {sensor: d455}\n"
+    "  front_left: {sensor: d455, folder: cam0, link: front_left_link, intrinsics_sigma: {residual_px: 0.075}}\n"
+    "  middle: {sensor: d455, folder: cam1, link: middle_link, depth: none, intrinsics_sigma: {residual_px: 0.075}}\n"
+    "  right: {sensor: d455, intrinsics_sigma: {residual_px: 0.075}}\n"
     "accept: {xy_mm: 8, z_mm: 4, angle_deg: 0.2}\n";
 
 void place_copy(const fs::path& from, const fs::path& to) {
