@@ -103,7 +103,7 @@ NormalEquations of_fine_alone(const NormalEquations& all, int fines) {
   fine.with_poses = all.with_poses.head(fines);
   fine.u = all.u.head(fines) - across * u;
   fine.A = all.A.topLeftCorner(fines, fines);
-  if (kept > 0) fine.A.selfadjointView<Eigen::Lower>().rankUpdate(across, -1.0);  // Eigen divides by how many they are
+  if (kept > 0) fine.A.selfadjointView<Eigen::Lower>().rankUpdate(across, -1.0);  // of none Eigen divides by zero
   return fine;
 }
 
@@ -126,10 +126,11 @@ class Likelihood {
     rank_ = static_cast<double>((strengths_.array() > kIndependent * strengths_.maxCoeff()).count());
   }
   struct At {
-    double noise;  // variance that fits best
+    double noise;  // its variance that fits best
     double log;    // of the likelihood with it
   };
-  // For a variance of the nodes that is t times the noise's.
+  // Where the variance of the coefficients is t times the noise's. Data that tell nothing have the noise that is
+  // stated.
   At at(double t) const {
     if (!tells()) return {1.0, 0.0};
     const double noise = std::max(squares_ - explained(t), 1e-9) / degrees_;
@@ -158,8 +159,9 @@ class Likelihood {
 // Logarithm of the density of the logarithm of a size, a multiple of what is stated: Student's t of four degrees of
 // freedom around it, so that data decide where they speak.
 double log_prior(double size) {
-  constexpr double kSigma = 0.25;  // a factor of 1.3
-  return std::log(0.375 / kSigma) - 2.5 * std::log1p(0.25 * std::pow(std::log(size) / kSigma, 2));
+  constexpr double kSigma = 0.25;      // a factor of 1.3
+  constexpr double kAtMedian = 0.375;  // density of Student's t of four degrees of freedom
+  return std::log(kAtMedian / kSigma) - 2.5 * std::log1p(0.25 * std::pow(std::log(size) / kSigma, 2));
 }
 
 }  // namespace
@@ -189,7 +191,8 @@ FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, 
     weights += weight;
     mean += weight * variances[i];
   }
-  return {std::sqrt(mean / weights), best + std::log(0.5 * kStep * weights)};
+  constexpr double kStepOfSize = 0.5 * kStep;
+  return {std::sqrt(mean / weights), best + std::log(kStepOfSize * weights)};
 }
 
 }  // namespace rigproof::ml

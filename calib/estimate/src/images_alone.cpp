@@ -206,7 +206,7 @@ RemovedErrors::Fine fine_field(const std::vector<LeftOver>& views, const LensFie
   RemovedErrors::Fine fine;
   for (std::size_t i = 0; i < kGrids.size(); ++i) {
     const double share = std::exp(levels[i].log_evidence - most) / sum;
-    if (!(share >= kUnlikely)) continue;  // nor one of which nothing is known
+    if (!(share >= kUnlikely)) continue;  // nor one that is no number
     fine.grids.push_back({kGrids[i], levels[i].sigma_px, share});
     fine.rms_px = std::hypot(fine.rms_px, FineField::kRms * fine.grids.back().counted_px());
   }
@@ -263,7 +263,8 @@ void estimate_repeating(const Observations& observations, const std::vector<View
   constexpr int kRounds = 3, kMostRounds = 5;  // weights and levels settle soon
   std::vector<ViewRows> rows;
   const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
-  std::vector<std::size_t> seen(observations.cameras.size());  // by each camera: cameras take turns among the views
+  std::vector<std::size_t> seen(
+      observations.cameras.size());  // by each camera, since two cameras take turns among the views
   for (const ViewPose& view : views)
     if (seen[static_cast<std::size_t>(view.camera)]++ % step == 0)
       rows.push_back(rows_of(view, *removed, observations));

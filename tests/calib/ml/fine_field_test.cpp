@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "fine_level.h"
+#include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/preparation.h"
 #include "rigproof/core/random.h"
+#include "rigproof/geometric/geometric.h"
 
 namespace rigproof::ml {
 namespace {
@@ -72,11 +76,11 @@ class Drawn {
 
  private:
   void add_view(const Eigen::VectorXd& nodes, double noise_px, RandomStream* random) {
-    constexpr int kColumns = 8;
+    const int columns = std::min(8, corners_ - 1);  // never all in a line
     const Eigen::Vector2d corner(random->uniform(0.0, 900.0), random->uniform(0.0, 450.0));
     ViewRows rows{0, {}, Eigen::VectorXd(2 * corners_), Eigen::MatrixXd::Zero(2 * corners_, 6), {}, {}, {}};
     for (int i = 0; i < corners_; ++i) {
-      const Eigen::Vector2d place = 50.0 * Eigen::Vector2d(i % kColumns, i / kColumns);
+      const Eigen::Vector2d place = 50.0 * Eigen::Vector2d(i % columns, i / columns);
       rows.pixels.emplace_back(corner + place);
       rows.whitening.emplace_back(Eigen::Matrix2d::Identity() / noise_px);
       Eigen::Vector2d displaced(random->normal(0.0, noise_px), random->normal(0.0, noise_px));
@@ -129,9 +133,10 @@ TEST(MlFineField, WithoutOneNoneIsFound) {
   EXPECT_LT(Drawn(0.0, 0.05, &random).sigma_px(0.1), 0.02);
 }
 
+// Root mean square of sizes whose logarithm is Student's t, as far as they are tried.
+constexpr double kOfPrior = 1.168;
+
 TEST(MlFineField, WhereCornersTellNothingThePriorStands) {
-  // Root mean square of sizes whose logarithm is Student's t, as far as they are tried.
-  constexpr double kOfPrior = 1.168;
   RandomStream random(8, "fine field");
   EXPECT_NEAR(Drawn(0.1, 20.0, &random).sigma_px(0.1), 0.1 * kOfPrior, 0.005);
 }
@@ -140,7 +145,7 @@ TEST(MlFineField, WhereCornersTellNothingThePriorStands) {
 TEST(MlFineField, ViewsThatTheirPosesFollowTellNothing) {
   RandomStream random(9, "fine field");
   const FineLevel level = Drawn(0.3, 0.05, &random, FineField::kCoarse, 3).level(0.1, FineField::kCoarse);
-  EXPECT_NEAR(level.sigma_px, 0.1 * 1.168, 0.005);
+  EXPECT_NEAR(level.sigma_px, 0.1 * kOfPrior, 0.005);
   EXPECT_NEAR(level.log_evidence, 0.0, 0.01);
 }
 
@@ -155,6 +160,22 @@ TEST(MlFineField, CornersWithoutWeightAreNotThere) {
   EXPECT_NEAR(level.sigma_px, without.sigma_px, 1e-9);
   EXPECT_NEAR(level.log_evidence, without.log_evidence, 1e-6);
   EXPECT_LT(level.log_evidence, with_all);
+}
+
+// Two cameras see the board at every stop, more often than images are looked at: every other view is one camera's.
+TEST(MlFineField, OfManyViewsEachCameraHasItsShare) {
+  GeometricConfig config;
+  config.stops = 150;
+  config.corner_sigma_px = 0.5;  // which tells so little that all grids stay
+  config.rig.cameras.resize(2);
+  config.rig.T_robot_camera.resize(2);
+  config.rig.min_cameras_per_stop = 2;
+  Observations observations = draw_geometric_run(config).observations;
+  for (RigCamera& camera : observations.cameras) camera.intrinsics_sigma = IntrinsicsSigma();
+  const MlOptions options;  // of which the preparation keeps a reference
+  const Preparation prepared = prepare(observations, options);
+  ASSERT_EQ(prepared.repeating.fine.size(), 2U);
+  for (const RemovedErrors::Fine& fine : prepared.repeating.fine) EXPECT_EQ(fine.grids.size(), 2U);
 }
 
 }  // namespace

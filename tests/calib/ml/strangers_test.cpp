@@ -263,7 +263,7 @@ TEST(MlStrangers, ShiftsOfDepthImagesThatAreBelievedToBeNoneShowOverTrials) {
 TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
   // Polynomials follow most of waves, and finer fields that might be there are counted all the same.
   constexpr double kCaution = 0.85;
-  constexpr int kToldApart = 6;  // of so many robots one is also believed to be without such errors
+  constexpr int kBelievedOneIn = 6;  // robots is also solved as one without such errors
   double mean = 0.0, level = 0.0;
   std::vector<double> believed;
   int suspicions = 0;
@@ -276,7 +276,7 @@ TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
     mean += nees(estimate, poses_of(made.run.truth)) / kTrials.count();
     level += 0.01 * estimate.corner_scale[0] / kTrials.count();
     for (const Finding& note : estimate.result.notes) suspicions += note.severity == Severity::kSuspect;
-    if (seed % kToldApart != 0) continue;
+    if (seed % kBelievedOneIn != 0) continue;
     Observations without = made.run.observations;
     without.board.print_sigma_m = 0.0;
     for (RigCamera& camera : without.cameras) camera.intrinsics_sigma.residual_px = 0.0;
