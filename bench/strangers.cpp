@@ -229,6 +229,8 @@ int measure(const Options& options) {
   if (options.data.empty()) scratch.emplace("bench-strangers");
   const Robots robots{options, scratch ? scratch->path() : fs::absolute(options.data)};
   fs::create_directories(robots.data);
+  bench::write_sensors(robots.data / "sensors");
+  ::setenv("RIGPROOF_PATH", (robots.data / "sensors").c_str(), 1);
   calibrate_all(robots);
   return print(robots);
 }

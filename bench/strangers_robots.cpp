@@ -3,6 +3,9 @@
 #include <array>
 #include <vector>
 
+#include "rigproof/core/data_path.h"
+#include "rigproof/core/error.h"
+#include "rigproof/core/files.h"
 #include "rigproof/core/random.h"
 #include "rigproof/core/text.h"
 
@@ -53,8 +56,10 @@ double draw_yaw_deg(int camera, RandomStream* random) {
   return random->uniform() < 0.35 ? random->uniform(-180.0, 180.0) : random->uniform(-30.0, 30.0);
 }
 
-std::string camera_text(int camera, const Body& body, bool has_daylight, RandomStream* random) {
-  const char* sensor = draw_sensor(camera == 0, has_daylight, random);
+std::string with_cells(const std::string& sensor, int cells) { return sensor + "_" + std::to_string(cells); }
+
+std::string camera_text(int camera, const Body& body, bool has_daylight, int cells, RandomStream* random) {
+  const std::string sensor = with_cells(draw_sensor(camera == 0, has_daylight, random), cells);
   const double turn_deg = random->uniform() < 0.15 ? 90.0 : random->uniform() < 0.1 ? 175.0 : 0.0;
   return "  camera" + std::to_string(camera + 1) + ":\n    sensor: " + sensor + "\n    mount: {" +
          joined({entry("x_m", random->uniform(camera == 0 ? 0.0 : -body.ahead_m, body.ahead_m)),
@@ -98,14 +103,33 @@ StrangersRobot strangers_robot(std::uint64_t number, int stops, double image_sca
   const int cameras = 1 + static_cast<int>(random.below(4));
   StrangersRobot made;
   made.rig = std::string("robot: ") + body.robot + "\nboard: " + board + "\ncameras:\n";
-  for (int camera = 0; camera < cameras; ++camera) made.rig += camera_text(camera, body, world.has_daylight, &random);
+  const int cells = kLensCells[number / kWorlds.size() % kLensCells.size()];
+  for (int camera = 0; camera < cameras; ++camera)
+    made.rig += camera_text(camera, body, world.has_daylight, cells, &random);
   made.run = std::string("include: realistic\nscene: ") + world.scene + "\nseed: " + std::to_string(number) +
              "\nposes: " + std::to_string(stops) + "\nimage_scale: " + number_text(image_scale) + "\n" +
              way_text(number, body, &random);
   const std::array<const char*, 3> ways = {"increments", "wheels", "driven"};
   made.summary = std::string(body.robot) + " in " + world.scene + ", " + ways[number % ways.size()] + ", " +
-                 std::to_string(cameras) + " cameras, " + board;
+                 std::to_string(cameras) + " cameras, fields of " + std::to_string(cells) + " cells, " + board;
   return made;
+}
+
+void write_sensors(const std::filesystem::path& folder) {
+  const std::string where = "\n  color:";
+  const std::filesystem::path shipped = data_folder() / "models" / "sensors", made = folder / "models" / "sensors";
+  std::filesystem::create_directories(made);
+  for (const auto& entry : std::filesystem::directory_iterator(shipped)) {
+    if (entry.path().extension() != ".yaml") continue;
+    const std::string text = read_text_file(entry.path()) + "\n";
+    const std::size_t simulation = text.find("\nsimulation:"), color = text.find(where, simulation);
+    if (color == std::string::npos) throw Error(entry.path().string() + ": simulates no colour");
+    const std::size_t end = text.find('\n', color + 1);
+    for (const int cells : kLensCells)
+      write_file_atomically_unsynced(
+          made / (with_cells(entry.path().stem().string(), cells) + ".yaml"),
+          text.substr(0, end) + "\n    lens_residual_cells: " + std::to_string(cells) + text.substr(end));
+  }
 }
 
 }  // namespace rigproof::bench

@@ -59,6 +59,12 @@ Camera scaled_camera(const Camera& camera, double scale) {
   return scaled;
 }
 
+// What is stated in pixels of the whole image is less in those of a smaller one.
+IntrinsicsSigma scaled_sigma(IntrinsicsSigma sigma, double scale) {
+  for (double* each_px : {&sigma.principal_point_px, &sigma.distortion_px, &sigma.residual_px}) *each_px *= scale;
+  return sigma;
+}
+
 RigModel resolve_rig(const GenerateConfig& config) {
   RigModel rig = load_rig_model(config.rig);
   for (RigCamera& camera : rig.rig.cameras) {
@@ -66,6 +72,7 @@ RigModel resolve_rig(const GenerateConfig& config) {
     if (camera.depth && camera.depth->own_camera)
       camera.depth->own_camera->camera = scaled_camera(camera.depth->own_camera->camera, config.image_scale);
     camera.camera = scaled_camera(camera.camera, config.image_scale);
+    camera.intrinsics_sigma = scaled_sigma(camera.intrinsics_sigma, config.image_scale);
     if (camera.folder.empty()) camera.folder = camera.name;
   }
   return rig;

@@ -93,5 +93,24 @@ TEST(RepeatingErrors, AreInTheTruthAndGrantedByTheRecording) {
   for (const double whole : {sum.x(), sum.y(), sum.z(), turn, size_x, size_y}) EXPECT_NEAR(whole, 0.0, 1e-12);
 }
 
+// A smaller image of the same lens: what it errs by is as many pixels fewer, and so is what is said of it.
+TEST(RepeatingErrors, OfSmallerImagesAreFewerPixelsAndSaidToBe) {
+  const TinyWorld world;
+  const auto resolved = [&world](const std::string& scale) {
+    return resolve_scenario(parse_generate_config("scene: " + world.scene() + "\nrig: husky_1x_d455\nimage_scale: " +
+                                                      scale + "\nposes: 1\nrender: {lens_residual: true}\n",
+                                                  "small.yaml"));
+  };
+  const Scenario whole = resolved("1.0"), small = resolved("0.1");
+  const auto rms_px = [](const Scenario& scenario) { return scenario.truth.cameras[0].sensing.at("lens_residual_px"); };
+  EXPECT_NEAR(rms_px(small), 0.1 * rms_px(whole), 1e-12);
+  const IntrinsicsSigma& said = small.recording.rig.cameras[0].intrinsics_sigma;
+  IntrinsicsSigma expected = whole.recording.rig.cameras[0].intrinsics_sigma;
+  ASSERT_GT(expected.residual_px, 0.0);
+  for (double* each_px : {&expected.residual_px, &expected.principal_point_px, &expected.distortion_px})
+    *each_px *= 0.1;
+  EXPECT_TRUE(said == expected);
+}
+
 }  // namespace
 }  // namespace rigproof

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "rigproof/calib/estimate/problem.h"
+#include "rigproof/calib/estimate/repeating_errors.h"
 #include "rigproof/core/finding.h"
 
 namespace rigproof::ml {
@@ -16,6 +17,8 @@ struct Contradictions {
 };
 
 /// @param sums of the solution, with leverage
-Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums);
+/// @param removed errors that were taken out of the corners, and what is known to be left there
+Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums,
+                                   const RemovedErrors& removed);
 
 }  // namespace rigproof::ml

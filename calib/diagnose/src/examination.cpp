@@ -32,10 +32,10 @@ bool hangs_upside_down(const Preparation& prepared) {
   return above > 0 && 2 * above > prepared.original.ground_planes.size();
 }
 
-Contradictions contradictions_of(const Problem& problem, const State& state, const std::optional<GroupSums>& sums,
-                                 bool upside_down) {
-  Contradictions found = sums ? find_contradictions(problem, state, *sums) : Contradictions();
-  if (upside_down) found.odometry.push_back(Finding("odometry.upside_down"));
+Contradictions contradictions_of(const Preparation& prepared, const Problem& problem, const State& state,
+                                 const std::optional<GroupSums>& sums) {
+  Contradictions found = sums ? find_contradictions(problem, state, *sums, prepared.repeating) : Contradictions();
+  if (hangs_upside_down(prepared)) found.odometry.push_back(Finding("odometry.upside_down"));
   return found;
 }
 
@@ -134,7 +134,7 @@ bool is_clean(const Preparation& prepared, const Fit& fit, const Problem& proble
               const std::optional<LensTest>& lenses) {
   const std::optional<GroupSums> sums = problem.sums_with_leverage(fit.state);
   if (!sums || (lenses && lenses->suspicious())) return false;
-  const Contradictions found = contradictions_of(problem, fit.state, sums, hangs_upside_down(prepared));
+  const Contradictions found = contradictions_of(prepared, problem, fit.state, sums);
   if (!found.odometry.empty() || !found.cameras.empty()) return false;
   const std::vector<const BoardView*> left_out = views_left_out(prepared, fit);
   return std::none_of(left_out.begin(), left_out.end(),
@@ -405,7 +405,7 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
   found.sums = problem.sums_with_leverage(
       fit.state, splits_of(static_cast<int>(prepared.used.stops.size()), kSplitsAtFirst), &steps);
   found.upside_down = hangs_upside_down(prepared);
-  found.contradictions = contradictions_of(problem, fit.state, found.sums, found.upside_down);
+  found.contradictions = contradictions_of(prepared, problem, fit.state, found.sums);
   std::vector<Finding>& of_cameras = found.contradictions.cameras;
   const std::vector<WildRow> wild_rows = find_wild_rows(prepared.used, fit.noise, fit.state);
   const std::vector<const BoardView*> left_out = views_left_out(prepared, fit);

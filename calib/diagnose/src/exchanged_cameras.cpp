@@ -10,9 +10,9 @@
 namespace rigproof::ml {
 namespace {
 
-// A ratio of the priors' densities; healthy lenses of two cameras, all of whose ten values are told, are strained by
-// as much in one of 200 rigs. Exchanged ones are strained by more, and by less once they are exchanged back; a lens
-// that is wrong stays so in either place.
+// A ratio of the priors' densities, of fields only where they are larger than stated; healthy lenses of two cameras,
+// all of whose ten values are told, are strained by as much in one of 200 rigs. Exchanged ones are strained by more,
+// and by less once they are exchanged back; a lens that is wrong stays so in either place.
 constexpr double kDecides = 25.0;
 
 bool same_size(const Camera& a, const Camera& b) { return a.width_px == b.width_px && a.height_px == b.height_px; }
@@ -41,10 +41,13 @@ std::optional<Cause> cause_of_exchange(const Observations& some_stops, const Tri
 
 std::vector<double> lens_strains(const Preparation& prepared, const Fit& fit) {
   std::vector<double> strains(prepared.used.cameras.size(), 0.0);
-  for (const RepeatingErrors::Group& group : prepared.repeating.errors.groups())
-    if (group.camera >= 0)
+  const RemovedErrors& repeating = prepared.repeating;
+  for (std::size_t g = 0; g < repeating.beyond_stated.size(); ++g) {
+    const RepeatingErrors::Group& group = repeating.errors.groups()[g];
+    if (group.camera >= 0 && repeating.beyond_stated[g] > 1.0)
       strains[static_cast<std::size_t>(group.camera)] +=
-          group.level * group.level * prepared.repeating.value.segment(group.first, group.size).squaredNorm();
+          group.level * group.level * repeating.value.segment(group.first, group.size).squaredNorm();
+  }
   if (!prepared.priors.has(Nuisance::kLens)) return strains;
   for (std::size_t c = 0; c < strains.size(); ++c) {
     const auto change = fit.state.nuisances.of(Nuisance::kLens, static_cast<int>(c));

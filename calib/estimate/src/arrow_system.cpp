@@ -95,6 +95,13 @@ std::optional<EliminatedSystem> EliminatedSystem::eliminate(const ArrowSystem& s
   return result;
 }
 
+void EliminatedSystem::solve_forwards(Eigen::MatrixXd* transposed) const {
+  for (std::size_t k = 1; k < inverse_pivot_.size(); ++k) {
+    const Eigen::Index i = 6 * static_cast<Eigen::Index>(k);
+    transposed->middleCols<6>(i) -= transposed->middleCols<6>(i - 6).lazyProduct(factor_[k].transpose());
+  }
+}
+
 void EliminatedSystem::solve_backwards(Eigen::MatrixXd* transposed) const {
   for (int i = static_cast<int>(inverse_pivot_.size()) - 1; i >= 0; --i) {
     const std::size_t k = static_cast<std::size_t>(i);
@@ -145,6 +152,27 @@ EliminatedSystem::PoseCovariance EliminatedSystem::pose_covariance(const Eigen::
     if (i > 0) covariance.with_previous[i] -= own.lazyProduct(W.middleCols<6>(at - 6));
   }
   return covariance;
+}
+
+EliminatedSystem::PoseCovariance EliminatedSystem::answer_to(const PoseRows& with_poses,
+                                                             const Eigen::MatrixXd& by_globals) const {
+  const std::size_t n = inverse_pivot_.size();
+  // P p + U g = e
+  Eigen::MatrixXd R = with_poses.transpose();
+  solve_forwards(&R);
+  R.noalias() -= by_globals.transpose() * forward_.topRows(by_globals.rows());
+  solve_backwards(&R);
+  PoseCovariance squares;
+  squares.diagonal.resize(n);
+  squares.with_previous.resize(n, Matrix6d::Zero());
+  squares.with_globals = R.transpose() * by_globals.transpose();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto own = R.middleCols<6>(6 * static_cast<Eigen::Index>(i));
+    squares.diagonal[i].noalias() = own.transpose() * own;
+    if (i > 0)
+      squares.with_previous[i].noalias() = own.transpose() * R.middleCols<6>(6 * static_cast<Eigen::Index>(i) - 6);
+  }
+  return squares;
 }
 
 Eigen::MatrixXd EliminatedSystem::pose_response() const {

@@ -12,9 +12,8 @@ namespace rigproof::ml {
 /// what lenses do.
 class FineField {
  public:
-  /// Across the longer side: what is coarser polynomials follow.
-  static constexpr int kCoarse = 8;
-  explicit FineField(const Camera& camera, int cells = kCoarse);
+  /// @param cells across the longer side: what is coarser than eight polynomials follow
+  FineField(const Camera& camera, int cells);
   /// Root mean square of a coordinate over the image where coefficients have unit variance.
   static constexpr double kRms = 151.0 / 315.0;
 

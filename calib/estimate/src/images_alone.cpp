@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "fine_field.h"
 #include "fine_level.h"
@@ -19,11 +20,6 @@ struct Estimate {
   Eigen::VectorXd value;       // of the errors' unknowns
   Eigen::MatrixXd covariance;  // as the images leave it
   Eigen::MatrixXd by_raw;      // what gradients by the raw unknowns make of the value, a column each
-};
-
-struct BendingGrid {
-  int cells;
-  double sigma_px;  // of its coefficients
 };
 
 // The unknowns: five of each lens, four of the board, the repeating errors. Poses of views are eliminated.
@@ -67,24 +63,15 @@ class ImagesAlone {
     return {z.tail(size), by_gradient.rightCols(size), by_gradient * M.transpose()};
   }
 
-  // What fine fields of some grids make of an estimate that does not know of them: a column for each coefficient.
+  // What a fine field of a camera makes of an estimate that does not know of it: a column for each of its coefficients.
   Eigen::MatrixXd response_to_fine(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
-                                   const std::vector<BendingGrid>& fine, const Estimate& estimate) const {
-    std::vector<FineField> fields;
-    std::vector<int> places{0};
-    for (int c = 0; c < cameras_; ++c) {
-      fields.emplace_back(errors_.lens_field(c).camera(), fine[static_cast<std::size_t>(c)].cells);
-      places.push_back(places.back() + fields.back().size());
-    }
-    const std::vector<double> levels = squares_of_levels(views, residuals);
-    Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(estimate.by_raw.cols(), places.back());
+                                   int camera, const FineField& fine, const Estimate& estimate) const {
+    const double level = squares_of_levels(views, residuals)[static_cast<std::size_t>(camera)];
+    Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(estimate.by_raw.cols(), fine.size());
     for (std::size_t v = 0; v < views.size(); ++v) {
-      const auto c = static_cast<std::size_t>(views[v].camera);
-      if (fine[c].sigma_px == 0.0) continue;
-      const Eigen::MatrixXd by_field =
-          gradients_by_fine(views[v], weighted(views[v], residuals[v], levels[c]), fields[c]);
-      for (Eigen::Index j = 0; j < by_field.rows(); ++j)
-        gradients.row(place(views[v], j)).segment(places[c], fields[c].size()) += fine[c].sigma_px * by_field.row(j);
+      if (views[v].camera != camera) continue;
+      const Eigen::MatrixXd by_field = gradients_by_fine(views[v], weighted(views[v], residuals[v], level), fine);
+      for (Eigen::Index j = 0; j < by_field.rows(); ++j) gradients.row(place(views[v], j)) += by_field.row(j);
     }
     return estimate.by_raw * gradients;
   }
@@ -159,22 +146,26 @@ class ImagesAlone {
   Eigen::VectorXd prior_;  // information
 };
 
-// That bends the estimate.
-Eigen::MatrixXd nothing(const Estimate& estimate) { return {estimate.value.size(), 0}; }
-
 // Estimates of numbers of unit variance scatter by 1 less what the data leave, and by what else is known to bend them.
 // How much larger the numbers are, where chance does not explain it; 1 where it does.
-double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, const Eigen::MatrixXd& bent_by) {
-  constexpr double kChance = 1e-6;
-  const auto bent = bent_by.middleRows(group.first, group.size);
-  const Eigen::MatrixXd told = Eigen::MatrixXd::Identity(group.size, group.size) -
-                               estimate.covariance.block(group.first, group.first, group.size, group.size) +
-                               bent * bent.transpose();
+// @param bent covariance of all estimates by what bends them
+double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, const Eigen::MatrixXd& bent) {
+  constexpr double kChance = 1e-5;
+  const auto of_group = [&group](const Eigen::MatrixXd& all) {
+    return all.block(group.first, group.first, group.size, group.size);
+  };
+  const Eigen::MatrixXd told =
+      Eigen::MatrixXd::Identity(group.size, group.size) - of_group(estimate.covariance) + of_group(bent);
   const double expected = told.trace(), squares = estimate.value.segment(group.first, group.size).squaredNorm();
   if (!(expected > 0.0) || squares <= expected) return 1.0;
   const double degrees = expected * expected / told.squaredNorm();
   if (chi_square_tail(degrees * squares / expected, degrees) > kChance) return 1.0;
   return std::sqrt(squares / expected);
+}
+
+// Of estimates that nothing bends.
+double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group) {
+  return enlargement(estimate, group, Eigen::MatrixXd::Zero(estimate.value.size(), estimate.value.size()));
 }
 
 // The polynomials also make up for the fine fields, which the estimate does not weigh: for that they are taken for
@@ -183,7 +174,7 @@ bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
   constexpr double kSettled = 1.05, kMost = 50.0;
   bool changed = false;
   for (const RepeatingErrors::Group& group : errors->groups()) {
-    const double factor = std::min(enlargement(estimate, group, nothing(estimate)), kMost / group.level);
+    const double factor = std::min(enlargement(estimate, group), kMost / group.level);
     if (factor < kSettled) continue;
     errors->enlarge(group, factor);
     changed = true;
@@ -193,7 +184,8 @@ bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
 
 // How fine the field of a lens is nobody states. Before any data the grids and none at all are alike.
 RemovedErrors::Fine fine_field(const std::vector<LeftOver>& views, const LensField& smooth, double prior_px) {
-  constexpr std::array<int, 2> kGrids = {FineField::kCoarse, 2 * FineField::kCoarse};
+  // Of two alone, splines of eight cells made up for fields of twelve: many times too large.
+  constexpr std::array<int, 3> kGrids = {8, 12, 16};
   constexpr double kUnlikely = 0.01;  // is left out
   std::array<FineLevel, kGrids.size()> levels{};
   double most = 0.0;  // of the logarithms: that of none
@@ -241,19 +233,38 @@ std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
   return fine;
 }
 
-// Of fields that bend within a board polynomials follow what they can, and are large for it, though the field is not
-// larger than stated. None for the others: those tell the same as the polynomials.
-std::vector<BendingGrid> bending_grids(const std::vector<RemovedErrors::Fine>& fine, const Observations& observations) {
-  std::vector<BendingGrid> grids;
-  for (std::size_t c = 0; c < fine.size(); ++c) {
-    const double stated_px = observations.cameras[c].intrinsics_sigma.residual_px;
-    BendingGrid bending{FineField::kCoarse, 0.0};
-    for (const RemovedErrors::Fine::Grid& grid : fine[c].grids)
-      if (grid.cells > bending.cells)
-        bending = {grid.cells, std::sqrt(grid.share) * std::min(grid.sigma_px, stated_px / FineField::kRms)};
-    grids.push_back(bending);
+// Polynomials follow what they can of fields that bend within a board, and are large for it, though the field is not
+// larger than stated. What the fields that are counted make of the estimate, none for larger than it is stated to be.
+Eigen::MatrixXd bent_by_fine(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
+                             const ImagesAlone& problem, const Observations& observations, const RemovedErrors& removed,
+                             const Estimate& estimate) {
+  Eigen::MatrixXd bent = Eigen::MatrixXd::Zero(estimate.value.size(), estimate.value.size());
+  for (std::size_t c = 0; c < removed.fine.size(); ++c) {
+    const double stated_px = observations.cameras[c].intrinsics_sigma.residual_px / FineField::kRms;
+    for (const RemovedErrors::Fine::Grid& grid : removed.fine[c].grids) {
+      const int camera = static_cast<int>(c);
+      const FineField field(removed.errors.lens_field(camera).camera(), grid.cells);
+      const Eigen::MatrixXd by_field = problem.response_to_fine(views, residuals, camera, field, estimate);
+      const double counted_px = std::min(grid.sigma_px, stated_px);
+      bent += (grid.share * counted_px * counted_px) * by_field * by_field.transpose();
+    }
   }
-  return grids;
+  return bent;
+}
+
+// Of each group: how many times larger it is than stated (RemovedErrors::beyond_stated).
+std::vector<double> beyond_stated(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
+                                  const ImagesAlone& problem, const Observations& observations,
+                                  const RemovedErrors& removed, const Estimate& estimate) {
+  std::vector<double> beyond;
+  std::optional<Eigen::MatrixXd> bent;  // dear, and rarely asked for
+  for (const RepeatingErrors::Group& group : removed.errors.groups()) {
+    beyond.push_back(enlargement(estimate, group));
+    if (beyond.back() == 1.0) continue;
+    if (!bent) bent = bent_by_fine(views, residuals, problem, observations, removed, estimate);
+    beyond.back() = enlargement(estimate, group, *bent);
+  }
+  return beyond;
 }
 
 }  // namespace
@@ -274,13 +285,7 @@ void estimate_repeating(const Observations& observations, const std::vector<View
   Estimate estimate;
   for (int round = 0; round < kRounds; ++round) estimate = problem.solve(rows, &residuals);
   removed->fine = fine_fields(rows, residuals, problem, observations, removed->errors);
-  const std::vector<BendingGrid> bending = bending_grids(removed->fine, observations);
-  const bool any_bends =
-      std::any_of(bending.begin(), bending.end(), [](const BendingGrid& grid) { return grid.sigma_px > 0.0; });
-  const Eigen::MatrixXd by_fine =
-      any_bends ? problem.response_to_fine(rows, residuals, bending, estimate) : nothing(estimate);
-  for (const RepeatingErrors::Group& group : removed->errors.groups())
-    removed->beyond_stated.push_back(enlargement(estimate, group, by_fine));
+  removed->beyond_stated = beyond_stated(rows, residuals, problem, observations, *removed, estimate);
   for (int round = 0; round < kMostRounds && enlarge(estimate, &removed->errors); ++round)
     estimate = problem.solve(rows, &residuals);
   removed->value = estimate.value;

@@ -1,5 +1,7 @@
 #include "rigproof/calib/estimate/repeating_covariance.h"
 
+#include <algorithm>
+
 #include "repeating_couplings.h"
 
 namespace rigproof::ml {
@@ -26,6 +28,25 @@ std::optional<GlobalCovariance> covariance_with(const RemovedErrors& removed, co
   const Eigen::MatrixXd response = response_to(fine, *eliminated, all.covariance.topRows(globals));
   return GlobalCovariance{all.covariance.topLeftCorner(globals, globals) + response * response.transpose(),
                           all.free_directions.topRows(globals), response.rowwise().squaredNorm()};
+}
+
+std::optional<GroupSums> leverage_of_fine_fields(const RemovedErrors& removed, const Problem& problem,
+                                                 const State& state) {
+  const bool any = std::any_of(removed.fine.begin(), removed.fine.end(),
+                               [](const RemovedErrors::Fine& fine) { return !fine.grids.empty(); });
+  if (!any) return problem.empty_sums();
+  Couplings fine(0, 0, 0);
+  const ArrowSystem system = problem.linearise_with(removed, state, Weighting::kInformation, &fine);
+  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
+  if (!eliminated) return std::nullopt;
+  const Eigen::MatrixXd by_globals = response_to(fine, *eliminated, invert_information(eliminated->schur()).covariance);
+  EliminatedSystem::PoseCovariance poses = eliminated->answer_to(fine.with_poses, by_globals);
+  const Eigen::Index globals = problem.layout().globals();
+  poses.with_globals = poses.with_globals.leftCols(globals).eval();
+  const Eigen::MatrixXd first = by_globals.topRows(globals);
+  GroupSums grown = problem.empty_sums();
+  problem.add_leverage(state, poses, first * first.transpose(), &grown);
+  return grown;
 }
 
 }  // namespace rigproof::ml

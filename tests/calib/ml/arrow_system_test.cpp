@@ -75,6 +75,26 @@ TEST(ArrowSystem, CovarianceEqualsTheDenseInverse) {
   }
 }
 
+TEST(ArrowSystem, AnswersToErrorsEqualTheDenseOnes) {
+  constexpr int kErrors = 4;
+  Eigen::MatrixXd dense;
+  Eigen::VectorXd gradient;
+  const auto eliminated = EliminatedSystem::eliminate(random_system(&dense, &gradient), 0.0);
+  ASSERT_TRUE(eliminated);
+  RandomStream random(6, "arrow test");
+  const Eigen::MatrixXd errors = random_matrix(random, 6 * kPoses + kGlobals, kErrors);
+  const Eigen::MatrixXd answer = dense.ldlt().solve(errors), squares = answer * answer.transpose();
+  const EliminatedSystem::PoseCovariance found =
+      eliminated->answer_to(errors.topRows(6 * kPoses), answer.bottomRows(kGlobals));
+  EXPECT_LE((squares.topRightCorner(6 * kPoses, kGlobals) - found.with_globals).norm(), kTolerance);
+  for (int i = 0; i < kPoses; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    EXPECT_LE((squares.block<6, 6>(6 * i, 6 * i) - found.diagonal[k]).norm(), kTolerance);
+    if (i == 0) continue;
+    EXPECT_LE((squares.block<6, 6>(6 * i, 6 * i - 6) - found.with_previous[k]).norm(), kTolerance);
+  }
+}
+
 TEST(ArrowSystem, SquaresFromEachPoseEqualTheDenseOnes) {
   Eigen::MatrixXd dense;
   Eigen::VectorXd gradient;

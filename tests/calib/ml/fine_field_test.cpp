@@ -17,9 +17,10 @@ namespace rigproof::ml {
 namespace {
 
 const Camera kCamera = Camera::symmetric(1280, 720, 640.0);
+constexpr int kCells = 8;
 
 TEST(MlFineField, SharesAddUpToOneEverywhere) {
-  const FineField field(kCamera);
+  const FineField field(kCamera, kCells);
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(-0.5, -0.5), Eigen::Vector2d(1279.5, 719.5),
                                        Eigen::Vector2d(640.0, 360.0), Eigen::Vector2d(2000.0, -300.0)}) {
     double sum = 0.0;
@@ -34,7 +35,7 @@ TEST(MlFineField, SharesAddUpToOneEverywhere) {
 }
 
 TEST(MlFineField, IsAsLargeAsSaid) {
-  const FineField field(kCamera);
+  const FineField field(kCamera, kCells);
   double variance = 0.0;
   int points = 0;
   for (int x = 0; x < kCamera.width_px; x += 7)
@@ -46,13 +47,13 @@ TEST(MlFineField, IsAsLargeAsSaid) {
 // Boards here and there in the image, whose corners a field displaces: the rows of their views.
 class Drawn {
  public:
-  Drawn(double node_sigma_px, double noise_px, RandomStream* random, int cells = FineField::kCoarse, int corners = 48)
+  Drawn(double node_sigma_px, double noise_px, RandomStream* random, int cells = kCells, int corners = 48)
       : field_(kCamera, cells), corners_(corners) {
     Eigen::VectorXd nodes(field_.size());
     for (double& node : nodes) node = random->normal(0.0, node_sigma_px);
     for (int view = 0; view < 60; ++view) add_view(nodes, noise_px, random);
   }
-  double sigma_px(double prior_px) const { return level(prior_px, FineField::kCoarse).sigma_px; }
+  double sigma_px(double prior_px) const { return level(prior_px, kCells).sigma_px; }
   FineLevel level(double prior_px, int cells) const {
     std::vector<LeftOver> left;
     for (std::size_t v = 0; v < views_.size(); ++v) left.push_back({&views_[v], views_[v].residual, weights_[v]});
@@ -144,7 +145,7 @@ TEST(MlFineField, WhereCornersTellNothingThePriorStands) {
 // Three corners a view, which poses of six numbers follow wherever they are.
 TEST(MlFineField, ViewsThatTheirPosesFollowTellNothing) {
   RandomStream random(9, "fine field");
-  const FineLevel level = Drawn(0.3, 0.05, &random, FineField::kCoarse, 3).level(0.1, FineField::kCoarse);
+  const FineLevel level = Drawn(0.3, 0.05, &random, kCells, 3).level(0.1, kCells);
   EXPECT_NEAR(level.sigma_px, 0.1 * kOfPrior, 0.005);
   EXPECT_NEAR(level.log_evidence, 0.0, 0.01);
 }
@@ -153,10 +154,10 @@ TEST(MlFineField, CornersWithoutWeightAreNotThere) {
   RandomStream random(10, "fine field");
   Drawn far_off(0.3, 0.05, &random);
   Drawn of_no_use = far_off;
-  const double with_all = far_off.level(0.1, FineField::kCoarse).log_evidence;
+  const double with_all = far_off.level(0.1, kCells).log_evidence;
   far_off.leave_out(true);
   of_no_use.leave_out(false);
-  const FineLevel level = far_off.level(0.1, FineField::kCoarse), without = of_no_use.level(0.1, FineField::kCoarse);
+  const FineLevel level = far_off.level(0.1, kCells), without = of_no_use.level(0.1, kCells);
   EXPECT_NEAR(level.sigma_px, without.sigma_px, 1e-9);
   EXPECT_NEAR(level.log_evidence, without.log_evidence, 1e-6);
   EXPECT_LT(level.log_evidence, with_all);
@@ -175,7 +176,7 @@ TEST(MlFineField, OfManyViewsEachCameraHasItsShare) {
   const MlOptions options;  // of which the preparation keeps a reference
   const Preparation prepared = prepare(observations, options);
   ASSERT_EQ(prepared.repeating.fine.size(), 2U);
-  for (const RemovedErrors::Fine& fine : prepared.repeating.fine) EXPECT_EQ(fine.grids.size(), 2U);
+  for (const RemovedErrors::Fine& fine : prepared.repeating.fine) EXPECT_EQ(fine.grids.size(), 3U);
 }
 
 }  // namespace

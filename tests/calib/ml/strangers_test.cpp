@@ -290,6 +290,26 @@ TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
             3.0 * kUnknowns * static_cast<double>(believed.size()));
 }
 
+// What polynomials and splines of a few grids make up for, of a field between them, is no contradiction. Where most of
+// it lies beside the boards its size is hardly known, and a pose may be too uncertain for it.
+TEST(MlStrangers, WithSharpCornersFieldsOfAnyScaleAreNotSuspectedOverTrials) {
+  double sum = 0.0;
+  int solved = 0;
+  for (int seed = 0; seed < kTrials.count(); ++seed) {
+    const Stranger made = stranger(seed, seed % 2 == 0 ? 0.05 : 0.01, of_any_scale(seed));
+    MlOptions options = told();
+    options.estimate_corner_level = true;
+    const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
+    for (const Finding& reason : estimate.result.reasons) EXPECT_EQ(reason.code, "pose.too_uncertain") << seed;
+    for (const Finding& note : estimate.result.notes) EXPECT_NE(note.severity, Severity::kSuspect) << seed << note.code;
+    if (estimate.result.status != ResultStatus::kSolved) continue;
+    sum += nees(estimate, poses_of(made.run.truth));
+    ++solved;
+  }
+  EXPECT_GE(20 * solved, 19 * kTrials.count());
+  EXPECT_NEAR(sum / solved, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
+}
+
 TEST(MlStrangers, BelievedToTheLastDigitTheirErrorsShow) {
   Stranger made = stranger(0);
   MlOptions exact = told();
@@ -312,10 +332,10 @@ TEST(MlStrangers, TheBudgetAddsUp) {
 }
 
 // The camera and the quantity of each finding that something is further off than was stated.
-std::vector<std::string> strained(const Worse& worse) {
+std::vector<std::string> strained(const Worse& worse, int seed = 3) {
   MlOptions options = told();
   options.estimate_corner_level = true;
-  const MlEstimate estimate = estimate_maximum_likelihood(stranger(3, 0.05, worse).run.observations, options);
+  const MlEstimate estimate = estimate_maximum_likelihood(stranger(seed, 0.05, worse).run.observations, options);
   std::vector<std::string> found;
   for (const Finding& note : estimate.result.notes)
     if (note.code == "prior.strained")
@@ -324,10 +344,18 @@ std::vector<std::string> strained(const Worse& worse) {
   return found;
 }
 
+// Polynomials that large may also be what they make of a finer field that is no larger than stated.
+TEST(MlStrangers, AFieldSixTimesAsLargeIsNamedAsOftenAsNot) {
+  int named = 0;
+  constexpr int kRobots = 6;
+  for (int seed = 0; seed < kRobots; ++seed) named += !strained({6.0, 1.0, 0.0}, seed).empty();
+  EXPECT_GE(2 * named, kRobots);
+}
+
 TEST(MlStrangers, WhatIsFurtherOffThanStatedIsNamed) {
   const std::string camera = stranger(3).run.observations.cameras[1].name;
   EXPECT_THAT(strained({}), testing::IsEmpty());
-  EXPECT_THAT(strained({6.0, 1.0, 0.0}), testing::Contains(testing::HasSubstr(" of " + camera)));
+  EXPECT_THAT(strained({10.0, 1.0, 0.0}), testing::Contains("lens_residual_px of " + camera));
   EXPECT_THAT(strained({15.0, 1.0, 0.0}), testing::Contains("lens_residual_px of " + camera));
   EXPECT_THAT(strained({1.0, 6.0, 0.0}), testing::Contains("print_mm"));
   EXPECT_THAT(strained({1.0, 1.0, 0.04}), testing::Contains("depth_offset_mm of " + camera));

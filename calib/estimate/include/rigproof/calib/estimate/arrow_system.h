@@ -54,6 +54,9 @@ class EliminatedSystem {
     PoseRows with_globals;                ///< 6 poses x globals
   };
   PoseCovariance pose_covariance(const Eigen::MatrixXd& global_covariance) const;
+  /// The same blocks of R R', where a right side e (a column) couples to the poses by with_poses and moves the globals
+  /// by by_globals: R is how all unknowns answer to it.
+  PoseCovariance answer_to(const PoseRows& with_poses, const Eigen::MatrixXd& by_globals) const;
 
   /// (P^-1 [U g])': a row for each global, then one of the gradient; six columns a pose.
   Eigen::MatrixXd pose_response() const;
@@ -62,6 +65,8 @@ class EliminatedSystem {
   std::vector<Matrix6d> squares_from_each_pose(const std::vector<Matrix6d>& B) const;
 
  private:
+  // L^-1: forwards through the chain. Six columns a pose.
+  void solve_forwards(Eigen::MatrixXd* transposed) const;
   // D^-1 y, then backwards through the chain: the rest of P^-1 after the elimination's L^-1. Six columns a pose.
   void solve_backwards(Eigen::MatrixXd* transposed) const;
 

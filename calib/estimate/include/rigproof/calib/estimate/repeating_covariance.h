@@ -14,4 +14,10 @@ namespace rigproof::ml {
 std::optional<GlobalCovariance> covariance_with(const RemovedErrors& removed, const Problem& problem,
                                                 const State& state);
 
+/// Of each group: how much larger its squares are for what no polynomial follows of the lenses, in dimensions, since
+/// the solution does not know of it; absent where the poses are not determined. Of groups that those displacements
+/// themselves are part of (corners) it tells nothing.
+std::optional<GroupSums> leverage_of_fine_fields(const RemovedErrors& removed, const Problem& problem,
+                                                 const State& state);
+
 }  // namespace rigproof::ml
