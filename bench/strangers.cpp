@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -230,7 +231,8 @@ int measure(const Options& options) {
   const Robots robots{options, scratch ? scratch->path() : fs::absolute(options.data)};
   fs::create_directories(robots.data);
   bench::write_sensors(robots.data / "sensors");
-  ::setenv("RIGPROOF_PATH", (robots.data / "sensors").c_str(), 1);
+  const char* const path = std::getenv("RIGPROOF_PATH");
+  ::setenv("RIGPROOF_PATH", ((robots.data / "sensors").string() + (path ? ":" + std::string(path) : "")).c_str(), 1);
   calibrate_all(robots);
   return print(robots);
 }

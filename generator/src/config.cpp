@@ -147,7 +147,9 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
   visitor.field("depth_frame", depth_frame, TextChoices{{"rig", "registered", "raw"}},
                 "registered: depth has the colour camera's pixels; raw: depth as the sensor preset's depth camera "
                 "measures it, at its own place; rig: as rig and presets say");
-  visitor.field("image_scale", image_scale, {0.05, 1.0}, "shrinks every camera's image, for quick trials");
+  visitor.field("image_scale", image_scale, {0.05, 1.0},
+                "shrinks every camera's image, for quick trials; what the rig states in pixels of it "
+                "(`intrinsics_sigma`) shrinks with it");
   visitor.field("poses", poses, {1.0, 1e6}, "stops of the robot; planners covering and sampled");
   visitor.field("stop_period_s", stop_period_s, {0.1, 1000.0}, "teleport: time from stop to stop");
   visitor.field("motion", motion, TextChoices{{"teleport", "drive"}},

@@ -20,18 +20,19 @@ constexpr double kMaxOdometryYaw_rad = 0.15;
 constexpr double kMaxCorner_px = 1.5;
 // Systematic errors beyond these many sigmas of their prior.
 constexpr double kMaxPriorSigmas = 3.0;
+constexpr int kOdometryDimensions = 3;  // of a residual
 
 // Weighted squares over their expectation, or 0 where chance explains them.
-// @param more dimensions that are expected besides
-double chi_square(const GroupSum& all, double more) {
-  constexpr int kOdometry = 3;  // dimensions of a residual
+// @param by_fields dimensions that are expected besides
+double chi_square(const GroupSum& all, double by_fields) {
+  constexpr double kLeastNumbers = 6.0;  // of fields that bend a drive: assumed, since few bend all of it alike
   const GroupSum sum = all.without_outliers();
   const double redundancy = sum.redundancy();
   if (redundancy < 3.0) return 0.0;
-  const double expected = redundancy + more;
-  const double ratio = sum.weighted_square / (cauchy_moments(kOdometry).weighted_square * expected);
-  const double by_chance = 1.0 + kMaxDeviations * std::sqrt(2.0 / redundancy);
-  return ratio > std::max(kMaxChiSquare, by_chance) ? ratio : 0.0;
+  const double expected = redundancy + by_fields;
+  const double variance = 2.0 * redundancy + 4.0 * by_fields + 2.0 * by_fields * by_fields / kLeastNumbers;
+  const double ratio = sum.weighted_square / (cauchy_moments(kOdometryDimensions).weighted_square * expected);
+  return ratio > std::max(kMaxChiSquare, 1.0 + kMaxDeviations * std::sqrt(variance) / expected) ? ratio : 0.0;
 }
 
 // Square of the odometry's residuals over what its declared sigmas expect; 0 where they agree.
@@ -39,27 +40,30 @@ struct DeclaredRatios {
   double xy = 0.0, yaw = 0.0;
 };
 
-DeclaredRatios declared_ratios(const OdometryNoise& declared, const GroupSums& sums, const GroupSums& more) {
-  const auto ratio = [&](Group group) { return chi_square(sum_of(sums, group), sum_of(more, group).leverage); };
+DeclaredRatios declared_ratios(const OdometryNoise& declared, const GroupSums& sums, const GroupSums& by_fields) {
+  const auto ratio = [&](Group group) { return chi_square(sum_of(sums, group), sum_of(by_fields, group).leverage); };
   return {declared.sigma_xy_m ? ratio(Group::kOdometryXy) : 0.0,
           declared.sigma_yaw_rad ? ratio(Group::kOdometryYaw) : 0.0};
 }
 
-// Corners that lenses displace bend the poses, and those meet the odometry. To know how much is dear, and rarely asked.
-void check_declared(const Problem& problem, const State& state, const GroupSums& sums, const RemovedErrors& removed,
-                    std::vector<Finding>* findings) {
+// Corners that lenses displace bend the poses, and those meet the odometry. To know how much is dear: it is asked where
+// nothing else contradicts.
+std::vector<Finding> check_declared(const Problem& problem, const State& state, const GroupSums& sums,
+                                    const RemovedErrors& removed, bool contradicted) {
   const OdometryNoise& declared = problem.observations().odometry_noise;
   DeclaredRatios ratios = declared_ratios(declared, sums, problem.empty_sums());
-  if (ratios.xy > 0.0 || ratios.yaw > 0.0)
-    if (const auto more = leverage_of_fine_fields(removed, problem, state))
-      ratios = declared_ratios(declared, sums, *more);
+  if (!contradicted && (ratios.xy > 0.0 || ratios.yaw > 0.0))
+    if (const auto by_fields = leverage_of_fine_fields(removed, problem, state))
+      ratios = declared_ratios(declared, sums, *by_fields);
+  std::vector<Finding> findings;
   if (ratios.xy > 0.0)
-    findings->emplace_back("odometry.translations_contradict",
-                           FindingValues{{"ratio", std::sqrt(ratios.xy)}, {"declared_mm", 1e3 * *declared.sigma_xy_m}});
+    findings.emplace_back("odometry.translations_contradict",
+                          FindingValues{{"ratio", std::sqrt(ratios.xy)}, {"declared_mm", 1e3 * *declared.sigma_xy_m}});
   if (ratios.yaw > 0.0)
-    findings->emplace_back(
+    findings.emplace_back(
         "odometry.turns_contradict",
         FindingValues{{"ratio", std::sqrt(ratios.yaw)}, {"declared_deg", rad_to_deg(*declared.sigma_yaw_rad)}});
+  return findings;
 }
 
 void check_levels(const Problem& problem, std::vector<Finding>* findings) {
@@ -78,7 +82,8 @@ void check_levels(const Problem& problem, std::vector<Finding>* findings) {
 void check_majority(const GroupSums& sums, std::vector<Finding>* findings) {
   constexpr double kMinShare = 0.5;  // of the weight that Gaussian residuals have
   const GroupSum& sum = sum_of(sums, Group::kOdometryXy);
-  if (sum.dimensions == 0 || sum.weight > kMinShare * cauchy_moments(3).weight * sum.dimensions) return;
+  if (sum.dimensions == 0 || sum.weight > kMinShare * cauchy_moments(kOdometryDimensions).weight * sum.dimensions)
+    return;
   findings->emplace_back("odometry.mostly_outliers");
 }
 
@@ -101,10 +106,6 @@ void check_systematics(const Problem& problem, const State& state, std::vector<F
 Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums,
                                    const RemovedErrors& removed) {
   Contradictions found;
-  check_declared(problem, state, sums, removed, &found.odometry);
-  check_levels(problem, &found.odometry);
-  check_majority(sums, &found.odometry);
-  check_systematics(problem, state, &found.odometry);
   for (int c = 0; c < problem.layout().cameras; ++c) {
     const auto camera = static_cast<std::size_t>(c);
     const double scale = problem.noise.corner_scale[camera] / problem.noise.shaken[camera];
@@ -114,6 +115,12 @@ Contradictions find_contradictions(const Problem& problem, const State& state, c
       found.cameras.push_back(Finding("corners.off", {{"off_px", level}, {"limit_px", kMaxCorner_px}})
                                   .of(problem.observations().cameras[camera].name));
   }
+  std::vector<Finding> others;
+  check_levels(problem, &others);
+  check_majority(sums, &others);
+  check_systematics(problem, state, &others);
+  found.odometry = check_declared(problem, state, sums, removed, !others.empty() || !found.cameras.empty());
+  found.odometry.insert(found.odometry.end(), others.begin(), others.end());
   return found;
 }
 

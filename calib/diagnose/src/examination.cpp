@@ -132,13 +132,14 @@ OdometryLaw likely_law(const Preparation& prepared, const Fit& fit, OdometryMode
 // Whether nothing in the solution of a trial contradicts itself.
 bool is_clean(const Preparation& prepared, const Fit& fit, const Problem& problem,
               const std::optional<LensTest>& lenses) {
+  const std::vector<const BoardView*> left_out = views_left_out(prepared, fit);
+  if (std::any_of(left_out.begin(), left_out.end(),
+                  [&](const BoardView* view) { return count_of(left_out, view->camera) > 1; }))
+    return false;
   const std::optional<GroupSums> sums = problem.sums_with_leverage(fit.state);
   if (!sums || (lenses && lenses->suspicious())) return false;
   const Contradictions found = contradictions_of(prepared, problem, fit.state, sums);
-  if (!found.odometry.empty() || !found.cameras.empty()) return false;
-  const std::vector<const BoardView*> left_out = views_left_out(prepared, fit);
-  return std::none_of(left_out.begin(), left_out.end(),
-                      [&](const BoardView* view) { return count_of(left_out, view->camera) > 1; });
+  return found.odometry.empty() && found.cameras.empty();
 }
 
 // -2 ln of the likelihood, where what was left out counts as very wrong: else leaving out would explain everything.

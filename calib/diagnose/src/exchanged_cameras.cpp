@@ -10,9 +10,9 @@
 namespace rigproof::ml {
 namespace {
 
-// A ratio of the priors' densities, of fields only where they are larger than stated; healthy lenses of two cameras,
-// all of whose ten values are told, are strained by as much in one of 200 rigs. Exchanged ones are strained by more,
-// and by less once they are exchanged back; a lens that is wrong stays so in either place.
+// A ratio of the priors' densities; healthy lenses of two cameras, all of whose ten values are told, are strained by
+// as much in one of 200 rigs. Exchanged ones are strained by more, and by less once they are exchanged back; a lens
+// that is wrong stays so in either place.
 constexpr double kDecides = 25.0;
 
 bool same_size(const Camera& a, const Camera& b) { return a.width_px == b.width_px && a.height_px == b.height_px; }
@@ -37,14 +37,15 @@ std::optional<Cause> cause_of_exchange(const Observations& some_stops, const Tri
                gain};
 }
 
-}  // namespace
+// Which smooth fields count as a strain.
+enum class Fields { kAll, kLargerThanStated };
 
-std::vector<double> lens_strains(const Preparation& prepared, const Fit& fit) {
+std::vector<double> strains_with(Fields which, const Preparation& prepared, const Fit& fit) {
   std::vector<double> strains(prepared.used.cameras.size(), 0.0);
   const RemovedErrors& repeating = prepared.repeating;
   for (std::size_t g = 0; g < repeating.beyond_stated.size(); ++g) {
     const RepeatingErrors::Group& group = repeating.errors.groups()[g];
-    if (group.camera >= 0 && repeating.beyond_stated[g] > 1.0)
+    if (group.camera >= 0 && (which == Fields::kAll || repeating.beyond_stated[g] > 1.0))
       strains[static_cast<std::size_t>(group.camera)] +=
           group.level * group.level * repeating.value.segment(group.first, group.size).squaredNorm();
   }
@@ -58,9 +59,16 @@ std::vector<double> lens_strains(const Preparation& prepared, const Fit& fit) {
   return strains;
 }
 
+}  // namespace
+
+std::vector<double> lens_strains(const Preparation& prepared, const Fit& fit) {
+  return strains_with(Fields::kAll, prepared, fit);
+}
+
 std::optional<Cause> find_exchanged_cameras(const Preparation& prepared, const Fit& fit, const Refit& refit) {
   const std::vector<int> solved = prepared.solved_cameras();
-  const std::vector<double> strains = lens_strains(prepared, fit);
+  // Fields of two healthy lenses have some seventy numbers: to try for their sake would be to try nearly always.
+  const std::vector<double> strains = strains_with(Fields::kLargerThanStated, prepared, fit);
   std::optional<Observations> some_stops;
   std::optional<Trial> as_is;
   std::optional<Cause> best;

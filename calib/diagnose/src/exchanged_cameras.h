@@ -9,9 +9,8 @@
 
 namespace rigproof::ml {
 
-/// Of each camera: how far its lens is from what is stated, as -2 ln of its prior, with the smooth field that no
-/// distortion follows where that is larger than stated (RemovedErrors::beyond_stated). The expectation is no more than
-/// the number of the lens's unknowns.
+/// Of each camera: how far its lens is from what is stated, with the smooth field that no distortion follows, as -2 ln
+/// of their priors. The expectation is no more than the number of unknowns that the data tell.
 std::vector<double> lens_strains(const Preparation& prepared, const Fit& fit);
 
 /// `frames.exchanged`: two cameras whose lenses are far from what is stated, and are what is stated of each other.

@@ -12,7 +12,7 @@ namespace rigproof::ml {
 /// what lenses do.
 class FineField {
  public:
-  /// @param cells across the longer side: what is coarser than eight polynomials follow
+  /// @param cells across the longer side, from 8: what is coarser polynomials follow
   FineField(const Camera& camera, int cells);
   /// Root mean square of a coordinate over the image where coefficients have unit variance.
   static constexpr double kRms = 151.0 / 315.0;

@@ -65,8 +65,7 @@ class ImagesAlone {
 
   // What a fine field of a camera makes of an estimate that does not know of it: a column for each of its coefficients.
   Eigen::MatrixXd response_to_fine(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
-                                   int camera, const FineField& fine, const Estimate& estimate) const {
-    const double level = squares_of_levels(views, residuals)[static_cast<std::size_t>(camera)];
+                                   int camera, const FineField& fine, const Estimate& estimate, double level) const {
     Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(estimate.by_raw.cols(), fine.size());
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (views[v].camera != camera) continue;
@@ -147,20 +146,19 @@ class ImagesAlone {
 };
 
 // Estimates of numbers of unit variance scatter by 1 less what the data leave, and by what else is known to bend them.
-// How much larger the numbers are, where chance does not explain it; 1 where it does.
+// How many times larger the numbers are, where chance does not explain the estimates; 1 where it does.
 // @param bent covariance of all estimates by what bends them
 double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, const Eigen::MatrixXd& bent) {
   constexpr double kChance = 1e-5;
-  const auto of_group = [&group](const Eigen::MatrixXd& all) {
-    return all.block(group.first, group.first, group.size, group.size);
-  };
-  const Eigen::MatrixXd told =
-      Eigen::MatrixXd::Identity(group.size, group.size) - of_group(estimate.covariance) + of_group(bent);
-  const double expected = told.trace(), squares = estimate.value.segment(group.first, group.size).squaredNorm();
-  if (!(expected > 0.0) || squares <= expected) return 1.0;
+  const Eigen::Index first = group.first, size = group.size;
+  Eigen::MatrixXd told = Eigen::MatrixXd::Identity(size, size) - estimate.covariance.block(first, first, size, size);
+  const double of_own = told.trace();
+  told += bent.block(first, first, size, size);
+  const double expected = told.trace(), squares = estimate.value.segment(first, size).squaredNorm();
+  if (!(of_own > 0.0) || squares <= expected) return 1.0;
   const double degrees = expected * expected / told.squaredNorm();
   if (chi_square_tail(degrees * squares / expected, degrees) > kChance) return 1.0;
-  return std::sqrt(squares / expected);
+  return std::sqrt((squares - expected + of_own) / of_own);
 }
 
 // Of estimates that nothing bends.
@@ -239,12 +237,13 @@ Eigen::MatrixXd bent_by_fine(const std::vector<ViewRows>& views, const std::vect
                              const ImagesAlone& problem, const Observations& observations, const RemovedErrors& removed,
                              const Estimate& estimate) {
   Eigen::MatrixXd bent = Eigen::MatrixXd::Zero(estimate.value.size(), estimate.value.size());
+  const std::vector<double> levels = problem.squares_of_levels(views, residuals);
   for (std::size_t c = 0; c < removed.fine.size(); ++c) {
     const double stated_px = observations.cameras[c].intrinsics_sigma.residual_px / FineField::kRms;
     for (const RemovedErrors::Fine::Grid& grid : removed.fine[c].grids) {
       const int camera = static_cast<int>(c);
       const FineField field(removed.errors.lens_field(camera).camera(), grid.cells);
-      const Eigen::MatrixXd by_field = problem.response_to_fine(views, residuals, camera, field, estimate);
+      const Eigen::MatrixXd by_field = problem.response_to_fine(views, residuals, camera, field, estimate, levels[c]);
       const double counted_px = std::min(grid.sigma_px, stated_px);
       bent += (grid.share * counted_px * counted_px) * by_field * by_field.transpose();
     }
