@@ -169,7 +169,7 @@ void note_strained_repeating(const Preparation& prepared, Result* result) {
     }
     const RigCamera& camera = prepared.used.cameras[static_cast<std::size_t>(c)];
     const double prior = camera.intrinsics_sigma.residual_px;
-    const double fine_px = repeating.fine[static_cast<std::size_t>(c)].rms_px;
+    const double fine_px = repeating.fine[static_cast<std::size_t>(c)].shown_px;
     if (level > 1.0 || fine_px > kFineSuspect * prior)
       result->notes.push_back(strained("lens_residual_px", std::hypot(level * prior, fine_px), prior).of(camera.name));
   }

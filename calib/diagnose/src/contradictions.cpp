@@ -23,14 +23,13 @@ constexpr double kMaxPriorSigmas = 3.0;
 constexpr int kOdometryDimensions = 3;  // of a residual
 
 // Weighted squares over their expectation, or 0 where chance explains them.
-// @param by_fields dimensions that are expected besides
+// @param by_fields dimensions that are expected besides; all of them may come from one number of a field
 double chi_square(const GroupSum& all, double by_fields) {
-  constexpr double kLeastNumbers = 6.0;  // of fields that bend a drive: assumed, since few bend all of it alike
   const GroupSum sum = all.without_outliers();
   const double redundancy = sum.redundancy();
   if (redundancy < 3.0) return 0.0;
   const double expected = redundancy + by_fields;
-  const double variance = 2.0 * redundancy + 4.0 * by_fields + 2.0 * by_fields * by_fields / kLeastNumbers;
+  const double variance = 2.0 * redundancy + 4.0 * by_fields + 2.0 * by_fields * by_fields;
   const double ratio = sum.weighted_square / (cauchy_moments(kOdometryDimensions).weighted_square * expected);
   return ratio > std::max(kMaxChiSquare, 1.0 + kMaxDeviations * std::sqrt(variance) / expected) ? ratio : 0.0;
 }

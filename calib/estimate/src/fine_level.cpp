@@ -116,6 +116,7 @@ class Likelihood {
     for (Eigen::Index i = 0; i < sums.u.size(); ++i)
       if (sums.A(i, i) > kIndependent * sums.with_poses[i]) seen.push_back(static_cast<int>(i));
     if (seen.empty()) return;
+    trace_ = sums.A(seen, seen).trace();
     const Eigen::Tridiagonalization<Eigen::MatrixXd> tridiagonal(sums.A(seen, seen));
     diagonal_ = tridiagonal.diagonal();
     beside_ = tridiagonal.subDiagonal();
@@ -137,6 +138,12 @@ class Likelihood {
     return {noise, -0.5 * (degrees_ * std::log(noise) + (t * strengths_).array().log1p().sum())};
   }
 
+  // Variance of the coefficients that makes squares as large as they are, beside the noise; of data that tell nothing
+  // what is given. Numbers of splines that do not fit are large where corners hardly see them.
+  double shown(double noise, double otherwise) const {
+    return tells() ? std::max(0.0, squares_ - noise * degrees_) / trace_ : otherwise;
+  }
+
  private:
   bool tells() const { return rank_ > 0.0 && degrees_ > rank_; }
 
@@ -152,7 +159,7 @@ class Likelihood {
     return t * sum;
   }
 
-  double degrees_, squares_, rank_ = 0.0;
+  double degrees_, squares_, rank_ = 0.0, trace_ = 0.0;
   Eigen::VectorXd diagonal_, beside_, u_, strengths_;
 };
 
@@ -177,14 +184,16 @@ FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, 
   const Likelihood::At none = likelihood.at(0.0);
   const double least = std::pow(kLeast * prior_px, 2), most = std::pow(kMost * prior_px, 2);
   // The noise is known far better than the field: for each multiple of it one noise is enough.
-  std::vector<double> variances, logs;
+  std::vector<double> variances, noises, logs;
   for (double t = least / none.noise; logs.size() < kMostSteps; t *= std::exp(kStep)) {
     const Likelihood::At at = likelihood.at(t);
     if (t * at.noise > most) break;
     variances.push_back(t * at.noise);
+    noises.push_back(at.noise);
     logs.push_back(log_prior(std::sqrt(variances.back()) / prior_px) + at.log - none.log);
   }
-  const double best = *std::max_element(logs.begin(), logs.end());
+  const auto likeliest = std::max_element(logs.begin(), logs.end());
+  const double best = *likeliest, noise = noises[static_cast<std::size_t>(likeliest - logs.begin())];
   double weights = 0.0, mean = 0.0;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const double weight = std::exp(logs[i] - best);
@@ -192,7 +201,8 @@ FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, 
     mean += weight * variances[i];
   }
   constexpr double kStepOfSize = 0.5 * kStep;
-  return {std::sqrt(mean / weights), best + std::log(kStepOfSize * weights)};
+  mean /= weights;
+  return {std::sqrt(mean), std::sqrt(likelihood.shown(noise, mean)), best + std::log(kStepOfSize * weights)};
 }
 
 }  // namespace rigproof::ml

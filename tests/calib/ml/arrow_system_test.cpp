@@ -45,6 +45,16 @@ ArrowSystem random_system(Eigen::MatrixXd* dense, Eigen::VectorXd* gradient) {
 // Everything is compared with dense linear algebra of condition about 1e3: 1e-10 leaves three digits of room.
 constexpr double kTolerance = 1e-10;
 
+void expect_blocks_of(const Eigen::MatrixXd& dense, const EliminatedSystem::PoseCovariance& found) {
+  EXPECT_LE((dense.topRightCorner(6 * kPoses, kGlobals) - found.with_globals).norm(), kTolerance);
+  for (int i = 0; i < kPoses; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    EXPECT_LE((dense.block<6, 6>(6 * i, 6 * i) - found.diagonal[k]).norm(), kTolerance) << i;
+    if (i == 0) continue;
+    EXPECT_LE((dense.block<6, 6>(6 * i, 6 * i - 6) - found.with_previous[k]).norm(), kTolerance) << i;
+  }
+}
+
 TEST(ArrowSystem, StepEqualsTheDenseSolution) {
   Eigen::MatrixXd dense;
   Eigen::VectorXd gradient, pose_step, global_step;
@@ -66,13 +76,7 @@ TEST(ArrowSystem, CovarianceEqualsTheDenseInverse) {
   const Eigen::MatrixXd globals = eliminated->schur().inverse();
   EXPECT_LE((inverse.bottomRightCorner(kGlobals, kGlobals) - globals).norm(), kTolerance);
   const EliminatedSystem::PoseCovariance covariance = eliminated->pose_covariance(globals);
-  EXPECT_LE((inverse.topRightCorner(6 * kPoses, kGlobals) - covariance.with_globals).norm(), kTolerance);
-  for (int i = 0; i < kPoses; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    EXPECT_LE((inverse.block<6, 6>(6 * i, 6 * i) - covariance.diagonal[k]).norm(), kTolerance);
-    if (i == 0) continue;
-    EXPECT_LE((inverse.block<6, 6>(6 * i, 6 * i - 6) - covariance.with_previous[k]).norm(), kTolerance);
-  }
+  expect_blocks_of(inverse, covariance);
 }
 
 TEST(ArrowSystem, AnswersToErrorsEqualTheDenseOnes) {
@@ -86,13 +90,7 @@ TEST(ArrowSystem, AnswersToErrorsEqualTheDenseOnes) {
   const Eigen::MatrixXd answer = dense.ldlt().solve(errors), squares = answer * answer.transpose();
   const EliminatedSystem::PoseCovariance found =
       eliminated->answer_to(errors.topRows(6 * kPoses), answer.bottomRows(kGlobals));
-  EXPECT_LE((squares.topRightCorner(6 * kPoses, kGlobals) - found.with_globals).norm(), kTolerance);
-  for (int i = 0; i < kPoses; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    EXPECT_LE((squares.block<6, 6>(6 * i, 6 * i) - found.diagonal[k]).norm(), kTolerance);
-    if (i == 0) continue;
-    EXPECT_LE((squares.block<6, 6>(6 * i, 6 * i - 6) - found.with_previous[k]).norm(), kTolerance);
-  }
+  expect_blocks_of(squares, found);
 }
 
 TEST(ArrowSystem, SquaresFromEachPoseEqualTheDenseOnes) {

@@ -129,6 +129,24 @@ TEST(MlFineField, TheLikeliestGridIsTheFieldsOwn) {
   }
 }
 
+// Splines that do not fit make up for a field by numbers that are large where no corner is. What corners are displaced
+// by is as large as the field all the same.
+TEST(MlFineField, WhatCornersShowIsAsLargeAsTheFieldOnAnyGrid) {
+  double on_own = 0.0, on_coarser = 0.0, numbers_of_coarser = 0.0;
+  constexpr int kFields = 6;
+  for (int seed = 0; seed < kFields; ++seed) {
+    RandomStream random(static_cast<std::uint64_t>(seed), "fine field");
+    const Drawn drawn(0.3, 0.01, &random, 16);
+    const FineLevel own = drawn.level(0.3, 16), coarser = drawn.level(0.3, 12);
+    on_own += own.shown_px / kFields;
+    on_coarser += coarser.shown_px / kFields;
+    numbers_of_coarser += coarser.sigma_px / kFields;
+  }
+  EXPECT_NEAR(on_own, 0.3, 0.04);
+  EXPECT_NEAR(on_coarser, 0.3, 0.1);
+  EXPECT_GT(numbers_of_coarser, 0.9);  // three times the field: suspicions cannot go by it
+}
+
 TEST(MlFineField, WithoutOneNoneIsFound) {
   RandomStream random(7, "fine field");
   EXPECT_LT(Drawn(0.0, 0.05, &random).sigma_px(0.1), 0.02);
