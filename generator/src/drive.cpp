@@ -450,7 +450,9 @@ std::string DriveTrouble::text() const {
 
 Drive simulate_drive(DrivePhysics& physics, const DriveRequest& request) {
   if (request.goals.empty()) throw Error("drive: there is no viewpoint to drive to");
-  return Driver(physics, request).drive();
+  Drive drive = Driver(physics, request).drive();
+  drive.T_ground_robot = physics.T_ground_robot();
+  return drive;
 }
 
 }  // namespace rigproof

@@ -13,7 +13,7 @@
 namespace rigproof {
 namespace {
 
-constexpr char kMagic[8] = {'R', 'P', 'D', 'R', 'I', 'V', 'E', '1'};
+constexpr char kMagic[8] = {'R', 'P', 'D', 'R', 'I', 'V', 'E', '2'};
 constexpr std::uint32_t kByteOrder = 0x01020304U;
 constexpr std::size_t kHashDigits = 64;
 constexpr std::size_t kHeadBytes = sizeof kMagic + sizeof kByteOrder + 2 * kHashDigits;
@@ -111,6 +111,7 @@ template <typename Archive>
 void pass(Archive& archive, Drive& drive, std::vector<Sample>& trajectory) {
   archive.count(drive.ways_tried_again);
   archive.count(drive.given_up);
+  pass(archive, drive.T_ground_robot);
   archive.list(drive.captures, [&](Capture& capture) {
     archive.value(capture.stamp_s);
     pass(archive, capture.T_scene_robot);

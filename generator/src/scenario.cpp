@@ -265,6 +265,28 @@ void delay_cameras(Scenario* scenario) {
   }
 }
 
+// The robot frame lies in the ground on which the robot stands; until here the truth has the one of its model, which
+// leans on unequal wheels and under a load.
+/// @param T_ground_robot how the model's frame stands: becomes Truth::T_robot_chassis
+void lay_into_the_ground(const Rigid3& T_ground_robot, Truth* truth) {
+  const Rigid3 T_robot_ground = T_ground_robot.inverse();
+  const Rigid3 T_new_old = levelled(truth->stops.front().T_world_robot * T_robot_ground).inverse();  // of the world
+  const auto lay = [&](TrueStop& stop) {
+    stop.T_world_robot = T_new_old * stop.T_world_robot * T_robot_ground;
+    if (!stop.velocity) return;
+    const Eigen::Vector3d turning = T_ground_robot.rotation * stop.velocity->tail<3>();
+    *stop.velocity << T_ground_robot.rotation * stop.velocity->head<3>() + T_ground_robot.translation.cross(turning),
+        turning;
+  };
+  std::for_each(truth->stops.begin(), truth->stops.end(), lay);
+  for (TrueCamera& camera : truth->cameras) {
+    camera.T_robot_camera = T_ground_robot * camera.T_robot_camera;
+    std::for_each(camera.stops.begin(), camera.stops.end(), lay);
+  }
+  truth->T_world_board = T_new_old * truth->T_world_board;
+  truth->T_robot_chassis = T_ground_robot;
+}
+
 // Stops where physics left the robot; the odometry is what its wheels counted.
 void drive(const WorldDescription& description, const ViewpointSubject& subject, const DriveSource& source,
            Scenario* scenario) {
@@ -285,6 +307,7 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   if (config.moves_while_exposing())
     for (TrueStop& stop : truth.stops) stop.velocity = scenario->trajectory.velocity(stop.stamp_s);
   delay_cameras(scenario);
+  if (draw.physics.changes_stance()) lay_into_the_ground(driven.drive.T_ground_robot, &truth);
   label_odometry(driven.drive.odometry, &truth);
   truth.drawn.insert(draw.drawn.begin(), draw.drawn.end());
   scenario->recording = recorded_part(*scenario, description.board);

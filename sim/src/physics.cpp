@@ -142,7 +142,8 @@ Rigid3 pose_in(const mjData& state, int position) {
 }
 
 // The chassis sinks into its contacts by a hair: where it comes to rest on flat ground defines the robot frame. Returns
-// T_body_robot; leaves the model as it was and the state reset.
+// T_body_ground, of a ground whose origin and x axis are below the body's; leaves the model as it was and the state
+// reset.
 Rigid3 settle_on_flat_ground(const std::vector<ObjectKind>& kinds, int position, mjModel* model, mjData* state) {
   const std::vector<int> contype(model->geom_contype, model->geom_contype + model->ngeom);
   const std::vector<int> conaffinity(model->geom_conaffinity, model->geom_conaffinity + model->ngeom);
@@ -207,7 +208,7 @@ struct DrivePhysics::Impl {
   std::unique_ptr<Surroundings> surroundings;
   Wheels wheels;
   std::vector<GroundPlane> ground_planes;
-  Rigid3 T_body_robot;
+  Rigid3 T_body_robot, T_ground_robot;
 
   Impl(const WorldDescription& description, const PhysicsOptions& options);
   void compile_scene(const WorldDescription& description);
@@ -233,6 +234,8 @@ DrivePhysics::Impl::Impl(const WorldDescription& description, const PhysicsOptio
                                                 mj_name2id(scene_model.get(), mjOBJ_BODY, "robot"));
   T_body_robot = settle_on_flat_ground(kinds, robot_position, model.get(), data.get());
   change_robot(options);
+  if (options.changes_stance())
+    T_ground_robot = settle_on_flat_ground(kinds, robot_position, model.get(), data.get()).inverse() * T_body_robot;
   use_ground(description.ground);
 }
 
@@ -416,6 +419,7 @@ void DrivePhysics::step(double left_rad_s, double right_rad_s) {
 double DrivePhysics::step_s() const { return impl_->model->opt.timestep; }
 double DrivePhysics::time_s() const { return impl_->data->time; }
 Rigid3 DrivePhysics::T_world_robot() const { return impl_->T_world_body() * impl_->T_body_robot; }
+Rigid3 DrivePhysics::T_ground_robot() const { return impl_->T_ground_robot; }
 double DrivePhysics::left_wheels_rad() const { return impl_->wheels.left.angle(impl_->data.get()); }
 double DrivePhysics::right_wheels_rad() const { return impl_->wheels.right.angle(impl_->data.get()); }
 

@@ -55,10 +55,11 @@ TEST(Truth, ACameraMayHaveStopsOfItsOwn) {
   EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
 }
 
-TEST(Truth, LensResidualAndPrintedCornersAreKept) {
+TEST(Truth, LensResidualPrintedCornersAndStanceAreKept) {
   const TempFolder folder;
   Truth a = sample_truth();
   a.cameras[0].lens_residual = draw_lens_residual(a.cameras[0].camera, 0.07, 8.0, RandomStream(1, "field"));
+  a.T_robot_chassis = se3_exp((Vector6d() << 0.0, 0.0, -0.003, -0.001, 0.002, 0.0).finished());
   for (int id = 0; id < a.board.corner_count(); ++id)
     a.printed_corners.push_back(a.board.corner(id) + Eigen::Vector3d(1e-4 * id, -2e-5, 3e-5));
   save_truth(a, folder / "a.yaml");
@@ -68,6 +69,8 @@ TEST(Truth, LensResidualAndPrintedCornersAreKept) {
   EXPECT_EQ(b.cameras[0].lens_residual->dx_px, a.cameras[0].lens_residual->dx_px);
   EXPECT_EQ(b.cameras[0].lens_residual->at({100.0, 50.0}), a.cameras[0].lens_residual->at({100.0, 50.0}));
   EXPECT_EQ(b.printed_corners, a.printed_corners);
+  ASSERT_TRUE(b.T_robot_chassis);
+  EXPECT_LT(se3_log(a.T_robot_chassis->inverse() * *b.T_robot_chassis).norm(), 1e-12);
   EXPECT_EQ(b.corner(3), a.printed_corners[3]);
   EXPECT_EQ(sample_truth().corner(3), a.board.corner(3));
   save_truth(b, folder / "b.yaml");

@@ -108,6 +108,15 @@ TEST(DrivePhysics, ALargerRightWheelDrivesALeftArc) {
   EXPECT_LT(yaw_of(physics.T_world_robot()), 0.15);
 }
 
+// How far a robot at rest stands from where it is told to, on level ground of a height.
+double off_its_stance(const DrivePhysics& physics, double ground_m) {
+  const Rigid3 T_world_robot = physics.T_world_robot();
+  const Eigen::Vector3d& place = T_world_robot.translation;
+  Rigid3 T_world_ground = planar_pose(place.x(), place.y(), yaw_of(T_world_robot));
+  T_world_ground.translation.z() = ground_m;
+  return se3_log((T_world_ground * physics.T_ground_robot()).inverse() * T_world_robot).norm();
+}
+
 TEST(DrivePhysics, APayloadTiltsTheRobotTowardsIt) {
   const Floor floor;
   PhysicsOptions options;
@@ -121,6 +130,28 @@ TEST(DrivePhysics, APayloadTiltsTheRobotTowardsIt) {
   // the rest less; the difference of 115 N a wheel makes 2.9 mm over the wheelbase of 0.51 m.
   EXPECT_NEAR(std::asin(-ahead.z()), 115.0 / 40000.0 / 0.51, 0.001);
   EXPECT_LT(physics.T_world_robot().translation.z(), -0.0005);
+  EXPECT_LT(off_its_stance(physics, 0.0), 1e-4);
+}
+
+TEST(DrivePhysics, HowTheRobotStandsIsToldWhateverTheGround) {
+  const Floor floor;
+  EXPECT_EQ(se3_log(DrivePhysics(floor.description(), {}).T_ground_robot()).norm(), 0.0);
+  PhysicsOptions options;
+  options.wheel_diameter_ratio = 1.02;
+  const double lean = std::atan(floor.robot().wheel_radius_m * 0.02 / floor.robot().track_m);
+  for (const double ramp_m : {0.0, 0.1}) {
+    std::vector<GroundRelief::Ramp> ramps;
+    if (ramp_m > 0.0) ramps.push_back({0.0, 0.0, 0.0, ramp_m, 3.0, 1.0, 3.0});
+    DrivePhysics physics(floor.description(ramps), options);
+    const Vector6d stance = se3_log(physics.T_ground_robot());
+    // Its right wheels are larger. Tyres that are wide and soft give way under their outer edges.
+    EXPECT_LT(stance[3], -0.5 * lean);
+    EXPECT_GT(stance[3], -1.05 * lean);
+    EXPECT_NEAR(stance[4], 0.0, 0.05 * lean);
+    physics.place(0.0, 0.0, 0.4);  // on the level part of the ramp
+    drive_for(&physics, floor, 0.0, 0.0, 2.0);
+    EXPECT_LT(off_its_stance(physics, ramp_m), 1e-4) << ramp_m;
+  }
 }
 
 TEST(DrivePhysics, OnUnevenGroundTheRobotStandsOnIt) {

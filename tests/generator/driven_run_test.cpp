@@ -163,6 +163,7 @@ TEST(DriveStore, GivesNothingForDamageOrAnotherKey) {
   driven.plan.stops[1].x_m = 0.1;
   driven.drive.captures = {{1.5, planar_pose(1.0, 2.0, 0.3)}};
   driven.drive.odometry = {{0.0, 0.0, 0.0, 0.0}, {0.02, 1e-300, -0.0, 3.1}};
+  driven.drive.T_ground_robot.translation.z() = -0.003;
   driven.drive.trajectory.add(0.0, Rigid3());
   driven.drive.trajectory.add(0.01, planar_pose(0.1, 0.2, 0.3));
   const std::string key(64, 'a');
@@ -171,6 +172,7 @@ TEST(DriveStore, GivesNothingForDamageOrAnotherKey) {
   ASSERT_TRUE(back);
   EXPECT_EQ(encode_drive(*back, key), bytes);
   EXPECT_EQ(back->plan.coverage, "three stops");
+  EXPECT_EQ(back->drive.T_ground_robot.translation.z(), -0.003);
   EXPECT_EQ(back->drive.captures[0].T_scene_robot.rotation.coeffs(),
             driven.drive.captures[0].T_scene_robot.rotation.coeffs());
   EXPECT_FALSE(decode_drive(bytes, std::string(64, 'b')));

@@ -113,6 +113,46 @@ TEST(Moving, ExposuresFollowTheDriveAndTheTruthTellsThem) {
   EXPECT_TRUE(stood) << "it stands before it starts";
 }
 
+// On unequal wheels and under a load the model's frame, in which cameras are mounted, leans. The truth has the frame
+// that lies in the ground, and cameras are where they were.
+TEST(Moving, TheTruthsRobotFrameLiesInTheGroundHoweverTheRobotLeans) {
+  const Scenario scenario = resolve_scenario(parse_generate_config(
+      "{motion: drive, drive: {capture: moving, frame_rate_hz: 1, wheel_diameter_ratio: 1.02, payload_kg: 20, "
+      "payload_x_m: 0.3}, sensing: {time: {camera_delay_ms: 30}}, poses: 2, seed: 3, image_scale: 0.3, "
+      "rig: husky_1x_d455}",
+      "leaning.yaml"));
+  const Truth& truth = scenario.truth;
+  ASSERT_TRUE(truth.T_robot_chassis);
+  const Vector6d stance = se3_log(*truth.T_robot_chassis);
+  EXPECT_LT(stance[2], -5e-4);
+  EXPECT_LT(stance[3], -3e-3);
+  EXPECT_GT(stance[4], 3e-3);
+  const TrueStop& at_rest = truth.stops.back();
+  ASSERT_LT(at_rest.velocity->norm(), 1e-4);
+  EXPECT_LT(std::abs(at_rest.T_world_robot.translation.z()), 1e-6);
+  EXPECT_LT((at_rest.T_world_robot.rotation * Eigen::Vector3d::UnitZ()).head<2>().norm(), 1e-6);
+  const Rigid3& T_model_camera = scenario.rig.T_robot_camera[0];
+  const Rigid3& T_robot_camera = truth.cameras[0].T_robot_camera;
+  const Rigid3 T_world_scene = truth.T_world_board * scenario.subject.T_scene_board.inverse();
+  EXPECT_LT(std::abs(T_world_scene.rotation_matrix()(2, 2) - 1.0), 1e-12) << "both are level";
+  double fastest = 0.0;
+  for (const std::vector<TrueStop>* stops : {&truth.stops, &truth.cameras[0].stops}) {
+    ASSERT_FALSE(stops->empty());
+    for (const TrueStop& stop : *stops) {
+      const double later_s = 0.02;
+      const Rigid3 T_scene_model = scenario.trajectory.at(stop.stamp_s);
+      const Rigid3 later = T_scene_model * se3_exp(later_s * scenario.trajectory.velocity(stop.stamp_s));
+      const auto off = [&](const Rigid3& T_world_robot, const Rigid3& T_scene) {
+        return se3_log((T_world_robot * T_robot_camera).inverse() * T_world_scene * T_scene * T_model_camera).norm();
+      };
+      EXPECT_LT(off(stop.T_world_robot, T_scene_model), 1e-9);
+      EXPECT_LT(off(stop.T_world_robot_after(later_s), later), 1e-9);
+      fastest = std::max(fastest, stop.velocity->norm());
+    }
+  }
+  EXPECT_GT(fastest, 0.3);
+}
+
 TEST(Moving, TooFewPartsAreReportedAndStandingRunsHaveNone) {
   const Scenario capped = resolve_scenario(moving_config("exposure_ms: 20, max_parts: 3"));
   EXPECT_EQ(capped.truth.cameras[0].sensing.at("exposure_parts"), 3.0);

@@ -106,6 +106,8 @@ static void visit_fields(FieldVisitor& visitor, Truth& truth) {
   visitor.section(
       "odometry", [&truth](FieldVisitor& block) { visit_odometry(block, truth); }, "what is wrong with it");
   visitor.field("drawn", truth.drawn, "what was drawn once for the run, by the field of its configuration");
+  visitor.nested("T_robot_chassis", truth.T_robot_chassis,
+                 "how the frame of the rig's mountings stands, on unequal wheels or under a load");
   visitor.require("cameras", "a map of cameras by name");
   visitor.map("cameras",
               map_by_name(truth.cameras, [](FieldVisitor& block, TrueCamera& camera) { visit_fields(block, camera); }),

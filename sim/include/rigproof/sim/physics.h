@@ -19,6 +19,9 @@ struct PhysicsOptions {
   double friction = 0.0;                                          ///< of the wheels; 0 = the robot's own
   double payload_kg = 0.0;                                        ///< a point of mass fixed to the chassis
   Eigen::Vector3d payload_at_m = Eigen::Vector3d(0.0, 0.0, 0.4);  ///< robot frame
+
+  /// Whether the robot stands otherwise than its model.
+  bool changes_stance() const { return wheel_diameter_ratio != 1.0 || payload_kg > 0.0; }
 };
 
 /// One robot in one world. One thread at a time; copies of nothing are shared with the World that renders.
@@ -37,8 +40,12 @@ class DrivePhysics {
 
   double step_s() const;
   double time_s() const;
-  /// The robot frame, fixed to the chassis: at rest on flat ground and without payload it lies in the ground.
+  /// The model's robot frame, fixed to the chassis: at rest on flat ground, on equal wheels and without payload, it
+  /// lies in the ground.
   Rigid3 T_world_robot() const;
+  /// The same on these wheels and with this payload, at rest on flat ground, which lies below it and has its heading:
+  /// how the robot leans and how deep it sinks. Identity where nothing changes its stance.
+  Rigid3 T_ground_robot() const;
   /// Angle that the wheels of a side have turned, their mean [rad].
   double left_wheels_rad() const;
   double right_wheels_rad() const;

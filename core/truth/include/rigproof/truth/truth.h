@@ -62,6 +62,9 @@ struct Truth {
   /// Where its corners truly are, by id [board frame]; empty = where `board` says.
   std::vector<Eigen::Vector3d> printed_corners = {};
   Rigid3 T_world_board;
+  /// Of a robot on unequal wheels or under a load: how the frame in which the rig's file mounts cameras, which is level
+  /// on the robot's model, stands in the robot frame, which lies in the ground.
+  std::optional<Rigid3> T_robot_chassis = std::nullopt;
   std::vector<TrueCamera> cameras;
   std::vector<TrueStop> stops;
   OdometryNoise odometry_noise;  ///< with the sigmas that were drawn from
