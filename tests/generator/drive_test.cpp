@@ -23,7 +23,7 @@ using testing::HasSubstr;
 // A floor with the given things on it.
 class Floor {
  public:
-  explicit Floor(const std::string& geoms = "") : rig_(load_rig_model("husky_3x_d455")) {
+  explicit Floor(const std::string& geoms = "", const std::string& rig = "husky_3x_d455") : rig_(load_rig_model(rig)) {
     folder_.write("floor.xml", "<mujoco><worldbody><geom name=\"floor\" type=\"plane\" size=\"30 30 1\"/>" + geoms +
                                    "</worldbody></mujoco>");
     folder_.write("floor.yaml",
@@ -134,23 +134,25 @@ TEST(DrivePhysics, APayloadTiltsTheRobotTowardsIt) {
 }
 
 TEST(DrivePhysics, HowTheRobotStandsIsToldWhateverTheGround) {
-  const Floor floor;
-  EXPECT_EQ(se3_log(DrivePhysics(floor.description(), {}).T_ground_robot()).norm(), 0.0);
+  EXPECT_EQ(se3_log(DrivePhysics(Floor().description(), {}).T_ground_robot()).norm(), 0.0);
   PhysicsOptions options;
-  options.wheel_diameter_ratio = 1.02;
-  const double lean = std::atan(floor.robot().wheel_radius_m * 0.02 / floor.robot().track_m);
-  for (const double ramp_m : {0.0, 0.1}) {
-    std::vector<GroundRelief::Ramp> ramps;
-    if (ramp_m > 0.0) ramps.push_back({0.0, 0.0, 0.0, ramp_m, 3.0, 1.0, 3.0});
-    DrivePhysics physics(floor.description(ramps), options);
-    const Vector6d stance = se3_log(physics.T_ground_robot());
-    // Its right wheels are larger. Tyres that are wide and soft give way under their outer edges.
-    EXPECT_LT(stance[3], -0.5 * lean);
-    EXPECT_GT(stance[3], -1.05 * lean);
-    EXPECT_NEAR(stance[4], 0.0, 0.05 * lean);
-    physics.place(0.0, 0.0, 0.4);  // on the level part of the ramp
-    drive_for(&physics, floor, 0.0, 0.0, 2.0);
-    EXPECT_LT(off_its_stance(physics, ramp_m), 1e-4) << ramp_m;
+  options.wheel_diameter_ratio = 1.004;
+  for (const char* rig : {"husky_3x_d455", "cart_5x_mixed", "turtlebot_1x_oak_d"}) {
+    const Floor floor("", rig);
+    const double lean = std::atan(floor.robot().wheel_radius_m * 0.004 / floor.robot().track_m);
+    for (const double ramp_m : {0.0, 0.1}) {
+      std::vector<GroundRelief::Ramp> ramps;
+      if (ramp_m > 0.0) ramps.push_back({0.0, 0.0, 0.0, ramp_m, 3.0, 1.0, 3.0});
+      DrivePhysics physics(floor.description(ramps), options);
+      const Vector6d stance = se3_log(physics.T_ground_robot());
+      // Its right wheels are larger. Tyres that are wide and soft give way under their outer edges.
+      EXPECT_LT(stance[3], -0.5 * lean) << rig;
+      EXPECT_GT(stance[3], -1.05 * lean) << rig;
+      EXPECT_NEAR(stance[4], 0.0, 0.05 * lean) << rig;
+      physics.place(0.0, 0.0, 0.4);  // on the level part of the ramp
+      drive_for(&physics, floor, 0.0, 0.0, 2.0);
+      EXPECT_LT(off_its_stance(physics, ramp_m), 1e-4) << rig << ", " << ramp_m;
+    }
   }
 }
 

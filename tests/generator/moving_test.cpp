@@ -92,6 +92,7 @@ TEST(Moving, ExposuresFollowTheDriveAndTheTruthTellsThem) {
   EXPECT_EQ(labels.count("depth_readout_ms"), 0U) << "the D455's imagers have global shutters";
   EXPECT_GT(labels.at("exposure_parts"), 4.0);
   EXPECT_LE(labels.at("exposure_step_px"), 0.5);
+  EXPECT_FALSE(scenario.truth.T_robot_chassis) << "it stands on equal wheels, unloaded";
   bool stood = false, moved = false;
   for (const FrameJob& job : scenario.frames) {
     const TrueStop& stop = scenario.truth.stops[job.stop];

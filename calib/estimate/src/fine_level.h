@@ -17,7 +17,7 @@ struct LeftOver {
 
 struct FineLevel {
   double sigma_px;      ///< root mean square at the nodes
-  double shown_px;      ///< the same by what corners are displaced alone, also where the grid does not fit the field
+  double shown_px;      ///< the same by what corners are displaced: nearly the field's, whether the grid fits it or not
   double log_evidence;  ///< of the grid against no field: likelihood of what is left, averaged over the size's prior
 };
 /// By restricted likelihood: poses of the views and what polynomials follow are projected out. Where the images tell

@@ -48,8 +48,7 @@ struct Drive {
   std::vector<Capture> captures;   ///< standing: one for each of `reached`
   std::vector<OdometrySample> odometry;
   RobotTrajectory trajectory;
-  Rigid3
-      T_ground_robot;  ///< how the model's robot frame stands, at rest on flat ground: DrivePhysics::T_ground_robot()
+  Rigid3 T_ground_robot;  ///< at rest on flat ground: see DrivePhysics
   std::vector<DriveTrouble> troubles;
   std::size_t ways_tried_again = 0;  ///< as many as troubles
   std::size_t given_up = 0;          ///< viewpoints for which no plan worked

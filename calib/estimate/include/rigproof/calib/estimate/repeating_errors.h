@@ -69,7 +69,7 @@ struct RemovedErrors {
     };
     std::vector<Grid> grids;  ///< none where the lens is believed, no view tells, or no field at all is likelier by far
     double rms_px = 0.0;      ///< of all of them together, over the image
-    double shown_px = 0.0;    ///< the same by what corners are displaced alone, also where no grid fits the field
+    double shown_px = 0.0;    ///< the same by what corners are displaced: nearly the field's, fits a grid or not
   };
   std::vector<Fine> fine;
   /// Of each group: how many times larger it is than stated, where neither chance explains it nor a finer field that is
