@@ -31,9 +31,11 @@ constexpr std::array<World, 10> kWorlds = {{{"indoor_lab", false},
 struct Body {
   const char* robot;
   double ahead_m, aside_m, lowest_m, highest_m;
+  bool skids;
 };
-constexpr std::array<Body, 3> kBodies = {
-    {{"husky", 0.28, 0.22, 0.5, 0.95}, {"cart", 0.2, 0.18, 0.35, 0.95}, {"turtlebot", 0.08, 0.1, 0.2, 0.45}}};
+constexpr std::array<Body, 3> kBodies = {{{"husky", 0.28, 0.22, 0.5, 0.95, true},
+                                          {"cart", 0.2, 0.18, 0.35, 0.95, false},
+                                          {"turtlebot", 0.08, 0.1, 0.2, 0.45, false}}};
 
 template <typename Values>
 const auto& one_of(const Values& values, RandomStream* random) {
@@ -70,13 +72,21 @@ std::string camera_text(int camera, const Body& body, bool has_daylight, int cel
          "}\n";
 }
 
-// One sigma: 1 % of the factors of wheels, 5 mm of the turning point, as `ml` assumes of robots of which nothing is
-// said.
+// A load off its middle moves the point about which a robot on skidding wheels turns, by up to 13 cm here.
+std::string load_text(std::uint64_t number, const Body& body) {
+  if (!body.skids) return "";
+  RandomStream random(number, "strangers' loads");
+  return ", payload_kg: " + number_text(random.uniform(0.0, 15.0)) +
+         ", payload_x_m: " + number_text(random.uniform(-0.25, 0.25)) +
+         ", payload_y_m: " + number_text(random.uniform(-0.15, 0.15)) + ", payload_z_m: 0.4";
+}
+
+// One sigma: 1 % of the factors of wheels, 5 mm of the turning point, as their rigs say.
 // Rigid carts of two wheels and two casters lose their wheels where the floor is uneven: theirs is flat.
 std::string way_text(std::uint64_t number, const Body& body, RandomStream* random) {
   const std::string scale = number_text(random->normal(1.0, 0.01)), turns = number_text(random->normal(1.0, 0.01)),
                     turning_point_m = number_text(random->normal(0.0, 0.005));
-  const double unevenness_mm = &body == &kBodies.front() ? random->uniform(0.0, 2.0) : 0.0;
+  const double unevenness_mm = body.skids ? random->uniform(0.0, 2.0) : 0.0;
   switch (number % 3) {
     case 0:
       return "odometry: {model: per_increment, lambda: " + number_text(random->uniform(0.3, 2.0)) +
@@ -87,7 +97,7 @@ std::string way_text(std::uint64_t number, const Body& body, RandomStream* rando
              ", slip_percent: " + number_text(random->uniform(0.1, 0.6)) + "}}\n";
     default:
       return "motion: drive\ndrive: {wheel_diameter_ratio: " + number_text(random->normal(1.0, 0.002)) +
-             ", unevenness_mm: " + number_text(unevenness_mm) + "}\n";
+             ", unevenness_mm: " + number_text(unevenness_mm) + load_text(number, body) + "}\n";
   }
 }
 
