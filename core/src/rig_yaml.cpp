@@ -454,7 +454,7 @@ void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
   visitor.scaled(
       "rotation_centre_sigma_mm", noise.rotation_centre_sigma_m, kMmPerM, {0.0, 1000.0},
       "how far the point about which the robot turns lies from the origin along x, and along y, one sigma; 0 "
-      "where it is the origin by definition; default 5");
+      "where it is the origin by definition, 5 where it is the middle of one driven axle; default 50");
   visitor.scaled("riding_height_sigma_mm", noise.riding_height_sigma_m, kMmPerM, {0.0, 100.0},
                  "how much higher the robot rides while it moves, one sigma; default 0.3");
 }

@@ -312,6 +312,8 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
   truth.drawn.insert(draw.drawn.begin(), draw.drawn.end());
   scenario->recording = recorded_part(*scenario, description.board);
   scenario->recording.odometry = std::move(driven.drive.odometry);
+  // Where wheels do not skid, their owner knows about which point they turn.
+  if (scenario->rig.robot.slip_factor == 1.0) tell_driven_axle(&scenario->recording.rig);
 }
 
 std::vector<CameraCoverage> coverage_at_viewpoints(const Scenario& scenario) {

@@ -60,6 +60,11 @@ void label_odometry(const std::vector<OdometrySample>& odometry, Truth* truth) {
   truth->odometry_yaw_factor = fit.yaw_factor;
 }
 
+void tell_driven_axle(Rig* rig) {
+  constexpr double kSigma_m = 0.005;
+  rig->odometry_noise.rotation_centre_sigma_m = kSigma_m;
+}
+
 void tell_odometry(const GenerateConfig& config, const RobotModel& robot, Recording* recording, Truth* truth) {
   std::map<std::string, double> drawn;
   const std::uint64_t seed = odometry_seed(config);
@@ -74,6 +79,8 @@ void tell_odometry(const GenerateConfig& config, const RobotModel& robot, Record
     label_odometry(recording->odometry, truth);
   }
   if (config.odometry.declared) recording->rig.odometry_noise = truth->odometry_noise;
+  // Drawn of the robot's frame; `wheels.icr_x_m` is an error that nobody knows of.
+  if (odometry.rate_hz > 0.0) tell_driven_axle(&recording->rig);
 }
 
 }  // namespace rigproof

@@ -14,6 +14,9 @@ namespace rigproof {
 /// drawn.
 void tell_odometry(const GenerateConfig& config, const RobotModel& robot, Recording* recording, Truth* truth);
 
+/// What the owner of a robot on one driven axle knows: it turns about its middle, within 5 mm.
+void tell_driven_axle(Rig* rig);
+
 /// Odometry whose noise is no law of its own: the truth is labelled with the nearest one.
 void label_odometry(const std::vector<OdometrySample>& odometry, Truth* truth);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rigproof/calib/diagnose/turning_point.h"
+#include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof::ml {
@@ -58,10 +60,24 @@ void note_displacement(const Preparation& prepared, const Fit& fit, Result* resu
                                                        {"stamps_ms", 1e3 * stamps_s}}));
 }
 
+// The largest sigma of x and y of a camera, measured from the turning point itself; 0 where none is told.
+double from_turning_point(const Result& result) {
+  double most = 0.0;
+  for (const EstimatedTransform& camera : result.camera_to_robot)
+    for (std::size_t axis = 0; camera.covariance && axis < 2; ++axis)
+      if (camera.observable[axis]) most = std::max(most, variance_beside_turning_point(camera, axis));
+  return std::sqrt(most);
+}
+
 void note_rotation_centre(const Preparation& prepared, const Fit& fit, Result* result) {
   const double sigma_m = prepared.sigmas().rotation_centre_m;
-  if (!fit.noise.law.along_way || !(sigma_m > 0.0)) return;
-  result->notes.push_back(Finding("robot.rotation_centre", {{"sigma_mm", 1e3 * sigma_m}}));
+  if (!takes_turning_point_for_origin(fit.noise.law.model, prepared.used) || !(sigma_m > 0.0)) return;
+  const bool stated = prepared.used.odometry_noise.rotation_centre_sigma_m ||
+                      prepared.options.priors.rotation_centre_m != usual_priors().rotation_centre_m;
+  Finding note("robot.rotation_centre", {{"sigma_mm", 1e3 * sigma_m}, {"stated", stated ? "yes" : "no"}});
+  if (const double seen_m = from_turning_point(*result); seen_m > 0.0)
+    note.values.emplace_back("seen_mm", 1e3 * seen_m);
+  result->notes.push_back(std::move(note));
 }
 
 void note_riding_height(const Preparation& prepared, Result* result) {

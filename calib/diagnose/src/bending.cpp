@@ -18,7 +18,11 @@ double bent_by(const State& without, const Preparation& prepared, const Fit& wit
   const Layout layout = problem_at(prepared, with, with.noise).layout();
   const Eigen::MatrixXd J = camera_chart(with.state, layout);
   Eigen::MatrixXd joint = J * covariance.covariance * J.transpose();
-  add_common_errors(prepared.sigmas(), with.noise.law.along_way, &joint);
+  // A turning point of which less is known hides nothing: what bends poses bends those between cameras, too.
+  constexpr double kMost_m = 0.005;
+  PriorSigmas sigmas = prepared.sigmas();
+  sigmas.rotation_centre_m = std::min(sigmas.rotation_centre_m, kMost_m);
+  add_common_errors(sigmas, takes_turning_point_for_origin(with.noise.law.model, prepared.used), &joint);
   double most = 0.0;
   for (const int c : prepared.solved_cameras()) {
     const std::size_t k = static_cast<std::size_t>(c);

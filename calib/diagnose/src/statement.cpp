@@ -1,5 +1,6 @@
 #include "statement.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -15,10 +16,13 @@ Eigen::MatrixXd chart_of(const Preparation& prepared, const Fit& fit) {
   return camera_chart(fit.state, Layout::of(prepared.used, prepared.priors));
 }
 
-Eigen::MatrixXd cameras_covariance(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals) {
+// @param turning_point false: as measured from the point about which the robot turns
+Eigen::MatrixXd cameras_covariance(const Preparation& prepared, const Fit& fit, const Eigen::MatrixXd& globals,
+                                   bool turning_point = true) {
   const Eigen::MatrixXd J = chart_of(prepared, fit);
   Eigen::MatrixXd joint = J * globals * J.transpose();
-  add_common_errors(prepared.sigmas(), fit.noise.law.along_way, &joint);
+  const bool is_origin = takes_turning_point_for_origin(fit.noise.law.model, prepared.used);
+  add_common_errors(prepared.sigmas(), turning_point && is_origin, &joint);
   return joint;
 }
 
@@ -51,12 +55,14 @@ bool exceeds(const Eigen::MatrixXd& joint, const PosteriorLimits& limits) {
   return false;
 }
 
-// What is stated, where that is within the limits; else by the levels as they most likely are.
+// As measured from the turning point: no drive tells more of where that lies, and all else is of use without it. What
+// is stated of that, where it is within the limits; else by the levels as they most likely are.
 Eigen::MatrixXd gate_covariance(const Preparation& prepared, const Fit& fit, const Examination& found,
-                                const Eigen::MatrixXd& joint) {
+                                const Eigen::MatrixXd& globals) {
+  Eigen::MatrixXd joint = cameras_covariance(prepared, fit, globals, false);
   if (!found.sums || !exceeds(joint, prepared.options.limits)) return joint;
-  const auto globals = covariance_at(prepared, fit, gate_levels(prepared, fit, *found.sums));
-  return globals ? cameras_covariance(prepared, fit, globals->covariance) : joint;
+  const auto at_gate = covariance_at(prepared, fit, gate_levels(prepared, fit, *found.sums));
+  return at_gate ? cameras_covariance(prepared, fit, at_gate->covariance, false) : joint;
 }
 
 Eigen::MatrixXd normalised(Eigen::MatrixXd directions) {
@@ -67,14 +73,24 @@ Eigen::MatrixXd normalised(Eigen::MatrixXd directions) {
   return directions;
 }
 
+// How much of an error that no data tell is in what is stated: that of the models that have it.
+double share_of(const CommonError& error, const Preparation& prepared, const OdometryChoice& choice) {
+  const double of_other = choice.other ? 1.0 - choice.decision.probability : 0.0;
+  const auto has = [&](const Fit& fit) {
+    return !error.along_way_only || takes_turning_point_for_origin(fit.noise.law.model, prepared.used) ? 1.0 : 0.0;
+  };
+  return (1.0 - of_other) * has(choice.fit) + (choice.other ? of_other * has(*choice.other) : 0.0);
+}
+
 // What no data tell, and what the other odometry model adds.
-std::vector<BudgetLine> whole_budget(std::vector<BudgetLine> budget, const Preparation& prepared, const Fit& fit,
-                                     const Eigen::MatrixXd& joint) {
+std::vector<BudgetLine> whole_budget(std::vector<BudgetLine> budget, const Preparation& prepared,
+                                     const OdometryChoice& choice, const Eigen::MatrixXd& joint) {
   for (const CommonError& error : common_errors()) {
-    if (error.along_way_only && !fit.noise.law.along_way) continue;
+    const double share = share_of(error, prepared, choice);
+    if (share == 0.0) continue;
     Eigen::VectorXd variances = Eigen::VectorXd::Zero(joint.rows());
     for (Eigen::Index i = error.axis; i < joint.rows(); i += 6)
-      variances[i] = std::pow(prepared.sigmas().*error.sigma_m, 2);
+      variances[i] = std::min(share * std::pow(prepared.sigmas().*error.sigma_m, 2), joint(i, i));
     add_to_budget(error.source, variances, &budget);
   }
   Eigen::VectorXd rest = joint.diagonal();
@@ -100,13 +116,13 @@ Statement state_solution(const Preparation& prepared, const OdometryChoice& choi
       prepared.repeating.errors.any() ? covariance_at(prepared, fit, levels) : alone;
   if (!globals || !alone) return stated;
   Eigen::MatrixXd joint = cameras_covariance(prepared, fit, globals->covariance);
-  const Eigen::MatrixXd gate_joint = gate_covariance(prepared, fit, found, joint);
+  const Eigen::MatrixXd gate_joint = gate_covariance(prepared, fit, found, globals->covariance);
   if (choice.other && globals->free_directions.cols() == 0) joint = with_other_model(prepared, choice, joint);
   std::vector<BudgetLine> budget = budget_of(problem, fit.state, stated.system, alone->covariance);
   const Eigen::MatrixXd J = chart_of(prepared, fit);
   add_to_budget("print and lens residual",
                 (J * (globals->covariance - alone->covariance) * J.transpose()).diagonal().cwiseMax(0.0), &budget);
-  budget = whole_budget(std::move(budget), prepared, fit, joint);
+  budget = whole_budget(std::move(budget), prepared, choice, joint);
   stated.uncertainty = Uncertainty{*globals, joint, gate_joint, std::move(budget),
                                    normalised(chart_of(prepared, fit) * globals->free_directions)};
   return stated;

@@ -1,5 +1,7 @@
 #include "rigproof/calib/estimate/covariance.h"
 
+#include <algorithm>
+
 #include "rigproof/core/error_jacobians.h"
 
 namespace rigproof::ml {
@@ -23,9 +25,14 @@ Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent
   return J;
 }
 
-void add_common_errors(const PriorSigmas& priors, bool along_way, Eigen::MatrixXd* joint) {
+bool takes_turning_point_for_origin(OdometryModel model, const Observations& observations) {
+  return model == OdometryModel::kPerIncrement && std::any_of(observations.stops.begin(), observations.stops.end(),
+                                                              [](const Stop& stop) { return !stop.way.empty(); });
+}
+
+void add_common_errors(const PriorSigmas& priors, bool turning_point_for_origin, Eigen::MatrixXd* joint) {
   for (const CommonError& error : common_errors()) {
-    if (error.along_way_only && !along_way) continue;
+    if (error.along_way_only && !turning_point_for_origin) continue;
     Eigen::VectorXd common = Eigen::VectorXd::Zero(joint->rows());
     for (Eigen::Index i = error.axis; i < joint->rows(); i += 6) common[i] = priors.*error.sigma_m;
     *joint += common * common.transpose();

@@ -15,7 +15,7 @@ PriorSigmas usual_priors() {
   PriorSigmas priors;
   priors.odometry_veer_rad_per_m = 0.03;
   priors.turn_lag_s = 0.02;
-  priors.rotation_centre_m = 0.005;
+  priors.rotation_centre_m = 0.05;
   priors.riding_height_m = 0.0003;
   return priors;
 }
@@ -45,7 +45,8 @@ const std::vector<PriorSetting>& prior_settings() {
        "wheels whose diameters differ; 0 where they do not"},
       {"rotation_centre_sigma_mm", &PriorSigmas::rotation_centre_m, 1e3, 1000.0, false,
        "Odometry along the way: the point about which the robot turns lies off the robot's origin by about this "
-       "much along x and along y, which no data tell; 0 where the origin is that point by definition"},
+       "much along x and along y, which no data tell; 5 where it is the middle of one driven axle, 0 where the origin "
+       "is that point by definition"},
       {"turn_lag_sigma_ms", &PriorSigmas::turn_lag_s, 1e3, 1000.0, true,
        "Beside clock offsets: the body turns later than its wheels by about this much (tyres give way): "
        "estimated; 0 where it does not"},

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "rigproof/calib/diagnose/turning_point.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof {
@@ -73,7 +74,10 @@ void check_suspicions(const Result& result, std::vector<AcceptCheck>* checks) {
 
 double worst_z(const EstimatedTransform& a, const EstimatedTransform& b) {
   const Vector6d difference = transform_error(a.T_parent_child, b.T_parent_child);
-  const Vector6d variance = a.covariance->diagonal() + b.covariance->diagonal();
+  Vector6d variance;
+  for (std::size_t axis = 0; axis < 6; ++axis)
+    variance[static_cast<Eigen::Index>(axis)] =
+        variance_beside_turning_point(a, axis) + variance_beside_turning_point(b, axis);
   return difference.cwiseAbs().cwiseQuotient(variance.cwiseSqrt()).maxCoeff();
 }
 

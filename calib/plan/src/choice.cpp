@@ -10,6 +10,7 @@ namespace rigproof::suggest {
 namespace {
 
 constexpr double kImpossible = std::numeric_limits<double>::infinity();
+constexpr auto kSteerable = Forecast::Errors::kBesideTurningPoint;  // what stops can change
 
 // Smooth enough that every candidate that helps a little is told from one that does not.
 double worst_axis(const Eigen::VectorXd& relative_sigmas) {
@@ -72,7 +73,7 @@ Chooser::Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::
   inform(places, &information_);
   const Place start = first.empty() ? outlook.last_place() : first.back();
   for (const Place& place : places) cost_.push_back(cost_between(outlook.floor, start, place));
-  weight_ = weights(in_a_row(stated), in_a_row(outlook.forecast.sigmas({})), limits);
+  weight_ = weights(in_a_row(stated), in_a_row(outlook.forecast.sigmas({}, kSteerable)), limits);
   matters_ = axes_that_matter();
 }
 
@@ -89,10 +90,11 @@ std::vector<bool> Chooser::axes_that_matter() const {
   constexpr double kHelped = 0.9, kNearWorst = 0.25;
   std::vector<std::size_t> everywhere(places_.size());
   std::iota(everywhere.begin(), everywhere.end(), std::size_t{0});
-  const Eigen::VectorXd now = in_a_row(outlook_.forecast.sigmas({})).cwiseProduct(weight_);
+  const Eigen::VectorXd now = in_a_row(outlook_.forecast.sigmas({}, kSteerable)).cwiseProduct(weight_);
   if (!outlook_.knowledge.determined || places_.empty())
     return std::vector<bool>(static_cast<std::size_t>(now.size()), true);
-  const Eigen::VectorXd best = in_a_row(outlook_.forecast.sigmas(stops_of(everywhere))).cwiseProduct(weight_);
+  const Eigen::VectorXd best =
+      in_a_row(outlook_.forecast.sigmas(stops_of(everywhere), kSteerable)).cwiseProduct(weight_);
   const double worst = now.maxCoeff();
   const double least = outlook_.used().accept && worst > 1.0 ? 1.0 : kNearWorst * worst;
   std::vector<bool> matters;

@@ -138,6 +138,12 @@ std::optional<Eigen::MatrixXd> Forecast::with_stops(const std::vector<const Stop
   return eliminated->schur();
 }
 
+void Forecast::add_common_errors(Errors errors, Eigen::MatrixXd* joint) const {
+  const bool turning_point =
+      ml::takes_turning_point_for_origin(knowledge_.basis.levels.law.model, knowledge_.basis.used);
+  ml::add_common_errors(knowledge_.estimate.noise.priors, errors == Errors::kAll && turning_point, joint);
+}
+
 std::optional<Eigen::MatrixXd> Forecast::regular_covariance(const std::vector<const StopInformation*>& stops) const {
   std::optional<Eigen::MatrixXd> information = with_stops(stops);
   if (!information) return std::nullopt;
@@ -147,7 +153,7 @@ std::optional<Eigen::MatrixXd> Forecast::regular_covariance(const std::vector<co
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Eigen::MatrixXd J = ml::camera_chart(state_, layout_);
   Eigen::MatrixXd joint = J * llt.solve(J.transpose());
-  ml::add_common_errors(knowledge_.estimate.noise.priors, knowledge_.basis.levels.law.along_way, &joint);
+  add_common_errors(Errors::kBesideTurningPoint, &joint);
   if (!joint.allFinite()) return std::nullopt;  // LLT lets NaN pass
   std::vector<Eigen::Index> rows;
   for (int c = 0; c < layout_.cameras; ++c)
@@ -156,7 +162,7 @@ std::optional<Eigen::MatrixXd> Forecast::regular_covariance(const std::vector<co
   return Eigen::MatrixXd(joint(rows, rows));
 }
 
-std::vector<AxisSigmas> Forecast::sigmas(const std::vector<const StopInformation*>& stops) const {
+std::vector<AxisSigmas> Forecast::sigmas(const std::vector<const StopInformation*>& stops, Errors errors) const {
   constexpr double kShare = 1e-4;  // of an open direction's largest part
   std::vector<AxisSigmas> result;
   const std::optional<Eigen::MatrixXd> information = with_stops(stops);
@@ -168,7 +174,7 @@ std::vector<AxisSigmas> Forecast::sigmas(const std::vector<const StopInformation
     const ml::GlobalCovariance globals = ml::invert_information(*information);
     const Eigen::MatrixXd rows = J.middleRows(6 * c, 6);
     Eigen::MatrixXd covariance = rows * globals.covariance * rows.transpose();
-    ml::add_common_errors(knowledge_.estimate.noise.priors, knowledge_.basis.levels.law.along_way, &covariance);
+    add_common_errors(errors, &covariance);
     const Eigen::MatrixXd free = J * globals.free_directions;
     for (int axis = 0; axis < 6; ++axis) {
       bool open = false;

@@ -84,14 +84,17 @@ class Forecast {
   /// Information on the globals with these stops added. Absent if it is singular in the poses.
   std::optional<Eigen::MatrixXd> with_stops(const std::vector<const StopInformation*>& stops) const;
   /// Covariance of the cameras (chart of transform_error(), six a camera); open directions count as one metre and one
-  /// radian. Only of cameras that saw the board.
+  /// radian. Only of cameras that saw the board, as measured from the point about which the robot turns.
   std::optional<Eigen::MatrixXd> regular_covariance(const std::vector<const StopInformation*>& stops) const;
+  /// No stop tells more of where the turning point lies.
+  enum class Errors { kAll, kBesideTurningPoint };
   /// Standard deviations of every camera that saw the board, absent where nothing determines them.
-  std::vector<AxisSigmas> sigmas(const std::vector<const StopInformation*>& stops) const;
+  std::vector<AxisSigmas> sigmas(const std::vector<const StopInformation*>& stops, Errors errors = Errors::kAll) const;
 
  private:
   ml::ArrowSystem linearised(const Observations& observations, const ml::NoiseLevels& levels,
                              const ml::State& state) const;
+  void add_common_errors(Errors errors, Eigen::MatrixXd* joint) const;
   void link(const ml::RobotPose& from, const ml::RobotPose& to, int index, ml::ArrowSystem* system) const;
 
   const CalibrationSoFar& knowledge_;

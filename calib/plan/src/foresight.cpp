@@ -257,7 +257,9 @@ Stop Foresight::stop_after(const Stop* before, const Rigid3& T_world_before, con
 Observations Foresight::as_expected(const ml::NoiseLevels& levels) const {
   const CalibrationState& state = knowledge_.estimate.state;
   Observations expected = knowledge_.basis.used;
-  expected.odometry_noise = {levels.law.model, levels.odometry_xy_m, levels.odometry_yaw_rad};
+  expected.odometry_noise.model = levels.law.model;
+  expected.odometry_noise.sigma_xy_m = levels.odometry_xy_m;
+  expected.odometry_noise.sigma_yaw_rad = levels.odometry_yaw_rad;
   const auto pose = [&state](int stop) { return state.T_world_robot[static_cast<std::size_t>(stop)]; };
   for (std::size_t i = 0; i < expected.stops.size(); ++i)
     expected.stops[i] = stop_after(i > 0 ? &expected.stops[i - 1] : nullptr, state.T_world_robot[i > 0 ? i - 1 : 0],

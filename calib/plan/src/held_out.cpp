@@ -30,8 +30,9 @@ double expected_cost(int dimensions) {
 
 // Observations with the noise levels that were estimated, so that every later solution has the same.
 Observations with_levels(Observations observations, const MlEstimate& estimate) {
-  observations.odometry_noise = {estimate.noise.law.model, estimate.noise.odometry_xy_m,
-                                 estimate.noise.odometry_yaw_rad};
+  observations.odometry_noise.model = estimate.noise.law.model;
+  observations.odometry_noise.sigma_xy_m = estimate.noise.odometry_xy_m;
+  observations.odometry_noise.sigma_yaw_rad = estimate.noise.odometry_yaw_rad;
   const auto squared = [](const std::vector<double>& scale, int camera) {
     return std::pow(scale[static_cast<std::size_t>(camera)], 2);
   };

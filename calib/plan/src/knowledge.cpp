@@ -6,6 +6,7 @@
 #include "held.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/diagnose/turning_point.h"
 #include "rigproof/calib/estimate/information.h"
 #include "rigproof/calib/estimate/noise.h"
 #include "rigproof/calib/geometry/initial_guess.h"
@@ -41,6 +42,21 @@ Eigen::MatrixXd joint_of(const Result& previous, const Match& match) {
       for (int axis = 0; previous.camera_to_robot[i].child == name && axis < 6; ++axis)
         rows.push_back(6 * static_cast<Eigen::Index>(i) + axis);
   return Eigen::MatrixXd((*previous.joint_covariance)(rows, rows));
+}
+
+// What a previous result states has in it that nobody measured about which point the robot turns, the same for all
+// cameras. The robot still turns about that point, wherever it is, but for what it carries.
+double known_of_turning_point(const EstimatedTransform& camera, int axis) {
+  constexpr double kMoves_m = 0.005;
+  const double of_it =
+      (*camera.covariance)(axis, axis) - variance_beside_turning_point(camera, static_cast<std::size_t>(axis));
+  return std::max(0.0, of_it - kMoves_m * kMoves_m);
+}
+
+void keep_turning_point(const EstimatedTransform& camera, Eigen::MatrixXd* joint) {
+  for (int axis = 0; axis < 2; ++axis)
+    for (Eigen::Index i = axis; i < joint->rows(); i += 6)
+      for (Eigen::Index j = axis; j < joint->cols(); j += 6) (*joint)(i, j) -= known_of_turning_point(camera, axis);
 }
 
 // Blocks on the diagonal, each times their number: at least as large as every covariance with these blocks.
@@ -140,6 +156,7 @@ CalibrationNoise believed_noise(CalibrationNoise noise, const Observations& obse
       options.suspension_height_sigma_m.value_or(std::max(noise.suspension_height_m, kNominalSuspensionHeight_m));
   noise.suspension_tilt_rad =
       options.suspension_tilt_sigma_rad.value_or(std::max(noise.suspension_tilt_rad, kNominalSuspensionTilt_rad));
+  noise.priors.rotation_centre_m = 0.0;  // how far it moves is in what the previous result says
   noise.priors.odometry_scale = noise.priors.odometry_yaw_factor = kUnknownFactor;
   return noise;
 }
@@ -161,7 +178,9 @@ struct Solution {
 // The images alone. Odometry that is worth nothing says what they say, so that nothing contradicts it.
 Observations without_odometry(Observations observations, const CalibrationState& seen) {
   constexpr double kNoOdometry_m = 1e4, kNoOdometry_rad = 1e4;
-  observations.odometry_noise = {OdometryModel::kPerIncrement, kNoOdometry_m, kNoOdometry_rad};
+  observations.odometry_noise.model = OdometryModel::kPerIncrement;
+  observations.odometry_noise.sigma_xy_m = kNoOdometry_m;
+  observations.odometry_noise.sigma_yaw_rad = kNoOdometry_rad;
   for (std::size_t i = 0; i < observations.stops.size(); ++i) {
     Stop& stop = observations.stops[i];
     stop.x_m = seen.T_world_robot[i].translation.x();
@@ -286,7 +305,9 @@ KnownPoses previous_knowledge(const Result& previous, const Observations& observ
       any_covariance = any_covariance || transform.covariance;
       if (!known(transform)) continue;
       knowledge.T_robot_camera.push_back(transform.T_parent_child);
-      blocks.push_back(*transform.covariance);
+      Eigen::MatrixXd block = *transform.covariance;
+      keep_turning_point(transform, &block);
+      blocks.push_back(block);
     }
   }
   for (const EstimatedTransform& pair : previous.camera_to_camera) any_covariance = any_covariance || pair.covariance;
@@ -298,6 +319,8 @@ KnownPoses previous_knowledge(const Result& previous, const Observations& observ
     knowledge.free_directions.resize(n, 0);
     if (previous.joint_covariance) {
       knowledge.covariance = joint_of(previous, match);
+      keep_turning_point(*previous.find(previous.camera_to_robot.front().parent, match.names.front()),
+                         &knowledge.covariance);
     } else {
       knowledge.covariance = safe_joint(blocks);
       if (blocks.size() > 1) notes->emplace_back("moved.errors_apart");

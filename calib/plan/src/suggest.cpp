@@ -7,6 +7,8 @@
 #include "choice.h"
 #include "measurements.h"
 #include "outlook.h"
+#include "rigproof/calib/diagnose/turning_point.h"
+#include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/exclusions.h"
@@ -165,22 +167,26 @@ AxisSigmas only_answered(const EstimatedTransform* transform, AxisSigmas sigmas)
   return sigmas;
 }
 
-AxisSigmas stated_of(const Result& result, const std::string& robot, const std::string& camera) {
+AxisSigmas stated_of(const Result& result, const std::string& robot, const std::string& camera,
+                     suggest::Forecast::Errors errors = suggest::Forecast::Errors::kAll) {
   const EstimatedTransform* transform = result.find(robot, camera);
   AxisSigmas sigmas;
   if (transform == nullptr || !transform->covariance) return sigmas;
-  for (Eigen::Index axis = 0; axis < 6; ++axis)
-    sigmas[static_cast<std::size_t>(axis)] = std::sqrt((*transform->covariance)(axis, axis));
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const Eigen::Index i = static_cast<Eigen::Index>(axis);
+    const bool all = errors == suggest::Forecast::Errors::kAll;
+    sigmas[axis] = std::sqrt(all ? (*transform->covariance)(i, i) : variance_beside_turning_point(*transform, axis));
+  }
   return only_answered(transform, sigmas);
 }
 
-// Of the cameras that saw the board.
+// Of the cameras that saw the board, as far as stops can change it.
 std::vector<AxisSigmas> stated_now(const CalibrationSoFar& knowledge) {
   std::vector<AxisSigmas> stated;
   for (std::size_t c = 0; c < knowledge.has_pose.size(); ++c)
     if (knowledge.has_pose[c])
-      stated.push_back(
-          stated_of(knowledge.estimate.result, knowledge.basis.used.robot_frame, knowledge.basis.used.cameras[c].name));
+      stated.push_back(stated_of(knowledge.estimate.result, knowledge.basis.used.robot_frame,
+                                 knowledge.basis.used.cameras[c].name, suggest::Forecast::Errors::kBesideTurningPoint));
   return stated;
 }
 
@@ -239,6 +245,27 @@ void add_cameras(const CalibrationSoFar& knowledge, const Result& result_then, c
   }
 }
 
+void add_to_budget(const char* source, std::size_t axis, double variance, EstimatedTransform* camera) {
+  if (!(variance > 0.0)) return;
+  double& whole = (*camera->covariance)(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(axis));
+  for (EstimatedTransform::Share& line : camera->budget) line.share[axis] *= whole / (whole + variance);
+  whole += variance;
+  camera->budget.push_back({source, {}});
+  camera->budget.back().share[axis] = variance / whole;
+}
+
+// What is foretold has no ways between its stops, and with them nothing of where the robot turns.
+Result with_turning_point(const CalibrationSoFar& knowledge, Result then) {
+  if (!ml::takes_turning_point_for_origin(knowledge.basis.levels.law.model, knowledge.basis.used)) return then;
+  for (const ml::CommonError& error : ml::common_errors())
+    for (EstimatedTransform& camera : then.camera_to_robot) {
+      if (!error.along_way_only || !camera.covariance || camera.budget.empty()) continue;
+      const double sigma_m = knowledge.estimate.noise.priors.*error.sigma_m;
+      add_to_budget(error.source, static_cast<std::size_t>(error.axis), sigma_m * sigma_m, &camera);
+    }
+  return then;
+}
+
 // First among the notes.
 void note_limits(const Result& then, double min_gain, Suggestion* suggestion) {
   std::vector<Finding> notes;
@@ -264,7 +291,7 @@ void foretell(const Outlook& outlook, Suggestion* suggestion) {
   std::vector<const StopInformation*> stops;
   for (const StopInformation& stop : information) stops.push_back(&stop);
   add_cameras(outlook.knowledge, then, outlook.forecast.sigmas({}), outlook.forecast.sigmas(stops), suggestion);
-  note_limits(then, outlook.options.min_gain, suggestion);
+  note_limits(with_turning_point(outlook.knowledge, then), outlook.options.min_gain, suggestion);
 }
 
 }  // namespace

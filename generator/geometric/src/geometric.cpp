@@ -92,6 +92,8 @@ Observations told_part(const GeometricConfig& config, const OdometryNoise& odome
     observations.odometry_noise.sigma_xy_m = odometry.sigma_xy_m;
     observations.odometry_noise.sigma_yaw_rad = odometry.sigma_yaw_rad;
   }
+  constexpr double kDrivenAxle_m = 0.005;  // as of a robot that turns about the middle of one
+  if (config.along_way) observations.odometry_noise.rotation_centre_sigma_m = kDrivenAxle_m;
   return observations;
 }
 

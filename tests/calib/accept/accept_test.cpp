@@ -115,6 +115,24 @@ TEST(Accept, SplitHalvesTellACameraThatSlipped) {
   EXPECT_FALSE(check_of(report_of(first, criteria), "center").passed);
 }
 
+// Both halves have the turning point in common, of which nothing is known to 5 cm.
+TEST(Accept, SplitHalvesTurnAboutOnePoint) {
+  GeometricConfig config;
+  config.seed = 3;
+  config.stops = 40;
+  config.along_way = true;
+  Observations slips = draw_geometric_run(config).observations;
+  const GeometricScene scene = draw_scene(config);
+  for (Rigid3& T : config.rig.T_robot_camera) T.translation.x() += 0.06;
+  const Observations second = draw_geometric_run(config, scene).observations;
+  for (std::size_t i = 0; i < slips.board_views.size(); ++i)
+    if (slips.board_views[i].stop >= 20) slips.board_views[i] = second.board_views[i];
+  slips.odometry_noise = {};
+  AcceptCriteria criteria;
+  criteria.split_half_max_z = 4.0;
+  EXPECT_FALSE(check_of(report_of(slips, criteria), "split half: center").passed);
+}
+
 // The chi-square of what was left out is what it should be: 1 a dimension, over seeds and for both odometry models.
 TEST(Accept, HeldOutImagesArePredictedAsWellAsStatedOverTrials) {
   double mean = 0.0;

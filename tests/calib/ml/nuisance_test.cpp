@@ -1,5 +1,6 @@
 // Errors of lenses, clocks and of the point about which the robot turns, drawn from their priors: with the prior told
 // the uncertainty is true, and without it the error shows.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -476,7 +477,7 @@ TEST(MlClocks, WithoutStampsOfTheirOwnTheErrorOfCamerasWithoutATriggerShows) {
 TEST(MlRotationCentre, OffTheOriginIsInTheUncertaintyOverTrials) {
   MlOptions options = told();
   options.along_way = true;
-  options.priors.rotation_centre_m = 0.04;  // far beyond the noise, and not yet too uncertain to be of use
+  options.priors.rotation_centre_m = 0.06;  // far beyond the noise
   MlOptions believing = options;
   believing.priors.rotation_centre_m = 0.0;
   double with = 0.0, without = 0.0;
@@ -514,6 +515,43 @@ TEST(MlRotationCentre, AndRidingHeightMayStandInTheRig) {
   EXPECT_EQ(with_those_of_rig(usual_priors(), OdometryNoise()).rotation_centre_m, usual_priors().rotation_centre_m);
 }
 
+// A point that nobody measured is no reason to refuse what is known relative to it, and the answer says both.
+TEST(MlRotationCentre, ThatNobodyMeasuredIsToldAndNoRefusal) {
+  GeometricConfig config;
+  config.stops = 15;
+  config.along_way = true;
+  GeometricRun run = draw_geometric_run(config);
+  MlOptions options = told();
+  options.along_way = true;
+  const Result stated = estimate_maximum_likelihood(run.observations, options).result;
+  run.observations.odometry_noise.rotation_centre_sigma_m.reset();
+  const Result open = estimate_maximum_likelihood(run.observations, options).result;
+  EXPECT_EQ(open.status, ResultStatus::kSolved);
+  const auto note_of = [](const Result& result) -> std::string {
+    const auto found = std::find_if(result.notes.begin(), result.notes.end(),
+                                    [](const Finding& note) { return note.is("robot.rotation_centre"); });
+    return found == result.notes.end() ? "" : worded(*found);
+  };
+  EXPECT_THAT(note_of(open),
+              testing::AllOf(testing::HasSubstr("+-50.0 mm"), testing::HasSubstr("state `odometry.noise")));
+  EXPECT_THAT(note_of(stated), testing::AllOf(testing::HasSubstr("+-5.0 mm"),
+                                              testing::Not(testing::HasSubstr("state `odometry.noise"))));
+  for (std::size_t c = 0; c < open.camera_to_robot.size(); ++c) {
+    const Matrix6d more = *open.camera_to_robot[c].covariance - *stated.camera_to_robot[c].covariance;
+    EXPECT_NEAR(more(0, 0), 0.05 * 0.05 - 0.005 * 0.005, 1e-9);
+    EXPECT_NEAR(more(1, 1), 0.05 * 0.05 - 0.005 * 0.005, 1e-9);
+    for (std::size_t axis = 0; axis < 6; ++axis) {
+      double whole = 0.0;
+      for (const EstimatedTransform::Share& line : open.camera_to_robot[c].budget) whole += line.share[axis];
+      EXPECT_NEAR(whole, 1.0, 1e-6);
+    }
+    const double of_the_rest = more.bottomRightCorner<4, 4>().norm();
+    EXPECT_LT(of_the_rest, 1e-12);
+  }
+  for (std::size_t p = 0; p < open.camera_to_camera.size(); ++p)
+    EXPECT_LT((*open.camera_to_camera[p].covariance - *stated.camera_to_camera[p].covariance).norm(), 1e-9);
+}
+
 // Without ways between the stops nothing changes: the noise of a whole motion covers it.
 TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
   GeometricConfig config;
@@ -524,6 +562,18 @@ TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
   options.priors.rotation_centre_m = 0.0;
   const MlEstimate without = estimate_maximum_likelihood(run.observations, options);
   EXPECT_EQ(with.result.joint_covariance.value(), without.result.joint_covariance.value());
+}
+
+// Whichever law the noise of its way follows; what is tracked from outside is of no such point.
+TEST(MlRotationCentre, IsOfAllOdometryThatWheelsTellBetweenTheStops) {
+  GeometricConfig config;
+  config.stops = 5;
+  const Observations at_stops = draw_geometric_run(config).observations;
+  config.along_way = true;
+  const Observations with_ways = draw_geometric_run(config).observations;
+  EXPECT_TRUE(ml::takes_turning_point_for_origin(OdometryModel::kPerIncrement, with_ways));
+  EXPECT_FALSE(ml::takes_turning_point_for_origin(OdometryModel::kPerPose, with_ways));
+  EXPECT_FALSE(ml::takes_turning_point_for_origin(OdometryModel::kPerIncrement, at_stops));
 }
 
 // Both move all cameras alike, so that their variance stands in the covariance of every pair.

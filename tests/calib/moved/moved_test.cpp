@@ -169,6 +169,28 @@ TEST(Moved, OdometryIsNamedBesideARigThatItAloneTellsOf) {
   EXPECT_THAT(worded(report.reasons), Contains(HasSubstr("or the odometry errs by more than it states")));
 }
 
+// A calibration that does not know where its robot turns states 5 cm of x and y. The robot still turns there.
+TEST(Moved, TheRobotTurnsWhereItDid) {
+  GeometricConfig config;
+  config.seed = 1;
+  config.stops = 20;
+  config.along_way = true;
+  const auto drawn = [&config] {
+    Observations observations = draw_geometric_run(config).observations;
+    observations.odometry_noise = {};
+    return observations;
+  };
+  const Result previous = ml_method().solve(drawn());
+  ASSERT_TRUE(previous.joint_covariance);
+  ASSERT_GT((*previous.joint_covariance)(0, 0), 0.05 * 0.05);
+  config.seed = 9;
+  config.stops = 24;
+  EXPECT_EQ(detect_movement(previous, drawn(), rigid_robot()).outcome, MovedOutcome::kNothingMoved);
+  for (Rigid3& T : config.rig.T_robot_camera) T.translation.x() += 0.08;
+  const MovedReport report = detect_movement(previous, drawn(), rigid_robot());
+  EXPECT_TRUE(report.rig_moved);
+}
+
 // Of one stop at which all cameras see the board.
 Observations one_stop(const Vector6d& shift = Vector6d::Zero()) {
   GeometricConfig config;

@@ -183,6 +183,27 @@ TEST(Suggest, ForecastNowIsWhatTheMethodStates) {
   }
 }
 
+// Where the robot turns is most of x and y, and no stop changes it: the stops that make the rest smaller are still
+// suggested, and what to measure is said.
+TEST(Suggest, WhereTheRobotTurnsHidesNoStop) {
+  GeometricConfig config = short_drive(GeometricDrive::kRandom, 12);
+  config.declare_odometry_model = config.declare_odometry_sigmas = false;
+  config.along_way = true;
+  GeometricRun run = draw_geometric_run(config);
+  run.observations.odometry_noise.rotation_centre_sigma_m = 0.0;
+  const Suggestion known = suggest_stops(run.observations, wide_floor());
+  run.observations.odometry_noise.rotation_centre_sigma_m.reset();
+  const Suggestion open = suggest_stops(run.observations, wide_floor());
+  ASSERT_GT(*open.cameras[0].now[0], 0.05);
+  EXPECT_FALSE(open.nothing_helps);
+  ASSERT_EQ(open.stops.size(), known.stops.size());
+  for (std::size_t i = 0; i < open.stops.size(); ++i)
+    EXPECT_TRUE(IsPoseNear(open.stops[i].T_world_robot, known.stops[i].T_world_robot, 1e-9, 1e-9)) << i;
+  for (const CameraForecast& camera : open.cameras) EXPECT_NEAR(*camera.then[0], 0.05, 0.001);
+  EXPECT_THAT(worded(open.notes), testing::Contains(testing::HasSubstr("rotation_centre_sigma_mm")));
+  EXPECT_THAT(worded(known.notes), testing::Not(testing::Contains(testing::HasSubstr("rotation_centre_sigma_mm"))));
+}
+
 // A camera that never saw the board, but the floor, has no pose.
 TEST(Suggest, CamerasThatNeverSawTheBoardSpoilNoFigure) {
   for (const int seeing : {2, 1}) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "rigproof/calib/estimate/state.h"
+#include "rigproof/core/observations.h"
 
 namespace rigproof::ml {
 
@@ -12,9 +13,13 @@ Eigen::MatrixXd camera_chart(const State& state, const Layout& layout);
 /// Derivative of the error of X_j^-1 X_k by the errors of all cameras (six a camera, same chart).
 Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent, int child);
 
+/// Whether wheels were integrated along the way: such odometry takes the point about which the robot turns for its
+/// origin.
+bool takes_turning_point_for_origin(OdometryModel model, const Observations& observations);
+
 /// Adds to the cameras' covariance (six a camera, same chart) the errors that no data determine and that move all
-/// cameras alike: the position along x of the point about which the robot turns (odometry along the way takes that
-/// point for the origin), and how much higher the robot rides on its tyres while it moves.
-void add_common_errors(const PriorSigmas& priors, bool along_way, Eigen::MatrixXd* joint);
+/// cameras alike: where along x and y the point lies about which the robot turns, if that is taken for the origin, and
+/// how much higher the robot rides on its tyres while it moves.
+void add_common_errors(const PriorSigmas& priors, bool turning_point_for_origin, Eigen::MatrixXd* joint);
 
 }  // namespace rigproof::ml
