@@ -174,6 +174,7 @@ TEST_F(Init, WithoutABoardTheLineToWriteIsSaid) {
   EXPECT_THAT(report.missing, ElementsAre(HasSubstr("board: {type: checkerboard")));
   EXPECT_THAT(error_text([&] { load_recording(scratch_ / "monday"); }), HasSubstr("board"));
   const std::string rig = scratch_.read("monday/rig.yaml");
+  EXPECT_THAT(rig, HasSubstr("# About which point the robot turns is in no recording"));
   scratch_.write("monday/rig.yaml", "board: {type: checkerboard, squares: [6, 5], square_mm: 110}\n" + rig);
   EXPECT_EQ(load_recording(scratch_ / "monday").rig.board.squares_x, 6);
 }

@@ -157,6 +157,9 @@ std::vector<std::string> comments_of(const InitOptions& options, const InitRepor
   std::vector<std::string> comments = {"Made by `rigproof init` of " + for_message(options.source.filename().string()) +
                                        "."};
   for (const std::string& missing : report.missing) comments.push_back("Missing: " + for_message(missing, 300));
+  comments.emplace_back(
+      "About which point the robot turns is in no recording: if it is the middle of one driven axle, give odometry "
+      "`noise: {rotation_centre_sigma_mm: 5}`.");
   return comments;
 }
 
