@@ -552,7 +552,7 @@ TEST(MlRotationCentre, ThatNobodyMeasuredIsToldAndNoRefusal) {
     EXPECT_LT((*open.camera_to_camera[p].covariance - *stated.camera_to_camera[p].covariance).norm(), 1e-9);
 }
 
-// Without ways between the stops nothing changes: the noise of a whole motion covers it.
+// Without ways between the stops it is not counted, though wheels may have told the stops.
 TEST(MlRotationCentre, IsOfOdometryAlongTheWayOnly) {
   GeometricConfig config;
   config.stops = 12;

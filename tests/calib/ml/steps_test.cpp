@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "bending.h"
 #include "cases.h"
 #include "moved_during.h"
 #include "rigproof/calib/diagnose/ml.h"
@@ -134,6 +135,26 @@ TEST(Steps, ASingleCamera) {
   const Result result = estimate_maximum_likelihood(run.observations).result;
   ASSERT_FALSE(result.reasons.empty());
   EXPECT_EQ(result.reasons.front().code, "camera.moved");
+}
+
+// Of a turning point that nobody measured more is unknown, but cameras that move bend as much.
+TEST(Steps, AnUnknownTurningPointHidesNoBending) {
+  GeometricConfig config = drive(4, 24);
+  config.along_way = true;
+  Observations observations = draw_geometric_run(config).observations;
+  const MlOptions options;
+  const auto bent_by_3_cm = [&](std::optional<double> rotation_centre_sigma_m) {
+    observations.odometry_noise.rotation_centre_sigma_m = rotation_centre_sigma_m;
+    const ml::Preparation prepared = ml::prepare(observations, options);
+    const ml::Fit fit = ml::choose_odometry(prepared).fit;
+    const std::optional<ml::GlobalCovariance> covariance = ml::stated_covariance(prepared, fit);
+    ml::State bent = fit.state;
+    bent.T_robot_camera[0].translation.x() += 0.03;
+    return ml::bent_by(bent, prepared, fit, covariance.value());
+  };
+  const double of_known = bent_by_3_cm(0.005);
+  EXPECT_GT(of_known, 1.0);
+  EXPECT_NEAR(bent_by_3_cm(std::nullopt), of_known, 1e-9);
 }
 
 TEST(Steps, AllCamerasAsOneBody) {

@@ -129,8 +129,8 @@ struct OdometryNoise {
   OdometryModel model = OdometryModel::kUnknown;
   std::optional<double> sigma_xy_m;
   std::optional<double> sigma_yaw_rad;
-  /// One sigma of how far along x the point about which the robot turns lies from its origin, and of how much higher
-  /// the robot rides while it moves; absent: as the method assumes.
+  /// One sigma of how far along x, and along y, the point about which the robot turns lies from its origin, and of how
+  /// much higher the robot rides while it moves; absent: as the method assumes.
   std::optional<double> rotation_centre_sigma_m = std::nullopt;
   std::optional<double> riding_height_sigma_m = std::nullopt;
 };
