@@ -312,7 +312,8 @@ Observations drive_of_one_camera(std::uint64_t seed) {
 
 // One frame less or more from a stop in the middle on, of the only camera or of one among others.
 TEST(Diagnosis, NamesFramesFromWhichOnOneIsMissingOrDoubled) {
-  for (const auto& [right, camera, by] : {std::tuple(drive_of_one_camera(2), 0, 1), {drive_of(12), 1, -1}}) {
+  for (const auto& [right, camera, by] :
+       cases<std::tuple<Observations, int, int>>({{drive_of_one_camera(2), 0, 1}, {drive_of(12), 1, -1}})) {
     Observations wrong = right;
     const int split = static_cast<int>(right.stops.size()) / 2;
     ml::shift_cameras({camera}, -by, by > 0 ? split + 1 : split, &wrong);
@@ -339,7 +340,7 @@ TEST(Diagnosis, NamesMillimetresThatOutweighTheImages) {
 }
 
 TEST(Diagnosis, NamesMillimetresAndDegreesAtOnce) {
-  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+  for (const std::uint64_t seed : cases<std::uint64_t>({1U, 2U, 3U})) {
     Observations wrong = drive_of_one_camera(seed);
     for (Stop& stop : wrong.stops) stop.x_m *= 1e3, stop.y_m *= 1e3, stop.yaw_rad = rad_to_deg(stop.yaw_rad);
     const Result result = estimate_maximum_likelihood(wrong).result;
