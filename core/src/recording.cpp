@@ -108,6 +108,17 @@ void save_rig(const Rig& rig, const fs::path& file) {
   write_file_atomically(file, write_fields([&copy](FieldVisitor& visitor) { visit_rig(visitor, {}, copy); }));
 }
 
+std::vector<OdometrySample> odometry_of_origin(const Recording& recording) {
+  std::vector<OdometrySample> odometry = recording.odometry;
+  for (OdometrySample& sample : odometry) {
+    const Eigen::Vector3d pose =
+        odometry_of_point({sample.x_m, sample.y_m, sample.yaw_rad}, -recording.rig.odometry_noise.rotation_centre_m);
+    sample.x_m = pose.x();
+    sample.y_m = pose.y();
+  }
+  return odometry;
+}
+
 Recording load_recording(const fs::path& folder) {
   Recording recording;
   recording.folder = folder;

@@ -345,6 +345,10 @@ void visit_lists(FieldVisitor& visitor, Result& result, const Wording& wording) 
   if (visitor.takes("lenses", !result.lenses.empty()))
     visitor.nested_list("lenses", result.lenses, "intrinsics that the poses go with, where they were estimated",
                         visit_lens);
+  visit_rotation_centre(visitor, result.rotation_centre_m,
+                        "[x, y] of the point about which the robot was said to turn");
+  visitor.scaled("rotation_centre_sigma_mm", result.rotation_centre_sigma_m, 1000.0, {0.0, 1000.0},
+                 "how well that was said to be known, along x and along y, one sigma");
 }
 
 void visit_result(FieldVisitor& visitor, Result& result, const Wording& wording) {

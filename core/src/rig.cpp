@@ -1,5 +1,6 @@
 #include "rigproof/core/rig.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace rigproof {
@@ -33,6 +34,11 @@ int first_of_make(const std::vector<RigCamera>& cameras, int camera) {
   const auto first = std::find_if(cameras.begin(), cameras.begin() + camera,
                                   [&make](const RigCamera& other) { return other.depth && other.sensor == make; });
   return static_cast<int>(first - cameras.begin());
+}
+
+Eigen::Vector3d odometry_of_point(const Eigen::Vector3d& odometry, const Eigen::Vector2d& offset_m) {
+  const Eigen::Vector2d moved = Eigen::Rotation2Dd(odometry.z()) * offset_m;
+  return {odometry.x() + moved.x(), odometry.y() + moved.y(), odometry.z()};
 }
 
 const char* odometry_model_name(OdometryModel model) {

@@ -441,6 +441,13 @@ void visit_rig_cameras(FieldVisitor& visitor, const RigReadOptions& options, std
   visitor.map("cameras", map, "cameras by name, in the order of all results");
 }
 
+void visit_rotation_centre(FieldVisitor& visitor, Eigen::Vector2d& centre_m, const char* description) {
+  if (!visitor.takes("rotation_centre_mm", !centre_m.isZero(0.0))) return;
+  std::vector<double> centre_mm = {value_in_unit(centre_m.x(), kMmPerM), value_in_unit(centre_m.y(), kMmPerM)};
+  visitor.field("rotation_centre_mm", centre_mm, {-1e4, 1e4}, 2, 2, description);
+  if (centre_mm.size() == 2) centre_m << centre_mm[0] / kMmPerM, centre_mm[1] / kMmPerM;
+}
+
 void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
   visitor.on_one_line();
   visitor.choice("model", noise.model,
@@ -451,10 +458,16 @@ void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
                  "unknown: decided from the data");
   visitor.scaled("sigma_xy_mm", noise.sigma_xy_m, kMmPerM, kNotNegative, "one sigma of x and of y; default estimated");
   visitor.scaled("sigma_yaw_deg", noise.sigma_yaw_rad, kDegPerRad, {0.0, 360.0}, "one sigma; default estimated");
+  visit_rotation_centre(visitor, noise.rotation_centre_m,
+                        "[x, y] in the robot's frame of the point about which the robot turns, and whose motion "
+                        "odometry therefore tells; default [0, 0], the origin");
   visitor.scaled(
       "rotation_centre_sigma_mm", noise.rotation_centre_sigma_m, kMmPerM, {0.0, 1000.0},
-      "how far the point about which the robot turns lies from the origin along x, and along y, one sigma; 0 "
-      "where it is the origin by definition, 5 where it is the middle of one driven axle; default 50");
+      "how well that point is known along x, and along y, one sigma; 0 where it is so by definition, 5 where it is the "
+      "middle of one driven axle; default 50");
+  visitor.check(visitor.given("rotation_centre_mm") == nullptr || noise.rotation_centre_sigma_m,
+                "rotation_centre_sigma_mm",
+                "is missing: how well is `rotation_centre_mm` known? 5 where it was measured to 5 mm");
   visitor.scaled("riding_height_sigma_mm", noise.riding_height_sigma_m, kMmPerM, {0.0, 100.0},
                  "how much higher the robot rides while it moves, one sigma; default 0.3");
 }

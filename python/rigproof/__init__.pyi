@@ -116,7 +116,7 @@ class Recording:
     frames: Dict[str, List[CameraFrame]]
     @property
     def odometry(self) -> Floats:
-        """(n, 4): stamp_s, x_m, y_m, yaw_rad"""
+        """(n, 4): stamp_s, x_m, y_m, yaw_rad, of the point about which the robot turns"""
 
 class BoardView:
     def __init__(self, stop: int, camera: int, stamp_s: float, ids: Sequence[int], pixels: ArrayLike,
@@ -226,6 +226,8 @@ class Result:
     residuals: List[Dict[str, Any]]
     also_estimated: List[Dict[str, Any]]
     lenses: Dict[str, Camera]
+    rotation_centre_m: Floats
+    rotation_centre_sigma_m: Optional[float]
     solve_s: float
 
 class TransformError:

@@ -79,7 +79,7 @@ void add_recording(py::module_& module) {
               return Eigen::RowVector4d(sample.stamp_s, sample.x_m, sample.y_m, sample.yaw_rad);
             });
           },
-          "(n, 4): stamp_s, x_m, y_m, yaw_rad of the robot in odom")
+          "(n, 4): stamp_s, x_m, y_m, yaw_rad in odom, of the point about which the robot turns")
       .def("__repr__", [](const Recording& r) { return "<Recording " + r.folder.string() + ">"; });
 }
 
@@ -181,7 +181,7 @@ void add_observations(py::module_& module) {
       .def_property_readonly("stamps_s", stamps_of, "(stops,)")
       .def_property_readonly(
           "odometry", [](const Observations& o) { return rows_of(o.stops, 3, odometry_of); },
-          "(stops, 3): x_m, y_m, yaw_rad of the robot in odom at each stop")
+          "(stops, 3): x_m, y_m, yaw_rad of the robot's origin in odom at each stop")
       .def_property_readonly(
           "velocities",
           [](const Observations& o) {

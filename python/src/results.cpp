@@ -164,6 +164,11 @@ void add_results(py::module_& module) {
       .def_property_readonly("residuals", residuals_of, "Groups: name, unit, count, rms")
       .def_property_readonly("also_estimated", estimated_of, "camera, name (with unit), value, sigma, prior_sigma")
       .def_property_readonly("lenses", lenses_of, "Intrinsics by camera, where the method estimated them")
+      .def_property_readonly(
+          "rotation_centre_m", [](const Result& result) { return array_of(result.rotation_centre_m); },
+          "(2,): where in the robot's frame the rig stated that it turns")
+      .def_readonly("rotation_centre_sigma_m", &Result::rotation_centre_sigma_m,
+                    "One sigma of that; None if not stated")
       .def_readonly("solve_s", &Result::solve_s, "0 of one that was read")
       .def("__repr__", [](const Result& result) {
         return "<Result of " + result.method + ": " + result_status_name(result.status) + ">";

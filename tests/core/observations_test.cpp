@@ -55,6 +55,7 @@ TEST(Observations, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(a.stops[1].velocity, b.stops[1].velocity);
   EXPECT_TRUE(b.stops[0].acceleration.isZero(0.0));
   EXPECT_EQ(a.stops[1].acceleration, b.stops[1].acceleration);
+  EXPECT_EQ(a.odometry_noise.rotation_centre_m, b.odometry_noise.rotation_centre_m);
   EXPECT_EQ(a.exclusions[1].why, b.exclusions[1].why);
   EXPECT_EQ(b.exclusions[1].stop, -1);
   save_observations(b, folder / "again.json");

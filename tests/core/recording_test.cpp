@@ -102,6 +102,7 @@ TEST(Recording, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(recording.rig.board, again.rig.board);
   EXPECT_EQ(recording.rig.odometry_noise.sigma_xy_m, again.rig.odometry_noise.sigma_xy_m);
   EXPECT_EQ(recording.rig.odometry_noise.sigma_yaw_rad, again.rig.odometry_noise.sigma_yaw_rad);
+  EXPECT_EQ(recording.rig.odometry_noise.rotation_centre_m, again.rig.odometry_noise.rotation_centre_m);
   EXPECT_EQ(recording.rig.accept->angle_rad, again.rig.accept->angle_rad);
   again.folder = folder / "b";
   fs::create_directory(again.folder);
@@ -569,6 +570,24 @@ TEST(Rig, ABoardIsAsPrintersLeaveItUnlessItWasMeasured) {
   EXPECT_EQ(measured.bow_sigma(), 0.0);
   EXPECT_THAT(error_text([] { read_board("{squares: [6, 5], square_mm: 110, square_sigma_mm: -1}"); }),
               HasSubstr("square_sigma_mm: -1"));
+}
+
+TEST(Rig, AMeasuredTurningPointSaysHowWellItIsKnown) {
+  const TempFolder folder;
+  const auto noise = [&](const std::string& text) {
+    folder.write("rig.yaml", rig_text("  left: {intrinsics: " + std::string(kIntrinsics) + "}\n",
+                                      "odometry: {file: odometry.csv, noise: {" + text + "}}\n"));
+    return load_rig(folder / "rig.yaml").odometry_noise;
+  };
+  EXPECT_TRUE(noise("rotation_centre_sigma_mm: 5").rotation_centre_m.isZero(0.0));
+  EXPECT_EQ(noise("rotation_centre_mm: [130, -2.5], rotation_centre_sigma_mm: 5").rotation_centre_m,
+            Eigen::Vector2d(0.13, -0.0025));
+  EXPECT_THAT(error_text([&] { noise("rotation_centre_mm: [130, 0]"); }),
+              AllOf(HasSubstr("rig.yaml:4"), HasSubstr("rotation_centre_sigma_mm: is missing: how well is")));
+  EXPECT_THAT(error_text([&] { noise("rotation_centre_mm: [0, 0]"); }), HasSubstr("is missing: how well is"));
+  EXPECT_THAT(error_text([&] { noise("rotation_centre_mm: [130], rotation_centre_sigma_mm: -1"); }),
+              AllOf(HasSubstr("rotation_centre_mm"), HasSubstr("must be a list of 2 numbers"),
+                    HasSubstr("rotation_centre_sigma_mm: -1")));
 }
 
 TEST(Rig, QuaternionsMustBeUnits) {

@@ -54,6 +54,8 @@ TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
   ASSERT_EQ(b.camera_to_robot[0].budget.size(), 2U);
   EXPECT_EQ(b.camera_to_robot[0].budget[1].source, "board");
   EXPECT_EQ(b.camera_to_robot[0].budget[1].share, a.camera_to_robot[0].budget[1].share);
+  EXPECT_EQ(b.rotation_centre_m, a.rotation_centre_m);
+  EXPECT_EQ(b.rotation_centre_sigma_m, a.rotation_centre_sigma_m);
   ASSERT_EQ(b.lenses.size(), 1U);
   EXPECT_EQ(b.lenses[0].camera, "left");
   EXPECT_EQ(b.lenses[0].intrinsics.fx_px, 640.0);

@@ -40,7 +40,7 @@ inline Rig sample_rig() {
   rig.cameras[2].sensor.clear();
   rig.cameras[1].readout_s = 0.02;
   rig.cameras[1].readout_sigma_s = 0.001;
-  rig.odometry_noise = {OdometryModel::kPerIncrement, 0.002, deg_to_rad(0.57), 0.0, 0.001};
+  rig.odometry_noise = {OdometryModel::kPerIncrement, 0.002, deg_to_rad(0.57), 0.005, 0.001, {0.13, -0.0025}};
   rig.accept = AcceptLimits{0.008, 0.004, deg_to_rad(0.2)};
   return rig;
 }
@@ -155,6 +155,8 @@ inline Result sample_result() {
   result.residuals = {{"corners", "px", 1234, 0.05}, {"odometry", "sigma", 69, 1.01}};
   result.camera_to_robot[0].budget = {{"corners", {0.25, 0.5, 0.125, 1.0, 0.75, 0.0}},
                                       {"board", {0.75, 0.5, 0.875, 0.0, 0.25, 1.0}}};
+  result.rotation_centre_m << -0.0625, 0.0031;
+  result.rotation_centre_sigma_m = 0.015;
   result.lenses = {{"left", Camera::symmetric(1280, 720, 640.0)}};
   result.also_estimated = {{"left", "focal_length_percent", -0.31, 0.02, 0.5},
                            {"center", "clock_offset_ms", 4.5, 0.7, 10.0}};

@@ -139,6 +139,8 @@ TEST(Convert, ToEurocTellsImagesLensesAndOdometryByTheirStamps) {
   Recording recording = small_recording(scratch / "original");
   EXPECT_THAT(error_text([&] { convert(recording, "euroc", scratch / "refused"); }), HasSubstr("k3 must be 0"));
   recording.rig.cameras[1].camera.distortion[4] = 0.0;
+  recording.rig.odometry_noise.rotation_centre_m << 0.2, -0.1;  // others take odometry for that of the origin
+  const Rigid3 T_point_robot = planar_pose(-0.2, 0.1, 0.0);
   const ConvertReport report = convert(recording, "euroc", scratch / "there");
   EXPECT_EQ(report.images, 6U);
   const fs::path mav = scratch / "there/mav0";
@@ -147,7 +149,7 @@ TEST(Convert, ToEurocTellsImagesLensesAndOdometryByTheirStamps) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const OdometrySample& sample = recording.odometry[i];
     EXPECT_DOUBLE_EQ(poses[i].stamp_s, sample.stamp_s);
-    const Rigid3 pose = planar_pose(sample.x_m, sample.y_m, sample.yaw_rad);
+    const Rigid3 pose = planar_pose(sample.x_m, sample.y_m, sample.yaw_rad) * T_point_robot;
     EXPECT_LT(transform_error(poses[i].T_world_body, pose).norm(), 1e-12);
   }
   EXPECT_EQ(read_text_file(mav / "cam1/data/0000000102000000000.png"), bytes(recording, 1, 1));

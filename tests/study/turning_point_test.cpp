@@ -72,5 +72,15 @@ TEST_F(LoadedRobot, ThatIsSaidToTurnAboutItsAxleIsWrong) {
   EXPECT_GT(std::abs(off_along_x(estimate_maximum_likelihood(observations).result).in_sigmas), 5.0);
 }
 
+// As on the floor it was measured.
+TEST_F(LoadedRobot, OfWhichThePointIsStatedIsRight) {
+  Recording recording = load_recording(RunFolder{*folder_ / "run"}.recording());
+  recording.rig.odometry_noise.rotation_centre_m << kAhead_m, 0.0;
+  recording.rig.odometry_noise.rotation_centre_sigma_m = 0.01;
+  const OffAlongX off = off_along_x(estimate_maximum_likelihood(observe(recording)).result);
+  EXPECT_LT(std::abs(off.most_m), 0.03);
+  EXPECT_LT(std::abs(off.in_sigmas), 3.0);
+}
+
 }  // namespace
 }  // namespace rigproof

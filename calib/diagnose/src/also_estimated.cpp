@@ -71,12 +71,14 @@ double from_turning_point(const Result& result) {
 
 void note_rotation_centre(const Preparation& prepared, const Fit& fit, Result* result) {
   const double sigma_m = prepared.sigmas().rotation_centre_m;
-  if (!takes_turning_point_for_origin(fit.noise.law.model, prepared.used) || !(sigma_m > 0.0)) return;
+  if (!is_of_turning_point(fit.noise.law.model, prepared.used) || !(sigma_m > 0.0)) return;
   const bool stated = prepared.used.odometry_noise.rotation_centre_sigma_m ||
                       prepared.options.priors.rotation_centre_m != usual_priors().rotation_centre_m;
   Finding note("robot.rotation_centre", {{"sigma_mm", 1e3 * sigma_m}, {"stated", stated ? "yes" : "no"}});
   if (const double seen_m = from_turning_point(*result); seen_m > 0.0)
     note.values.emplace_back("seen_mm", 1e3 * seen_m);
+  if (const Eigen::Vector2d& at_m = prepared.used.odometry_noise.rotation_centre_m; !at_m.isZero(0.0))
+    note = note.with({{"x_mm", 1e3 * at_m.x()}, {"y_mm", 1e3 * at_m.y()}});
   result->notes.push_back(std::move(note));
 }
 

@@ -22,7 +22,7 @@ double bent_by(const State& without, const Preparation& prepared, const Fit& wit
   constexpr double kMost_m = 0.005;
   PriorSigmas sigmas = prepared.sigmas();
   sigmas.rotation_centre_m = std::min(sigmas.rotation_centre_m, kMost_m);
-  add_common_errors(sigmas, takes_turning_point_for_origin(with.noise.law.model, prepared.used), &joint);
+  add_common_errors(sigmas, is_of_turning_point(with.noise.law.model, prepared.used), &joint);
   double most = 0.0;
   for (const int c : prepared.solved_cameras()) {
     const std::size_t k = static_cast<std::size_t>(c);

@@ -53,7 +53,13 @@ double range_of(const std::vector<Stop>& stops, double Stop::*column) {
   return (*most).*column - (*least).*column;
 }
 
-std::string constant_columns(const std::vector<Stop>& stops) {
+// As they were recorded.
+std::string constant_columns(std::vector<Stop> stops, const Eigen::Vector2d& rotation_centre_m) {
+  for (Stop& stop : stops) {
+    const Eigen::Vector3d recorded = odometry_of_point({stop.x_m, stop.y_m, stop.yaw_rad}, rotation_centre_m);
+    stop.x_m = recorded.x();
+    stop.y_m = recorded.y();
+  }
   std::string names;
   const auto look = [&](double Stop::*column, const char* name) {
     if (range_of(stops, column) < kConstant) names += (names.empty() ? "" : " and ") + std::string(name);
@@ -74,7 +80,7 @@ std::optional<Finding> find_dead_odometry(const Observations& observations, cons
   if (still > 1 && kMany * still > static_cast<std::ptrdiff_t>(motions.size()))
     return Finding("odometry.dead", {{"still", still}, {"motions", motions.size()}});
   if (!contradicted || motions.size() < 3) return std::nullopt;
-  const std::string columns = constant_columns(observations.stops);
+  const std::string columns = constant_columns(observations.stops, observations.odometry_noise.rotation_centre_m);
   if (columns.empty()) return std::nullopt;
   return Finding("odometry.constant", {{"columns", columns}});
 }

@@ -72,9 +72,7 @@ struct Run {
   Trial as_is;
 
   std::optional<Trial> without(const Fault& fault, bool same_views) const {
-    Observations repaired = observations;
-    fault.undo(&repaired);
-    return refit(repaired, same_views);
+    return refit(undone(fault, observations), same_views);
   }
 };
 

@@ -24,9 +24,7 @@ double strain_of(const std::vector<double>& strains, int first, int second) {
 std::optional<Cause> cause_of_exchange(const Observations& some_stops, const Trial& as_is, int first, int second,
                                        const Refit& refit) {
   const Fault exchanged = exchanged_folders(some_stops, first, second);
-  Observations repaired = some_stops;
-  exchanged.undo(&repaired);
-  const std::optional<Trial> trial = refit(repaired, false);
+  const std::optional<Trial> trial = refit(undone(exchanged, some_stops), false);
   if (!trial || !trial->clean) return std::nullopt;
   const double strain = strain_of(trial->lens_strains, first, second);
   const double gain = strain_of(as_is.lens_strains, first, second) - strain;

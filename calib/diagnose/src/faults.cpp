@@ -217,7 +217,24 @@ bool other_intrinsics(const Camera& a, const Camera& b) {
           std::abs(a.cy_px - b.cy_px) > kCentre_px);
 }
 
+void move_odometry(const Eigen::Vector2d& offset_m, Observations* observations) {
+  if (offset_m.isZero(0.0)) return;
+  for_each_stop([&offset_m](Stop* stop) {
+    const Eigen::Vector3d pose = odometry_of_point({stop->x_m, stop->y_m, stop->yaw_rad}, offset_m);
+    stop->x_m = pose.x();
+    stop->y_m = pose.y();
+  })(observations);
+}
+
 }  // namespace
+
+Observations undone(const Fault& fault, Observations observations) {
+  const Eigen::Vector2d rotation_centre_m = observations.odometry_noise.rotation_centre_m;
+  move_odometry(rotation_centre_m, &observations);
+  fault.undo(&observations);
+  move_odometry(-rotation_centre_m, &observations);
+  return observations;
+}
 
 Fault exchanged_folders(const Observations& observations, int first, int second) {
   const auto& cameras = observations.cameras;

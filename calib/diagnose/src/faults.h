@@ -21,6 +21,10 @@ struct Fault {
   std::vector<Finding> further = {};  ///< what is wrong beside the cause, and undone with it
 };
 
+/// The observations without the fault. That of odometry is undone as it was recorded: of the point about which the
+/// robot turns.
+Observations undone(const Fault& fault, Observations observations);
+
 /// Odometry in another unit, of another handedness or inverted, with its columns in another order, and odometry whose
 /// stamps are off by a few stops.
 std::vector<Fault> odometry_faults(const Observations& observations);

@@ -54,6 +54,8 @@ Result run_method(const Method& method, const MethodInput& input) {
     result = method.solve_recording(input);
   refuse_what_is_no_number(&result);
   result.method = method.traits().name;
+  result.rotation_centre_m = input.observations.odometry_noise.rotation_centre_m;
+  result.rotation_centre_sigma_m = input.observations.odometry_noise.rotation_centre_sigma_m;
   result.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -21,7 +21,7 @@ Eigen::MatrixXd cameras_covariance(const Preparation& prepared, const Fit& fit, 
                                    bool turning_point = true) {
   const Eigen::MatrixXd J = chart_of(prepared, fit);
   Eigen::MatrixXd joint = J * globals * J.transpose();
-  const bool is_origin = takes_turning_point_for_origin(fit.noise.law.model, prepared.used);
+  const bool is_origin = is_of_turning_point(fit.noise.law.model, prepared.used);
   add_common_errors(prepared.sigmas(), turning_point && is_origin, &joint);
   return joint;
 }
@@ -77,7 +77,7 @@ Eigen::MatrixXd normalised(Eigen::MatrixXd directions) {
 double share_of(const CommonError& error, const Preparation& prepared, const OdometryChoice& choice) {
   const double of_other = choice.other ? 1.0 - choice.decision.probability : 0.0;
   const auto has = [&](const Fit& fit) {
-    return !error.along_way_only || takes_turning_point_for_origin(fit.noise.law.model, prepared.used) ? 1.0 : 0.0;
+    return !error.along_way_only || is_of_turning_point(fit.noise.law.model, prepared.used) ? 1.0 : 0.0;
   };
   return (1.0 - of_other) * has(choice.fit) + (choice.other ? of_other * has(*choice.other) : 0.0);
 }

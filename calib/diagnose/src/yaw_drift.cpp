@@ -25,8 +25,9 @@ std::vector<Turn> turns_of(const Observations& observations, const NoiseLevels& 
     const Stop &from = observations.stops[i - 1], &to = observations.stops[i];
     const double told = measured_increment(from, to).z();
     const double turn = told + wrap_angle(state.poses[i].yaw_rad - state.poses[i - 1].yaw_rad - told);
-    const double variance = noise.law.along_way ? OdometryWay(from, to).noise_of_heading(noise.law)(2, 2) : 1.0;
-    const double veer = state.odometry_veer() * veering_increment(from, to).by_veer.z();
+    const OdometryWay way(from, to, observations.odometry_noise.rotation_centre_m);
+    const double variance = noise.law.along_way ? way.noise_of_heading(noise.law)(2, 2) : 1.0;
+    const double veer = state.odometry_veer() * way.motion(1.0).by_veer.z();
     if (variance > 0.0)
       turns.push_back({told - state.odometry_yaw_factor() * turn + veer, turn, to.stamp_s - from.stamp_s, variance});
   }
@@ -79,9 +80,8 @@ std::optional<FoundDrift> find_yaw_drift(const Preparation& prepared, const Fit&
   YawDrift drift = estimate_yaw_drift(prepared.used, fit.noise, fit.state);
   if (drift.deviations() < kWorthASolution) return std::nullopt;
   for (int step = 0; step < kSteps; ++step) {
-    Observations repaired = prepared.original;
-    const Fault fault = odometry_drifting(repaired, drift.rad_s);
-    fault.undo(&repaired);
+    const Fault fault = odometry_drifting(prepared.original, drift.rad_s);
+    const Observations repaired = undone(fault, prepared.original);
     const Preparation straight = prepare(repaired, prepared.options, &prepared.views);
     if (!straight.solvable()) return std::nullopt;
     const Fit with = without_drift(straight, fit);

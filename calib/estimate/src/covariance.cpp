@@ -25,7 +25,8 @@ Eigen::MatrixXd pair_chart(const std::vector<Rigid3>& T_robot_camera, int parent
   return J;
 }
 
-bool takes_turning_point_for_origin(OdometryModel model, const Observations& observations) {
+bool is_of_turning_point(OdometryModel model, const Observations& observations) {
+  if (!observations.odometry_noise.rotation_centre_m.isZero(0.0)) return true;
   return model == OdometryModel::kPerIncrement && std::any_of(observations.stops.begin(), observations.stops.end(),
                                                               [](const Stop& stop) { return !stop.way.empty(); });
 }

@@ -44,7 +44,7 @@ InformationBound cramer_rao_bound(const Observations& observations, const Calibr
 
   InformationBound bound;
   bound.joint = J * globals.covariance * J.transpose();
-  ml::add_common_errors(noise.priors, ml::takes_turning_point_for_origin(noise.law.model, observations), &bound.joint);
+  ml::add_common_errors(noise.priors, ml::is_of_turning_point(noise.law.model, observations), &bound.joint);
   bound.free_directions = J * globals.free_directions;
   const int cameras = problem.layout().cameras;
   for (int c = 0; c < cameras; ++c) bound.camera_to_robot.push_back(bound.joint.block<6, 6>(6 * c, 6 * c));

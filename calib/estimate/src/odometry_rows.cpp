@@ -38,7 +38,7 @@ Contradiction along_way(const Observations& observations, const NoiseLevels& noi
                         std::size_t from, std::size_t to) {
   const Stop& start = observations.stops[from];
   const Stop end = end_of_way(observations, from, to);
-  const OdometryWay way(start, end);
+  const OdometryWay way(start, end, observations.odometry_noise.rotation_centre_m);
   const Eigen::Vector3d residual = way_residual(state.poses[from], state.poses[to], state.odometry_errors(), way).value;
   return {residual, way_noise(way, noise, start, end).whitening * residual};
 }
@@ -55,15 +55,14 @@ Contradiction contradiction_between(const Observations& observations, const Nois
   }
   const Eigen::Vector3d residual =
       increment_residual(state.poses[from], state.poses[to], state.odometry_errors(),
-                         veering_increment(observations.stops[from], end_of_way(observations, from, to)))
+                         veering_increment(observations.stops[from], end_of_way(observations, from, to),
+                                           observations.odometry_noise.rotation_centre_m))
           .value;
   return {residual, residual.cwiseQuotient(sigma)};
 }
 
 Eigen::Vector3d residual_at(const Observations& observations, const State& state, std::size_t i) {
-  const Stop& stop = observations.stops[i];
-  const RobotPose& pose = state.poses[i];
-  return {pose.x_m - stop.x_m, pose.y_m - stop.y_m, wrap_angle(pose.yaw_rad - stop.yaw_rad)};
+  return pose_residual(state.poses[i], observations.stops[i], observations.odometry_noise.rotation_centre_m).value;
 }
 
 double square_of(const Eigen::Vector3d& residual, const NoiseLevels& noise) {
@@ -151,6 +150,7 @@ StampShift estimate_stamp_shift(const Observations& observations, const NoiseLev
   // Where the robot drives from stop to stop, a row read early lies on the way, not between two stops.
   if (noise.law.along_way) return {};
   const bool increments = noise.law.model == OdometryModel::kPerIncrement;
+  const Eigen::Vector2d& turns_about_m = observations.odometry_noise.rotation_centre_m;
   const Eigen::Vector3d inverse(1.0 / noise.odometry_xy_m, 1.0 / noise.odometry_xy_m, 1.0 / noise.odometry_yaw_rad);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     if (increments && i + 2 >= n) break;
@@ -161,12 +161,14 @@ StampShift estimate_stamp_shift(const Observations& observations, const NoiseLev
     Eigen::Vector3d residual, change;
     if (increments) {
       residual = contradiction_between(observations, noise, state, i, i + 1).residual;
-      change = measured_increment(read(i, kShare), read(i + 1, kShare)) -
-               measured_increment(read(i, -kShare), read(i + 1, -kShare));
+      change = measured_increment(read(i, kShare), read(i + 1, kShare), turns_about_m) -
+               measured_increment(read(i, -kShare), read(i + 1, -kShare), turns_about_m);
     } else {
       residual = residual_at(observations, state, i);
-      const Stop after = read(i, kShare), before = read(i, -kShare);
-      change = {after.x_m - before.x_m, after.y_m - before.y_m, after.yaw_rad - before.yaw_rad};
+      const auto point_at = [&](const Stop& row) {
+        return odometry_of_point({row.x_m, row.y_m, row.yaw_rad}, turns_about_m);
+      };
+      change = point_at(read(i, kShare)) - point_at(read(i, -kShare));
     }
     residual = residual.cwiseProduct(inverse).eval();
     change = change.cwiseProduct(inverse).eval() / (2.0 * kShare);

@@ -32,9 +32,10 @@ Eigen::Vector2d quarter_turn(const Eigen::Vector2d& a) { return {-a.y(), a.x()};
 
 }  // namespace
 
-OdometryWay::OdometryWay(const Stop& from, const Stop& to) {
-  Eigen::Vector3d last(from.x_m, from.y_m, from.yaw_rad);
-  const auto add = [&](const Eigen::Vector3d& pose) {
+OdometryWay::OdometryWay(const Stop& from, const Stop& to, const Eigen::Vector2d& point_m) : point_m_(point_m) {
+  Eigen::Vector3d last = odometry_of_point({from.x_m, from.y_m, from.yaw_rad}, point_m);
+  const auto add = [&](const Eigen::Vector3d& of_origin) {
+    const Eigen::Vector3d pose = odometry_of_point(of_origin, point_m);
     const Eigen::Vector2d step = Eigen::Rotation2Dd(-last.z()) * Eigen::Vector2d(pose.head<2>() - last.head<2>());
     const double turn = wrap_angle(pose.z() - last.z());
     const Eigen::Vector2d arc = unit_arc(turn);
@@ -115,7 +116,8 @@ NoiseLevels per_increment(const NoiseLevels& along_way, const Observations& obse
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();
   const std::size_t n = observations.stops.size();
   for (std::size_t i = 1; i < n; ++i) {
-    const OdometryWay way(observations.stops[i - 1], observations.stops[i]);
+    const OdometryWay way(observations.stops[i - 1], observations.stops[i],
+                          observations.odometry_noise.rotation_centre_m);
     variance +=
         along_way.odometry_xy_m * along_way.odometry_xy_m * way.noise_of_translation().diagonal() +
         along_way.odometry_yaw_rad * along_way.odometry_yaw_rad * way.noise_of_heading(along_way.law).diagonal();

@@ -128,10 +128,11 @@ Problem::Problem(const Observations& observations, const Priors& priors, const N
       priors_(priors),
       whitened_(whitened_before ? std::move(whitened_before)
                                 : std::make_shared<const Whitened>(whitened(observations))) {
+  const Eigen::Vector2d& turns_about_m = observations.odometry_noise.rotation_centre_m;
   for (std::size_t i = 0; i + 1 < observations.stops.size(); ++i)
-    increments_.push_back(veering_increment(observations.stops[i], observations.stops[i + 1]));
+    increments_.push_back(veering_increment(observations.stops[i], observations.stops[i + 1], turns_about_m));
   for (std::size_t i = 0; noise_levels.law.along_way && i + 1 < observations.stops.size(); ++i)
-    ways_.emplace_back(observations.stops[i], observations.stops[i + 1]);
+    ways_.emplace_back(observations.stops[i], observations.stops[i + 1], turns_about_m);
 }
 
 Evaluation Problem::at(const State& state, Weighting weighting) const {

@@ -1,5 +1,6 @@
 #include "rigproof/calib/estimate/residuals.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace rigproof::ml {
@@ -8,6 +9,15 @@ namespace {
 // d Exp(roll, pitch, 0) as a rotation on the right: E <- E Exp(J (droll, dpitch)).
 Eigen::Matrix<double, 3, 2> tilt_jacobian(const RobotPose& pose) {
   return so3_left_jacobian({-pose.roll_rad, -pose.pitch_rad, 0.0}).leftCols<2>();
+}
+
+Eigen::Vector3d odometry_at(const Stop& stop) { return {stop.x_m, stop.y_m, stop.yaw_rad}; }
+
+// In the frame of its beginning; poses and motion are (x, y, yaw).
+Eigen::Vector3d motion_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const double c = std::cos(from.z()), s = std::sin(from.z());
+  const double dx = to.x() - from.x(), dy = to.y() - from.y();
+  return {c * dx + s * dy, c * dy - s * dx, wrap_angle(to.z() - from.z())};
 }
 
 }  // namespace
@@ -102,15 +112,20 @@ IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to,
   const Eigen::Vector3d measured = veering.measured + errors.veer_rad_per_m * veering.by_veer;
   const double c = std::cos(from.yaw_rad), s = std::sin(from.yaw_rad);
   const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
-  const double along = c * dx + s * dy, across = c * dy - s * dx;
+  const Eigen::Vector2d& point = veering.point_m;
+  const Eigen::Vector2d point_after = Eigen::Rotation2Dd(to.yaw_rad - from.yaw_rad) * point;
+  const double along = c * dx + s * dy + point_after.x() - point.x();
+  const double across = c * dy - s * dx + point_after.y() - point.y();
   // The turn nearest to the measured one: a yaw knows no full turns.
   const double turn = measured.z() + wrap_angle(to.yaw_rad - from.yaw_rad - measured.z());
   IncrementResidual residual;
   residual.value << scale * along - measured.x(), scale * across - measured.y(), yaw_factor * turn - measured.z();
   residual.by_to << scale * c, scale * s, 0.0, -scale * s, scale * c, 0.0, 0.0, 0.0, yaw_factor;
   residual.by_from = -residual.by_to;
-  residual.by_from(0, 2) = scale * across;
-  residual.by_from(1, 2) = -scale * along;
+  residual.by_from(0, 2) = scale * (across + point.y());
+  residual.by_from(1, 2) = -scale * (along + point.x());
+  residual.by_to(0, 2) = -scale * point_after.y();
+  residual.by_to(1, 2) = scale * point_after.x();
   residual.by_factors << along, 0.0, across, 0.0, 0.0, turn;
   residual.by_veer = -veering.by_veer;
   return residual;
@@ -124,7 +139,7 @@ IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, const
   Eigen::Vector3d turned = motion.value;
   turned.z() /= yaw_factor;
   IncrementResidual residual =
-      increment_residual(from, to, {errors.scale, 1.0, 0.0}, {turned, Eigen::Vector3d::Zero()});
+      increment_residual(from, to, {errors.scale, 1.0, 0.0}, {turned, Eigen::Vector3d::Zero(), way.point_m()});
   const double turn = turned.z() + residual.value.z();
   residual.value.z() = yaw_factor * turn - motion.value.z();
   residual.by_from(2, 2) *= yaw_factor;
@@ -134,14 +149,23 @@ IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, const
   return residual;
 }
 
-Eigen::Vector3d measured_increment(const Stop& from, const Stop& to) {
-  const double c = std::cos(from.yaw_rad), s = std::sin(from.yaw_rad);
-  const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
-  return {c * dx + s * dy, c * dy - s * dx, wrap_angle(to.yaw_rad - from.yaw_rad)};
+PoseResidual pose_residual(const RobotPose& pose, const Stop& measured, const Eigen::Vector2d& point_m) {
+  const Eigen::Vector3d predicted = odometry_of_point({pose.x_m, pose.y_m, pose.yaw_rad}, point_m);
+  PoseResidual residual;
+  residual.value = predicted - odometry_of_point(odometry_at(measured), point_m);
+  residual.value.z() = wrap_angle(residual.value.z());
+  residual.by_pose.setIdentity();
+  residual.by_pose(0, 2) = pose.y_m - predicted.y();
+  residual.by_pose(1, 2) = predicted.x() - pose.x_m;
+  return residual;
 }
 
-VeeringIncrement veering_increment(const Stop& from, const Stop& to) {
-  return {measured_increment(from, to), OdometryWay(from, to).motion(1.0).by_veer};
+Eigen::Vector3d measured_increment(const Stop& from, const Stop& to, const Eigen::Vector2d& point_m) {
+  return motion_between(odometry_of_point(odometry_at(from), point_m), odometry_of_point(odometry_at(to), point_m));
+}
+
+VeeringIncrement veering_increment(const Stop& from, const Stop& to, const Eigen::Vector2d& point_m) {
+  return {measured_increment(from, to, point_m), OdometryWay(from, to, point_m).motion(1.0).by_veer, point_m};
 }
 
 }  // namespace rigproof::ml

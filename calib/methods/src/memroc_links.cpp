@@ -63,7 +63,8 @@ class ReprojectionMethod : public Method {
   Result solve(const Observations& observations) const override {
     const double sigma = equal_sigma(solve_memroc(observations, estimate_view_poses(observations), {true}));
     Observations equal = observations;
-    equal.odometry_noise = {OdometryModel::kPerIncrement, sigma, sigma};
+    equal.odometry_noise.model = OdometryModel::kPerIncrement;
+    equal.odometry_noise.sigma_xy_m = equal.odometry_noise.sigma_yaw_rad = sigma;
     Result result = estimate_maximum_likelihood(equal).result;
     result.method = traits().name;
     return result;

@@ -54,11 +54,11 @@ Choice Choice::without(std::size_t candidate) const {
   return rest;
 }
 
-double cost_between(const Floor& floor, const Place& from, const Place& to) {
+double cost_between(const Outlook& outlook, const Place& from, const Place& to) {
   constexpr double kBlocked = 1e3;
-  const DriveCommand command = command_between(from, to, 0.0);
+  const DriveCommand command = command_between(from, to, 0.0, outlook.turns_about_m());
   return std::abs(command.distance_m) + std::abs(command.turn_before_rad) + std::abs(command.turn_after_rad) +
-         (floor.may_drive(from, to) ? 0.0 : kBlocked);
+         (outlook.floor.may_drive(from, to) ? 0.0 : kBlocked);
 }
 
 Chooser::Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::vector<AxisSigmas>& stated,
@@ -72,7 +72,7 @@ Chooser::Chooser(const Outlook& outlook, const AcceptLimits& limits, const std::
   inform(first, &first_);
   inform(places, &information_);
   const Place start = first.empty() ? outlook.last_place() : first.back();
-  for (const Place& place : places) cost_.push_back(cost_between(outlook.floor, start, place));
+  for (const Place& place : places) cost_.push_back(cost_between(outlook, start, place));
   weight_ = weights(in_a_row(stated), in_a_row(outlook.forecast.sigmas({}, kSteerable)), limits);
   matters_ = axes_that_matter();
 }

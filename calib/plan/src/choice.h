@@ -22,7 +22,7 @@ struct Choice {
 };
 
 /// A metre of driving costs as much as a radian of turning; a blocked way is only taken if there is no other.
-double cost_between(const Floor& floor, const Place& from, const Place& to);
+double cost_between(const Outlook& outlook, const Place& from, const Place& to);
 
 /// Chooses among candidates by what they would tell.
 class Chooser {

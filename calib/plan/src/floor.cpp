@@ -71,11 +71,19 @@ bool Floor::may_drive(const Place& from, const Place& to) const {
   return true;
 }
 
-DriveCommand command_between(const Place& from, const Place& to, double min_turn_rad) {
+Place Place::turned_to(double heading_rad, const Eigen::Vector2d& about_m) const {
+  const Eigen::Vector3d point = odometry_of_point({x_m, y_m, yaw_rad}, about_m);
+  const Eigen::Vector3d origin = odometry_of_point({point.x(), point.y(), heading_rad}, -about_m);
+  return {origin.x(), origin.y(), wrap_angle(heading_rad)};
+}
+
+DriveCommand command_between(const Place& from, const Place& to, double min_turn_rad, const Eigen::Vector2d& about_m) {
   constexpr double kNoDrive_m = 0.015;
-  const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m, distance = std::hypot(dx, dy);
+  const Eigen::Vector3d start = odometry_of_point({from.x_m, from.y_m, from.yaw_rad}, about_m);
+  const Eigen::Vector3d end = odometry_of_point({to.x_m, to.y_m, to.yaw_rad}, about_m);
+  const double dx = end.x() - start.x(), dy = end.y() - start.y(), distance = std::hypot(dx, dy);
   const double turn = wrap_angle(to.yaw_rad - from.yaw_rad);
-  if (distance < kNoDrive_m) return {without_small(turn, min_turn_rad), 0.0, 0.0};
+  if (distance < kNoDrive_m) return {without_small(turn, min_turn_rad), 0.0, 0.0, about_m};
   DriveCommand best;
   double least = std::numeric_limits<double>::infinity();
   for (const double sense : {1.0, -1.0}) {
@@ -84,7 +92,7 @@ DriveCommand command_between(const Place& from, const Place& to, double min_turn
     const double turning = std::abs(before) + std::abs(after);
     if (turning >= least) continue;
     least = turning;
-    best = {before, sense * std::round(100.0 * distance) / 100.0, after};
+    best = {before, sense * std::round(100.0 * distance) / 100.0, after, about_m};
   }
   return best;
 }
@@ -92,7 +100,9 @@ DriveCommand command_between(const Place& from, const Place& to, double min_turn
 }  // namespace suggest
 
 Rigid3 DriveCommand::motion() const {
-  return planar_pose(0.0, 0.0, turn_before_rad) * planar_pose(distance_m, 0.0, turn_after_rad);
+  const Rigid3 T_robot_point = planar_pose(about_m.x(), about_m.y(), 0.0);
+  return T_robot_point * planar_pose(0.0, 0.0, turn_before_rad) * planar_pose(distance_m, 0.0, turn_after_rad) *
+         T_robot_point.inverse();
 }
 
 std::string DriveCommand::text() const {

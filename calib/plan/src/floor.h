@@ -16,6 +16,8 @@ struct Place {
 
   Rigid3 T_world_robot() const { return planar_pose(x_m, y_m, yaw_rad); }
   static Place of(const Rigid3& T_world_robot);
+  /// Turned on the spot to a heading, about a point of the robot.
+  Place turned_to(double heading_rad, const Eigen::Vector2d& about_m) const;
 };
 
 /// The free floor around a board.
@@ -41,6 +43,7 @@ class Floor {
 
 /// Whole degrees and centimetres; forwards or backwards, whichever needs smaller turns; turns below the smallest one
 /// are omitted if so asked.
-DriveCommand command_between(const Place& from, const Place& to, double min_turn_rad);
+/// @param about_m where in its frame the robot turns
+DriveCommand command_between(const Place& from, const Place& to, double min_turn_rad, const Eigen::Vector2d& about_m);
 
 }  // namespace rigproof::suggest

@@ -95,8 +95,9 @@ Stop stop_at(const ml::RobotPose& pose) {
 
 // The odometry between the poses `index` and `index` + 1 of the system.
 void Forecast::link(const ml::RobotPose& from, const ml::RobotPose& to, int index, ml::ArrowSystem* system) const {
-  const ml::IncrementResidual residual =
-      ml::increment_residual(from, to, state_.odometry_errors(), ml::veering_increment(stop_at(from), stop_at(to)));
+  const ml::IncrementResidual residual = ml::increment_residual(
+      from, to, state_.odometry_errors(),
+      ml::veering_increment(stop_at(from), stop_at(to), knowledge_.basis.used.odometry_noise.rotation_centre_m));
   const Eigen::Vector3d inverse =
       Eigen::Vector3d(levels_.odometry_xy_m, levels_.odometry_xy_m, levels_.odometry_yaw_rad).cwiseInverse();
   const Eigen::Matrix3d A = inverse.asDiagonal() * residual.by_from, B = inverse.asDiagonal() * residual.by_to;
@@ -139,8 +140,7 @@ std::optional<Eigen::MatrixXd> Forecast::with_stops(const std::vector<const Stop
 }
 
 void Forecast::add_common_errors(Errors errors, Eigen::MatrixXd* joint) const {
-  const bool turning_point =
-      ml::takes_turning_point_for_origin(knowledge_.basis.levels.law.model, knowledge_.basis.used);
+  const bool turning_point = ml::is_of_turning_point(knowledge_.basis.levels.law.model, knowledge_.basis.used);
   ml::add_common_errors(knowledge_.estimate.noise.priors, errors == Errors::kAll && turning_point, joint);
 }
 

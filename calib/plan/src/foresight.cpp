@@ -244,10 +244,14 @@ Stop Foresight::stop_after(const Stop* before, const Rigid3& T_world_before, con
   const CalibrationState& state = knowledge_.estimate.state;
   Rigid3 T = T_world_robot;
   if (knowledge_.estimate.noise.law.model == OdometryModel::kPerIncrement && before != nullptr) {
-    const Rigid3 motion = T_world_before.inverse() * T_world_robot;
-    T = planar_pose(before->x_m, before->y_m, before->yaw_rad) *
+    // Scale and yaw factor are those of the point about which the robot turns.
+    const Eigen::Vector2d& centre_m = knowledge_.basis.used.odometry_noise.rotation_centre_m;
+    const Rigid3 T_robot_point = planar_pose(centre_m.x(), centre_m.y(), 0.0);
+    const Rigid3 motion = (T_world_before * T_robot_point).inverse() * T_world_robot * T_robot_point;
+    T = planar_pose(before->x_m, before->y_m, before->yaw_rad) * T_robot_point *
         planar_pose(state.odometry_scale * motion.translation.x(), state.odometry_scale * motion.translation.y(),
-                    state.odometry_yaw_factor * yaw_of(motion));
+                    state.odometry_yaw_factor * yaw_of(motion)) *
+        T_robot_point.inverse();
   }
   constexpr double kStopTime_s = 2.0;
   const double stamp_s = before != nullptr ? before->stamp_s + kStopTime_s : 0.0;

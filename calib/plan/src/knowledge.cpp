@@ -9,6 +9,7 @@
 #include "rigproof/calib/diagnose/turning_point.h"
 #include "rigproof/calib/estimate/information.h"
 #include "rigproof/calib/estimate/noise.h"
+#include "rigproof/calib/estimate/unknowns.h"
 #include "rigproof/calib/geometry/initial_guess.h"
 #include "rigproof/calib/geometry/trajectory_alignment.h"
 #include "rigproof/calib/geometry/view_poses.h"
@@ -57,6 +58,18 @@ void keep_turning_point(const EstimatedTransform& camera, Eigen::MatrixXd* joint
   for (int axis = 0; axis < 2; ++axis)
     for (Eigen::Index i = axis; i < joint->rows(); i += 6)
       for (Eigen::Index j = axis; j < joint->cols(); j += 6) (*joint)(i, j) -= known_of_turning_point(camera, axis);
+}
+
+// Recordings that state it differently: it may be one point that was measured since, or another one under another load,
+// and odometry may be that of a tracker, which turns about no point. They agree as far as each knows the origin.
+void doubt_turning_point(const Result& previous, const OdometryNoise& now, KnownPoses* knowledge) {
+  if (now.rotation_centre_m == previous.rotation_centre_m) return;
+  const double usual_m = usual_priors().rotation_centre_m;
+  const double variance = std::pow(previous.rotation_centre_sigma_m.value_or(usual_m), 2) +
+                          std::pow(now.rotation_centre_sigma_m.value_or(usual_m), 2);
+  for (Eigen::Index i = 0; i < knowledge->covariance.rows(); i += 6)
+    for (Eigen::Index j = 0; j < knowledge->covariance.cols(); j += 6)
+      knowledge->covariance.block<2, 2>(i, j).diagonal().array() += variance;
 }
 
 // Blocks on the diagonal, each times their number: at least as large as every covariance with these blocks.
@@ -325,6 +338,7 @@ KnownPoses previous_knowledge(const Result& previous, const Observations& observ
       knowledge.covariance = safe_joint(blocks);
       if (blocks.size() > 1) notes->emplace_back("moved.errors_apart");
     }
+    doubt_turning_point(previous, observations.odometry_noise, &knowledge);
     return knowledge;
   }
   if (const std::optional<KnownPoses> pairs = camera_to_camera(previous, observations, match)) {

@@ -164,19 +164,27 @@ int best_bearing_deg(const std::vector<Sight>& sights) {
   return best;
 }
 
+// Turned on the spot until the board bears so from the robot: its origin swings about the point that it turns about.
+Place turned_from_board(const Outlook& outlook, const Place& here, double bearing_rad) {
+  constexpr int kRounds = 4;
+  Place place = here;
+  for (int round = 0; round < kRounds; ++round)
+    place = here.turned_to(place.yaw_rad + bearing_of_board(outlook, place) - bearing_rad, outlook.turns_about_m());
+  return place;
+}
+
 }  // namespace
 
 std::vector<Look> looks_for_board(const Outlook& outlook) {
   constexpr double kWorthATurn = 0.1;  // of a camera's hope
   const Place here = place_to_look_from(outlook);
-  const double board_rad = wrap_angle(bearing_of_board(outlook, here) + here.yaw_rad);
   std::vector<Sight> sights = unseeing_cameras(outlook, here);
   std::vector<double> all;
   for (const Sight& sight : sights) all.push_back(std::accumulate(sight.looks.begin(), sight.looks.end(), 0.0));
   std::vector<Look> looks;
   while (static_cast<int>(looks.size()) < outlook.options.stops) {
     const int board_deg = best_bearing_deg(sights);
-    Look look{{here.x_m, here.y_m, wrap_angle(board_rad - deg_to_rad(board_deg))}, {}};
+    Look look{turned_from_board(outlook, here, deg_to_rad(board_deg)), {}};
     for (std::size_t i = 0; i < sights.size(); ++i) {
       Sight& sight = sights[i];
       if (all[i] > 0.0 && sight.hope(board_deg) >= kWorthATurn * all[i]) look.hoped.push_back(sight.camera);

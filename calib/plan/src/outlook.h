@@ -18,6 +18,7 @@ struct Outlook {
 
   const CalibrationState& state() const { return knowledge.estimate.state; }
   const Observations& used() const { return knowledge.basis.used; }
+  const Eigen::Vector2d& turns_about_m() const { return used().odometry_noise.rotation_centre_m; }
   Place last_place() const { return Place::of(state().T_world_robot.back()); }
   Eigen::Vector3d board_centre() const { return state().T_world_board * used().board.centre(); }
   bool enough(const std::vector<int>& cameras) const { return static_cast<int>(cameras.size()) >= options.min_cameras; }

@@ -47,7 +47,7 @@ std::vector<Place> turned_on_the_spot(const Outlook& outlook) {
   const Place here = outlook.last_place();
   std::vector<Place> places;
   for (int i = 0; i < kHeadings; ++i) {
-    const Place place{here.x_m, here.y_m, wrap_angle(here.yaw_rad + 2.0 * kPi * i / kHeadings)};
+    const Place place = here.turned_to(here.yaw_rad + 2.0 * kPi * i / kHeadings, outlook.turns_about_m());
     if (outlook.floor.may_stand(place) && sees_board_when_rounded(outlook, place)) places.push_back(place);
   }
   return places;

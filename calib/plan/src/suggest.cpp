@@ -63,7 +63,7 @@ std::vector<std::size_t> shortest(const Outlook& outlook, const Place& start, co
     double cost = 0.0;
     Place from = start;
     for (const std::size_t i : order) {
-      cost += cost_between(outlook.floor, from, places[i]);
+      cost += cost_between(outlook, from, places[i]);
       from = places[i];
     }
     if (cost >= least) continue;
@@ -79,7 +79,7 @@ std::vector<std::size_t> in_driving_order(const Outlook& outlook, const Place& s
   std::vector<std::size_t> order;
   if (left.size() <= 6) return shortest(outlook, start, places, std::move(left));
   for (Place from = start; !left.empty(); from = places[order.back()]) {
-    const auto cost = [&](std::size_t candidate) { return cost_between(outlook.floor, from, places[candidate]); };
+    const auto cost = [&](std::size_t candidate) { return cost_between(outlook, from, places[candidate]); };
     const auto next =
         std::min_element(left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return cost(a) < cost(b); });
     order.push_back(*next);
@@ -99,11 +99,11 @@ std::optional<SuggestedStop> seen_from(const Outlook& outlook, const Place& from
 // As close to the place as whole degrees and centimetres lead from which the board is seen: where it is missed, with
 // small turns after all, then aimed anew.
 std::optional<SuggestedStop> stop_at(const Outlook& outlook, const Place& from, const Place& to) {
-  const std::optional<SuggestedStop> plain =
-      seen_from(outlook, from, suggest::command_between(from, to, outlook.options.min_turn_rad));
+  const std::optional<SuggestedStop> plain = seen_from(
+      outlook, from, suggest::command_between(from, to, outlook.options.min_turn_rad, outlook.turns_about_m()));
   if (plain) return plain;
   constexpr int kMostAimed_deg = 5;
-  const DriveCommand exact = suggest::command_between(from, to, 0.0);
+  const DriveCommand exact = suggest::command_between(from, to, 0.0, outlook.turns_about_m());
   for (int aimed_deg = 0; aimed_deg <= kMostAimed_deg; ++aimed_deg) {
     for (const int sense : {1, -1}) {
       DriveCommand command = exact;
@@ -126,7 +126,8 @@ std::vector<SuggestedStop> looking_stops(const Outlook& outlook) {
   std::vector<SuggestedStop> stops;
   Place from = outlook.last_place();
   for (const std::size_t i : in_driving_order(outlook, from, places, all)) {
-    const DriveCommand command = suggest::command_between(from, places[i], outlook.options.min_turn_rad);
+    const DriveCommand command =
+        suggest::command_between(from, places[i], outlook.options.min_turn_rad, outlook.turns_about_m());
     const Rigid3 T_world_robot = from.T_world_robot() * command.motion();
     stops.push_back({command, T_world_robot, outlook.foresight.cameras_with_board(T_world_robot), looks[i].hoped});
     from = Place::of(T_world_robot);
@@ -254,9 +255,11 @@ void add_to_budget(const char* source, std::size_t axis, double variance, Estima
   camera->budget.back().share[axis] = variance / whole;
 }
 
-// What is foretold has no ways between its stops, and with them nothing of where the robot turns.
-Result with_turning_point(const CalibrationSoFar& knowledge, Result then) {
-  if (!ml::takes_turning_point_for_origin(knowledge.basis.levels.law.model, knowledge.basis.used)) return then;
+// What is foretold has no ways between its stops, and with them nothing of where the robot turns, unless the rig says
+// so.
+Result with_turning_point(const CalibrationSoFar& knowledge, const Observations& foretold, Result then) {
+  const OdometryModel model = knowledge.basis.levels.law.model;
+  if (!ml::is_of_turning_point(model, knowledge.basis.used) || ml::is_of_turning_point(model, foretold)) return then;
   for (const ml::CommonError& error : ml::common_errors())
     for (EstimatedTransform& camera : then.camera_to_robot) {
       if (!error.along_way_only || !camera.covariance || camera.budget.empty()) continue;
@@ -291,7 +294,7 @@ void foretell(const Outlook& outlook, Suggestion* suggestion) {
   std::vector<const StopInformation*> stops;
   for (const StopInformation& stop : information) stops.push_back(&stop);
   add_cameras(outlook.knowledge, then, outlook.forecast.sigmas({}), outlook.forecast.sigmas(stops), suggestion);
-  note_limits(with_turning_point(outlook.knowledge, then), outlook.options.min_gain, suggestion);
+  note_limits(with_turning_point(outlook.knowledge, observations, then), outlook.options.min_gain, suggestion);
 }
 
 }  // namespace

@@ -119,7 +119,8 @@ StopPlan plan_stops(const Recording& recording, const ObserveOptions& options, c
   const bool any = std::any_of(recording.frames.begin(), recording.frames.end(),
                                [](const std::vector<CameraFrame>& frames) { return !frames.empty(); });
   if (!any) throw Error(recording.folder.string() + ": no camera has any image");
-  const OdometryTrack track(recording.odometry, options.max_odometry_gap_s, options.stop_tolerance_s);
+  const std::vector<OdometrySample> odometry = odometry_of_origin(recording);
+  const OdometryTrack track(odometry, options.max_odometry_gap_s, options.stop_tolerance_s);
   StopPlan plan;
   const std::vector<Frame> frames = locate_frames(recording, track, &plan.exclusions);
   if (frames.empty()) throw_never_meet(recording);

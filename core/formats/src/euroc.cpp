@@ -102,7 +102,8 @@ ConvertReport write_euroc(const WriteJob& job) {
     write_file_atomically_unsynced(folder / "sensor.yaml", emit_yaml(sensor_of(recording.rig.cameras[k])));
     report.notes.push_back(recording.rig.cameras[k].name + " is cam" + std::to_string(k) + " there.");
   }
-  write_file_atomically_unsynced(job.folder / "mav0" / "odom0" / "data.csv", odometry_text(recording.odometry));
+  write_file_atomically_unsynced(job.folder / "mav0" / "odom0" / "data.csv",
+                                 odometry_text(odometry_of_origin(recording)));
   if (recording.rig.board.type != "charuco")
     write_file_atomically_unsynced(job.folder / "target.yaml", emit_yaml(target_of(recording.rig.board)));
   else

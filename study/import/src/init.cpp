@@ -159,7 +159,8 @@ std::vector<std::string> comments_of(const InitOptions& options, const InitRepor
   for (const std::string& missing : report.missing) comments.push_back("Missing: " + for_message(missing, 300));
   comments.emplace_back(
       "About which point the robot turns is in no recording: if it is the middle of one driven axle, give odometry "
-      "`noise: {rotation_centre_sigma_mm: 5}`.");
+      "`noise: {rotation_centre_sigma_mm: 5}`; of one that skids, measure it, and give `rotation_centre_mm: [x, y]`, "
+      "too.");
   return comments;
 }
 

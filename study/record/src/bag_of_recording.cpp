@@ -147,6 +147,9 @@ class Writer {
     if (!unmounted_.empty())
       all.push_back("/tf_static does not say where " + joined(unmounted_) + (unmounted_.size() > 1 ? " are" : " is") +
                     " mounted: that is sought");
+    if (const Eigen::Vector2d& centre_m = recording_.rig.odometry_noise.rotation_centre_m; !centre_m.isZero(0.0))
+      all.push_back("the odometry is of the point about which the robot turns, [" + fixed_text(1e3 * centre_m.x(), 0) +
+                    ", " + fixed_text(1e3 * centre_m.y(), 0) + "] mm in its frame: a bag has no place for that");
     if (!recording_.segments.empty()) all.emplace_back("segments.csv is left out: a bag has no place for it");
     return all;
   }

@@ -167,8 +167,9 @@ TaskData planned_data(const TaskSettings& task) {
   data.observations = std::move(run.observations);
   data.observations.odometry_noise = plan.recording.rig.odometry_noise;
   data.observations.robot_frame = plan.recording.rig.robot_frame;
+  const std::vector<OdometrySample> odometry = odometry_of_origin(plan.recording);
   for (std::size_t i = 0; i < stops.size(); ++i) {
-    const OdometrySample& sample = plan.recording.odometry[sample_at(plan.recording.odometry, stops[i].stamp_s)];
+    const OdometrySample& sample = odometry[sample_at(odometry, stops[i].stamp_s)];
     data.observations.stops[i] = {stops[i].stamp_s, sample.x_m, sample.y_m, sample.yaw_rad, 0.0};
   }
   for (BoardView& view : data.observations.board_views)

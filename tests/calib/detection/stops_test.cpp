@@ -234,6 +234,23 @@ TEST(Stops, RefuseWhatCannotBeAnswered) {
               testing::HasSubstr("odometry covers 0.000 to 1.000 s, the frames 1000.000 to 1001.000 s"));
 }
 
+// On the spot about a point 0.2 m ahead of the robot's origin: the wheels tell no motion, the origin swings around it.
+TEST(Stops, AreOfTheOriginOfARobotThatTurnsAboutAnotherPoint) {
+  std::vector<OdometrySample> odometry;
+  for (int i = 0; i <= 80; ++i) odometry.push_back({0.05 * i, 1.0, 2.0, 0.5 * 0.05 * i});
+  Recording recording = recording_with({{1.0, 3.0}}, odometry);
+  recording.rig.odometry_noise.rotation_centre_m << 0.2, 0.0;
+  const StopPlan plan = plan_stops(recording, {});
+  ASSERT_EQ(plan.stops.size(), 2U);
+  const Stop &first = plan.stops[0].stop, &last = plan.stops[1].stop;
+  EXPECT_NEAR(first.x_m, 1.0 - 0.2 * std::cos(0.5), 1e-12);
+  EXPECT_NEAR(first.y_m, 2.0 - 0.2 * std::sin(0.5), 1e-12);
+  EXPECT_NEAR(last.x_m, 1.0 - 0.2 * std::cos(1.5), 1e-12);
+  EXPECT_NEAR(last.y_m, 2.0 - 0.2 * std::sin(1.5), 1e-12);
+  EXPECT_NEAR(last.yaw_rad, 1.5, 1e-12);
+  EXPECT_NEAR(first.velocity.y(), -0.2 * 0.5, 1e-9);
+}
+
 TEST(Stops, FramesOfASegmentAreNone) {
   Recording recording = recording_with({{0.0, 1.0, 2.0, 3.0, 4.0}}, circle(10.0));
   ASSERT_EQ(plan_stops(recording, {}).stops.size(), 5U);

@@ -571,9 +571,9 @@ TEST(MlRotationCentre, IsOfAllOdometryThatWheelsTellBetweenTheStops) {
   const Observations at_stops = draw_geometric_run(config).observations;
   config.along_way = true;
   const Observations with_ways = draw_geometric_run(config).observations;
-  EXPECT_TRUE(ml::takes_turning_point_for_origin(OdometryModel::kPerIncrement, with_ways));
-  EXPECT_FALSE(ml::takes_turning_point_for_origin(OdometryModel::kPerPose, with_ways));
-  EXPECT_FALSE(ml::takes_turning_point_for_origin(OdometryModel::kPerIncrement, at_stops));
+  EXPECT_TRUE(ml::is_of_turning_point(OdometryModel::kPerIncrement, with_ways));
+  EXPECT_FALSE(ml::is_of_turning_point(OdometryModel::kPerPose, with_ways));
+  EXPECT_FALSE(ml::is_of_turning_point(OdometryModel::kPerIncrement, at_stops));
 }
 
 // Both move all cameras alike, so that their variance stands in the covariance of every pair.

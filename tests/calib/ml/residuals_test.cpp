@@ -16,6 +16,8 @@ namespace {
 constexpr double kStep = 1e-5;
 constexpr double kTolerance = 2e-7;
 
+const Eigen::Vector2d kPoint_m(0.2, -0.3);  // of the robot, of which odometry tells
+
 Eigen::MatrixXd differences(int unknowns, const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& residual) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(unknowns);
   Eigen::MatrixXd J(residual(zero).size(), unknowns);
@@ -135,7 +137,7 @@ TEST_P(Residuals, IncrementByEveryUnknown) {
   to.x_m += 0.7;
   to.y_m -= 0.4;
   to.yaw_rad += 0.5;
-  const VeeringIncrement measured = {{0.6, 0.1, 0.45}, {0.05, -0.3, -0.6}};
+  const VeeringIncrement measured = {{0.6, 0.1, 0.45}, {0.05, -0.3, -0.6}, kPoint_m};
   const auto residual = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
     Eigen::VectorXd from_step = Eigen::VectorXd::Zero(6), to_step = Eigen::VectorXd::Zero(6);
     from_step.head<3>() = step.head<3>();
@@ -148,6 +150,20 @@ TEST_P(Residuals, IncrementByEveryUnknown) {
   Eigen::MatrixXd J(3, 9);
   J << value.by_from, value.by_to, value.by_factors, value.by_veer;
   expect_near(differences(9, residual), J);
+}
+
+TEST_P(Residuals, AbsoluteOdometryByEveryUnknown) {
+  Stop measured;
+  measured.x_m = 0.3;
+  measured.yaw_rad = 0.1;
+  const PoseResidual value = pose_residual(pose, measured, kPoint_m);
+  expect_near(differences(3,
+                          [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+                            Vector6d all = Vector6d::Zero();
+                            all.head<3>() = step;
+                            return pose_residual(moved(pose, all), measured, kPoint_m).value;
+                          }),
+              value.by_pose);
 }
 
 // A way of turns, arcs and a way back, as odometry measured it.
@@ -169,7 +185,7 @@ Stop driven_stop(RandomStream* random) {
 
 TEST_P(Residuals, WayByEveryUnknown) {
   RandomStream random(static_cast<std::uint64_t>(GetParam()), "way test");
-  const OdometryWay way(Stop(), driven_stop(&random));
+  const OdometryWay way(Stop(), driven_stop(&random), kPoint_m);
   const double scale = 1.02, factor = 1.05, veer = 0.07;
   RobotPose to = pose;
   to.x_m += 0.6;
@@ -192,7 +208,8 @@ TEST(OdometryWay, EndsWhereTheStopIs) {
   from.x_m = 1.0;
   from.yaw_rad = 2.0;
   const Stop to = driven_stop(&random);
-  const Eigen::Vector3d motion = OdometryWay(from, to).motion(1.0).value, expected = measured_increment(from, to);
+  const Eigen::Vector3d motion = OdometryWay(from, to, Eigen::Vector2d::Zero()).motion(1.0).value,
+                        expected = measured_increment(from, to);
   EXPECT_NEAR((motion - expected).head<2>().norm(), 0.0, 1e-12);
   EXPECT_NEAR(wrap_angle(motion.z() - expected.z()), 0.0, 1e-12);
 }
@@ -204,7 +221,7 @@ TEST(OdometryWay, ATurnsErrorBendsTheWayAfterIt) {
   to.x_m = 0.0;
   to.y_m = 2.0;
   to.yaw_rad = kPi;
-  const OdometryWay way(Stop(), to);
+  const OdometryWay way(Stop(), to, Eigen::Vector2d::Zero());
   const double factor = 1.05, turned = kPi / 2 / factor;
   const Eigen::Vector2d end = way.motion(factor).value.head<2>();
   EXPECT_NEAR((end - 2.0 * Eigen::Vector2d(std::cos(turned), std::sin(turned))).norm(), 0.0, 1e-12);

@@ -191,6 +191,65 @@ TEST(Moved, TheRobotTurnsWhereItDid) {
   EXPECT_TRUE(report.rig_moved);
 }
 
+// A robot that turns about a point ahead of its origin, on one day or another.
+struct TurningRobot {
+  bool along_way = true;
+
+  // @param turns_m and @param stated_m where it turns and where the rig says so, in the frame of its cameras
+  Observations drawn(std::uint64_t seed, const Eigen::Vector2d& turns_m, const Eigen::Vector2d& stated_m,
+                     std::optional<double> sigma_m) const {
+    GeometricConfig config;
+    config.seed = seed;
+    config.stops = 20;
+    config.along_way = along_way;
+    for (Rigid3& T : config.rig.T_robot_camera) T.translation.head<2>() -= turns_m;
+    Observations observations = draw_geometric_run(config).observations;
+    observations.odometry_noise = {};
+    observations.odometry_noise.rotation_centre_m = stated_m;
+    observations.odometry_noise.rotation_centre_sigma_m = sigma_m;
+    for (Stop& stop : observations.stops) {
+      const Eigen::Vector3d origin = odometry_of_point({stop.x_m, stop.y_m, stop.yaw_rad}, -stated_m);
+      stop.x_m = origin.x();
+      stop.y_m = origin.y();
+      for (Eigen::Vector3d& row : stop.way) row = odometry_of_point(row, -stated_m);
+    }
+    return observations;
+  }
+};
+
+Result calibrated_from(const Observations& observations) { return run_method(ml_method(), {observations}); }
+MovedOutcome outcome(const Result& previous, const Observations& now) {
+  return detect_movement(previous, now, rigid_robot()).outcome;
+}
+
+const Eigen::Vector2d kAhead_m(0.13, 0.02), kNotStated = Eigen::Vector2d::Zero();
+
+// The same robot, of which somebody has measured since where it turns, or has forgotten it, or measures it anew; under
+// another load it turns elsewhere. The cameras stand.
+TEST(Moved, WhereTheRobotTurnsMayBeStatedLater) {
+  const TurningRobot robot;
+  const Eigen::Vector2d loaded_m(0.175, 0.02), off_m(0.012, -0.018);
+  const Result unstated = calibrated_from(robot.drawn(1, kAhead_m, kNotStated, std::nullopt));
+  const Result stated = calibrated_from(robot.drawn(1, kAhead_m, kAhead_m - off_m, 0.015));
+  EXPECT_EQ(outcome(unstated, robot.drawn(9, kAhead_m, kAhead_m + off_m, 0.015)), MovedOutcome::kNothingMoved);
+  EXPECT_EQ(outcome(stated, robot.drawn(9, kAhead_m, kNotStated, std::nullopt)), MovedOutcome::kNothingMoved);
+  EXPECT_EQ(outcome(stated, robot.drawn(9, kAhead_m, kAhead_m + off_m, 0.015)), MovedOutcome::kNothingMoved);
+  EXPECT_EQ(outcome(stated, robot.drawn(9, loaded_m, loaded_m + off_m, 0.015)), MovedOutcome::kNothingMoved);
+  EXPECT_EQ(outcome(stated, robot.drawn(9, -kAhead_m, off_m - kAhead_m, 0.015)), MovedOutcome::kNothingMoved);
+  const Eigen::Vector2d pushed_m(0.2, 0.0);
+  EXPECT_EQ(outcome(stated, robot.drawn(9, pushed_m - kAhead_m, -kAhead_m, 0.015)), MovedOutcome::kMoved);
+}
+
+// Odometry at the stops alone may be that of wheels or of a tracker, which is of the origin.
+TEST(Moved, OdometryThatMayBeOfEitherPointAccusesNobody) {
+  const TurningRobot robot{false};
+  for (const Eigen::Vector2d& of_unstated : {kAhead_m, kNotStated}) {
+    const Result unstated = calibrated_from(robot.drawn(1, of_unstated, kNotStated, std::nullopt));
+    ASSERT_TRUE(unstated.joint_covariance);
+    EXPECT_NE(outcome(unstated, robot.drawn(9, kAhead_m, kAhead_m, 0.005)), MovedOutcome::kMoved);
+  }
+}
+
 // Of one stop at which all cameras see the board.
 Observations one_stop(const Vector6d& shift = Vector6d::Zero()) {
   GeometricConfig config;

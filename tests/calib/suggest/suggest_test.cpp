@@ -10,6 +10,7 @@
 #include "forecast.h"
 #include "pose_near.h"
 #include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/residuals.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
 #include "trials.h"
@@ -61,6 +62,101 @@ TEST(DriveCommand, MovesTheRobotAsItSays) {
   const Rigid3 T = DriveCommand{0.5 * kPi, 2.0, 0.5 * kPi}.motion();
   EXPECT_LT((T.translation - Eigen::Vector3d(0.0, 2.0, 0.0)).norm(), 1e-12);
   EXPECT_NEAR(std::abs(yaw_of(T)), kPi, 1e-12);
+}
+
+TEST(DriveCommand, TurnsTheRobotAboutWhereItTurns) {
+  const Rigid3 T = DriveCommand{kPi, 0.0, 0.0, {0.25, -0.125}}.motion();
+  EXPECT_LT((T.translation - Eigen::Vector3d(0.5, -0.25, 0.0)).norm(), 1e-12);
+  const suggest::Place from{0.5, 2.0, 0.75}, to = from.turned_to(2.0, {0.25, -0.125});
+  const DriveCommand turn = suggest::command_between(from, to, 0.0, {0.25, -0.125});
+  EXPECT_EQ(turn.text(), "turn 72 deg left on the spot");
+  const Rigid3 missed = (from.T_world_robot() * turn.motion()).inverse() * to.T_world_robot();
+  EXPECT_LT(missed.translation.norm(), 0.01 * 0.3);  // whole degrees
+}
+
+TEST(DriveCommand, LeadsTheOriginToThePlaceWhereverTheRobotTurns) {
+  const Eigen::Vector2d point_m(0.25, -0.125);
+  const suggest::Place from{0.5, 2.0, 0.75}, to{2.0, 2.5, -1.0};
+  const Rigid3 motion = suggest::command_between(from, to, 0.0, point_m).motion();
+  const Rigid3 missed = (from.T_world_robot() * motion).inverse() * to.T_world_robot();
+  EXPECT_LT(missed.translation.norm(), 0.02);  // whole centimetres, and degrees of the turn before
+  EXPECT_LT(std::abs(yaw_of(missed)), deg_to_rad(0.51));
+}
+
+// Of a robot whose wheels have a scale and a yaw factor, and that turns about another point than its origin.
+Observations of_skidding_robot(const Eigen::Vector2d& point_m, double sigma_m) {
+  GeometricConfig config = short_drive(GeometricDrive::kRandom, 12);
+  config.along_way = true;
+  config.odometry_scale = 1.03;
+  config.odometry_yaw_factor = 0.95;
+  config.declare_odometry_model = config.declare_odometry_sigmas = false;
+  Observations observations = draw_geometric_run(config).observations;
+  for (Stop& stop : observations.stops) {
+    const Eigen::Vector3d origin = odometry_of_point({stop.x_m, stop.y_m, stop.yaw_rad}, -point_m);
+    stop.x_m = origin.x();
+    stop.y_m = origin.y();
+    for (Eigen::Vector3d& row : stop.way) row = odometry_of_point(row, -point_m);
+  }
+  observations.odometry_noise.rotation_centre_m = point_m;
+  observations.odometry_noise.rotation_centre_sigma_m = sigma_m;
+  return observations;
+}
+
+// What is foretold is without noise: the odometry's residuals are zero.
+TEST(Suggest, OdometryIsForetoldOfThePointThatTheRobotTurnsAbout) {
+  const Eigen::Vector2d point_m(0.15, 0.05);
+  const suggest::CalibrationSoFar knowledge = suggest::calibration_so_far(of_skidding_robot(point_m, 0.01));
+  ASSERT_TRUE(knowledge.determined);
+  const Observations expected =
+      suggest::Foresight(knowledge, wide_floor()).as_expected(suggest::expected_levels(knowledge.basis));
+  const ml::State state = ml::state_from(knowledge.estimate.state);
+  ASSERT_GT(std::abs(state.odometry_yaw_factor() - state.odometry_scale()), 0.05);
+  for (std::size_t i = 1; i < expected.stops.size(); ++i) {
+    const ml::VeeringIncrement told = ml::veering_increment(expected.stops[i - 1], expected.stops[i], point_m);
+    const ml::OdometryErrors errors{state.odometry_scale(), state.odometry_yaw_factor(), 0.0};
+    EXPECT_LT(ml::increment_residual(state.poses[i - 1], state.poses[i], errors, told).value.norm(), 1e-3) << i;
+  }
+}
+
+// Its sigma is in what is foretold, once, and named as what to measure.
+TEST(Suggest, AStatedTurningPointIsCountedOnce) {
+  const Suggestion suggestion = suggest_stops(of_skidding_robot({0.15, 0.05}, 0.05), wide_floor());
+  ASSERT_FALSE(suggestion.stops.empty());
+  for (const SuggestedStop& stop : suggestion.stops) EXPECT_EQ(stop.command.about_m, Eigen::Vector2d(0.15, 0.05));
+  for (const CameraForecast& camera : suggestion.cameras) EXPECT_NEAR(*camera.then[0], 0.05, 0.002);
+  EXPECT_THAT(worded(suggestion.notes), testing::Contains(testing::HasSubstr("rotation_centre_sigma_mm")));
+}
+
+// Sigmas of the cameras after three more stops, of a robot whose origin lies so far behind the point that it turns
+// about.
+std::vector<AxisSigmas> foretold(Observations observations, const Eigen::Vector2d& point_m) {
+  for (Stop& stop : observations.stops) {
+    const Eigen::Vector3d origin = odometry_of_point({stop.x_m, stop.y_m, stop.yaw_rad}, -point_m);
+    stop.x_m = origin.x();
+    stop.y_m = origin.y();
+  }
+  observations.odometry_noise.rotation_centre_m = point_m;
+  observations.odometry_noise.rotation_centre_sigma_m = 0.0;
+  MlOptions options;
+  options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
+  const suggest::CalibrationSoFar knowledge = suggest::calibration_so_far(observations, options);
+  const suggest::Foresight foresight(knowledge, wide_floor());
+  const suggest::Forecast forecast(knowledge);
+  const suggest::Place last = suggest::Place::of(knowledge.estimate.state.T_world_robot.back());
+  std::vector<suggest::StopInformation> stops;
+  for (const double turn_rad : {0.3, -0.4, 0.35})
+    stops.push_back(forecast.information_of(foresight, last.turned_to(last.yaw_rad + turn_rad, point_m)));
+  return forecast.sigmas({&stops[0], &stops[1], &stops[2]});
+}
+
+TEST(Suggest, ForecastsAreOfOneRobotWhereverItsOriginLies) {
+  const Observations observations = draw_geometric_run(short_drive(GeometricDrive::kRandom, 4)).observations;
+  const std::vector<AxisSigmas> of_point = foretold(observations, Eigen::Vector2d::Zero());
+  const std::vector<AxisSigmas> of_origin = foretold(observations, {0.15, 0.05});
+  ASSERT_EQ(of_origin.size(), of_point.size());
+  for (std::size_t c = 0; c < of_point.size(); ++c)
+    for (std::size_t axis = 0; axis < 6; ++axis)
+      EXPECT_NEAR(*of_origin[c][axis] / *of_point[c][axis], 1.0, 5e-3) << c << axis;
 }
 
 // Where the robot goes when it does as it is told, from where it truly stands.

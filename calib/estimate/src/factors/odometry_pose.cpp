@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "../factors.h"
-#include "rigproof/core/conventions.h"
+#include "rigproof/calib/estimate/residuals.h"
 
 namespace rigproof::ml {
 
@@ -19,16 +19,15 @@ Eigen::Vector3d odometry_sigmas(const Observations& observations, const NoiseLev
 }
 
 void odometry_pose(const Evaluation& at, int stop, BlockSink* sink) {
-  const RobotPose& pose = at.pose(stop);
-  const Stop& measured = at.stop(stop);
   const Eigen::Vector3d inverse = odometry_sigmas(at.observations, at.noise, stop).cwiseInverse();
-  const Eigen::Vector3d value(pose.x_m - measured.x_m, pose.y_m - measured.y_m,
-                              wrap_angle(pose.yaw_rad - measured.yaw_rad));
+  const PoseResidual residual =
+      pose_residual(at.pose(stop), at.stop(stop), at.observations.odometry_noise.rotation_centre_m);
   LocalBlock block(Group::kOdometryXy, 0);
   BlockRows rows(&block);
-  rows.add(of_pose(stop, 0, 3), Eigen::Matrix3d(inverse.asDiagonal()));
+  rows.add(of_pose(stop, 0, 3), Eigen::Matrix3d(inverse.asDiagonal() * residual.by_pose));
   const Eigen::Matrix3d yaw = Eigen::Vector3d::UnitZ().asDiagonal();
-  add_shared(at, {Group::kOdometryXy, Group::kOdometryYaw}, yaw, inverse.cwiseProduct(value), rows, &block, sink);
+  add_shared(at, {Group::kOdometryXy, Group::kOdometryYaw}, yaw, inverse.cwiseProduct(residual.value), rows, &block,
+             sink);
 }
 
 }  // namespace rigproof::ml

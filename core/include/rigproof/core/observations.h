@@ -45,7 +45,7 @@ struct PlaneObservation {
 /// One place where the robot took images, with the odometry there.
 struct Stop {
   double stamp_s = 0.0;
-  double x_m = 0.0;  ///< odometry: T_odom_robot projected to the ground
+  double x_m = 0.0;  ///< odometry: T_odom_robot projected to the ground, of the robot's origin wherever it turns
   double y_m = 0.0;
   double yaw_rad = 0.0;
   /// Standard deviation of the interpolation between odometry samples; 0 where a sample was met.

@@ -51,6 +51,9 @@ struct Recording {
   std::vector<CameraFrame> frames_of(const RecordingSegment& segment, std::size_t camera) const;
 };
 
+/// The odometry, which is of the point about which the robot turns, as that of the robot's origin.
+std::vector<OdometrySample> odometry_of_origin(const Recording& recording);
+
 /// Reads a recording folder: rig.yaml, odometry.csv and the list of frames of every camera. Images are not opened.
 /// Throws Error with every problem found (file:line, field, value, what is allowed).
 Recording load_recording(const std::filesystem::path& folder);

@@ -90,6 +90,10 @@ struct Result {
   std::vector<EstimatedQuantity> also_estimated;  ///< camera by camera, then of the rig
   /// Where they were estimated: the poses go with these, not with the stated ones.
   std::vector<EstimatedLens> lenses;
+  /// Where in the robot's frame the rig states that the robot turns, along x and y, and how well (one sigma; absent: it
+  /// does not say): the poses go with that, too.
+  Eigen::Vector2d rotation_centre_m = Eigen::Vector2d::Zero();
+  std::optional<double> rotation_centre_sigma_m = std::nullopt;
   double solve_s = 0.0;  ///< not written to disk: results are byte-identical across runs
 
   const EstimatedTransform* find(const std::string& parent, const std::string& child) const;

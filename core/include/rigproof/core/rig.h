@@ -1,6 +1,7 @@
 // The rig: cameras of a robot, the board they look at, and what the user accepts. On disk: recording/rig.yaml.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
@@ -129,11 +130,17 @@ struct OdometryNoise {
   OdometryModel model = OdometryModel::kUnknown;
   std::optional<double> sigma_xy_m;
   std::optional<double> sigma_yaw_rad;
-  /// One sigma of how far along x, and along y, the point about which the robot turns lies from its origin, and of how
-  /// much higher the robot rides while it moves; absent: as the method assumes.
+  /// One sigma of where the point lies about which the robot turns, along x and along y, and of how much higher the
+  /// robot rides while it moves; absent: as the method assumes.
   std::optional<double> rotation_centre_sigma_m = std::nullopt;
   std::optional<double> riding_height_sigma_m = std::nullopt;
+  /// Where that point lies in the robot's frame, along x and y: wheels tell its motion.
+  Eigen::Vector2d rotation_centre_m = Eigen::Vector2d::Zero();
 };
+
+/// Odometry (x, y [m], yaw [rad]) of one point of the robot, carried over to another one that lies at `offset_m` from
+/// it along the robot's x and y.
+Eigen::Vector3d odometry_of_point(const Eigen::Vector3d& odometry, const Eigen::Vector2d& offset_m);
 
 struct Rig {
   std::string name;

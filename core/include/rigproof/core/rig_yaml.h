@@ -40,6 +40,8 @@ void visit_fields(FieldVisitor& visitor, DepthStream& depth);
 void visit_fields(FieldVisitor& visitor, DepthStream::OwnCamera& camera);
 /// {model: per_increment, sigma_xy_mm: 2, sigma_yaw_deg: 0.5}.
 void visit_fields(FieldVisitor& visitor, OdometryNoise& noise);
+/// rotation_centre_mm, left out where it is the origin.
+void visit_rotation_centre(FieldVisitor& visitor, Eigen::Vector2d& centre_m, const char* description);
 /// {xy_mm: 8, z_mm: 4, angle_deg: 0.2}.
 void visit_fields(FieldVisitor& visitor, AcceptLimits& accept);
 /// {translation_m: [x, y, z], quaternion_xyzw: [x, y, z, w]}. A norm within 1e-3 of 1 is normalised.

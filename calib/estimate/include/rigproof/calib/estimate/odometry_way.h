@@ -14,7 +14,10 @@ namespace rigproof::ml {
 class OdometryWay {
  public:
   /// The way to `to` from the previous stop; a single arc if its samples are unknown.
-  OdometryWay(const Stop& from, const Stop& to);
+  /// @param point_m of the robot whose way it is, in its frame: the one whose motion the wheels tell, since scale and
+  /// yaw factor are errors of that
+  OdometryWay(const Stop& from, const Stop& to, const Eigen::Vector2d& point_m);
+  const Eigen::Vector2d& point_m() const { return point_m_; }
 
   /// Motion to the end of the way in the frame of its start, without what the measured heading veers by with every
   /// metre forward [rad/m], and with turns of 1 / yaw_factor times what remains: x, y [m], yaw as it remains, full
@@ -42,6 +45,7 @@ class OdometryWay {
   void add_noise();
 
   std::vector<Arc> arcs_;
+  Eigen::Vector2d point_m_;
   double length_m_ = 0.0;
   Eigen::Matrix3d translation_, turning_, straying_;
 };
@@ -51,6 +55,7 @@ class OdometryWay {
 struct VeeringIncrement {
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();
   Eigen::Vector3d by_veer = Eigen::Vector3d::Zero();
+  Eigen::Vector2d point_m = Eigen::Vector2d::Zero();  ///< of the robot whose motion it is, in its frame
 };
 
 /// Covariance of the measured motion's error.

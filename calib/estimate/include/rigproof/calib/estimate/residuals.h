@@ -54,7 +54,8 @@ struct BoardPlaneResidual {
 BoardPlaneResidual board_plane_residual(const Rigid3& T_camera_board, double depth_bias,
                                         const Eigen::Vector3d& measured);
 
-/// Odometry of an increment: (s Rz(-yaw_i) dp - m_xy, k dyaw - m_yaw), metres and radians.
+/// Odometry of an increment: (s Rz(-yaw_i) dp - m_xy, k dyaw - m_yaw), metres and radians, p being where the point of
+/// the robot is whose motion is measured.
 struct IncrementResidual {
   Eigen::Vector3d value;
   Eigen::Matrix3d by_from;  ///< by (x, y, yaw)
@@ -68,9 +69,18 @@ IncrementResidual increment_residual(const RobotPose& from, const RobotPose& to,
 /// The same along the way, which yaw factor and veer bend: s Rz(-yaw_i) dp - m_xy(k, v).
 IncrementResidual way_residual(const RobotPose& from, const RobotPose& to, const OdometryErrors& errors,
                                const OdometryWay& way);
+/// Odometry that knows a stop's pose in its world: predicted minus measured, of the point of the robot that it is of.
+struct PoseResidual {
+  Eigen::Vector3d value;
+  Eigen::Matrix3d by_pose;  ///< by (x, y, yaw)
+};
+PoseResidual pose_residual(const RobotPose& pose, const Stop& measured, const Eigen::Vector2d& point_m);
 /// What the odometry says about the motion from one stop to the next, in the former's frame: x, y, yaw.
-Eigen::Vector3d measured_increment(const Stop& from, const Stop& to);
-/// The same, with what a veer of the heading does to it; on a single arc if the samples between them are unknown.
-VeeringIncrement veering_increment(const Stop& from, const Stop& to);
+/// @param point_m of the robot whose motion is asked for, in its frame
+Eigen::Vector3d measured_increment(const Stop& from, const Stop& to,
+                                   const Eigen::Vector2d& point_m = Eigen::Vector2d::Zero());
+/// The same of a point of the robot, with what a veer of the heading does to it; on a single arc if the samples between
+/// them are unknown.
+VeeringIncrement veering_increment(const Stop& from, const Stop& to, const Eigen::Vector2d& point_m);
 
 }  // namespace rigproof::ml

@@ -56,8 +56,9 @@ struct DriveCommand {
   double turn_before_rad = 0.0;
   double distance_m = 0.0;  ///< negative: backwards
   double turn_after_rad = 0.0;
+  Eigen::Vector2d about_m = Eigen::Vector2d::Zero();  ///< where in its frame it turns
 
-  Rigid3 motion() const;  ///< T_before_after
+  Rigid3 motion() const;  ///< T_before_after of its origin
   /// "turn 34 deg left, drive 1.20 m, turn 10 deg right", "turn 140 deg left on the spot".
   std::string text() const;
 };
