@@ -72,6 +72,16 @@ class SameAsTheCommand(unittest.TestCase):
         text = command("validate", self.folder, self.folder / "ours.yaml").stdout
         self.assertTrue(text.startswith(str(rigproof.validate(result, self.truth)).replace("ml against", "ours.yaml against")))
 
+    def test_a_result_has_the_point_about_which_the_robot_was_said_to_turn(self):
+        file = self.folder / "turning.yaml"
+        result = rigproof.calibrate(self.observations)
+        self.assertIsNone(result.rotation_centre_sigma_m)
+        result.save(file)
+        file.write_text(file.read_text() + "rotation_centre_mm: [130, -20]\nrotation_centre_sigma_mm: 15\n")
+        stated = rigproof.Result.load(file)
+        np.testing.assert_array_equal(stated.rotation_centre_m, [0.13, -0.02])
+        self.assertEqual(stated.rotation_centre_sigma_m, 0.015)
+
     def test_what_is_read_is_what_was_written(self):
         opened = rigproof.open(self.folder)
         self.assertEqual(opened.observations.to_json(), self.observations.to_json())

@@ -62,8 +62,10 @@ void keep_turning_point(const EstimatedTransform& camera, Eigen::MatrixXd* joint
 
 // Recordings that state it differently: it may be one point that was measured since, or another one under another load,
 // and odometry may be that of a tracker, which turns about no point. They agree as far as each knows the origin.
-void doubt_turning_point(const Result& previous, const OdometryNoise& now, KnownPoses* knowledge) {
+void doubt_turning_point(const Result& previous, const OdometryNoise& now, KnownPoses* knowledge,
+                         std::vector<Finding>* notes) {
   if (now.rotation_centre_m == previous.rotation_centre_m) return;
+  notes->emplace_back("moved.turning_points_differ");
   const double usual_m = usual_priors().rotation_centre_m;
   const double variance = std::pow(previous.rotation_centre_sigma_m.value_or(usual_m), 2) +
                           std::pow(now.rotation_centre_sigma_m.value_or(usual_m), 2);
@@ -338,7 +340,7 @@ KnownPoses previous_knowledge(const Result& previous, const Observations& observ
       knowledge.covariance = safe_joint(blocks);
       if (blocks.size() > 1) notes->emplace_back("moved.errors_apart");
     }
-    doubt_turning_point(previous, observations.odometry_noise, &knowledge);
+    doubt_turning_point(previous, observations.odometry_noise, &knowledge, notes);
     return knowledge;
   }
   if (const std::optional<KnownPoses> pairs = camera_to_camera(previous, observations, match)) {

@@ -3,37 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "faults.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error_jacobians.h"
 #include "rigproof/geometric/geometric.h"
+#include "turning_robot.h"
 #include "worded.h"
 
 namespace rigproof {
 namespace {
 
 const Eigen::Vector2d kPoint_m(0.13, -0.04);
-
-using OfOdometry = std::function<Eigen::Vector3d(const Eigen::Vector3d& pose)>;
-
-// As observed of a robot whose origin lies so that it turns about that point. The odometry is recorded wrongly before.
-Observations turning_about_point(Observations observations, const OfOdometry& recorded) {
-  const auto of_origin = [&](const Eigen::Vector3d& pose) { return odometry_of_point(recorded(pose), -kPoint_m); };
-  for (Stop& stop : observations.stops) {
-    const Eigen::Vector3d pose = of_origin({stop.x_m, stop.y_m, stop.yaw_rad});
-    stop.x_m = pose.x();
-    stop.y_m = pose.y();
-    stop.yaw_rad = pose.z();
-    for (Eigen::Vector3d& row : stop.way) row = of_origin(row);
-  }
-  observations.odometry_noise.rotation_centre_m = kPoint_m;
-  return observations;
-}
-
-Eigen::Vector3d as_it_is(const Eigen::Vector3d& pose) { return pose; }
 
 GeometricConfig drive(OdometryModel model, bool along_way) {
   GeometricConfig config;
@@ -51,15 +33,15 @@ void expect_the_origin_moved(const GeometricConfig& config) {
   Observations observations = draw_geometric_run(config).observations;
   observations.odometry_noise.rotation_centre_sigma_m = 0.0;
   const MlEstimate of_point = estimate_maximum_likelihood(observations, options);
-  const MlEstimate of_origin = estimate_maximum_likelihood(turning_about_point(observations, as_it_is), options);
-  ASSERT_TRUE(of_point.result.joint_covariance && of_origin.result.joint_covariance);
+  const MlEstimate moved = estimate_maximum_likelihood(of_origin(observations, kPoint_m, 0.0), options);
+  ASSERT_TRUE(of_point.result.joint_covariance && moved.result.joint_covariance);
   for (std::size_t c = 0; c < of_point.result.camera_to_robot.size(); ++c) {
     Rigid3 expected = of_point.result.camera_to_robot[c].T_parent_child;
     expected.translation.head<2>() += kPoint_m;
-    EXPECT_LT(transform_error(of_origin.result.camera_to_robot[c].T_parent_child, expected).norm(), 3e-5) << c;
+    EXPECT_LT(transform_error(moved.result.camera_to_robot[c].T_parent_child, expected).norm(), 3e-5) << c;
   }
   const Eigen::MatrixXd& joint = *of_point.result.joint_covariance;
-  EXPECT_LT((*of_origin.result.joint_covariance - joint).norm(), 1e-3 * joint.norm());
+  EXPECT_LT((*moved.result.joint_covariance - joint).norm(), 1e-3 * joint.norm());
 }
 
 TEST(MlTurningPoint, MovesTheOriginAlongTheWay) {
@@ -97,7 +79,7 @@ double farthest(const Observations& a, const Observations& b) {
 // Odometry is undone as it was recorded, where the point was taken for the origin by a wrong yaw, and in a wrong unit.
 TEST(MlTurningPoint, FaultsOfOdometryAreUndoneAsTheyWereRecorded) {
   const Observations drawn = draw_geometric_run(drive(OdometryModel::kPerIncrement, true)).observations;
-  const Observations right = turning_about_point(drawn, as_it_is);
+  const Observations right = of_origin(drawn, kPoint_m, 0.005);
   ASSERT_GT(right.stops[1].way.size(), 0U);
   const auto undone = [&](const Observations& wrong, const char* code) {
     const std::vector<ml::Fault> faults = ml::odometry_faults(wrong);
@@ -112,9 +94,9 @@ TEST(MlTurningPoint, FaultsOfOdometryAreUndoneAsTheyWereRecorded) {
     return Eigen::Vector3d(pose.x(), pose.y(), rad_to_deg(pose.z()));
   };
   const auto turned_over = [](const Eigen::Vector3d& pose) { return Eigen::Vector3d(pose.x(), pose.y(), -pose.z()); };
-  EXPECT_LT(farthest(undone(turning_about_point(drawn, in_millimetres), "odometry.unit"), right), 1e-9);
-  EXPECT_LT(farthest(undone(turning_about_point(drawn, in_degrees), "odometry.yaw_in_degrees"), right), 1e-9);
-  EXPECT_LT(farthest(undone(turning_about_point(drawn, turned_over), "odometry.yaw_sign"), right), 1e-9);
+  EXPECT_LT(farthest(undone(of_origin(drawn, kPoint_m, 0.005, in_millimetres), "odometry.unit"), right), 1e-9);
+  EXPECT_LT(farthest(undone(of_origin(drawn, kPoint_m, 0.005, in_degrees), "odometry.yaw_in_degrees"), right), 1e-9);
+  EXPECT_LT(farthest(undone(of_origin(drawn, kPoint_m, 0.005, turned_over), "odometry.yaw_sign"), right), 1e-9);
 }
 
 TEST(MlTurningPoint, FaultsOfOdometryAreNamedAsEver) {
@@ -122,7 +104,7 @@ TEST(MlTurningPoint, FaultsOfOdometryAreNamedAsEver) {
     return Eigen::Vector3d(pose.x(), pose.y(), rad_to_deg(pose.z()));
   };
   const Observations observations = draw_geometric_run(drive(OdometryModel::kPerIncrement, false)).observations;
-  const Result result = estimate_maximum_likelihood(turning_about_point(observations, in_degrees)).result;
+  const Result result = estimate_maximum_likelihood(of_origin(observations, kPoint_m, 0.005, in_degrees)).result;
   EXPECT_NE(result.status, ResultStatus::kSolved);
   ASSERT_FALSE(result.reasons.empty());
   EXPECT_EQ(result.reasons.front().code, "odometry.yaw_in_degrees");
@@ -132,7 +114,7 @@ TEST(MlTurningPoint, FaultsOfOdometryAreNamedAsEver) {
 TEST(MlTurningPoint, ColumnsThatNeverChangeAreNamed) {
   const auto without_a_way = [](const Eigen::Vector3d& pose) { return Eigen::Vector3d(0.0, 0.0, pose.z()); };
   const Observations observations = draw_geometric_run(drive(OdometryModel::kPerIncrement, false)).observations;
-  const Result result = estimate_maximum_likelihood(turning_about_point(observations, without_a_way)).result;
+  const Result result = estimate_maximum_likelihood(of_origin(observations, kPoint_m, 0.005, without_a_way)).result;
   std::vector<Finding> all = result.reasons;
   all.insert(all.end(), result.notes.begin(), result.notes.end());
   EXPECT_TRUE(has_code(all, "odometry.constant")) << findings_json(all);

@@ -12,6 +12,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
 #include "trials.h"
+#include "turning_robot.h"
 #include "worded.h"
 
 namespace rigproof {
@@ -205,15 +206,7 @@ struct TurningRobot {
     for (Rigid3& T : config.rig.T_robot_camera) T.translation.head<2>() -= turns_m;
     Observations observations = draw_geometric_run(config).observations;
     observations.odometry_noise = {};
-    observations.odometry_noise.rotation_centre_m = stated_m;
-    observations.odometry_noise.rotation_centre_sigma_m = sigma_m;
-    for (Stop& stop : observations.stops) {
-      const Eigen::Vector3d origin = odometry_of_point({stop.x_m, stop.y_m, stop.yaw_rad}, -stated_m);
-      stop.x_m = origin.x();
-      stop.y_m = origin.y();
-      for (Eigen::Vector3d& row : stop.way) row = odometry_of_point(row, -stated_m);
-    }
-    return observations;
+    return of_origin(observations, stated_m, sigma_m);
   }
 };
 
@@ -236,6 +229,9 @@ TEST(Moved, WhereTheRobotTurnsMayBeStatedLater) {
   EXPECT_EQ(outcome(stated, robot.drawn(9, kAhead_m, kAhead_m + off_m, 0.015)), MovedOutcome::kNothingMoved);
   EXPECT_EQ(outcome(stated, robot.drawn(9, loaded_m, loaded_m + off_m, 0.015)), MovedOutcome::kNothingMoved);
   EXPECT_EQ(outcome(stated, robot.drawn(9, -kAhead_m, off_m - kAhead_m, 0.015)), MovedOutcome::kNothingMoved);
+  const auto notes = [&stated](const Observations& now) { return detect_movement(stated, now, rigid_robot()).notes; };
+  EXPECT_TRUE(has_code(notes(robot.drawn(9, loaded_m, loaded_m + off_m, 0.015)), "moved.turning_points_differ"));
+  EXPECT_FALSE(has_code(notes(robot.drawn(9, kAhead_m, kAhead_m - off_m, 0.015)), "moved.turning_points_differ"));
   const Eigen::Vector2d pushed_m(0.2, 0.0);
   EXPECT_EQ(outcome(stated, robot.drawn(9, pushed_m - kAhead_m, -kAhead_m, 0.015)), MovedOutcome::kMoved);
 }

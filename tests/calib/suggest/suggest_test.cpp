@@ -14,6 +14,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
 #include "trials.h"
+#include "turning_robot.h"
 #include "used_observations.h"
 #include "worded.h"
 
@@ -90,16 +91,7 @@ Observations of_skidding_robot(const Eigen::Vector2d& point_m, double sigma_m) {
   config.odometry_scale = 1.03;
   config.odometry_yaw_factor = 0.95;
   config.declare_odometry_model = config.declare_odometry_sigmas = false;
-  Observations observations = draw_geometric_run(config).observations;
-  for (Stop& stop : observations.stops) {
-    const Eigen::Vector3d origin = odometry_of_point({stop.x_m, stop.y_m, stop.yaw_rad}, -point_m);
-    stop.x_m = origin.x();
-    stop.y_m = origin.y();
-    for (Eigen::Vector3d& row : stop.way) row = odometry_of_point(row, -point_m);
-  }
-  observations.odometry_noise.rotation_centre_m = point_m;
-  observations.odometry_noise.rotation_centre_sigma_m = sigma_m;
-  return observations;
+  return of_origin(draw_geometric_run(config).observations, point_m, sigma_m);
 }
 
 // What is foretold is without noise: the odometry's residuals are zero.
@@ -129,17 +121,10 @@ TEST(Suggest, AStatedTurningPointIsCountedOnce) {
 
 // Sigmas of the cameras after three more stops, of a robot whose origin lies so far behind the point that it turns
 // about.
-std::vector<AxisSigmas> foretold(Observations observations, const Eigen::Vector2d& point_m) {
-  for (Stop& stop : observations.stops) {
-    const Eigen::Vector3d origin = odometry_of_point({stop.x_m, stop.y_m, stop.yaw_rad}, -point_m);
-    stop.x_m = origin.x();
-    stop.y_m = origin.y();
-  }
-  observations.odometry_noise.rotation_centre_m = point_m;
-  observations.odometry_noise.rotation_centre_sigma_m = 0.0;
+std::vector<AxisSigmas> foretold(const Observations& of_point, const Eigen::Vector2d& point_m) {
   MlOptions options;
   options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
-  const suggest::CalibrationSoFar knowledge = suggest::calibration_so_far(observations, options);
+  const suggest::CalibrationSoFar knowledge = suggest::calibration_so_far(of_origin(of_point, point_m, 0.0), options);
   const suggest::Foresight foresight(knowledge, wide_floor());
   const suggest::Forecast forecast(knowledge);
   const suggest::Place last = suggest::Place::of(knowledge.estimate.state.T_world_robot.back());
@@ -152,11 +137,11 @@ std::vector<AxisSigmas> foretold(Observations observations, const Eigen::Vector2
 TEST(Suggest, ForecastsAreOfOneRobotWhereverItsOriginLies) {
   const Observations observations = draw_geometric_run(short_drive(GeometricDrive::kRandom, 4)).observations;
   const std::vector<AxisSigmas> of_point = foretold(observations, Eigen::Vector2d::Zero());
-  const std::vector<AxisSigmas> of_origin = foretold(observations, {0.15, 0.05});
-  ASSERT_EQ(of_origin.size(), of_point.size());
+  const std::vector<AxisSigmas> moved = foretold(observations, {0.15, 0.05});
+  ASSERT_EQ(moved.size(), of_point.size());
   for (std::size_t c = 0; c < of_point.size(); ++c)
     for (std::size_t axis = 0; axis < 6; ++axis)
-      EXPECT_NEAR(*of_origin[c][axis] / *of_point[c][axis], 1.0, 5e-3) << c << axis;
+      EXPECT_NEAR(*moved[c][axis] / *of_point[c][axis], 1.0, 5e-3) << c << axis;
 }
 
 // Where the robot goes when it does as it is told, from where it truly stands.
