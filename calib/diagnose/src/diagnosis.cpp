@@ -72,7 +72,7 @@ struct Run {
   Trial as_is;
 
   std::optional<Trial> without(const Fault& fault, bool same_views) const {
-    return refit(undone(fault, observations), same_views);
+    return refit(undone(fault, observations), same_views, &as_is);
   }
 };
 
@@ -129,16 +129,19 @@ Explanations try_odometry(const Run& run, const Symptoms& symptoms) {
 
 // Of the fault by whose remedy odometry and cameras agree clearly better than by any other's: where remedies leave
 // stops out, these take their share of the likelihood along, and the odometry's levels decide.
-Explanations clearly_best(std::vector<Explained> explained) {
+Explanations clearly_best(std::vector<Explained> tried) {
   constexpr double kClearlyLess = 1.4;  // a factor of two in both levels
+  if (tried.size() < 2) return {};
   const auto level = [](const Explained& e) {
     return std::log(e.trial.odometry_xy_m) + std::log(e.trial.odometry_yaw_rad);
   };
-  if (explained.size() < 2) return {};
-  std::sort(explained.begin(), explained.end(),
+  const auto solved = std::partition(tried.begin(), tried.end(), [](const Explained& e) { return e.trial.solved(); });
+  tried.erase(solved, tried.end());
+  std::sort(tried.begin(), tried.end(),
             [&level](const Explained& a, const Explained& b) { return level(a) < level(b); });
-  if (!explained[0].trial.clean || level(explained[0]) > level(explained[1]) - kClearlyLess) return {};
-  return {explained[0]};
+  if (tried.empty() || !tried[0].trial.clean) return {};
+  if (tried.size() > 1 && level(tried[0]) > level(tried[1]) - kClearlyLess) return {};
+  return {tried[0]};
 }
 
 // By so many stops that those without odometry of their own are no longer outliers among the others.
@@ -160,7 +163,7 @@ std::optional<Trial> with_lens(const Run& run, const std::vector<int>& cameras, 
   if (change.isZero(0.0)) return run.as_is;
   Observations repaired = run.observations;
   for (const int c : cameras) change_lens(c, change, &repaired);
-  return run.refit(repaired, false);
+  return run.refit(repaired, false, nullptr);
 }
 
 // Gauss-Newton on the intrinsics of one camera, or of all alike, by refits.
@@ -259,7 +262,7 @@ Explanations try_swaps(const Run& run) {
     for (const SwappedFrames& swap : possible_swaps(repaired)) {
       Observations tried = repaired;
       swap_frames(swap.stops.front(), swap.first, swap.second, &tried);
-      const std::optional<Trial> trial = run.refit(tried, false);
+      const std::optional<Trial> trial = run.refit(tried, false, nullptr);
       if (!trial || trial->unexplained > best.unexplained - kDecides) continue;
       best = *trial;
       chosen = swap;
@@ -378,8 +381,8 @@ Cause conclude(Explanations explained, const Trial& as_is) {
 
 std::optional<Cause> find_cause(const Observations& observations, const Symptoms& symptoms, const Refit& refit) {
   Run run{first_stops(observations, kDiagnosedStops), refit, {}};
-  run.as_is.unexplained = std::numeric_limits<double>::infinity();  // of data so wrong that they have no solution
-  if (const std::optional<Trial> as_is = refit(run.observations, true)) run.as_is = *as_is;
+  // Data may be so wrong that they have no solution.
+  if (const std::optional<Trial> as_is = refit(run.observations, true, nullptr)) run.as_is = *as_is;
   // From the plain to the far-fetched; what leaves the data in order ends the search.
   Explanations found;
   const auto add = [&found](const Explanations& more) { found.insert(found.end(), more.begin(), more.end()); };

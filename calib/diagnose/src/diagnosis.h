@@ -1,7 +1,9 @@
 // The likely cause of a contradiction: each fault is undone in turn, and the data judge what is left.
 #pragma once
 
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -15,16 +17,21 @@ namespace rigproof::ml {
 
 /// The solution of a run whose fault was undone.
 struct Trial {
-  double unexplained = 0.0;  ///< -2 ln of the restricted likelihood; what was left out counts as very wrong
+  /// -2 ln of the restricted likelihood; what was left out counts as very wrong. Infinite if there is no solution, or
+  /// none that is worth looking for.
+  double unexplained = std::numeric_limits<double>::infinity();
+  double start_misfit = std::numeric_limits<double>::infinity();  ///< see start_misfit()
   double odometry_xy_m = 0.0;
   double odometry_yaw_rad = 0.0;
   bool clean = false;   ///< nothing contradicts itself any more
   bool shakes = false;  ///< but images of some camera are displaced as a whole, see shaking.h
   std::optional<LensTest> lenses;
   std::vector<double> lens_strains;  ///< of each camera, see lens_strains()
+  bool solved() const { return std::isfinite(unexplained); }
 };
 /// @param same_views whether only the odometry was changed, so that the board's poses in the views still hold
-using Refit = std::function<std::optional<Trial>(const Observations&, bool same_views)>;
+/// @param as_is of the data as they are: what is_hopeless() beside it is not solved; null: whatever is asked
+using Refit = std::function<std::optional<Trial>(const Observations&, bool same_views, const Trial* as_is)>;
 
 /// The contradictions in the solution.
 struct Symptoms {

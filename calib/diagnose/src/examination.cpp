@@ -11,6 +11,7 @@
 #include "rigproof/calib/estimate/odometry_choice.h"
 #include "rigproof/calib/estimate/shaking.h"
 #include "rigproof/core/exclusions.h"
+#include "start_misfit.h"
 #include "steps.h"
 #include "swapped_frames.h"
 #include "yaw_drift.h"
@@ -159,19 +160,22 @@ double unexplained(const Preparation& prepared, const Fit& fit, const Problem& p
 
 // The solution of repaired observations, by the law that the solution found.
 std::optional<Trial> refit(const Preparation& before, const Fit& fit, const Observations& repaired, bool same_views,
-                           bool with_lenses) {
+                           const Trial* as_is, bool with_lenses) {
   MlOptions options = before.options;
   options.start.reset();
   options.tolerance = std::max(options.tolerance, 1e-4);
   std::vector<ViewPose> views;
   for (const ViewPose& view : before.views)
     if (view.stop < static_cast<int>(repaired.stops.size())) views.push_back(view);
-  const Preparation prepared = prepare(repaired, options, same_views ? &views : nullptr);
+  Preparation prepared = closed_form(repaired, options, same_views ? &views : nullptr);
   if (!prepared.solvable()) return std::nullopt;
+  Trial trial;
+  trial.start_misfit = start_misfit(prepared);
+  if (as_is != nullptr && is_hopeless(trial.start_misfit, as_is->start_misfit)) return trial;
+  complete(&prepared);
   constexpr int kRounds = 1;
   const Fit refitted = fit_model(prepared, likely_law(before, fit, repaired.odometry_noise.model), kRounds);
   const Problem problem = problem_at(prepared, refitted, refitted.noise);
-  Trial trial;
   trial.unexplained = unexplained(prepared, refitted, problem);
   trial.odometry_xy_m = refitted.noise.odometry_xy_m;
   trial.odometry_yaw_rad = refitted.noise.odometry_yaw_rad;
@@ -188,7 +192,7 @@ LensEstimate looked_at_again(const Preparation& prepared, const Fit& fit, const 
   Observations repaired = prepared.original;
   const Eigen::Vector3d change(0.0, shift.value[1], shift.value[2]);
   for (std::size_t c = 0; c < repaired.cameras.size(); ++c) change_lens(static_cast<int>(c), change, &repaired);
-  const std::optional<Trial> trial = refit(prepared, fit, repaired, true, true);
+  const std::optional<Trial> trial = refit(prepared, fit, repaired, true, nullptr, true);
   if (!trial || !trial->lenses) return shift;
   LensEstimate without = trial->lenses->common_shift;
   without.move_by(shift.value);
@@ -227,7 +231,7 @@ Symptoms symptoms_of(const Preparation& prepared, const Fit& fit, const Examinat
 bool board_is_clean(const Preparation& prepared, const Fit& fit, double log_depth_ratio) {
   Observations repaired = prepared.original;
   repaired.board.square_m *= std::exp(log_depth_ratio);
-  const std::optional<Trial> trial = refit(prepared, fit, repaired, false, true);
+  const std::optional<Trial> trial = refit(prepared, fit, repaired, false, nullptr, true);
   return trial && trial->clean;
 }
 
@@ -256,8 +260,8 @@ std::optional<Cause> cause_of(const Preparation& prepared, const Fit& fit, Sympt
     symptoms.lenses = true;
   }
   const std::optional<Cause> cause =
-      find_cause(prepared.original, symptoms, [&](const Observations& repaired, bool same_views) {
-        return refit(prepared, fit, repaired, same_views, symptoms.lenses);
+      find_cause(prepared.original, symptoms, [&](const Observations& repaired, bool same_views, const Trial* as_is) {
+        return refit(prepared, fit, repaired, same_views, as_is, symptoms.lenses);
       });
   // Depth that is wrong by a factor bends what else is tried.
   if (scale.depth_unit && cause && !cause->findings.front().is("lens.intrinsics")) return std::nullopt;
@@ -381,9 +385,10 @@ void find_moved_or_wrong(const Preparation& prepared, const Fit& fit, const std:
 void find_cause_of(const Preparation& prepared, const Fit& fit, const std::vector<StepScore>& scores,
                    Examination* found) {
   if (found->motion_suffices())
-    found->cause = find_exchanged_cameras(prepared, fit, [&](const Observations& repaired, bool same_views) {
-      return refit(prepared, fit, repaired, same_views, false);
-    });
+    found->cause =
+        find_exchanged_cameras(prepared, fit, [&](const Observations& repaired, bool same_views, const Trial* as_is) {
+          return refit(prepared, fit, repaired, same_views, as_is, false);
+        });
   if (!found->cause) find_moved_or_wrong(prepared, fit, scores, found);
 }
 

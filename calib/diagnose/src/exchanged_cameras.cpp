@@ -24,7 +24,7 @@ double strain_of(const std::vector<double>& strains, int first, int second) {
 std::optional<Cause> cause_of_exchange(const Observations& some_stops, const Trial& as_is, int first, int second,
                                        const Refit& refit) {
   const Fault exchanged = exchanged_folders(some_stops, first, second);
-  const std::optional<Trial> trial = refit(undone(exchanged, some_stops), false);
+  const std::optional<Trial> trial = refit(undone(exchanged, some_stops), false, &as_is);
   if (!trial || !trial->clean) return std::nullopt;
   const double strain = strain_of(trial->lens_strains, first, second);
   const double gain = strain_of(as_is.lens_strains, first, second) - strain;
@@ -79,7 +79,7 @@ std::optional<Cause> find_exchanged_cameras(const Preparation& prepared, const F
         continue;
       if (!some_stops) {
         some_stops = first_stops(prepared.original, kDiagnosedStops);
-        as_is = refit(*some_stops, false);
+        as_is = refit(*some_stops, false, nullptr);
       }
       if (!as_is) return std::nullopt;
       const std::optional<Cause> cause = cause_of_exchange(*some_stops, *as_is, first, second, refit);

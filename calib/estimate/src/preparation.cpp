@@ -33,8 +33,8 @@ void keep_usable_planes(const GroundCheck& ground, Preparation* prepared) {
 
 }  // namespace
 
-Preparation prepare(const Observations& observations, const MlOptions& options,
-                    const std::vector<ViewPose>* known_views) {
+Preparation closed_form(const Observations& observations, const MlOptions& options,
+                        const std::vector<ViewPose>* known_views) {
   Preparation prepared(observations, options);
   if (known_views != nullptr) {
     prepared.views = *known_views;
@@ -52,10 +52,22 @@ Preparation prepare(const Observations& observations, const MlOptions& options,
   if (!prepared.solvable()) return prepared;
   keep_usable_planes(ground, &prepared);
   prepared.start = state_from(options.start ? *options.start : guessed(prepared.guess));
-  prepared.priors = Priors::of({prepared.used, options.priors, options.estimate_plane_level});
-  prepared.whitened = std::make_shared<const Whitened>(whitened(prepared.used));
-  prepared.repeating = none_removed(prepared.used, options.priors);
-  if (prepared.repeating.errors.any()) settle_repeating(&prepared);
+  return prepared;
+}
+
+void complete(Preparation* prepared) {
+  if (!prepared->solvable()) return;
+  const MlOptions& options = prepared->options;
+  prepared->priors = Priors::of({prepared->used, options.priors, options.estimate_plane_level});
+  prepared->whitened = std::make_shared<const Whitened>(whitened(prepared->used));
+  prepared->repeating = none_removed(prepared->used, options.priors);
+  if (prepared->repeating.errors.any()) settle_repeating(prepared);
+}
+
+Preparation prepare(const Observations& observations, const MlOptions& options,
+                    const std::vector<ViewPose>* known_views) {
+  Preparation prepared = closed_form(observations, options, known_views);
+  complete(&prepared);
   return prepared;
 }
 

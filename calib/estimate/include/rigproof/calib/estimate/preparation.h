@@ -47,7 +47,15 @@ struct Preparation {
   PriorSigmas sigmas() const;
 };
 
+/// As far as closed forms tell, which takes a small share of what a solution takes; complete() makes it ready for one.
 /// @param views what the same views gave before; null: they are looked at
+Preparation closed_form(const Observations& observations, const MlOptions& options,
+                        const std::vector<ViewPose>* views = nullptr);
+Preparation closed_form(const Observations&& observations, const MlOptions& options,
+                        const std::vector<ViewPose>* views = nullptr) = delete;
+void complete(Preparation* prepared);
+
+/// Both, one after the other.
 Preparation prepare(const Observations& observations, const MlOptions& options,
                     const std::vector<ViewPose>* views = nullptr);
 /// Neither may be a temporary: the preparation refers to both.
