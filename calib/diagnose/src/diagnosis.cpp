@@ -377,12 +377,24 @@ Cause conclude(Explanations explained, const Trial& as_is) {
   return cause;
 }
 
-}  // namespace
-
-std::optional<Cause> find_cause(const Observations& observations, const Symptoms& symptoms, const Refit& refit) {
+Run run_of(const Observations& observations, const Refit& refit) {
   Run run{first_stops(observations, kDiagnosedStops), refit, {}};
   // Data may be so wrong that they have no solution.
   if (const std::optional<Trial> as_is = refit(run.observations, true, nullptr)) run.as_is = *as_is;
+  return run;
+}
+
+}  // namespace
+
+std::optional<Cause> find_cause_in_images(const Observations& observations, const Refit& refit) {
+  const Run run = run_of(observations, refit);
+  Explanations found = try_faults(run, image_faults(run.observations), false);
+  if (!any_clean(found)) return std::nullopt;
+  return conclude(std::move(found), run.as_is);
+}
+
+std::optional<Cause> find_cause(const Observations& observations, const Symptoms& symptoms, const Refit& refit) {
+  const Run run = run_of(observations, refit);
   // From the plain to the far-fetched; what leaves the data in order ends the search.
   Explanations found;
   const auto add = [&found](const Explanations& more) { found.insert(found.end(), more.begin(), more.end()); };

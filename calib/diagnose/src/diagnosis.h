@@ -59,6 +59,9 @@ struct Cause {
 /// The most likely cause, or several where the data do not tell them apart; absent if none leaves the data in order.
 std::optional<Cause> find_cause(const Observations& observations, const Symptoms& symptoms, const Refit& refit);
 
+/// The same of images that are mirrored and of folders that are exchanged alone, which is soon asked.
+std::optional<Cause> find_cause_in_images(const Observations& observations, const Refit& refit);
+
 /// Number of stops that are examined: causes act on all stops alike.
 inline constexpr int kDiagnosedStops = 24;
 

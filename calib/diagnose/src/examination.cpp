@@ -402,6 +402,15 @@ bool Examination::is_in_order() const {
          });
 }
 
+std::optional<Cause> cause_without_excuses(const Preparation& prepared, const Fit& fit) {
+  std::optional<Cause> cause =
+      find_cause_in_images(prepared.original, [&](const Observations& repaired, bool same_views, const Trial* as_is) {
+        return refit(prepared, fit, repaired, same_views, as_is, false);
+      });
+  if (cause && cause->leaves_shaking) cause.reset();
+  return cause;
+}
+
 Examination examine(const Preparation& prepared, const Fit& fit) {
   const Problem problem = problem_at(prepared, fit, fit.noise);
   Examination found;
@@ -443,7 +452,8 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
   if (found.motion_suffices() && !found.cause && !foreign && !found.symptoms.any() && of_cameras.empty() &&
       found.wrong_frames.empty()) {
     const std::vector<Finding> misplaced = find_misplaced_depth(prepared, fit);
-    found.notes.insert(found.notes.end(), misplaced.begin(), misplaced.end());
+    if (!misplaced.empty()) found.cause = cause_without_excuses(prepared, fit);
+    if (!found.cause) found.notes.insert(found.notes.end(), misplaced.begin(), misplaced.end());
   }
   // Depth that does not belong to its images contradicts images that are wrong themselves.
   if (foreign && (!found.cause || !found.cause->spoils_all)) found.cause = joined(found.cause, *foreign);

@@ -32,4 +32,8 @@ struct Examination {
 
 Examination examine(const Preparation& prepared, const Fit& fit);
 
+/// Of what could be excused, as images that shake or as depth of another shape: images that are mirrored or of another
+/// camera, if these leave no shaking to excuse.
+std::optional<Cause> cause_without_excuses(const Preparation& prepared, const Fit& fit);
+
 }  // namespace rigproof::ml

@@ -23,11 +23,14 @@ void allow_for_shaking(const ml::Preparation& prepared, ml::OdometryChoice* choi
   if (!found->wrong_frames.empty() || (found->cause && !found->cause->leaves_shaking)) return;
   const std::optional<ml::Fit> shaken = ml::fit_with_shaking(prepared, choice->fit);
   if (!shaken) return;
-  if (found->cause) {
-    const ml::Examination again = ml::examine(prepared, *shaken);
-    if (!again.is_in_order()) return;
-    *found = again;
+  ml::Examination allowed = *found;
+  if (found->cause) allowed = ml::examine(prepared, *shaken);
+  if (found->cause && !allowed.is_in_order()) return;
+  if (const std::optional<ml::Cause> cause = ml::cause_without_excuses(prepared, choice->fit)) {
+    found->cause = cause;
+    return;
   }
+  *found = allowed;
   choice->fit = *shaken;
   if (choice->other)
     if (const std::optional<ml::Fit> other = ml::fit_with_shaking(prepared, *choice->other)) choice->other = other;

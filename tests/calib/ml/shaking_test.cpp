@@ -3,7 +3,9 @@
 
 #include "calibration_truth.h"
 #include "examination.h"
+#include "faults.h"
 #include "rigproof/calib/diagnose/ml.h"
+#include "rigproof/calib/estimate/odometry_choice.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
 #include "trials.h"
@@ -48,6 +50,15 @@ void shake(int camera, double sigma_px, int seed, Observations* observations) {
     const Eigen::Vector2d by_px(random.normal(0.0, sigma_px), random.normal(0.0, sigma_px));
     if (view.camera != camera) continue;
     for (CornerObservation& corner : view.corners) corner.pixel += by_px;
+  }
+}
+
+void turn_by_half(int camera, Observations* observations) {
+  const Camera& lens = observations->cameras[static_cast<std::size_t>(camera)].camera;
+  for (BoardView& view : observations->board_views) {
+    if (view.camera != camera) continue;
+    for (CornerObservation& corner : view.corners)
+      corner.pixel = Eigen::Vector2d(lens.width_px - 1, lens.height_px - 1) - corner.pixel;
   }
 }
 
@@ -117,6 +128,31 @@ TEST(MlShaking, ExcusesNothingElse) {
   EXPECT_NE(result.status, ResultStatus::kSolved);
   ASSERT_FALSE(result.reasons.empty());
   EXPECT_EQ(result.reasons.front().cameras, std::vector{run.observations.cameras[0].name});
+}
+
+std::optional<ml::Cause> without_excuses(const Observations& observations) {
+  const MlOptions options = options_of_run();
+  const ml::Preparation prepared = ml::prepare(observations, options);
+  return ml::cause_without_excuses(prepared, ml::choose_odometry(prepared).fit);
+}
+
+// Upside down, the images of a camera are nearly those of one that lies as far below the board's middle as it lies
+// above: without depth they passed for shaken by pixels, and the camera was stated 48 degrees away.
+TEST(MlShaking, IsNoExcuseForImagesUpsideDown) {
+  GeometricRun run = drive(5);
+  EXPECT_FALSE(without_excuses(run.observations));
+  const std::vector<std::string> loose = {run.observations.cameras[kLoose].name};
+  for (const ml::Fault& fault : ml::image_faults(run.observations)) {
+    if (!fault.cause.is("images.mirrored") || fault.cause.cameras != loose) continue;
+    Observations turned = undone(fault, run.observations);
+    turn_by_half(kLoose, &turned);
+    const std::optional<ml::Cause> cause = without_excuses(turned);
+    ASSERT_TRUE(cause);
+    EXPECT_EQ(cause->findings.front().code, "images.mirrored");
+    EXPECT_EQ(cause->findings.front().cameras, loose);
+  }
+  shake(kLoose, 3.0, 5, &run.observations);
+  EXPECT_FALSE(without_excuses(run.observations));
 }
 
 // Images upside down were answered, wrong by 260 sigmas, when shaking was believed beside depth that did not fit them.
