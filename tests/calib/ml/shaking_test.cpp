@@ -1,6 +1,8 @@
 // A camera on a loose mount: each of its images is displaced as a whole.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "calibration_truth.h"
 #include "examination.h"
 #include "faults.h"
@@ -142,15 +144,17 @@ TEST(MlShaking, IsNoExcuseForImagesUpsideDown) {
   GeometricRun run = drive(5);
   EXPECT_FALSE(without_excuses(run.observations));
   const std::vector<std::string> loose = {run.observations.cameras[kLoose].name};
-  for (const ml::Fault& fault : ml::image_faults(run.observations)) {
-    if (!fault.cause.is("images.mirrored") || fault.cause.cameras != loose) continue;
-    Observations turned = undone(fault, run.observations);
-    turn_by_half(kLoose, &turned);
-    const std::optional<ml::Cause> cause = without_excuses(turned);
-    ASSERT_TRUE(cause);
-    EXPECT_EQ(cause->findings.front().code, "images.mirrored");
-    EXPECT_EQ(cause->findings.front().cameras, loose);
-  }
+  const std::vector<ml::Fault> faults = ml::image_faults(run.observations);
+  const auto mirrored = std::find_if(faults.begin(), faults.end(), [&loose](const ml::Fault& fault) {
+    return fault.cause.is("images.mirrored") && fault.cause.cameras == loose;
+  });
+  ASSERT_NE(mirrored, faults.end());
+  Observations turned = undone(*mirrored, run.observations);
+  turn_by_half(kLoose, &turned);
+  const std::optional<ml::Cause> cause = without_excuses(turned);
+  ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->findings.front().code, "images.mirrored");
+  EXPECT_EQ(cause->findings.front().cameras, loose);
   shake(kLoose, 3.0, 5, &run.observations);
   EXPECT_FALSE(without_excuses(run.observations));
 }
