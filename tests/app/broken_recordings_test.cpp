@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "cli_fixture.h"
+#include "paths.h"
 #include "rigproof/core/observations.h"
 
 namespace rigproof {
@@ -213,6 +214,21 @@ TEST_P(BrokenRecordings, AreRefusedAndTheCauseIsNamed) {
 
 INSTANTIATE_TEST_SUITE_P(Every, BrokenRecordings, testing::ValuesIn(kBroken),
                          [](const testing::TestParamInfo<Broken>& broken) { return std::string(broken.param.name); });
+
+// What `observe` found in rendered drives, of a Husky of whose left camera the depth was taken away and of a cart,
+// after one camera's images had been flipped upside down: nothing contradicts them by much, and they passed for shaken
+// by 12 px, and their depth for one of another shape. Smaller drives contradict them by more.
+TEST(BrokenRecording, ImagesUpsideDownAreNotExcused) {
+  for (const auto& [file, camera] :
+       {std::pair("upside_down_without_depth.json", "left"), std::pair("upside_down_with_depth.json", "front")}) {
+    const TempFolder scratch;
+    const ProcessOutput output = rigproof_command(
+        {"calibrate", source_path(std::string("tests/app/observations/") + file), "-o", (scratch / "r").string()});
+    EXPECT_EQ(output.exit_code, 3) << output.out << output.err;
+    EXPECT_THAT(output.out, testing::HasSubstr("REFUSED  Most likely cause: the images of " + std::string(camera) +
+                                               " are mirrored"));
+  }
+}
 
 // Mirrored images and mirrored odometry are the same where lenses are symmetric.
 TEST(BrokenRecording, CausesThatExplainTheSameAreBothSaid) {

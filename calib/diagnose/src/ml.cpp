@@ -23,8 +23,7 @@ void allow_for_shaking(const ml::Preparation& prepared, ml::OdometryChoice* choi
   if (!found->wrong_frames.empty() || (found->cause && !found->cause->leaves_shaking)) return;
   const std::optional<ml::Fit> shaken = ml::fit_with_shaking(prepared, choice->fit);
   if (!shaken) return;
-  ml::Examination allowed = *found;
-  if (found->cause) allowed = ml::examine(prepared, *shaken);
+  const ml::Examination allowed = found->cause ? ml::examine(prepared, *shaken) : *found;
   if (found->cause && !allowed.is_in_order()) return;
   if (const std::optional<ml::Cause> cause = ml::cause_without_excuses(prepared, choice->fit)) {
     found->cause = cause;
