@@ -1,5 +1,6 @@
 #include "hand_eye_problem.h"
 
+#include <ceres/evaluation_callback.h>
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
 #include <ceres/sized_cost_function.h>
@@ -72,14 +73,67 @@ Matrix6d derivative_by_B(const Rigid3& A, const Rigid3& X, const Vector6d& resid
   return D;
 }
 
+// The pose of a camera in another's frame, and (shift, turn) of it by the parameters of either.
+struct MovedPair {
+  Rigid3 T;
+  Matrix6d by_own, by_other;
+  // @param own the camera whose frame it is
+  MovedPair(const MovedPose& own, const MovedPose& other) : T(own.T.inverse() * other.T) {
+    const Eigen::Matrix3d back = own.T.rotation_matrix().transpose();
+    Matrix6d by_pose = Matrix6d::Zero();
+    by_pose.topLeftCorner<3, 3>() = by_pose.bottomRightCorner<3, 3>() = back;
+    by_other = by_pose * other.derivative;
+    by_pose = -by_pose;
+    by_pose.topRightCorner<3, 3>() = -back * skew(own.T.translation - other.T.translation);
+    by_own = by_pose * own.derivative;
+  }
+};
+
+// Poses at the solver's parameters, which all terms of a camera or of a pair share: found once for each set of
+// parameters.
+class SharedPoses : public ceres::EvaluationCallback {
+ public:
+  explicit SharedPoses(const std::vector<Rigid3>& X) { start_from(X); }
+
+  // The cameras' poses where the parameters are zero, as they are then.
+  void start_from(const std::vector<Rigid3>& X) {
+    references_ = X;
+    errors_.assign(X.size(), std::array<double, 6>{});
+    update();
+  }
+  void PrepareForEvaluation(bool /*with_jacobians*/, bool at_new_point) override {
+    if (at_new_point) update();
+  }
+
+  double* parameters(std::size_t camera) { return errors_[camera].data(); }
+  const MovedPose& camera(std::size_t k) const { return cameras_[k]; }
+  const MovedPair& pair(std::size_t own, std::size_t other) const { return pairs_[own * cameras_.size() + other]; }
+
+ private:
+  void update() {
+    cameras_.clear();
+    for (std::size_t k = 0; k < references_.size(); ++k) cameras_.emplace_back(references_[k], errors_[k].data());
+    pairs_.clear();
+    for (const MovedPose& own : cameras_)
+      for (const MovedPose& other : cameras_) pairs_.emplace_back(own, other);
+  }
+
+  std::vector<Rigid3> references_;
+  std::vector<std::array<double, 6>> errors_;
+  std::vector<MovedPose> cameras_;
+  std::vector<MovedPair> pairs_;
+};
+
 struct MotionCost : ceres::SizedCostFunction<6, 6> {
-  Rigid3 A, B, X_reference;
+  Rigid3 A, B;
+  std::size_t camera;
+  const SharedPoses& poses;
 
-  MotionCost(const Rigid3& A_in, const Rigid3& B_in, const Rigid3& reference)
-      : A(A_in), B(B_in), X_reference(reference) {}
+  MotionCost(const Rigid3& A_in, const Rigid3& B_in, std::size_t of_camera, const SharedPoses& shared)
+      : A(A_in), B(B_in), camera(of_camera), poses(shared) {}
 
-  bool Evaluate(const double* const* error, double* residual, double** jacobians) const override {
-    const MovedPose X(X_reference, error[0]);
+  bool Evaluate(const double* const* /*errors*/, double* residual, double** jacobians) const override {
+    const MovedPose& X = poses.camera(camera);
     const Vector6d r = residual_of(A, X.T, B);
     Eigen::Map<Vector6d>{residual} = r;
     if (jacobians != nullptr && jacobians[0] != nullptr)
@@ -90,60 +144,45 @@ struct MotionCost : ceres::SizedCostFunction<6, 6> {
 
 // Both directions of a pair, each with half the weight, so that the order of the cameras does not matter.
 struct CameraPairCost : ceres::SizedCostFunction<12, 6, 6> {
-  Rigid3 B_j, B_k, X_reference_j, X_reference_k;
+  Rigid3 B_j, B_k;
+  std::size_t camera_j, camera_k;
+  const SharedPoses& poses;
 
-  CameraPairCost(const Rigid3& motion_j, const Rigid3& motion_k, const Rigid3& reference_j, const Rigid3& reference_k)
-      : B_j(motion_j), B_k(motion_k), X_reference_j(reference_j), X_reference_k(reference_k) {}
+  CameraPairCost(const Rigid3& motion_j, const Rigid3& motion_k, std::size_t j, std::size_t k,
+                 const SharedPoses& shared)
+      : B_j(motion_j), B_k(motion_k), camera_j(j), camera_k(k), poses(shared) {}
 
-  static Vector12d residual(const Rigid3& B_j, const Rigid3& B_k, const Rigid3& X_j, const Rigid3& X_k) {
-    Vector12d r;
-    r << residual_of(B_j, X_j.inverse() * X_k, B_k), residual_of(B_k, X_k.inverse() * X_j, B_j);
-    return M_SQRT1_2 * r;
-  }
-
-  bool Evaluate(const double* const* errors, double* residuals, double** jacobians) const override {
-    const MovedPose j(X_reference_j, errors[0]), k(X_reference_k, errors[1]);
-    const Vector12d r = residual(B_j, B_k, j.T, k.T);
-    Eigen::Map<Vector12d>{residuals} = r;
+  bool Evaluate(const double* const* /*errors*/, double* residuals, double** jacobians) const override {
+    const MovedPair &j_k = poses.pair(camera_j, camera_k), &k_j = poses.pair(camera_k, camera_j);
+    const Vector6d forward = residual_of(B_j, j_k.T, B_k), backward = residual_of(B_k, k_j.T, B_j);
+    Eigen::Map<Vector12d>{residuals} << M_SQRT1_2 * forward, M_SQRT1_2 * backward;
     if (jacobians == nullptr) return true;
-    const Rigid3 T_j_k = j.T.inverse() * k.T, T_k_j = T_j_k.inverse();
-    const Matrix6d of_j_k = M_SQRT1_2 * derivative_of(B_j, T_j_k, B_k, M_SQRT2 * r.head<6>());
-    const Matrix6d of_k_j = M_SQRT1_2 * derivative_of(B_k, T_k_j, B_j, M_SQRT2 * r.tail<6>());
+    const Matrix6d of_j_k = M_SQRT1_2 * derivative_of(B_j, j_k.T, B_k, forward);
+    const Matrix6d of_k_j = M_SQRT1_2 * derivative_of(B_k, k_j.T, B_j, backward);
     if (jacobians[0] != nullptr) {
       Eigen::Map<RowMajor<12>> by_j(jacobians[0]);
-      by_j.topRows<6>() = of_j_k * by_first(j.T, k.T) * j.derivative;
-      by_j.bottomRows<6>() = of_k_j * by_second(k.T) * j.derivative;
+      by_j.topRows<6>() = of_j_k * j_k.by_own;
+      by_j.bottomRows<6>() = of_k_j * k_j.by_other;
     }
     if (jacobians[1] != nullptr) {
       Eigen::Map<RowMajor<12>> by_k(jacobians[1]);
-      by_k.topRows<6>() = of_j_k * by_second(j.T) * k.derivative;
-      by_k.bottomRows<6>() = of_k_j * by_first(k.T, j.T) * k.derivative;
+      by_k.topRows<6>() = of_j_k * j_k.by_other;
+      by_k.bottomRows<6>() = of_k_j * k_j.by_own;
     }
     return true;
-  }
-
- private:
-  // (shift, turn) of first^-1 second by those of either.
-  static Matrix6d by_second(const Rigid3& first) {
-    const Eigen::Matrix3d back = first.rotation_matrix().transpose();
-    Matrix6d D = Matrix6d::Zero();
-    D.topLeftCorner<3, 3>() = D.bottomRightCorner<3, 3>() = back;
-    return D;
-  }
-  static Matrix6d by_first(const Rigid3& first, const Rigid3& second) {
-    Matrix6d D = -by_second(first);
-    D.topRightCorner<3, 3>() = D.topLeftCorner<3, 3>() * skew(first.translation - second.translation);
-    return D;
   }
 };
 
 struct HeightCost : ceres::SizedCostFunction<1, 6> {
-  double height_m, reference_m;
+  double height_m;
+  std::size_t camera;
+  const SharedPoses& poses;
 
-  HeightCost(double height, double reference) : height_m(height), reference_m(reference) {}
+  HeightCost(double height, std::size_t of_camera, const SharedPoses& shared)
+      : height_m(height), camera(of_camera), poses(shared) {}
 
-  bool Evaluate(const double* const* error, double* residual, double** jacobians) const override {
-    residual[0] = reference_m + error[0][2] - height_m;
+  bool Evaluate(const double* const* /*errors*/, double* residual, double** jacobians) const override {
+    residual[0] = poses.camera(camera).T.translation.z() - height_m;
     if (jacobians != nullptr && jacobians[0] != nullptr)
       Eigen::Map<Eigen::Matrix<double, 1, 6>>{jacobians[0]} = Eigen::Matrix<double, 1, 6>::Unit(2);
     return true;
@@ -171,69 +210,79 @@ Matrix6d product_derivative(const Rigid3& first, const Rigid3& moved, const Rigi
   return D;
 }
 
-std::unique_ptr<MotionCost> cost_of(const HandEyeProblem& problem, const MotionTerm& term) {
+// What robot and camera did between two stops: A X = X B.
+struct Motions {
+  Rigid3 A, B;
+};
+
+Motions motions_of(const HandEyeProblem& problem, const MotionTerm& term) {
   const Rigid3& from = problem.odometry[static_cast<std::size_t>(term.from->stop)];
   const Rigid3& to = problem.odometry[static_cast<std::size_t>(term.to->stop)];
-  return std::make_unique<MotionCost>(
-      from.inverse() * to, relative_view(term.from->T_camera_board, term.to->T_camera_board), problem.X[term.camera]);
+  return {from.inverse() * to, relative_view(term.from->T_camera_board, term.to->T_camera_board)};
 }
 
-std::unique_ptr<CameraPairCost> cost_of(const HandEyeProblem& problem, const CameraPairTerm& term) {
-  return std::make_unique<CameraPairCost>(relative_view(term.from_j->T_camera_board, term.to_j->T_camera_board),
-                                          relative_view(term.from_k->T_camera_board, term.to_k->T_camera_board),
-                                          problem.X[term.camera_j], problem.X[term.camera_k]);
-}
-
-std::unique_ptr<HeightCost> cost_of(const HandEyeProblem& problem, const HeightTerm& term) {
-  return std::make_unique<HeightCost>(term.height_m, problem.X[term.camera].translation.z());
+// What the two cameras did: B_j X_jk = X_jk B_k.
+Motions motions_of(const CameraPairTerm& term) {
+  return {relative_view(term.from_j->T_camera_board, term.to_j->T_camera_board),
+          relative_view(term.from_k->T_camera_board, term.to_k->T_camera_board)};
 }
 
 // One term with everything that the normal equations need.
 struct Block {
   std::unique_ptr<ceres::CostFunction> cost;
   std::vector<std::size_t> cameras;
+  double weight = 1.0;
   Eigen::VectorXd residual;
   std::vector<RowMajor<Eigen::Dynamic>> jacobians;
-  double weight = 1.0;
 };
 
-// Residual and Jacobians at error zero, that is at problem.X.
-void evaluate(Block* block) {
-  constexpr std::array<double, 6> kZero{};
-  const int rows = block->cost->num_residuals();
-  block->residual.resize(rows);
-  block->jacobians.resize(block->cameras.size());
-  std::vector<const double*> parameters(block->cameras.size(), kZero.data());
-  std::vector<double*> jacobians;
-  for (auto& jacobian : block->jacobians) {
-    jacobian.resize(rows, 6);
-    jacobians.push_back(jacobian.data());
-  }
-  block->cost->Evaluate(parameters.data(), block->residual.data(), jacobians.data());
-}
-
-Block make_block(std::unique_ptr<ceres::CostFunction> cost, std::vector<std::size_t> cameras, double weight) {
-  Block block;
-  block.cost = std::move(cost);
-  block.cameras = std::move(cameras);
-  block.weight = weight;
-  evaluate(&block);
-  return block;
-}
-
+// All terms; their costs refer to the poses.
 struct Blocks {
+  std::unique_ptr<SharedPoses> poses;
   std::vector<Block> motions, pairs, heights;
+
+  std::array<std::vector<Block>*, 3> groups() { return {&motions, &pairs, &heights}; }
 };
 
 Blocks make_blocks(const HandEyeProblem& problem) {
   Blocks blocks;
-  for (const MotionTerm& term : problem.motions)
-    blocks.motions.push_back(make_block(cost_of(problem, term), {term.camera}, term.weight));
-  for (const CameraPairTerm& term : problem.pairs)
-    blocks.pairs.push_back(make_block(cost_of(problem, term), {term.camera_j, term.camera_k}, term.weight));
+  blocks.poses = std::make_unique<SharedPoses>(problem.X);
+  const SharedPoses& poses = *blocks.poses;
+  for (const MotionTerm& term : problem.motions) {
+    const auto [A, B] = motions_of(problem, term);
+    blocks.motions.push_back(
+        {std::make_unique<MotionCost>(A, B, term.camera, poses), {term.camera}, term.weight, {}, {}});
+  }
+  for (const CameraPairTerm& term : problem.pairs) {
+    const auto [B_j, B_k] = motions_of(term);
+    blocks.pairs.push_back({std::make_unique<CameraPairCost>(B_j, B_k, term.camera_j, term.camera_k, poses),
+                            {term.camera_j, term.camera_k},
+                            term.weight,
+                            {},
+                            {}});
+  }
   for (const HeightTerm& term : problem.heights)
-    blocks.heights.push_back(make_block(cost_of(problem, term), {term.camera}, term.weight));
+    blocks.heights.push_back(
+        {std::make_unique<HeightCost>(term.height_m, term.camera, poses), {term.camera}, term.weight, {}, {}});
   return blocks;
+}
+
+void evaluate(bool with_jacobians, Block* block) {
+  const int rows = block->cost->num_residuals();
+  block->residual.resize(rows);
+  block->jacobians.resize(block->cameras.size());
+  std::array<double*, 2> jacobians{};
+  for (std::size_t i = 0; with_jacobians && i < block->cameras.size(); ++i) {
+    block->jacobians[i].resize(rows, 6);
+    jacobians[i] = block->jacobians[i].data();
+  }
+  block->cost->Evaluate(nullptr, block->residual.data(), with_jacobians ? jacobians.data() : nullptr);
+}
+
+void evaluate_at(const std::vector<Rigid3>& X, bool with_jacobians, Blocks* blocks) {
+  blocks->poses->start_from(X);
+  for (std::vector<Block>* group : blocks->groups())
+    for (Block& block : *group) evaluate(with_jacobians, &block);
 }
 
 Eigen::Index row(std::size_t camera) { return 6 * static_cast<Eigen::Index>(camera); }
@@ -243,9 +292,9 @@ struct NormalEquations {
   Eigen::VectorXd g;  // J^T r
 };
 
-NormalEquations normal_equations(const Blocks& blocks, std::size_t cameras) {
+NormalEquations normal_equations(Blocks* blocks, std::size_t cameras) {
   NormalEquations normal{Eigen::MatrixXd::Zero(row(cameras), row(cameras)), Eigen::VectorXd::Zero(row(cameras))};
-  for (const std::vector<Block>* group : {&blocks.motions, &blocks.pairs, &blocks.heights}) {
+  for (const std::vector<Block>* group : blocks->groups()) {
     for (const Block& block : *group) {
       for (std::size_t a = 0; a < block.cameras.size(); ++a) {
         const Eigen::MatrixXd weighted = block.weight * block.jacobians[a].transpose();
@@ -267,35 +316,37 @@ double loss_scale(const std::vector<Block>& blocks) {
   return std::max(kMinLossScale, kLossMedians * median(std::move(norms)));
 }
 
-using Errors = std::vector<std::array<double, 6>>;
-
-void add_blocks(const std::vector<Block>& blocks, ceres::LossFunction* loss, Errors* errors, ceres::Problem* problem) {
+void add_blocks(const std::vector<Block>& blocks, ceres::LossFunction* loss, SharedPoses* poses,
+                ceres::Problem* problem) {
   for (const Block& block : blocks) {
     std::vector<double*> parameters;
-    for (const std::size_t camera : block.cameras) parameters.push_back((*errors)[camera].data());
+    for (const std::size_t camera : block.cameras) parameters.push_back(poses->parameters(camera));
     problem->AddResidualBlock(block.cost.get(), loss, parameters);
   }
 }
 
 // One robust minimisation from problem->X, which it moves.
-bool solve_once(const Blocks& blocks, const std::array<double, 3>& scales, HandEyeProblem* problem) {
+bool solve_once(const std::array<double, 3>& scales, Blocks* blocks, HandEyeProblem* problem) {
+  SharedPoses* poses = blocks->poses.get();
+  poses->start_from(problem->X);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.evaluation_callback = poses;
   ceres::CauchyLoss motion_loss(scales[0]), pair_loss(scales[1]), height_loss(scales[2]);
   ceres::Problem ceres_problem(ownership);
-  Errors errors(problem->X.size(), std::array<double, 6>{});
-  add_blocks(blocks.motions, &motion_loss, &errors, &ceres_problem);
-  add_blocks(blocks.pairs, &pair_loss, &errors, &ceres_problem);
-  add_blocks(blocks.heights, &height_loss, &errors, &ceres_problem);
+  add_blocks(blocks->motions, &motion_loss, poses, &ceres_problem);
+  add_blocks(blocks->pairs, &pair_loss, poses, &ceres_problem);
+  add_blocks(blocks->heights, &height_loss, poses, &ceres_problem);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.num_threads = 1;
   options.max_num_iterations = 100;
-  options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-15;
+  options.function_tolerance = 1e-13;
+  options.gradient_tolerance = options.parameter_tolerance = 1e-15;
   const ceres::Solver::Summary summary = quiet_solve(options, &ceres_problem);
   for (std::size_t k = 0; k < problem->X.size(); ++k)
-    problem->X[k] = apply_transform_error(problem->X[k], Eigen::Map<const Vector6d>(errors[k].data()));
+    problem->X[k] = apply_transform_error(problem->X[k], Eigen::Map<const Vector6d>(poses->parameters(k)));
   return summary.IsSolutionUsable();
 }
 
@@ -308,20 +359,21 @@ void store_residuals(double scale, std::vector<Block>* blocks, std::vector<Term>
   }
 }
 
-// Residuals and robust weights at problem->X, in the terms and in the blocks that are returned.
-Blocks store_residuals(const std::array<double, 3>& scales, HandEyeProblem* problem) {
-  Blocks blocks = make_blocks(*problem);
-  store_residuals(scales[0], &blocks.motions, &problem->motions);
-  store_residuals(scales[1], &blocks.pairs, &problem->pairs);
-  store_residuals(scales[2], &blocks.heights, &problem->heights);
-  return blocks;
+// Residuals and robust weights at problem->X, in the terms and in the blocks.
+void store_residuals(const std::array<double, 3>& scales, bool with_jacobians, Blocks* blocks,
+                     HandEyeProblem* problem) {
+  evaluate_at(problem->X, with_jacobians, blocks);
+  store_residuals(scales[0], &blocks->motions, &problem->motions);
+  store_residuals(scales[1], &blocks->pairs, &problem->pairs);
+  store_residuals(scales[2], &blocks->heights, &problem->heights);
 }
 
 // Ceres stops when the cost no longer falls, which leaves half of the digits of the minimum. A few reweighted
 // Gauss-Newton steps give the rest, so that the answer does not depend on the frames in which the data are told.
-void polish(const std::array<double, 3>& scales, HandEyeProblem* problem) {
+void polish(const std::array<double, 3>& scales, Blocks* blocks, HandEyeProblem* problem) {
   for (int step = 0; step < 5; ++step) {
-    const NormalEquations normal = normal_equations(store_residuals(scales, problem), problem->X.size());
+    store_residuals(scales, true, blocks, problem);
+    const NormalEquations normal = normal_equations(blocks, problem->X.size());
     const Eigen::VectorXd errors = normal.H.ldlt().solve(-normal.g);
     // Far from the minimum nothing is polished.
     if (!(errors.norm() < 1e-5)) return;
@@ -353,6 +405,7 @@ class NoisePropagation {
   NoisePropagation(const HandEyeProblem& problem, const OdometryNoise& declared)
       : problem_(problem), declared_(declared), blocks_(make_blocks(problem)) {
     size_ = 6 * static_cast<Eigen::Index>(problem.X.size());
+    evaluate_at(problem.X, true, &blocks_);
   }
 
   Eigen::MatrixXd covariance() {
@@ -366,7 +419,7 @@ class NoisePropagation {
       if (source.response.size() > 0)
         meat += source.response * odometry_variance.asDiagonal() * source.response.transpose();
     const Eigen::MatrixXd H_inverse =
-        normal_equations(blocks_, problem_.X.size()).H.ldlt().solve(Eigen::MatrixXd::Identity(size_, size_));
+        normal_equations(&blocks_, problem_.X.size()).H.ldlt().solve(Eigen::MatrixXd::Identity(size_, size_));
     const Eigen::MatrixXd covariance = H_inverse * meat * H_inverse.transpose();
     return 0.5 * (covariance + covariance.transpose());
   }
@@ -392,8 +445,8 @@ class NoisePropagation {
   }
 
   void add_motion(const MotionTerm& term, const Block& block) {
-    const std::unique_ptr<MotionCost> cost = cost_of(problem_, term);
-    const Matrix6d by_motion = derivative_by_B(cost->A, cost->X_reference, block.residual);
+    const Motions motions = motions_of(problem_, term);
+    const Matrix6d by_motion = derivative_by_B(motions.A, problem_.X[term.camera], block.residual);
     const auto by_view = relative_view_derivatives(term.from->T_camera_board, term.to->T_camera_board);
     Eigen::Vector2d pnp = Eigen::Vector2d::Zero();
     for (const auto& [view, derivative] : {std::pair(term.from, by_view[0]), std::pair(term.to, by_view[1])}) {
@@ -401,16 +454,16 @@ class NoisePropagation {
       add_response(block, D, view_source(*view));
       pnp += explained(D, view->covariance);
     }
-    add_odometry(term, *cost, block, pnp);
+    add_odometry(term, motions.A, block, pnp);
   }
 
   void add_pair(const CameraPairTerm& term, const Block& block) {
-    const std::unique_ptr<CameraPairCost> cost = cost_of(problem_, term);
-    const Rigid3 T_j_k = cost->X_reference_j.inverse() * cost->X_reference_k, T_k_j = T_j_k.inverse();
+    const auto [B_j, B_k] = motions_of(term);
+    const Rigid3 T_j_k = problem_.X[term.camera_j].inverse() * problem_.X[term.camera_k], T_k_j = T_j_k.inverse();
     const Vector6d forward = M_SQRT2 * block.residual.head<6>(), backward = M_SQRT2 * block.residual.tail<6>();
     Sensitivity by_j(12, 6), by_k(12, 6);
-    by_j << derivative_by_A(cost->B_j, T_j_k, forward), derivative_by_B(cost->B_k, T_k_j, backward);
-    by_k << derivative_by_B(cost->B_j, T_j_k, forward), derivative_by_A(cost->B_k, T_k_j, backward);
+    by_j << derivative_by_A(B_j, T_j_k, forward), derivative_by_B(B_k, T_k_j, backward);
+    by_k << derivative_by_B(B_j, T_j_k, forward), derivative_by_A(B_k, T_k_j, backward);
     add_pair_views(block, M_SQRT1_2 * by_j, *term.from_j, *term.to_j);
     add_pair_views(block, M_SQRT1_2 * by_k, *term.from_k, *term.to_k);
   }
@@ -421,7 +474,7 @@ class NoisePropagation {
     add_response(block, by_motion * by_view[1], view_source(to));
   }
 
-  void add_odometry(const MotionTerm& term, const MotionCost& cost, const Block& block, const Eigen::Vector2d& pnp) {
+  void add_odometry(const MotionTerm& term, const Rigid3& A, const Block& block, const Eigen::Vector2d& pnp) {
     const std::size_t from = static_cast<std::size_t>(term.from->stop), to = static_cast<std::size_t>(term.to->stop);
     odometry_.resize(problem_.odometry.size() + 1);
     Eigen::Vector3d unit = Eigen::Vector3d::Zero();  // translation by sigma_t, translation by sigma_r, rotation
@@ -430,7 +483,7 @@ class NoisePropagation {
       unit += Eigen::Vector3d(D.topLeftCorner<3, 2>().squaredNorm(), D.topRightCorner<3, 1>().squaredNorm(),
                               D.bottomRightCorner<3, 1>().squaredNorm());
     };
-    const Matrix6d by_A = derivative_by_A(cost.A, cost.X_reference, block.residual);
+    const Matrix6d by_A = derivative_by_A(A, problem_.X[term.camera], block.residual);
     if (declared_.model == OdometryModel::kPerPose) {
       const auto by_pose = pose_sensitivities(by_A, from, to);
       add(by_pose[0], from);
@@ -493,7 +546,7 @@ class NoisePropagation {
 
   const HandEyeProblem& problem_;
   const OdometryNoise& declared_;
-  const Blocks blocks_;
+  Blocks blocks_;
   Eigen::Index size_ = 0;
   std::vector<Source> views_, odometry_;
   Eigen::Vector2d excess_ = Eigen::Vector2d::Zero(), explained_ = Eigen::Vector2d::Zero();
@@ -507,13 +560,14 @@ bool minimise(HandEyeProblem* problem) {
   bool usable = true;
   std::array<double, 3> scales{};
   // The loss scales follow the residuals, which follow the minimum: a few rounds settle both.
+  Blocks blocks = make_blocks(*problem);
   for (int round = 0; round < kRounds; ++round) {
-    const Blocks blocks = make_blocks(*problem);
+    evaluate_at(problem->X, false, &blocks);
     scales = {loss_scale(blocks.motions), loss_scale(blocks.pairs), loss_scale(blocks.heights)};
-    usable = solve_once(blocks, scales, problem);
+    usable = solve_once(scales, &blocks, problem);
   }
-  polish(scales, problem);
-  store_residuals(scales, problem);
+  polish(scales, &blocks, problem);
+  store_residuals(scales, false, &blocks, problem);
   return usable;
 }
 
