@@ -24,7 +24,7 @@ ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Obser
   const BoardView& view = observations.board_views[static_cast<std::size_t>(pose.view)];
   const RepeatingErrors& errors = removed.errors;
   const Camera& lens = observations.cameras[static_cast<std::size_t>(view.camera)].camera;
-  const double coefficient_by_px = Lenses(lens).coefficient_by_px();
+  const double by_px = coefficient_by_px(lens);
   const std::vector<WhitenedView::Corner> corners = whitened_corners(view, observations.board);
   const auto rows = static_cast<Eigen::Index>(2 * corners.size());
   ViewRows result{
@@ -48,7 +48,7 @@ ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Obser
     result.by_pose.block<2, 3>(at, 0) = W * by_point;
     result.by_pose.block<2, 3>(at, 3) = -W * by_point * skew(turned);
     auto others = result.by_others.middleRows<2>(at);
-    others.leftCols<kLensColumns>() = W * pixel_by_lens(lens, LensChange::Zero(), coefficient_by_px, q, pixel);
+    others.leftCols<kLensColumns>() = W * pixel_by_lens(lens, LensChange::Zero(), by_px, q, pixel);
     others.middleCols<kShapeColumns>(kLensColumns) =
         by_offset * corner_of_board(observations.board, Eigen::Vector4d::Zero(), corner.point_board).by_shape;
     if (errors.print(0) >= 0)

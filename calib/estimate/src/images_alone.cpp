@@ -17,9 +17,15 @@ namespace {
 constexpr std::size_t kMostViews = 240;
 
 struct Estimate {
-  Eigen::VectorXd value;       // of the errors' unknowns
-  Eigen::MatrixXd covariance;  // as the images leave it
-  Eigen::MatrixXd by_raw;      // what gradients by the raw unknowns make of the value, a column each
+  Eigen::VectorXd value;        // of the errors' unknowns
+  Eigen::MatrixXd covariance;   // as the images leave it
+  Eigen::MatrixXd by_gradient;  // what gradients by the unknowns make of the value, a column each
+};
+
+// Without the poses of the views.
+struct NormalEquations {
+  Eigen::LLT<Eigen::MatrixXd> llt;
+  Eigen::VectorXd solution;
 };
 
 // The unknowns: five of each lens, four of the board, the repeating errors. Poses of views are eliminated.
@@ -38,9 +44,9 @@ class ImagesAlone {
       prior_[lenses + i] = information(priors.covariance(Nuisance::kBoardShape)(i, i));
   }
 
-  // The next estimate, and its residuals; weights of corners by how they fit.
-  Estimate solve(const std::vector<ViewRows>& views, std::vector<Eigen::VectorXd>* residuals) const {
-    const int raw = kLensColumns * cameras_ + kShapeColumns + errors_.raw_size();
+  // One round more, by weights of how the corners fit so far: their residuals after it.
+  NormalEquations solve(const std::vector<ViewRows>& views, std::vector<Eigen::VectorXd>* residuals) const {
+    const int raw = raw_size();
     Eigen::MatrixXd N = Eigen::MatrixXd::Zero(raw, raw);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(raw);
     const std::vector<double> levels = squares_of_levels(views, *residuals);
@@ -50,29 +56,36 @@ class ImagesAlone {
       add(views[v], by, &N, &g);
       to_pose.push_back(by.to_pose);
     }
-    const Eigen::MatrixXd M = raw_by_unknowns();
-    Eigen::MatrixXd H = M.transpose() * N.selfadjointView<Eigen::Lower>() * M;
+    const Eigen::MatrixXd half = by_unknowns(N.selfadjointView<Eigen::Lower>().toDenseMatrix());
+    Eigen::MatrixXd H = by_unknowns(half.transpose());
     H.diagonal() += prior_;
-    const Eigen::LLT<Eigen::MatrixXd> llt(H);
-    const Eigen::VectorXd z = -llt.solve(M.transpose() * g), of_raw = M * z;
+    NormalEquations normal{Eigen::LLT<Eigen::MatrixXd>(H), {}};
+    normal.solution = -normal.llt.solve(by_unknowns(g));
+    Eigen::VectorXd of_raw(raw);
+    const Eigen::Index first = raw - errors_.raw_size();
+    of_raw << normal.solution.head(first), errors_.raw_by_unknowns() * normal.solution.tail(errors_.size());
     for (std::size_t v = 0; v < views.size(); ++v) (*residuals)[v] = left_over(views[v], to_pose[v], of_raw);
+    return normal;
+  }
+
+  Estimate estimate_of(const NormalEquations& normal) const {
     const Eigen::Index size = errors_.size();
-    Eigen::MatrixXd last = Eigen::MatrixXd::Zero(H.rows(), size);
+    Eigen::MatrixXd last = Eigen::MatrixXd::Zero(normal.solution.size(), size);
     last.bottomRows(size).setIdentity();
-    const Eigen::MatrixXd by_gradient = llt.solve(last).transpose();
-    return {z.tail(size), by_gradient.rightCols(size), by_gradient * M.transpose()};
+    const Eigen::MatrixXd by_gradient = normal.llt.solve(last).transpose();
+    return {normal.solution.tail(size), by_gradient.rightCols(size), by_gradient};
   }
 
   // What a fine field of a camera makes of an estimate that does not know of it: a column for each of its coefficients.
   Eigen::MatrixXd response_to_fine(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
                                    int camera, const FineField& fine, const Estimate& estimate, double level) const {
-    Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(estimate.by_raw.cols(), fine.size());
+    Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(raw_size(), fine.size());
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (views[v].camera != camera) continue;
       const Eigen::MatrixXd by_field = gradients_by_fine(views[v], weighted(views[v], residuals[v], level), fine);
       for (Eigen::Index j = 0; j < by_field.rows(); ++j) gradients.row(place(views[v], j)) += by_field.row(j);
     }
-    return estimate.by_raw * gradients;
+    return estimate.by_gradient * by_unknowns(gradients);
   }
 
   // Of each camera: square of what its corners scatter by, as a multiple of what is stated.
@@ -90,12 +103,14 @@ class ImagesAlone {
   }
 
  private:
-  Eigen::MatrixXd raw_by_unknowns() const {
+  int raw_size() const { return kLensColumns * cameras_ + kShapeColumns + errors_.raw_size(); }
+
+  // Of rows by lenses, shape and raw errors: those by the unknowns.
+  Eigen::MatrixXd by_unknowns(const Eigen::MatrixXd& by_raw) const {
     const Eigen::Index first = kLensColumns * cameras_ + kShapeColumns;
-    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(first + errors_.raw_size(), first + errors_.size());
-    M.topLeftCorner(first, first).setIdentity();
-    M.bottomRightCorner(errors_.raw_size(), errors_.size()) = errors_.raw_by_unknowns();
-    return M;
+    Eigen::MatrixXd rows(first + errors_.size(), by_raw.cols());
+    rows << by_raw.topRows(first), errors_.by_unknowns(by_raw.bottomRows(errors_.raw_size()));
+    return rows;
   }
 
   int place(const ViewRows& view, Eigen::Index column) const {
@@ -281,12 +296,12 @@ void estimate_repeating(const Observations& observations, const std::vector<View
   std::vector<Eigen::VectorXd> residuals;
   for (const ViewRows& view : rows) residuals.push_back(view.residual);
   const ImagesAlone problem(removed->errors, observations.cameras.size(), priors);
-  Estimate estimate;
-  for (int round = 0; round < kRounds; ++round) estimate = problem.solve(rows, &residuals);
+  for (int round = 1; round < kRounds; ++round) problem.solve(rows, &residuals);
+  const auto next_estimate = [&] { return problem.estimate_of(problem.solve(rows, &residuals)); };
+  Estimate estimate = next_estimate();
   removed->fine = fine_fields(rows, residuals, problem, observations, removed->errors);
   removed->beyond_stated = beyond_stated(rows, residuals, problem, observations, *removed, estimate);
-  for (int round = 0; round < kMostRounds && enlarge(estimate, &removed->errors); ++round)
-    estimate = problem.solve(rows, &residuals);
+  for (int round = 0; round < kMostRounds && enlarge(estimate, &removed->errors); ++round) estimate = next_estimate();
   removed->value = estimate.value;
 }
 

@@ -36,12 +36,6 @@ double farthest_radius(const Camera& lens) {
   return farthest;
 }
 
-// The farthest corner then moves by a pixel.
-double coefficient_by_px(const Camera& lens) {
-  const double radius = farthest_radius(lens);
-  return radius > 0.0 ? 1.0 / (std::sqrt(lens.fx_px * lens.fy_px) * radius * radius * radius) : 0.0;
-}
-
 // The plane a' of changed rays r + d that is most like a plane a of rays r over the image: a' . (r + d) = a . r.
 Eigen::Matrix3d plane_by_distortion(const Lenses& lenses, const Camera& lens) {
   constexpr int kColumns = 16, kRows = 12;
@@ -63,6 +57,12 @@ Eigen::Matrix3d plane_by_distortion(const Lenses& lenses, const Camera& lens) {
 }
 
 }  // namespace
+
+// The farthest corner then moves by a pixel.
+double coefficient_by_px(const Camera& lens) {
+  const double radius = farthest_radius(lens);
+  return radius > 0.0 ? 1.0 / (std::sqrt(lens.fx_px * lens.fy_px) * radius * radius * radius) : 0.0;
+}
 
 Lenses::Lenses(const Camera& stated)
     : stated_(stated),

@@ -31,21 +31,19 @@ Eigen::Matrix<double, kPolynomials, 1> polynomials(double x, double y) {
   return all;
 }
 
-// Gram and Schmidt, column by column: A * combination has orthonormal columns, without those that begin among the
-// first `dropped` ones or are made of others.
-Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& A, int dropped) {
-  Eigen::MatrixXd Q(A.rows(), A.cols()), T = Eigen::MatrixXd::Zero(A.cols(), A.cols());
+// Gram and Schmidt, column by column, of A with A'A = G: A * combination has orthonormal columns, without those that
+// begin among the first `dropped` ones or are made of others.
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& G, int dropped) {
+  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(G.rows(), G.cols());
   int kept = 0, kept_dropped = 0;
-  for (Eigen::Index j = 0; j < A.cols(); ++j) {
-    Eigen::VectorXd column = A.col(j), by = Eigen::VectorXd::Unit(A.cols(), j);
+  for (Eigen::Index j = 0; j < G.cols(); ++j) {
+    Eigen::VectorXd by = Eigen::VectorXd::Unit(G.cols(), j);
     for (int pass = 0; pass < 2; ++pass) {  // once more for what rounding left
-      const Eigen::VectorXd along = Q.leftCols(kept).transpose() * column;
-      column -= Q.leftCols(kept) * along;
+      const Eigen::VectorXd along = T.leftCols(kept).transpose() * (G * by);
       by -= T.leftCols(kept) * along;
     }
-    const double length = column.norm();
-    if (!(length > kIndependent * A.col(j).norm())) continue;
-    Q.col(kept) = column / length;
+    const double length = std::sqrt(by.dot(G * by));
+    if (!(length > kIndependent * std::sqrt(G(j, j)))) continue;
     T.col(kept++) = by / length;
     if (j < dropped) kept_dropped = kept;
   }
@@ -54,7 +52,7 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& A, int dropped) {
 
 }  // namespace
 
-LensField::LensField(const Camera& camera) : camera_(camera), coefficient_by_px_(Lenses(camera).coefficient_by_px()) {
+LensField::LensField(const Camera& camera) : camera_(camera), coefficient_by_px_(coefficient_by_px(camera)) {
   constexpr int kPoints = kPointsAcross * kPointsDown;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * kPoints, kRaw);
   Eigen::Matrix2Xd columns;
@@ -64,7 +62,7 @@ LensField::LensField(const Camera& camera) : camera_(camera), coefficient_by_px_
     if (followed({x * camera.width_px - 0.5, y * camera.height_px - 0.5}, &columns))
       A.middleRows<2>(2 * points++) = columns;
   }
-  combination_ = orthonormal(A.topRows(2 * points), kOfLensAndTurn);
+  combination_ = orthonormal(A.transpose() * A, kOfLensAndTurn);
   // All alike: how smooth a lens is nobody states.
   combination_ *= std::sqrt(2.0 * points / static_cast<double>(combination_.cols()));
 }

@@ -11,6 +11,17 @@ namespace {
 constexpr int kTwist = 6, kLens = 5, kShape = 4, kReadout = 1;
 constexpr int kWithoutMotion = kTwist + kLens + kShape;
 
+// Where they overlap or touch they become one.
+void add_to_ranges(Couplings::Range range, std::vector<Couplings::Range>* ranges) {
+  for (std::size_t i = ranges->size(); i-- > 0;) {
+    const Couplings::Range& other = (*ranges)[i];
+    if (other.end < range.first || other.first > range.end) continue;
+    range = {std::min(range.first, other.first), std::max(range.end, other.end)};
+    ranges->erase(ranges->begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  ranges->push_back(range);
+}
+
 }  // namespace
 
 // The corners of a view, whitened and weighted: residual, and derivatives by the view's twist, the lens and the board's
@@ -48,7 +59,6 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
   const Eigen::Matrix3d R = seen.T_camera_board.rotation_matrix();
   const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
   const Eigen::MatrixXd& fields = removed_.fields[index];
-  const LensField& of_lens = errors_.lens_field(view.camera);
   // Corners without a finite covariance are missing among those that are whitened.
   const bool all_there = fields.rows() == 2 * static_cast<Eigen::Index>(view.corners.size());
   Rows rows(static_cast<Eigen::Index>(view.corners.size()), fields.cols(), seen.motion.moves());
@@ -76,7 +86,7 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
     if (all_there)
       rows.by_field.middleRows<2>(row).noalias() = root * fields.middleRows<2>(row);
     else
-      rows.by_field.middleRows<2>(row) = root * of_lens.at(corner.pixel);
+      rows.by_field.middleRows<2>(row) = root * errors_.lens_field(view.camera).at(corner.pixel);
   }
   rows.take_out(seen.motion);
   return rows;
@@ -84,7 +94,7 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
 
 void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
                     const Eigen::MatrixXd& by_globals) {
-  const Eigen::Index size = by_globals.cols();
+  const auto size = static_cast<int>(by_globals.cols());
   const auto by_twist = by_globals.topRows<kTwist>();
   for (std::size_t p = 0; p < static_cast<std::size_t>(seen.count); ++p) {
     const BoardInCamera::Part& part = seen.parts[p];
@@ -94,10 +104,12 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
       if (seen.motion.moves())
         coupling.noalias() += part.motion.leftCols(segment.size).transpose() * by_globals.bottomRows<kMotion>();
     };
-    if (segment.pose < 0)
+    if (segment.pose < 0) {
       add_to(with_globals.block(segment.offset, place, segment.size, size));
-    else
+    } else {
       add_to(with_poses.block(6 * segment.pose + segment.offset, place, segment.size, size));
+      add_to_ranges({place, place + size}, &of_pose[static_cast<std::size_t>(segment.pose)]);
+    }
   }
   if (at.layout.has(Nuisance::kLens))
     with_globals.block(at.layout.place(Nuisance::kLens, view.camera), place, kLens, size) +=
@@ -140,20 +152,29 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
     own_.block(field, field, fields, fields).noalias() += rows.by_field.transpose() * rows.field_left();
     gradient_.segment(field, fields).noalias() += rows.by_field.transpose() * rows.residual;
   }
-  for (std::size_t i = 0; i < view.corners.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    const Eigen::Matrix<double, 2, 3> by_offset = rows.by_offset.middleRows<2>(row);
-    if (const int print = errors_.print(view.corners[i].id); print >= 0) {
-      raw_.add(at, view, seen, print, rows.by_globals.middleRows<2>(row).transpose() * by_offset);
-      own_.block<3, 3>(print, print) += by_offset.transpose() * by_offset;
-      gradient_.segment<3>(print) += by_offset.transpose() * rows.residual.segment<2>(row);
-      if (fields > 0)
-        own_.block(print, field, 3, fields).noalias() += by_offset.transpose() * rows.field_left().middleRows<2>(row);
-    }
-  }
+  if (errors_.print(0) >= 0) add_print(at, view, seen, rows);
   if (!fine_grids_.empty())
     for (const GridColumns& grid : fine_grids_[static_cast<std::size_t>(view.camera)])
       add_fine(at, view, seen, rows, grid);
+}
+
+// Offsets of all corners lie one after the other: a view is added once.
+void RepeatingCouplings::add_print(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
+                                   const Rows& rows) {
+  const int field = errors_.field(view.camera), prints = 3 * at.observations.board.corner_count();
+  Eigen::MatrixXd by_globals = Eigen::MatrixXd::Zero(rows.by_globals.cols(), prints);
+  for (std::size_t i = 0; i < view.corners.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    const int print = errors_.print(view.corners[i].id);
+    const Eigen::Matrix<double, 2, 3> by_offset = rows.by_offset.middleRows<2>(row);
+    by_globals.middleCols<3>(print).noalias() += rows.by_globals.middleRows<2>(row).transpose() * by_offset;
+    own_.block<3, 3>(print, print) += by_offset.transpose() * by_offset;
+    gradient_.segment<3>(print) += by_offset.transpose() * rows.residual.segment<2>(row);
+    if (field >= 0)
+      own_.block(print, field, 3, rows.by_field.cols()) +=
+          by_offset.transpose().lazyProduct(rows.field_left().middleRows<2>(row));
+  }
+  raw_.add(at, view, seen, errors_.print(0), by_globals);
 }
 
 // Corners share nodes: summed over the corners first, a view is added once.
@@ -166,9 +187,9 @@ void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view
     const auto row = static_cast<Eigen::Index>(2 * i);
     const int print = errors_.print(view.corners[i].id);
     const Eigen::Matrix2d by_pixel = grid.sigma_px * rows.roots[i];
-    const Eigen::MatrixX2d globals_by_pixel = rows.by_globals.middleRows<2>(row).transpose() * by_pixel;
+    const Eigen::MatrixX2d globals_by_pixel = rows.by_globals.middleRows<2>(row).transpose().lazyProduct(by_pixel);
     const Eigen::Matrix<double, 3, 2> offset_by_pixel = rows.by_offset.middleRows<2>(row).transpose() * by_pixel;
-    const Eigen::MatrixX2d field_by_pixel = rows.field_left().middleRows<2>(row).transpose() * by_pixel;
+    const Eigen::MatrixX2d field_by_pixel = rows.field_left().middleRows<2>(row).transpose().lazyProduct(by_pixel);
     for (const FineField::Share& share : grid.field.at(view.corners[i].pixel)) {
       const int place = grid.first + 2 * share.node;
       by_globals.middleCols<2>(2 * share.node) += share.weight * globals_by_pixel;
@@ -198,7 +219,7 @@ void RepeatingCouplings::add_to(ArrowSystem* system) const {
 Couplings RepeatingCouplings::of_fine_fields() const {
   Couplings all = fine_;
   all.with_globals.conservativeResize(fine_.with_globals.rows() + errors_.size(), Eigen::NoChange);
-  all.with_globals.bottomRows(errors_.size()) = errors_.raw_by_unknowns().transpose() * raw_with_fine_;
+  all.with_globals.bottomRows(errors_.size()) = errors_.by_unknowns(raw_with_fine_);
   return all;
 }
 

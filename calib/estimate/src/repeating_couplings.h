@@ -14,13 +14,19 @@ namespace rigproof::ml {
 /// How errors of corners enter the normal equations with the globals and with every pose; a column for each error.
 struct Couplings {
   Couplings(int poses, int globals, int errors)
-      : with_globals(Eigen::MatrixXd::Zero(globals, errors)), with_poses(PoseRows::Zero(6 * poses, errors)) {}
+      : with_globals(Eigen::MatrixXd::Zero(globals, errors)),
+        with_poses(PoseRows::Zero(6 * poses, errors)),
+        of_pose(static_cast<std::size_t>(poses)) {}
   /// @param place of the first error @param by_globals by the view's twist, its lens and the board's shape
   void add(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
            const Eigen::MatrixXd& by_globals);
 
   Eigen::MatrixXd with_globals;
   PoseRows with_poses;
+  struct Range {
+    int first, end;  // of errors
+  };
+  std::vector<std::vector<Range>> of_pose;  ///< the errors that each pose is coupled with; no two overlap
 };
 
 class RepeatingCouplings {
@@ -43,6 +49,7 @@ class RepeatingCouplings {
     int first;  // of its columns
     double sigma_px;
   };
+  void add_print(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Rows& rows);
   void add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, const Rows& rows,
                 const GridColumns& grid);
 

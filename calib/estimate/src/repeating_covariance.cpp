@@ -12,7 +12,16 @@ namespace {
 Eigen::MatrixXd response_to(const Couplings& errors, const EliminatedSystem& eliminated,
                             const Eigen::MatrixXd& first_of_covariance) {
   const Eigen::MatrixXd by_poses = first_of_covariance * eliminated.pose_response().topRows(first_of_covariance.cols());
-  return first_of_covariance * errors.with_globals - by_poses * errors.with_poses;
+  Eigen::MatrixXd response = first_of_covariance * errors.with_globals;
+  for (std::size_t pose = 0; pose < errors.of_pose.size(); ++pose) {
+    const Eigen::Index at = 6 * static_cast<Eigen::Index>(pose);
+    for (const Couplings::Range& range : errors.of_pose[pose]) {
+      const Eigen::Index size = range.end - range.first;
+      response.middleCols(range.first, size) -=
+          by_poses.middleCols<6>(at).lazyProduct(errors.with_poses.middleRows<6>(at).middleCols(range.first, size));
+    }
+  }
+  return response;
 }
 
 }  // namespace

@@ -8,12 +8,13 @@ namespace rigproof::ml {
 namespace {
 
 constexpr std::size_t kMostStops = 3000;
+constexpr int kShapeModes = 10;
 
 // What the offsets of a board's corners may not hold since other unknowns have it: translation, rotation, the side of
 // the squares along x and y, the bow along x and y. 3 corners x 10, orthonormal.
 Eigen::MatrixXd shape_modes(const Board& board) {
   const int corners = board.corner_count();
-  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(3 * corners, 10);
+  Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(3 * corners, kShapeModes);
   for (int id = 0; id < corners; ++id) {
     const Eigen::Vector3d p = (board.corner(id) - board.centre()) / board.square_m;
     auto of_corner = modes.middleRows<3>(3 * id);
@@ -33,29 +34,42 @@ RepeatingErrors::RepeatingErrors(const Observations& observations, const PriorSi
   if (priors.believe_told || observations.stops.size() > kMostStops) return;
   const Board& board = observations.board;
   const int corners = 3 * board.corner_count();
-  has_print_ = board.print_sigma() > 0.0 && corners > 10;
-  int raw = has_print_ ? corners : 0, unknowns = has_print_ ? corners - 10 : 0;
+  has_print_ = board.print_sigma() > 0.0 && corners > kShapeModes;
+  int raw = has_print_ ? corners : 0, unknowns = has_print_ ? corners - kShapeModes : 0;
+  if (has_print_) groups_.push_back({-1, 0, unknowns, 1.0});
   for (std::size_t c = 0; c < fields_.size(); ++c) {
-    lens_fields_.emplace_back(observations.cameras[c].camera);
+    std::optional<LensField>& field = lens_fields_.emplace_back();
     if (!(observations.cameras[c].intrinsics_sigma.residual_px > 0.0)) continue;
+    field.emplace(observations.cameras[c].camera);
+    groups_.push_back({static_cast<int>(c), unknowns, field->size(), 1.0});
     fields_[c] = raw;
-    raw += lens_fields_[c].size();
-    unknowns += lens_fields_[c].size();
+    raw += field->size();
+    unknowns += field->size();
   }
   raw_by_unknowns_ = Eigen::MatrixXd::Zero(raw, unknowns);
-  if (has_print_) groups_.push_back({-1, 0, corners - 10, 1.0});
-  if (has_print_)
-    raw_by_unknowns_.topLeftCorner(corners, corners - 10) =
-        board.print_sigma() * shape_modes(board).rightCols(corners - 10);
-  for (std::size_t c = 0, next = has_print_ ? static_cast<std::size_t>(corners) - 10 : 0; c < fields_.size(); ++c) {
-    if (fields_[c] < 0) continue;
-    const int size = lens_fields_[c].size();
-    raw_by_unknowns_.block(fields_[c], static_cast<Eigen::Index>(next), size, size)
-        .diagonal()
-        .setConstant(observations.cameras[c].intrinsics_sigma.residual_px);
-    groups_.push_back({static_cast<int>(c), static_cast<int>(next), size, 1.0});
-    next += static_cast<std::size_t>(size);
+  for (const Group& group : groups_) {
+    if (group.camera < 0)
+      raw_by_unknowns_.topLeftCorner(corners, group.size) =
+          board.print_sigma() * shape_modes(board).rightCols(group.size);
+    else
+      raw_by_unknowns_.block(field(group.camera), group.first, group.size, group.size)
+          .diagonal()
+          .setConstant(observations.cameras[static_cast<std::size_t>(group.camera)].intrinsics_sigma.residual_px);
   }
+}
+
+Eigen::MatrixXd RepeatingErrors::by_unknowns(const Eigen::MatrixXd& by_raw) const {
+  Eigen::MatrixXd rows(size(), by_raw.cols());
+  for (const Group& group : groups_) {
+    auto of_group = rows.middleRows(group.first, group.size);
+    const auto columns = raw_by_unknowns_.middleCols(group.first, group.size);
+    const int raw = group.size + kShapeModes, first = group.camera < 0 ? 0 : field(group.camera);
+    if (group.camera < 0)
+      of_group.noalias() = columns.topRows(raw).transpose() * by_raw.topRows(raw);
+    else
+      of_group = columns.middleRows(first, group.size).diagonal().asDiagonal() * by_raw.middleRows(first, group.size);
+  }
+  return rows;
 }
 
 void RepeatingErrors::enlarge(const Group& group, double factor) {

@@ -11,7 +11,7 @@ namespace {
 void take_out(const std::vector<BoardView>& seen, Preparation* prepared) {
   prepared->used.board_views = seen;
   remove_repeating(prepared->repeating, prepared->views, &prepared->used);
-  prepared->whitened = std::make_shared<const Whitened>(whitened(prepared->used));
+  prepared->whitened = std::make_shared<const Whitened>(with_corners_of(prepared->used, *prepared->whitened));
 }
 
 // The step that the whole problem makes of the errors at a solution without them; zero where the poses are not

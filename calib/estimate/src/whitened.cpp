@@ -79,4 +79,9 @@ Whitened whitened(const Observations& observations) {
   return all;
 }
 
+Whitened with_corners_of(const Observations& observations, Whitened before) {
+  before.views = whitened_views(observations, Delays(observations));
+  return before;
+}
+
 }  // namespace rigproof::ml

@@ -21,12 +21,14 @@ inline bool follows_lens(const PlaneObservation& plane, const RigCamera& camera)
 /// fx / fy (relative), radial displacement in the farthest corner of the image [px].
 using LensChange = Eigen::Matrix<double, 5, 1>;
 
+/// Derivative of the lens's leading coefficient, of the third power of radius or angle, by LensChange[4] [1/px].
+double coefficient_by_px(const Camera& lens);
+
 /// The lenses that a stated one may be.
 class Lenses {
  public:
   explicit Lenses(const Camera& stated);
   Camera changed(const LensChange& change) const;
-  /// Derivative of the lens's leading coefficient, of the third power of radius or angle, by LensChange[4] [1/px].
   double coefficient_by_px() const { return coefficient_by_px_; }
   /// Derivative of a registered plane [1/m] by a change: 1/z = a . ray(u) holds for the rays of all pixels u, so other
   /// rays need another a. Exact and linear in the first four; of the distortion as planes that fill the image show it.

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "rigproof/calib/estimate/lens_field.h"
@@ -28,12 +29,15 @@ class RepeatingErrors {
   /// Offsets of all corners of the board (three each, by id [m]), then each camera's coefficients of its field [px].
   int raw_size() const { return static_cast<int>(raw_by_unknowns_.rows()); }
   const Eigen::MatrixXd& raw_by_unknowns() const { return raw_by_unknowns_; }
+  /// That, transposed, times as many rows as there are raw errors: by blocks, since most of it is zero.
+  Eigen::MatrixXd by_unknowns(const Eigen::MatrixXd& by_raw) const;
 
   /// Where a corner's offset begins among the raw errors; -1 if the print is believed.
   int print(int id) const { return has_print_ ? 3 * id : -1; }
   /// Where a camera's coefficients begin; -1 if its lens is believed.
   int field(int camera) const { return fields_[static_cast<std::size_t>(camera)]; }
-  const LensField& lens_field(int camera) const { return lens_fields_[static_cast<std::size_t>(camera)]; }
+  /// Of a camera whose lens is not believed.
+  const LensField& lens_field(int camera) const { return *lens_fields_[static_cast<std::size_t>(camera)]; }
 
   /// Unknowns whose size is stated by one figure: the print, or a camera's field.
   struct Group {
@@ -48,7 +52,7 @@ class RepeatingErrors {
  private:
   bool has_print_ = false;
   std::vector<int> fields_;
-  std::vector<LensField> lens_fields_;
+  std::vector<std::optional<LensField>> lens_fields_;
   std::vector<Group> groups_;
   Eigen::MatrixXd raw_by_unknowns_;
 };

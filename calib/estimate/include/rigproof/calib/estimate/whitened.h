@@ -39,5 +39,7 @@ struct Whitened {
   std::vector<Lenses> lenses;  ///< of each camera
 };
 Whitened whitened(const Observations& observations);
+/// The same where only the places of corners are others.
+Whitened with_corners_of(const Observations& observations, Whitened before);
 
 }  // namespace rigproof::ml
