@@ -82,8 +82,13 @@ Finding with_lack_of_views(Finding finding, const std::vector<Exclusion>& all, i
 Finding with_lack_of_depth(Finding finding, const std::vector<Exclusion>& all, int camera) {
   const std::vector<Exclusion> depth = of_depth(exclusions_of(all, camera), true);
   if (depth.empty()) return finding;
-  const Finding most = counted(reasons_of(depth)).front();
-  const auto example = std::find_if(depth.begin(), depth.end(),
+  // Where others repeat an image that tells nothing, the reason is what that one lacks.
+  std::vector<Exclusion> examples;
+  std::copy_if(depth.begin(), depth.end(), std::back_inserter(examples),
+               [](const Exclusion& exclusion) { return !exclusion.why.is("depth.repeats"); });
+  if (examples.empty()) examples = depth;
+  const Finding most = counted(reasons_of(examples)).front();
+  const auto example = std::find_if(examples.begin(), examples.end(),
                                     [&most](const Exclusion& exclusion) { return same_reason(exclusion.why, most); });
   return finding.with({{"images", depth.size()}, {"file", example->file}}).by({example->why});
 }

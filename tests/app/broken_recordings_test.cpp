@@ -265,6 +265,20 @@ TEST(BrokenRecording, RepeatedImagesCountOnce) {
   EXPECT_THAT(output.out, testing::HasSubstr("4 of 10 images of the board repeat another"));
 }
 
+// Empty depth images are all alike: it is depth that tells nothing, not images that stand still.
+TEST(BrokenRecording, EmptyDepthIsNoCameraThatHung) {
+  const TempFolder scratch;
+  const fs::path recording = copy_of_recording(scratch);
+  for (const char* camera : {"left", "center", "right"})
+    edit_images(images_of(recording, camera, "depth"), [](cv::Mat* depth) { depth->setTo(0); });
+  const ProcessOutput output = rigproof_command({"calibrate", recording.string()});
+  EXPECT_EQ(output.exit_code, 3) << output.out << output.err;
+  EXPECT_THAT(output.out, testing::HasSubstr("no ground seen: the depth of 10 images is left out, for example "
+                                             "left/depth/000000.png: only 0 points"));
+  EXPECT_THAT(output.out, testing::HasSubstr("9 of 10 depth images repeat another"));
+  EXPECT_THAT(output.out, testing::Not(testing::HasSubstr("stand still")));
+}
+
 TEST(BrokenRecording, CamerasDoNotShareImages) {
   const TempFolder scratch;
   const fs::path recording = copy_of_recording(scratch);

@@ -283,9 +283,8 @@ void note_repeats(const Observations& observations, bool depth, std::vector<Find
     for (const Exclusion& exclusion : exclusions_of(observations.exclusions, static_cast<int>(c)))
       repeats += exclusion.why.is(depth ? "depth.repeats" : "image.repeats");
     if (repeats > 0)
-      notes->push_back(Finding("frames.repeat", {{"repeats", repeats},
-                                                 {"images", depth ? images : images + repeats},
-                                                 {"kind", depth ? "depth images" : "images of the board"}})
+      notes->push_back(Finding(depth ? "depth.repeated" : "frames.repeat",
+                               {{"repeats", repeats}, {"images", depth ? images : images + repeats}})
                            .of(observations.cameras[c].name));
   }
 }

@@ -370,6 +370,20 @@ TEST(Diagnosis, NamesACameraThatHung) {
   EXPECT_FALSE(has_code(result.notes, "frames.repeat"));
 }
 
+// That depth repeats says nothing against the images, whatever the camera's answer lacks.
+TEST(Diagnosis, DoesNotTakeDepthThatHungForImages) {
+  Observations wrong = drive_of_one_camera(1);
+  for (const PlaneObservation& plane : wrong.ground_planes)
+    wrong.exclusions.push_back({0, plane.stop, "again.png", Finding("depth.repeats", {{"file", "first.png"}}), true});
+  wrong.ground_planes.clear();
+  const Result result = estimate_maximum_likelihood(wrong).result;
+  EXPECT_EQ(result.status, ResultStatus::kPartial);
+  EXPECT_TRUE(has_code(result.reasons, "ground.unseen")) << testing::PrintToString(worded(result.reasons));
+  EXPECT_FALSE(has_code(result.reasons, "images.frozen"));
+  EXPECT_FALSE(has_code(result.notes, "frames.repeat"));
+  EXPECT_TRUE(has_code(result.notes, "depth.repeated"));
+}
+
 TEST(Diagnosis, NamesStampsThatAreFarOff) {
   const Observations right = drive_of(16);
   Observations wrong = right;

@@ -21,7 +21,7 @@ const Codes kOne = {"depth.scale", "depth.differs", "depth.scale_of_all", "depth
 const Codes kShape = {"depth.scale",        "depth.scale_of_all", "depth.differs",  "depth.contradicts",
                       "ground.contradicts", "prior.strained",     "depth.misplaced"};
 const Codes kLost = {"ground.unseen", "depth.contradicts", "depth.unit", "depth.differs"};
-const Codes kRepeats = {"frames.repeat", "depth.contradicts", "ground.unseen"};
+const Codes kRepeats = {"depth.repeated", "depth.contradicts", "ground.unseen"};
 const Codes kMirrored = {"depth.mirrored"};
 
 // What a measured depth, in metres, becomes at a pixel.
