@@ -157,15 +157,13 @@ Finding cause(const CameraRatio& depth, double wheels, double wheels_sigma, cons
     return stated.with_odometry(unit);
   if (std::abs(depth.value) > kUnit && !stated.odometry && unit_fits)
     return unit.with({{"squares_mm", stated.square_mm * factor}});
-  const Finding size =
-      stated.with_odometry(Finding("board.size", {{"measured_mm", stated.square_mm * factor},
-                                                  {"stated_mm", stated.square_mm},
-                                                  {"off_percent", 100.0 * (1.0 / factor - 1.0)},
-                                                  {"plausible_percent", 100.0 * kMaxDepthAlone * depth.sigma()}}));
-  // The odometry that sees the stated size speaks for the sensors' own scale.
-  const bool doubted =
-      stated.odometry && std::abs(depth.value - wheels) > 3.0 * std::hypot(wheels_sigma, depth.sigma());
-  return doubted ? size.with({{"depth_doubted", 1}}) : size;
+  const FindingValues sizes = {{"measured_mm", stated.square_mm * factor}, {"stated_mm", stated.square_mm}};
+  // Where the odometry sees another size than the depth, a wrong board would take wrong odometry, too.
+  if (stated.odometry && std::abs(depth.value - wheels) > 3.0 * std::hypot(wheels_sigma, depth.sigma()))
+    return stated.with_odometry(Finding("depth.scale_of_all", {{"factor", factor}}).with(sizes));
+  return stated.with_odometry(Finding("board.size", {{"off_percent", 100.0 * (1.0 / factor - 1.0)},
+                                                     {"plausible_percent", 100.0 * kMaxDepthAlone * depth.sigma()}})
+                                  .with(sizes));
 }
 
 void judge(const CameraRatio& depth, const Stated& stated, BoardScale* result) {

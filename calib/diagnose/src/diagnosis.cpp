@@ -284,11 +284,12 @@ Explanations try_swaps(const Run& run) {
 // The stop from which on frames fit best one stop later or earlier: among some of the stops, then about the best.
 Explanations try_lost_frame_of(const Run& run, const std::vector<int>& cameras, int by) {
   constexpr int kAtFirst = 6;
+  constexpr int kLeastShifted = 3;  // stops: fewer are wrong by themselves
   const int stops = static_cast<int>(run.observations.stops.size());
   std::set<int> tried;
   std::optional<Explained> best;
   const auto look = [&](int from) {
-    if (from < 1 || from >= stops || !tried.insert(from).second) return;
+    if (from < 1 || from > stops - kLeastShifted || !tried.insert(from).second) return;
     const Fault fault = shifted_frames(run.observations, cameras, by, from);
     const std::optional<Trial> trial = run.without(fault, false);
     if (!trial || trial->unexplained >= (best ? best->trial : run.as_is).unexplained - kDecides) return;

@@ -145,6 +145,19 @@ TEST(BoardScale, SaysHowLargeTheSquaresAre) {
   EXPECT_NE(worded(result.reasons).front().find("by the odometry"), std::string::npos);
 }
 
+// A wrong board would take odometry that is wrong by the contrary, too.
+TEST(BoardScale, OdometryThatSeesTheStatedSizeSpeaksAgainstTheDepth) {
+  Observations observations = run_with_depth(1, 0.0);
+  for (auto* planes : {&observations.ground_planes, &observations.board_planes})
+    for (PlaneObservation& plane : *planes) plane.inverse_depth_plane /= 1.15;
+  const Result result = estimate_maximum_likelihood(observations).result;
+  EXPECT_EQ(result.status, ResultStatus::kRefused);
+  ASSERT_FALSE(result.reasons.empty());
+  EXPECT_EQ(result.reasons.front().code, "depth.scale_of_all") << testing::PrintToString(worded(result.reasons));
+  EXPECT_TRUE(mentioned(result.reasons, "by the rig 100.0 mm and by depth 115.0 mm"))
+      << testing::PrintToString(worded(result.reasons));
+}
+
 // Real depth sensors are off by 1 %: no reason to refuse, and none to blame the board.
 TEST(BoardScale, ForgivesWhatDepthSensorsAreOffByOverTrials) {
   for (int seed = 0; seed < Trials(8, 20).count(); ++seed) {
