@@ -1,6 +1,8 @@
 #include "rigproof/core/exclusions.h"
 
 #include <algorithm>
+#include <string>
+#include <variant>
 
 namespace rigproof {
 namespace {
@@ -30,6 +32,20 @@ std::vector<Finding> reasons_of(const std::vector<Exclusion>& exclusions) {
   std::vector<Finding> reasons;
   for (const Exclusion& exclusion : exclusions) reasons.push_back(exclusion.why);
   return reasons;
+}
+
+// With those that are repeated in place of their repeats: what an image that is left out lacks, its repeats lack.
+std::vector<Exclusion> with_originals(std::vector<Exclusion> depth) {
+  const std::vector<Exclusion> all = depth;
+  for (Exclusion& exclusion : depth) {
+    const FindingValue* file = exclusion.why.is("depth.repeats") ? exclusion.why.find("file") : nullptr;
+    if (file == nullptr) continue;
+    const auto original = std::find_if(all.begin(), all.end(), [&](const Exclusion& other) {
+      return !other.why.is("depth.repeats") && other.file == std::get<std::string>(file->value);
+    });
+    if (original != all.end()) exclusion = *original;
+  }
+  return depth;
 }
 
 }  // namespace
@@ -82,11 +98,7 @@ Finding with_lack_of_views(Finding finding, const std::vector<Exclusion>& all, i
 Finding with_lack_of_depth(Finding finding, const std::vector<Exclusion>& all, int camera) {
   const std::vector<Exclusion> depth = of_depth(exclusions_of(all, camera), true);
   if (depth.empty()) return finding;
-  // Where others repeat an image that tells nothing, the reason is what that one lacks.
-  std::vector<Exclusion> examples;
-  std::copy_if(depth.begin(), depth.end(), std::back_inserter(examples),
-               [](const Exclusion& exclusion) { return !exclusion.why.is("depth.repeats"); });
-  if (examples.empty()) examples = depth;
+  const std::vector<Exclusion> examples = with_originals(depth);
   const Finding most = counted(reasons_of(examples)).front();
   const auto example = std::find_if(examples.begin(), examples.end(),
                                     [&most](const Exclusion& exclusion) { return same_reason(exclusion.why, most); });

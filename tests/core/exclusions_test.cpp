@@ -53,5 +53,27 @@ TEST(Exclusions, TheMostFrequentReasonOfDepthIsGivenInFull) {
   EXPECT_EQ(with_lack_of_depth(unseen, all, 1), unseen);
 }
 
+// What repeats an image that is left out is left out for the same.
+TEST(Exclusions, RepeatedDepthLacksWhatItRepeats) {
+  const Finding level("plane.not_level");
+  const auto repeats = [](const char* file) { return Finding("depth.repeats", {{"file", file}}); };
+  const std::vector<Exclusion> all = {{0, 0, "d/0.png", unreadable("truncated PNG"), true},
+                                      {0, 1, "d/1.png", repeats("d/0.png"), true},
+                                      {0, 2, "d/2.png", repeats("d/0.png"), true},
+                                      {0, 3, "d/3.png", level, true},
+                                      {0, 4, "d/4.png", level, true},
+                                      {0, 5, "d/5.png", repeats("d/used.png"), true}};
+  const auto example = [](const std::vector<Exclusion>& of) {
+    return worded(with_lack_of_depth(Finding("ground.unseen").along({"z"}), of, 0));
+  };
+  EXPECT_EQ(example(all),
+            "z unobservable: no ground seen: the depth of 6 images is left out, for example d/0.png: "
+            "truncated PNG; add depth images that show the floor");
+  EXPECT_EQ(example({all.back()}),
+            "z unobservable: no ground seen: the depth of 1 images is left out, for example "
+            "d/5.png: the same depth image as another (d/used.png); add depth images that show "
+            "the floor");
+}
+
 }  // namespace
 }  // namespace rigproof

@@ -158,12 +158,14 @@ Finding cause(const CameraRatio& depth, double wheels, double wheels_sigma, cons
   if (std::abs(depth.value) > kUnit && !stated.odometry && unit_fits)
     return unit.with({{"squares_mm", stated.square_mm * factor}});
   const FindingValues sizes = {{"measured_mm", stated.square_mm * factor}, {"stated_mm", stated.square_mm}};
-  // Where the odometry sees another size than the depth, a wrong board would take wrong odometry, too.
-  if (stated.odometry && std::abs(depth.value - wheels) > 3.0 * std::hypot(wheels_sigma, depth.sigma()))
-    return stated.with_odometry(Finding("depth.scale_of_all", {{"factor", factor}}).with(sizes));
-  return stated.with_odometry(Finding("board.size", {{"off_percent", 100.0 * (1.0 / factor - 1.0)},
-                                                     {"plausible_percent", 100.0 * kMaxDepthAlone * depth.sigma()}})
-                                  .with(sizes));
+  const bool doubted =
+      stated.odometry && std::abs(depth.value - wheels) > 3.0 * std::hypot(wheels_sigma, depth.sigma());
+  // For the board to be wrong, odometry that sees the stated size would have to be wrong as well.
+  if (doubted && std::abs(wheels) < 3.0 * wheels_sigma) return stated.with_odometry(Finding("depth.board_size", sizes));
+  const Finding size = stated.with_odometry(Finding("board.size", sizes)
+                                                .with({{"off_percent", 100.0 * (1.0 / factor - 1.0)},
+                                                       {"plausible_percent", 100.0 * kMaxDepthAlone * depth.sigma()}}));
+  return doubted ? size.with({{"depth_doubted", 1}}) : size;
 }
 
 void judge(const CameraRatio& depth, const Stated& stated, BoardScale* result) {

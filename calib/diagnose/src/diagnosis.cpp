@@ -70,6 +70,7 @@ struct Run {
   Observations observations;
   const Refit& refit;
   Trial as_is;
+  bool goes_on;  // the drive has more stops
 
   std::optional<Trial> without(const Fault& fault, bool same_views) const {
     return refit(undone(fault, observations), same_views, &as_is);
@@ -281,15 +282,29 @@ Explanations try_swaps(const Run& run) {
   return {{{FaultKind::kFrames, causes.front(), true, {}}, best, {causes.begin() + 1, causes.end()}}};
 }
 
+// Fewer stops whose views fit better elsewhere are better explained as wrong by themselves: the remedy leaves a stop's
+// views out, which alone makes any drive agree better.
+constexpr std::size_t kLeastShifted = 3;
+
+// Stops of which a shift from a stop on files the cameras' views at another one of the run.
+std::size_t shifted_stops(const Observations& observations, const std::vector<int>& cameras, int by, int from) {
+  std::set<int> shifted;
+  for (const BoardView& view : observations.board_views)
+    if (view.stop >= from && view.stop + by < static_cast<int>(observations.stops.size()) &&
+        std::find(cameras.begin(), cameras.end(), view.camera) != cameras.end())
+      shifted.insert(view.stop);
+  return shifted.size();
+}
+
 // The stop from which on frames fit best one stop later or earlier: among some of the stops, then about the best.
 Explanations try_lost_frame_of(const Run& run, const std::vector<int>& cameras, int by) {
   constexpr int kAtFirst = 6;
-  constexpr int kLeastShifted = 3;  // stops: fewer are wrong by themselves
   const int stops = static_cast<int>(run.observations.stops.size());
   std::set<int> tried;
   std::optional<Explained> best;
   const auto look = [&](int from) {
-    if (from < 1 || from > stops - kLeastShifted || !tried.insert(from).second) return;
+    if (from < 1 || from >= stops || !tried.insert(from).second) return;
+    if (!run.goes_on && shifted_stops(run.observations, cameras, by, from) < kLeastShifted) return;
     const Fault fault = shifted_frames(run.observations, cameras, by, from);
     const std::optional<Trial> trial = run.without(fault, false);
     if (!trial || trial->unexplained >= (best ? best->trial : run.as_is).unexplained - kDecides) return;
@@ -379,7 +394,8 @@ Cause conclude(Explanations explained, const Trial& as_is) {
 }
 
 Run run_of(const Observations& observations, const Refit& refit) {
-  Run run{first_stops(observations, kDiagnosedStops), refit, {}};
+  const bool goes_on = static_cast<int>(observations.stops.size()) > kDiagnosedStops;
+  Run run{first_stops(observations, kDiagnosedStops), refit, {}, goes_on};
   // Data may be so wrong that they have no solution.
   if (const std::optional<Trial> as_is = refit(run.observations, true, nullptr)) run.as_is = *as_is;
   return run;

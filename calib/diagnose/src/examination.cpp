@@ -280,12 +280,14 @@ void note_repeats(const Observations& observations, bool depth, std::vector<Find
   for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
     std::size_t images = 0, repeats = 0;
     for (const BoardView& view : observations.board_views) images += view.camera == static_cast<int>(c);
-    for (const Exclusion& exclusion : exclusions_of(observations.exclusions, static_cast<int>(c)))
+    for (const Exclusion& exclusion : exclusions_of(observations.exclusions, static_cast<int>(c))) {
+      images += exclusion.why.is("image.repeats");
       repeats += exclusion.why.is(depth ? "depth.repeats" : "image.repeats");
+    }
     if (repeats > 0)
-      notes->push_back(Finding(depth ? "depth.repeated" : "frames.repeat",
-                               {{"repeats", repeats}, {"images", depth ? images : images + repeats}})
-                           .of(observations.cameras[c].name));
+      notes->push_back(
+          Finding(depth ? "depth.frames_repeat" : "frames.repeat", {{"repeats", repeats}, {"images", images}})
+              .of(observations.cameras[c].name));
   }
 }
 

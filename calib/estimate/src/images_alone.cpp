@@ -19,10 +19,10 @@ constexpr std::size_t kMostViews = 240;
 struct Estimate {
   Eigen::VectorXd value;        // of the errors' unknowns
   Eigen::MatrixXd covariance;   // as the images leave it
-  Eigen::MatrixXd by_gradient;  // what gradients by the unknowns make of the value, a column each
+  Eigen::MatrixXd by_gradient;  // what gradients by all unknowns, as large as they are taken for, make of the value
 };
 
-// Without the poses of the views.
+// By lenses, shape and repeating errors, from which the poses of the views are eliminated.
 struct NormalEquations {
   Eigen::LLT<Eigen::MatrixXd> llt;
   Eigen::VectorXd solution;
@@ -44,7 +44,8 @@ class ImagesAlone {
       prior_[lenses + i] = information(priors.covariance(Nuisance::kBoardShape)(i, i));
   }
 
-  // One round more, by weights of how the corners fit so far: their residuals after it.
+  // One round more: equations by the weights of how the corners fit so far, and their solution. The residuals become
+  // those after it.
   NormalEquations solve(const std::vector<ViewRows>& views, std::vector<Eigen::VectorXd>* residuals) const {
     const int raw = raw_size();
     Eigen::MatrixXd N = Eigen::MatrixXd::Zero(raw, raw);

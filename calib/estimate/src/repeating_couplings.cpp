@@ -11,17 +11,6 @@ namespace {
 constexpr int kTwist = 6, kLens = 5, kShape = 4, kReadout = 1;
 constexpr int kWithoutMotion = kTwist + kLens + kShape;
 
-// Where they overlap or touch they become one.
-void add_to_ranges(Couplings::Range range, std::vector<Couplings::Range>* ranges) {
-  for (std::size_t i = ranges->size(); i-- > 0;) {
-    const Couplings::Range& other = (*ranges)[i];
-    if (other.end < range.first || other.first > range.end) continue;
-    range = {std::min(range.first, other.first), std::max(range.end, other.end)};
-    ranges->erase(ranges->begin() + static_cast<std::ptrdiff_t>(i));
-  }
-  ranges->push_back(range);
-}
-
 }  // namespace
 
 // The corners of a view, whitened and weighted: residual, and derivatives by the view's twist, the lens and the board's
@@ -108,7 +97,7 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
       add_to(with_globals.block(segment.offset, place, segment.size, size));
     } else {
       add_to(with_poses.block(6 * segment.pose + segment.offset, place, segment.size, size));
-      add_to_ranges({place, place + size}, &of_pose[static_cast<std::size_t>(segment.pose)]);
+      add_range(segment.pose, {place, place + size});
     }
   }
   if (at.layout.has(Nuisance::kLens))
@@ -120,6 +109,17 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
   if (at.layout.has(Nuisance::kReadout) && seen.motion.moves())
     with_globals.row(at.layout.place(Nuisance::kReadout, view.camera)).segment(place, size) +=
         by_globals.row(kWithoutMotion);
+}
+
+void Couplings::add_range(int pose, Range range) {
+  std::vector<Range>& ranges = of_pose[static_cast<std::size_t>(pose)];
+  for (std::size_t i = ranges.size(); i-- > 0;) {
+    const Range& other = ranges[i];
+    if (other.end < range.first || other.first > range.end) continue;
+    range = {std::min(range.first, other.first), std::max(range.end, other.end)};
+    ranges.erase(ranges.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  ranges.push_back(range);
 }
 
 RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, int globals, bool with_fine)

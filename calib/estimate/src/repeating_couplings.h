@@ -21,11 +21,14 @@ struct Couplings {
   void add(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
            const Eigen::MatrixXd& by_globals);
 
-  Eigen::MatrixXd with_globals;
-  PoseRows with_poses;
   struct Range {
     int first, end;  // of errors
   };
+  /// Notes that a pose is coupled with these errors: ranges that overlap or touch become one.
+  void add_range(int pose, Range range);
+
+  Eigen::MatrixXd with_globals;
+  PoseRows with_poses;
   std::vector<std::vector<Range>> of_pose;  ///< the errors that each pose is coupled with; no two overlap
 };
 

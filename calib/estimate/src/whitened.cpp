@@ -79,9 +79,8 @@ Whitened whitened(const Observations& observations) {
   return all;
 }
 
-Whitened with_corners_of(const Observations& observations, Whitened before) {
-  before.views = whitened_views(observations, Delays(observations));
-  return before;
+Whitened with_corners_of(const Observations& observations, const Whitened& before) {
+  return {whitened_views(observations, Delays(observations)), before.ground_planes, before.board_planes, before.lenses};
 }
 
 }  // namespace rigproof::ml

@@ -23,6 +23,9 @@ namespace {
 constexpr double kMinLossScale = 1e-4;
 constexpr double kLossMedians = 3.0;
 constexpr int kRounds = 3;
+// Of the cost, where Ceres stops: by then a pose moves by some nanometres, and each further digit takes as long as the
+// one before. polish() gives the rest.
+constexpr double kCostFalls = 1e-13;
 
 template <int kRows>
 using RowMajor = Eigen::Matrix<double, kRows, 6, Eigen::RowMajor>;
@@ -242,6 +245,7 @@ struct Blocks {
   std::vector<Block> motions, pairs, heights;
 
   std::array<std::vector<Block>*, 3> groups() { return {&motions, &pairs, &heights}; }
+  std::array<const std::vector<Block>*, 3> groups() const { return {&motions, &pairs, &heights}; }
 };
 
 Blocks make_blocks(const HandEyeProblem& problem) {
@@ -270,9 +274,9 @@ Blocks make_blocks(const HandEyeProblem& problem) {
 void evaluate(bool with_jacobians, Block* block) {
   const int rows = block->cost->num_residuals();
   block->residual.resize(rows);
-  block->jacobians.resize(block->cameras.size());
+  block->jacobians.resize(with_jacobians ? block->cameras.size() : 0);  // none that are old
   std::array<double*, 2> jacobians{};
-  for (std::size_t i = 0; with_jacobians && i < block->cameras.size(); ++i) {
+  for (std::size_t i = 0; i < block->jacobians.size(); ++i) {
     block->jacobians[i].resize(rows, 6);
     jacobians[i] = block->jacobians[i].data();
   }
@@ -285,6 +289,13 @@ void evaluate_at(const std::vector<Rigid3>& X, bool with_jacobians, Blocks* bloc
     for (Block& block : *group) evaluate(with_jacobians, &block);
 }
 
+// At problem.X, with Jacobians.
+Blocks evaluated(const HandEyeProblem& problem) {
+  Blocks blocks = make_blocks(problem);
+  evaluate_at(problem.X, true, &blocks);
+  return blocks;
+}
+
 Eigen::Index row(std::size_t camera) { return 6 * static_cast<Eigen::Index>(camera); }
 
 struct NormalEquations {
@@ -292,9 +303,9 @@ struct NormalEquations {
   Eigen::VectorXd g;  // J^T r
 };
 
-NormalEquations normal_equations(Blocks* blocks, std::size_t cameras) {
+NormalEquations normal_equations(const Blocks& blocks, std::size_t cameras) {
   NormalEquations normal{Eigen::MatrixXd::Zero(row(cameras), row(cameras)), Eigen::VectorXd::Zero(row(cameras))};
-  for (const std::vector<Block>* group : blocks->groups()) {
+  for (const std::vector<Block>* group : blocks.groups()) {
     for (const Block& block : *group) {
       for (std::size_t a = 0; a < block.cameras.size(); ++a) {
         const Eigen::MatrixXd weighted = block.weight * block.jacobians[a].transpose();
@@ -342,7 +353,7 @@ bool solve_once(const std::array<double, 3>& scales, Blocks* blocks, HandEyeProb
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.num_threads = 1;
   options.max_num_iterations = 100;
-  options.function_tolerance = 1e-13;
+  options.function_tolerance = kCostFalls;
   options.gradient_tolerance = options.parameter_tolerance = 1e-15;
   const ceres::Solver::Summary summary = quiet_solve(options, &ceres_problem);
   for (std::size_t k = 0; k < problem->X.size(); ++k)
@@ -368,12 +379,12 @@ void store_residuals(const std::array<double, 3>& scales, bool with_jacobians, B
   store_residuals(scales[2], &blocks->heights, &problem->heights);
 }
 
-// Ceres stops when the cost no longer falls, which leaves half of the digits of the minimum. A few reweighted
+// Where the cost hardly falls half of the digits of the minimum are still open. A few reweighted
 // Gauss-Newton steps give the rest, so that the answer does not depend on the frames in which the data are told.
 void polish(const std::array<double, 3>& scales, Blocks* blocks, HandEyeProblem* problem) {
   for (int step = 0; step < 5; ++step) {
     store_residuals(scales, true, blocks, problem);
-    const NormalEquations normal = normal_equations(blocks, problem->X.size());
+    const NormalEquations normal = normal_equations(*blocks, problem->X.size());
     const Eigen::VectorXd errors = normal.H.ldlt().solve(-normal.g);
     // Far from the minimum nothing is polished.
     if (!(errors.norm() < 1e-5)) return;
@@ -403,9 +414,8 @@ struct Source {
 class NoisePropagation {
  public:
   NoisePropagation(const HandEyeProblem& problem, const OdometryNoise& declared)
-      : problem_(problem), declared_(declared), blocks_(make_blocks(problem)) {
+      : problem_(problem), declared_(declared), blocks_(evaluated(problem)) {
     size_ = 6 * static_cast<Eigen::Index>(problem.X.size());
-    evaluate_at(problem.X, true, &blocks_);
   }
 
   Eigen::MatrixXd covariance() {
@@ -419,7 +429,7 @@ class NoisePropagation {
       if (source.response.size() > 0)
         meat += source.response * odometry_variance.asDiagonal() * source.response.transpose();
     const Eigen::MatrixXd H_inverse =
-        normal_equations(&blocks_, problem_.X.size()).H.ldlt().solve(Eigen::MatrixXd::Identity(size_, size_));
+        normal_equations(blocks_, problem_.X.size()).H.ldlt().solve(Eigen::MatrixXd::Identity(size_, size_));
     const Eigen::MatrixXd covariance = H_inverse * meat * H_inverse.transpose();
     return 0.5 * (covariance + covariance.transpose());
   }
@@ -546,7 +556,7 @@ class NoisePropagation {
 
   const HandEyeProblem& problem_;
   const OdometryNoise& declared_;
-  Blocks blocks_;
+  const Blocks blocks_;
   Eigen::Index size_ = 0;
   std::vector<Source> views_, odometry_;
   Eigen::Vector2d excess_ = Eigen::Vector2d::Zero(), explained_ = Eigen::Vector2d::Zero();

@@ -145,7 +145,7 @@ TEST(BoardScale, SaysHowLargeTheSquaresAre) {
   EXPECT_NE(worded(result.reasons).front().find("by the odometry"), std::string::npos);
 }
 
-// A wrong board would take odometry that is wrong by the contrary, too.
+// If the board were wrong, the odometry would have to be wrong as well.
 TEST(BoardScale, OdometryThatSeesTheStatedSizeSpeaksAgainstTheDepth) {
   Observations observations = run_with_depth(1, 0.0);
   for (auto* planes : {&observations.ground_planes, &observations.board_planes})
@@ -153,8 +153,8 @@ TEST(BoardScale, OdometryThatSeesTheStatedSizeSpeaksAgainstTheDepth) {
   const Result result = estimate_maximum_likelihood(observations).result;
   EXPECT_EQ(result.status, ResultStatus::kRefused);
   ASSERT_FALSE(result.reasons.empty());
-  EXPECT_EQ(result.reasons.front().code, "depth.scale_of_all") << testing::PrintToString(worded(result.reasons));
-  EXPECT_TRUE(mentioned(result.reasons, "by the rig 100.0 mm and by depth 115.0 mm"))
+  EXPECT_EQ(result.reasons.front().code, "depth.board_size") << testing::PrintToString(worded(result.reasons));
+  EXPECT_TRUE(mentioned(result.reasons, "by it the squares of the board measure about 115.0 mm"))
       << testing::PrintToString(worded(result.reasons));
 }
 
@@ -394,7 +394,7 @@ TEST(Diagnosis, DoesNotTakeDepthThatHungForImages) {
   EXPECT_TRUE(has_code(result.reasons, "ground.unseen")) << testing::PrintToString(worded(result.reasons));
   EXPECT_FALSE(has_code(result.reasons, "images.frozen"));
   EXPECT_FALSE(has_code(result.notes, "frames.repeat"));
-  EXPECT_TRUE(has_code(result.notes, "depth.repeated"));
+  EXPECT_TRUE(has_code(result.notes, "depth.frames_repeat"));
 }
 
 TEST(Diagnosis, NamesStampsThatAreFarOff) {

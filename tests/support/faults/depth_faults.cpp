@@ -18,10 +18,10 @@ const Codes kAll = {"depth.scale_of_all", "depth.scale", "depth.unit_of_all",
 const Codes kOne = {"depth.scale", "depth.differs", "depth.scale_of_all", "depth.unit_of_all",
                     "depth.unit",  "board.size",    "prior.strained"};
 // Another shape is another scale of what is looked at, or none that all images share.
-const Codes kShape = {"depth.scale",        "depth.scale_of_all", "depth.differs",  "depth.contradicts",
-                      "ground.contradicts", "prior.strained",     "depth.misplaced"};
+const Codes kShape = {"depth.scale",       "depth.scale_of_all", "depth.board_size", "depth.differs",
+                      "depth.contradicts", "ground.contradicts", "prior.strained",   "depth.misplaced"};
 const Codes kLost = {"ground.unseen", "depth.contradicts", "depth.unit", "depth.differs"};
-const Codes kRepeats = {"depth.repeated", "depth.contradicts", "ground.unseen"};
+const Codes kRepeats = {"depth.frames_repeat", "depth.contradicts", "ground.unseen"};
 const Codes kMirrored = {"depth.mirrored"};
 
 // What a measured depth, in metres, becomes at a pixel.

@@ -29,7 +29,8 @@ class RepeatingErrors {
   /// Offsets of all corners of the board (three each, by id [m]), then each camera's coefficients of its field [px].
   int raw_size() const { return static_cast<int>(raw_by_unknowns_.rows()); }
   const Eigen::MatrixXd& raw_by_unknowns() const { return raw_by_unknowns_; }
-  /// That, transposed, times as many rows as there are raw errors: by blocks, since most of it is zero.
+  /// raw_by_unknowns() transposed, times by_raw (raw_size() rows), by blocks, since most of the matrix is zero: the
+  /// print's is full, that of a field diagonal.
   Eigen::MatrixXd by_unknowns(const Eigen::MatrixXd& by_raw) const;
 
   /// Where a corner's offset begins among the raw errors; -1 if the print is believed.

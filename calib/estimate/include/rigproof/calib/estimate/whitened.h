@@ -39,7 +39,8 @@ struct Whitened {
   std::vector<Lenses> lenses;  ///< of each camera
 };
 Whitened whitened(const Observations& observations);
-/// The same where only the places of corners are others.
-Whitened with_corners_of(const Observations& observations, Whitened before);
+/// The same where only the places of corners are others, by less than a pixel: what smooth errors of depth do to a
+/// board is as it was before.
+Whitened with_corners_of(const Observations& observations, const Whitened& before);
 
 }  // namespace rigproof::ml
