@@ -13,10 +13,10 @@ using Counts = cv::Mat_<std::uint16_t>;
 
 const Codes kUnit = {"depth.unit", "depth.unit_of_all"};
 // One scale of all depth cameras, or of the only one, and one of the board cannot be told apart by images and depth.
-const Codes kAll = {"depth.scale_of_all", "depth.scale", "depth.unit_of_all",
-                    "depth.unit",         "board.size",  "prior.strained"};
+const Codes kAll = {"depth.scale_of_all", "depth.scale",      "depth.unit_of_all", "depth.unit",
+                    "board.size",         "depth.board_size", "prior.strained"};
 const Codes kOne = {"depth.scale", "depth.differs", "depth.scale_of_all", "depth.unit_of_all",
-                    "depth.unit",  "board.size",    "prior.strained"};
+                    "depth.unit",  "board.size",    "depth.board_size",   "prior.strained"};
 // Another shape is another scale of what is looked at, or none that all images share.
 const Codes kShape = {"depth.scale",       "depth.scale_of_all", "depth.board_size", "depth.differs",
                       "depth.contradicts", "ground.contradicts", "prior.strained",   "depth.misplaced"};
