@@ -1,6 +1,7 @@
 #include "rigproof/core/exclusions.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <variant>
 
@@ -36,14 +37,15 @@ std::vector<Finding> reasons_of(const std::vector<Exclusion>& exclusions) {
 
 // With those that are repeated in place of their repeats: what an image that is left out lacks, its repeats lack.
 std::vector<Exclusion> with_originals(std::vector<Exclusion> depth) {
-  const std::vector<Exclusion> all = depth;
+  std::map<std::string, Exclusion> originals;
+  for (const Exclusion& exclusion : depth)
+    if (!exclusion.why.is("depth.repeats")) originals.emplace(exclusion.file, exclusion);
   for (Exclusion& exclusion : depth) {
     const FindingValue* file = exclusion.why.is("depth.repeats") ? exclusion.why.find("file") : nullptr;
-    if (file == nullptr) continue;
-    const auto original = std::find_if(all.begin(), all.end(), [&](const Exclusion& other) {
-      return !other.why.is("depth.repeats") && other.file == std::get<std::string>(file->value);
-    });
-    if (original != all.end()) exclusion = *original;
+    // Files of observations may hold anything.
+    const std::string* name = file != nullptr ? std::get_if<std::string>(&file->value) : nullptr;
+    const auto original = name != nullptr ? originals.find(*name) : originals.end();
+    if (original != originals.end()) exclusion = original->second;
   }
   return depth;
 }

@@ -73,6 +73,11 @@ TEST(Exclusions, RepeatedDepthLacksWhatItRepeats) {
             "z unobservable: no ground seen: the depth of 1 images is left out, for example "
             "d/5.png: the same depth image as another (d/used.png); add depth images that show "
             "the floor");
+  // As files of observations may hold it.
+  const Exclusion number = {0, 5, "d/5.png", Finding("depth.repeats", {{"file", 7}}), true};
+  EXPECT_EQ(example({number, number, all[3]}),
+            "z unobservable: no ground seen: the depth of 3 images is left out, for example "
+            "d/5.png: the same depth image as another (7); add depth images that show the floor");
 }
 
 }  // namespace

@@ -274,7 +274,7 @@ Blocks make_blocks(const HandEyeProblem& problem) {
 void evaluate(bool with_jacobians, Block* block) {
   const int rows = block->cost->num_residuals();
   block->residual.resize(rows);
-  block->jacobians.resize(with_jacobians ? block->cameras.size() : 0);  // none that are old
+  block->jacobians.resize(with_jacobians ? block->cameras.size() : 0);  // old ones would pass for those of here
   std::array<double*, 2> jacobians{};
   for (std::size_t i = 0; i < block->jacobians.size(); ++i) {
     block->jacobians[i].resize(rows, 6);

@@ -1,9 +1,12 @@
+#include "diagnosis.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "broken_runs.h"
 #include "cases.h"
@@ -156,6 +159,20 @@ TEST(BoardScale, OdometryThatSeesTheStatedSizeSpeaksAgainstTheDepth) {
   EXPECT_EQ(result.reasons.front().code, "depth.board_size") << testing::PrintToString(worded(result.reasons));
   EXPECT_TRUE(mentioned(result.reasons, "by it the squares of the board measure about 115.0 mm"))
       << testing::PrintToString(worded(result.reasons));
+}
+
+// Nothing is known of odometry that sees yet another size.
+TEST(BoardScale, OdometryThatSeesAnotherSizeDoesNotSpeakAgainstTheDepth) {
+  Observations observations = run_with_depth(1, 0.0);
+  observations.board.square_m = 0.108;
+  for (Stop& stop : observations.stops) {
+    stop.x_m *= 0.9;
+    stop.y_m *= 0.9;
+  }
+  const Result result = estimate_maximum_likelihood(observations).result;
+  EXPECT_EQ(result.status, ResultStatus::kRefused);
+  EXPECT_TRUE(has_code(result.reasons, "board.size")) << testing::PrintToString(worded(result.reasons));
+  EXPECT_FALSE(has_code(result.reasons, "depth.board_size"));
 }
 
 // Real depth sensors are off by 1 %: no reason to refuse, and none to blame the board.
@@ -395,6 +412,36 @@ TEST(Diagnosis, DoesNotTakeDepthThatHungForImages) {
   EXPECT_FALSE(has_code(result.reasons, "images.frozen"));
   EXPECT_FALSE(has_code(result.notes, "frames.repeat"));
   EXPECT_TRUE(has_code(result.notes, "depth.frames_repeat"));
+}
+
+// The camera sees the board at the first ten of 16 stops, and the data would be in order without the last of its views:
+// frames that are lost there would put no view elsewhere.
+TEST(Diagnosis, LosesNoFrameToLeaveOutAView) {
+  Observations wrong = drive_of_one_camera(1);
+  std::vector<BoardView>& views = wrong.board_views;
+  views.erase(std::remove_if(views.begin(), views.end(), [](const BoardView& view) { return view.stop >= 10; }),
+              views.end());
+  const auto seen_at = [](const Observations& observations) {
+    std::vector<std::pair<int, double>> seen;  // stop, and what tells one view from another
+    for (const BoardView& view : observations.board_views) seen.emplace_back(view.stop, view.corners.front().pixel.x());
+    return seen;
+  };
+  std::vector<std::pair<int, double>> without_last = seen_at(wrong);
+  without_last.pop_back();
+  int tried = 0;
+  const auto refit = [&](const Observations& repaired, bool, const ml::Trial*) {
+    ml::Trial trial;
+    trial.clean = seen_at(repaired) == without_last;
+    trial.unexplained = trial.clean ? 0.0 : 1000.0;
+    ++tried;
+    return std::optional<ml::Trial>(trial);
+  };
+  ml::Symptoms symptoms;
+  symptoms.bad_corners = {false};
+  symptoms.frames = true;
+  const std::optional<ml::Cause> cause = ml::find_cause(wrong, symptoms, refit);
+  EXPECT_FALSE(cause) << testing::PrintToString(worded(cause->findings));
+  EXPECT_GT(tried, 5);
 }
 
 TEST(Diagnosis, NamesStampsThatAreFarOff) {

@@ -39,8 +39,8 @@ struct Whitened {
   std::vector<Lenses> lenses;  ///< of each camera
 };
 Whitened whitened(const Observations& observations);
-/// The same where only the places of corners are others, by less than a pixel: what smooth errors of depth do to a
-/// board is as it was before.
+/// The same where corners lie elsewhere, by less than a pixel: planes and their covariances hardly depend on that, and
+/// stay as they are.
 Whitened with_corners_of(const Observations& observations, const Whitened& before);
 
 }  // namespace rigproof::ml
