@@ -217,7 +217,10 @@ ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
 
 std::optional<ProcessEnd> ChildProcess::poll() {
   int status = 0;
-  if (!is_running() || waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  if (!is_running()) return std::nullopt;
+  const pid_t ended = waitpid(pid_, &status, WNOHANG);
+  const bool reaped = ended < 0 && errno == ECHILD;  // where SIGCHLD is ignored the system does it
+  if (ended != pid_ && !reaped) return std::nullopt;
   pid_ = -1;
   return end_of(status);
 }

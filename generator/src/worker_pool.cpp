@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstring>
 #include <system_error>
+#include <thread>
 
 #include "rigproof/core/error.h"
 
@@ -20,6 +21,9 @@ namespace {
 constexpr std::size_t kQueueLength = 2;
 // Longest message: a result lists a few files; an error message is cut off.
 constexpr std::size_t kMaxMessage = 32768;
+// How long the last job of each process is waited for, and how often it is asked.
+constexpr double kMaxGraceS = 10.0;
+constexpr auto kPollPeriod = std::chrono::milliseconds(2);
 
 // First byte of a message from a process. The second of a failure is its exit code.
 constexpr char kTagReady = 'R', kTagDone = 'D', kTagFailed = 'F';
@@ -81,15 +85,16 @@ void WorkerPool::start(const Prepare& prepare) {
   workers_.push_back({std::move(process), sockets[0], {}, std::chrono::steady_clock::now()});
 }
 
+// At the end of its input a process ends: at once where it is idle, else after the job in work, which may be half a
+// file. One that takes too long is killed by its ChildProcess.
 WorkerPool::~WorkerPool() {
+  for (const Worker& worker : workers_)
+    if (worker.socket >= 0) ::close(worker.socket);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(std::min(patience_s_, kMaxGraceS));
   for (Worker& worker : workers_) {
-    if (worker.socket < 0) continue;
-    // An idle process ends at the end of its input; one that works is not waited for.
-    ::close(worker.socket);
-    if (!worker.queue.empty()) worker.process.kill_all();
+    while (worker.process.is_running() && !worker.process.poll() && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(kPollPeriod);
   }
-  for (Worker& worker : workers_)
-    if (worker.process.is_running()) worker.process.wait();
 }
 
 std::size_t WorkerPool::least_busy() const {

@@ -40,7 +40,7 @@ class WorkerPool {
 
   /// @param patience_s a process that is silent for longer while it has work counts as dead
   WorkerPool(int processes, const Prepare& prepare, double patience_s);
-  /// Ends the processes at once.
+  /// Ends the processes: each after its job in work, so that no file stays half-written, or after 10 s.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;

@@ -105,6 +105,48 @@ TEST(WorkerPool, FailureToPrepareIsToldThoughJobsWait) {
   for (const int end : {submitted[0], submitted[1], alive[0]}) ::close(end);
 }
 
+TEST(WorkerPool, EndsAfterTheJobInWork) {
+  std::array<int, 2> begun{}, finished{};
+  ASSERT_EQ(::pipe(begun.data()), 0);
+  ASSERT_EQ(::pipe(finished.data()), 0);
+  char byte = 0;
+  {
+    WorkerPool pool(
+        1,
+        [&](std::string*) {
+          return [&](std::uint32_t job) {
+            const char name = static_cast<char>('a' + job);
+            if (::write(begun[1], &name, 1) != 1) return std::string("no pipe");
+            ::usleep(300'000);  // as one that writes a file
+            if (::write(finished[1], &name, 1) != 1) return std::string("no pipe");
+            return std::string();
+          };
+        },
+        kPatienceS);
+    pool.submit(0);
+    pool.submit(1);
+    ASSERT_EQ(::read(begun[0], &byte, 1), 1);
+  }
+  ::close(finished[1]);
+  ASSERT_EQ(::read(finished[0], &byte, 1), 1) << "the job in work was cut off";
+  EXPECT_EQ(byte, 'a');
+  EXPECT_EQ(::read(finished[0], &byte, 1), 0) << "the next job was begun";
+  for (const int end : {begun[0], begun[1], finished[0]}) ::close(end);
+}
+
+TEST(WorkerPool, EndsOneThatHangs) {
+  WorkerPool pool(
+      1,
+      [](std::string*) {
+        return [](std::uint32_t) {
+          ::pause();
+          return std::string();
+        };
+      },
+      0.2);
+  pool.submit(0);
+}
+
 TEST(WorkerPool, ProcessThatHangsCountsAsDead) {
   WorkerPool pool(
       1,
