@@ -42,6 +42,13 @@ Choice choose(const Board& board) {
   return too_few(board, *chosen);
 }
 
+// Of dictionaries of one family the smaller are parts of the larger: "DICT_5X5" of DICT_5X5_50.
+std::string family_of(const Board& board) {
+  const std::string name = dictionary_of(board).name;
+  const std::size_t count = name.rfind('_');
+  return name.rfind("DICT_APRILTAG", 0) == 0 || name == "DICT_ARUCO_ORIGINAL" ? name : name.substr(0, count);
+}
+
 }  // namespace
 
 const std::vector<MarkerDictionary>& marker_dictionaries() {
@@ -80,6 +87,15 @@ std::optional<std::string> problem_of_markers(const Board& board) {
   const Choice choice = choose(board);
   const auto* problem = std::get_if<std::string>(&choice);
   return problem == nullptr ? std::nullopt : std::optional(*problem);
+}
+
+std::optional<std::string> problem_of_telling_apart(const Board& a, const Board& b) {
+  if (a.type == "checkerboard" || b.type == "checkerboard")
+    return "a plain checkerboard looks like a part of any other board whose markers cannot be read; of several boards "
+           "each must be of type charuco or aprilgrid";
+  if (family_of(a) != family_of(b)) return std::nullopt;
+  return "both have markers of " + family_of(a) + "; make one a charuco board with another dictionary, e.g. " +
+         (family_of(a) == "DICT_4X4" ? "DICT_6X6_250" : "DICT_4X4_250");
 }
 
 std::vector<BoardMarker> markers_of(const Board& board) {

@@ -65,6 +65,7 @@ void visit_head(FieldVisitor& visitor, Observations& o) {
   visitor.field("robot_frame", o.robot_frame, TextChoices{}, "name of the robot frame in results");
   visitor.require("board", "{type, squares, square_mm}");
   visitor.nested("board", o.board, "the calibration board");
+  visit_more_boards(visitor, o.more_boards);
   visitor.nested("odometry_noise", o.odometry_noise, "what is known of the odometry's noise");
   visitor.nested("accept", o.accept, "limits of rig.yaml on the stated uncertainty");
   visitor.require("cameras", "an object of cameras by name");
@@ -145,26 +146,37 @@ CornerObservation corner_of(const std::vector<double>& row) {
   return corner;
 }
 
-void visit_corners(FieldVisitor& visitor, std::vector<CornerObservation>& corners, const Board& board) {
+// @param board null where it is not known: whose ids they are cannot be told
+void visit_corners(FieldVisitor& visitor, std::vector<CornerObservation>& corners, const Board* board) {
   std::vector<std::vector<double>> rows;
   for (const CornerObservation& corner : corners) rows.push_back(row_of(corner));
   visitor.require("corners", "a list of corners");
   visitor.field("corners", rows, {-1e9, 1e9}, 0, "[id, u_px, v_px, cov_uu, cov_uv, cov_vv] of each inner corner");
-  if (!visitor.is_reading()) return;
-  std::vector<bool> seen(static_cast<std::size_t>(board.corner_count()), false);
+  if (!visitor.is_reading() || board == nullptr) return;
+  std::vector<bool> seen(static_cast<std::size_t>(board->corner_count()), false);
   corners.clear();
   for (const std::vector<double>& row : rows) {
-    const std::string fault = fault_of(row, board.corner_count(), &seen);
+    const std::string fault = fault_of(row, board->corner_count(), &seen);
     visitor.check(fault.empty(), "corners", "entry " + std::to_string(&row - rows.data()) + ": " + fault);
     if (fault.empty()) corners.push_back(corner_of(row));
   }
+}
+
+// -> the board that the corners are of; null where there is no such one
+const Board* visit_board_of(FieldVisitor& visitor, BoardView& view, const Observations& o) {
+  const std::size_t problems = visitor.is_reading() ? visitor.problems()->all().size() : 0;
+  if (visitor.takes("board", view.board != 0))
+    visitor.field("board", view.board, {0.0, visitor.is_reading() ? o.boards() - 1.0 : NumberRange().max},
+                  "which it is: 0, the default, is `board`, 1 the first of `more_boards`");
+  const bool refused = visitor.is_reading() && visitor.problems()->all().size() != problems;
+  return !refused && view.board >= 0 && view.board < o.boards() ? &o.board_at(view.board) : nullptr;
 }
 
 void visit_view(FieldVisitor& visitor, BoardView& view, const Observations& o) {
   visit_stop_and_camera(visitor, view.stop, view.camera, o);
   visitor.required("stamp_s", view.stamp_s, {}, "of the image");
   visit_file(visitor, view.file, "the image");
-  visit_corners(visitor, view.corners, o.board);
+  visit_corners(visitor, view.corners, visit_board_of(visitor, view, o));
 }
 
 void visit_plane_values(FieldVisitor& visitor, Eigen::Vector3d& plane, Eigen::Matrix3d& covariance) {

@@ -4,6 +4,7 @@
 
 #include "csv.h"
 #include "frame_list.h"
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/odometry_csv.h"
@@ -71,11 +72,31 @@ fs::path rig_file(const fs::path& folder) { return folder / "rig.yaml"; }
 
 }  // namespace
 
+namespace {
+
+// One problem at most. Boards that were not read are no boards.
+void check_told_apart(FieldVisitor& visitor, const Rig& rig) {
+  if (!visitor.is_reading() || !visitor.problems()->empty()) return;
+  for (int b = 1; b < rig.boards(); ++b)
+    for (int a = 0; a < b; ++a) {
+      const std::optional<std::string> problem = problem_of_telling_apart(rig.board_at(a), rig.board_at(b));
+      if (!problem) continue;
+      visitor.check(false, "more_boards",
+                    "boards " + std::to_string(a + 1) + " and " + std::to_string(b + 1) +
+                        " cannot be told apart in images: " + *problem);
+      return;
+    }
+}
+
+}  // namespace
+
 void visit_rig(FieldVisitor& visitor, const fs::path& folder, Rig& rig) {
   visitor.optional("name", rig.name, "for people");
   visitor.field("robot_frame", rig.robot_frame, TextChoices{}, "name of the robot frame in results");
   visitor.require("board", "{squares: [columns, rows], square_mm: side}");
   visitor.nested("board", rig.board, "the calibration board");
+  visit_more_boards(visitor, rig.more_boards);
+  check_told_apart(visitor, rig);
   visitor.section(
       "odometry", [&rig](FieldVisitor& block) { visit_odometry(block, rig); }, "what the wheels told");
   visitor.require("cameras", "a map of cameras by name");

@@ -309,6 +309,18 @@ void visit_board(FieldVisitor& visitor, Board& board) {
                 "use one even and one odd number of squares");
 }
 
+void visit_more_boards(FieldVisitor& visitor, std::vector<Board>& boards) {
+  constexpr std::size_t kMost = 7;
+  if (!visitor.takes("more_boards", !boards.empty())) return;
+  const YamlTree* given = visitor.given("more_boards");
+  const bool too_many = given != nullptr && given->items.size() > kMost;
+  visitor.check(!too_many, "more_boards", "allowed are at most 7");
+  if (too_many) return;
+  visitor.nested_list("more_boards", boards,
+                      "boards that stand elsewhere, each wherever, that other cameras see, or from other stops; an "
+                      "image counts for the one of which it shows the most corners");
+}
+
 void visit_camera(FieldVisitor& visitor, Camera& camera) {
   visitor.field("width_px", camera.width_px, {1.0, kMaxSize}, "width of the image");
   visitor.field("height_px", camera.height_px, {1.0, kMaxSize}, "height of the image");

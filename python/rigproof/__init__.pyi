@@ -112,6 +112,7 @@ class Recording:
     folder: os.PathLike[str]
     robot_frame: str
     board: Board
+    more_boards: List[Board]
     cameras: List[RigCamera]
     frames: Dict[str, List[CameraFrame]]
     @property
@@ -120,11 +121,12 @@ class Recording:
 
 class BoardView:
     def __init__(self, stop: int, camera: int, stamp_s: float, ids: Sequence[int], pixels: ArrayLike,
-                 covariances_px2: Optional[ArrayLike] = None, file: str = "") -> None: ...
+                 covariances_px2: Optional[ArrayLike] = None, file: str = "", board: int = 0) -> None: ...
     stop: int
     camera: int
     stamp_s: float
     file: str
+    board: int
     @property
     def ids(self) -> NDArray[np.int32]:
         """(n,)"""
@@ -158,6 +160,7 @@ class Observations:
     source: str
     robot_frame: str
     board: Board
+    more_boards: List[Board]
     cameras: List[RigCamera]
     board_views: List[BoardView]
     ground_planes: List[PlaneObservation]
@@ -275,6 +278,7 @@ class ViewPose:
     T_camera_board: Pose
     covariance: Floats
     reprojection_rms_px: float
+    board: int
 
 Data = Union[Observations, Input, Path]
 Method = Union[str, Callable[[Observations], Union[Result, Dict[str, PoseLike]]]]

@@ -70,6 +70,7 @@ void add_recording(py::module_& module) {
       .def_property_readonly("folder", copy_of(&Recording::folder))
       .def_property_readonly("robot_frame", [](const Recording& r) { return r.rig.robot_frame; })
       .def_property_readonly("board", [](const Recording& r) { return r.rig.board; })
+      .def_property_readonly("more_boards", [](const Recording& r) { return r.rig.more_boards; })
       .def_property_readonly("cameras", [](const Recording& r) { return r.rig.cameras; })
       .def_property_readonly("frames", frames_of, "Images of each camera, by its name, in the order of time")
       .def_property_readonly(
@@ -84,7 +85,7 @@ void add_recording(py::module_& module) {
 }
 
 BoardView board_view_of(int stop, int camera, double stamp_s, const std::vector<int>& ids, const Array& pixels,
-                        const std::optional<Array>& covariances, std::string file) {
+                        const std::optional<Array>& covariances, std::string file, int board) {
   const auto count = static_cast<py::ssize_t>(ids.size());
   check_shape(pixels, {count, 2}, "pixels");
   if (covariances) check_shape(*covariances, {count, 2, 2}, "covariances_px2");
@@ -93,6 +94,7 @@ BoardView board_view_of(int stop, int camera, double stamp_s, const std::vector<
   view.camera = camera;
   view.stamp_s = stamp_s;
   view.file = std::move(file);
+  view.board = board;
   for (py::ssize_t i = 0; i < count; ++i) {
     CornerObservation& corner = view.corners.emplace_back();
     corner.id = ids[static_cast<std::size_t>(i)];
@@ -122,12 +124,13 @@ py::array_t<double> covariances_of(const BoardView& view) {
 void add_views(py::module_& module) {
   py::class_<BoardView>(module, "BoardView", "The board as one camera sees it from one stop. Immutable.")
       .def(py::init(&board_view_of), py::arg("stop"), py::arg("camera"), py::arg("stamp_s"), py::arg("ids"),
-           py::arg("pixels"), py::arg("covariances_px2") = py::none(), py::arg("file") = "",
+           py::arg("pixels"), py::arg("covariances_px2") = py::none(), py::arg("file") = "", py::arg("board") = 0,
            "Of corners that your own detector found; without covariances one pixel each.")
       .def_readonly("stop", &BoardView::stop, "Index of the stop")
       .def_readonly("camera", &BoardView::camera, "Index of the camera")
       .def_readonly("stamp_s", &BoardView::stamp_s)
       .def_readonly("file", &BoardView::file)
+      .def_readonly("board", &BoardView::board, "Which of the boards: 0 is `board`, then `more_boards`")
       .def_property_readonly("ids", ids_of, "(n,): the board's corner of each")
       .def_property_readonly(
           "pixels",
@@ -177,6 +180,7 @@ void add_observations(py::module_& module) {
       .def_readonly("source", &Observations::source)
       .def_readonly("robot_frame", &Observations::robot_frame)
       .def_property_readonly("board", copy_of(&Observations::board))
+      .def_property_readonly("more_boards", copy_of(&Observations::more_boards))
       .def_property_readonly("cameras", copy_of(&Observations::cameras))
       .def_property_readonly("stamps_s", stamps_of, "(stops,)")
       .def_property_readonly(

@@ -104,6 +104,7 @@ void add_view_poses(py::module_& module) {
       .def_property_readonly(
           "covariance", [](const ViewPose& view) { return array_of(view.covariance); },
           "(6, 6) in the chart of transform_error()")
+      .def_readonly("board", &ViewPose::board)
       .def_readonly("reprojection_rms_px", &ViewPose::reprojection_rms_px);
   module.def(
       "view_poses", [](const Observations& observations) { return estimate_view_poses(observations).poses; },

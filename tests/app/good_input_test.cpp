@@ -184,6 +184,41 @@ TEST(Command, WhatIsEstimatedOfSomeCamerasStandsInItsOwnColumn) {
   EXPECT_THAT(output.out, testing::ContainsRegex("\n right +- +[^ ]+ +[^ ]+\n"));
 }
 
+// The images of one camera count for a board of its own: the same that the others see, but nobody says so.
+TEST(Command, CamerasMaySeeBoardsOfTheirOwn) {
+  const TempFolder scratch;
+  const fs::path file = scratch / "one/observations.json";
+  ASSERT_EQ(rigproof_command({"observe", small_run().string(), "-o", file.string()}).exit_code, 0);
+  auto observations = nlohmann::json::parse(read_whole_file(file));
+  observations["more_boards"] = {observations["board"]};
+  for (auto& view : observations["board_views"])
+    if (view["camera"] == 2) view["board"] = 1;
+  const fs::path two = scratch.write("two/observations.json", observations.dump());
+  for (const fs::path& of : {file, two})
+    ASSERT_EQ(rigproof_command({"calibrate", of.string(), "-m", "ml"}).exit_code, 0);
+  const Result together = load_result(scratch / "one/results/ml.yaml");
+  const Result apart = load_result(scratch / "two/results/ml.yaml");
+  ASSERT_EQ(apart.camera_to_robot.size(), 3U);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const EstimatedTransform &a = together.camera_to_robot[c], &b = apart.camera_to_robot[c];
+    for (int axis = 0; axis < 6; ++axis) {
+      const double off = transform_error(b.T_parent_child, a.T_parent_child)[axis];
+      EXPECT_LT(std::abs(off), 3.0 * std::sqrt((*b.covariance)(axis, axis))) << b.child << axis;
+      EXPECT_GT((*b.covariance)(axis, axis), 0.99 * (*a.covariance)(axis, axis)) << b.child << axis;
+    }
+  }
+  const ProcessOutput rival = rigproof_command({"calibrate", two.string(), "-m", "joint_memroc"});
+  EXPECT_EQ(rival.exit_code, 3);
+  EXPECT_THAT(rival.out, HasSubstr("The recording has 2 boards; this method takes one"));
+  const ProcessOutput suggestion = rigproof_command({"suggest", two.string()});
+  EXPECT_EQ(suggestion.exit_code, 2);
+  EXPECT_THAT(suggestion.err, HasSubstr("more_boards: suggest looks for stops before one board, and there are 2"));
+  for (const char* looks : {"report", "inspect"}) {
+    const ProcessOutput output = rigproof_command({looks, two.string(), "-o", (scratch / looks).string()});
+    EXPECT_EQ(output.exit_code, 0) << looks << output.err;
+  }
+}
+
 TEST(Command, ResultsDoNotDependOnTheNumberOfJobs) {
   const TempFolder scratch;
   for (const char* jobs : {"1", "2", "5"})

@@ -78,6 +78,40 @@ TEST(Observations, KeysThatWereSortedExchangeNoCameras) {
               HasSubstr("camera_order: a list of 3: must name each of the cameras once: "));
 }
 
+TEST(Observations, TellWhichBoardAViewIsOf) {
+  TempFolder folder;
+  Observations written = sample_observations();
+  save_observations(written, folder / "one.json");
+  EXPECT_EQ(folder.read("one.json").find("more_boards"), std::string::npos);
+  Board larger = written.board;
+  larger.squares_x += 2;
+  written.more_boards = {larger};
+  BoardView& view = written.board_views.back();
+  view.board = 1;
+  view.corners = {view.corners.front()};
+  view.corners.front().id = larger.corner_count() - 1;
+  save_observations(written, folder / "two.json");
+  const Observations read = load_observations(folder / "two.json");
+  ASSERT_EQ(read.boards(), 2);
+  EXPECT_EQ(read.more_boards[0], larger);
+  EXPECT_EQ(read.board_views.front().board, 0);
+  EXPECT_EQ(read.board_views.back().board, 1);
+  EXPECT_EQ(read.board_of(read.board_views.back()).corner_count(), larger.corner_count());
+  save_observations(read, folder / "again.json");
+  EXPECT_EQ(folder.read("two.json"), folder.read("again.json"));
+
+  written.board_views.back().board = 0;
+  save_observations(written, folder / "small.json");
+  EXPECT_THAT(error_text([&] { load_observations(folder / "small.json"); }),
+              HasSubstr("a corner's id must be a whole number"));
+  for (const int board : {2, -1}) {
+    written.board_views.back().board = board;
+    save_observations(written, folder / "none.json");
+    EXPECT_THAT(error_text([&] { load_observations(folder / "none.json"); }),
+                HasSubstr("board: " + std::to_string(board) + ": allowed is 0 to 1"));
+  }
+}
+
 TEST(Observations, OneElementALine) {
   const SavedObservations folder;
   EXPECT_THAT(folder.read("o.json"), HasSubstr("\n  {\"stop\": 1, \"camera\": 0, \"stamp_s\": 1.1, \"file\":"));

@@ -509,6 +509,48 @@ TEST(Rig, BoardsThatCannotBeToldApartOrAreGivenInCornersAreRefused) {
   EXPECT_THAT(board("/etc/passwd"), HasSubstr("there is no \"/etc/passwd\" among the presets")) << "no file elsewhere";
 }
 
+TEST(Rig, MayHaveBoardsThatImagesTellApart) {
+  const auto charuco = [](const std::string& dictionary) {
+    return "{type: charuco, squares: [7, 5], square_mm: 100, dictionary: " + dictionary + "}";
+  };
+  const std::string first = charuco("DICT_5X5_50"), grid = "{type: aprilgrid, squares: [6, 6], square_mm: 110}";
+  const auto rig_of = [&](const std::string& more) {
+    return "board: " + first + "\nmore_boards: [" + more + "]\ncameras: {left: {intrinsics: " + kIntrinsics + "}}\n";
+  };
+  const auto problems = [&](const std::string& more) { return rig_problems(rig_of(more)); };
+  TempFolder folder;
+  folder.write("rig.yaml", rig_of(charuco("DICT_6X6_250") + ", " + grid));
+  const Rig rig = load_rig(folder / "rig.yaml");
+  ASSERT_EQ(rig.boards(), 3);
+  EXPECT_EQ(rig.board_at(0).dictionary, "DICT_5X5_50");
+  EXPECT_EQ(rig.board_at(1).dictionary, "DICT_6X6_250");
+  EXPECT_EQ(rig.board_at(2).type, "aprilgrid");
+  save_rig(rig, folder / "again.yaml");
+  const Rig again = load_rig(folder / "again.yaml");
+  EXPECT_EQ(again.board, rig.board);
+  EXPECT_EQ(again.more_boards, rig.more_boards);
+
+  EXPECT_EQ(problems(charuco("DICT_4X4_50") + ", aprilgrid_6x4_130mm"), "") << "a preset's name, as for board";
+  EXPECT_THAT(
+      problems("{squares: [8, 5], square_mm: 90}"),
+      HasSubstr("rig.yaml:2: more_boards: a list of 1: boards 1 and 2 cannot be told apart in images: a plain"));
+  EXPECT_THAT(
+      problems(charuco("DICT_5X5_100") + ", " + charuco("DICT_5X5_250")),
+      HasSubstr("boards 1 and 2 cannot be told apart in images: both have markers of DICT_5X5; make one a charuco "
+                "board with another dictionary, e.g. DICT_4X4_250"));
+  EXPECT_THAT(problems(grid + ", " + grid),
+              HasSubstr("boards 2 and 3 cannot be told apart in images: both have markers"));
+  EXPECT_THAT(problems("{squares: [8, 5]}"), HasSubstr("more_boards[0].square_mm"));
+  const std::string misspelt = problems("charuco_7x5_100m");
+  EXPECT_THAT(misspelt, HasSubstr("did you mean \"charuco_7x5_100mm\"?"));
+  EXPECT_THAT(misspelt, testing::Not(HasSubstr("told apart")));
+  std::string many;
+  for (int i = 0; i < 10000; ++i) many += (i == 0 ? "" : ", ") + std::string("no_such_board");
+  const std::string refused = problems(many);
+  EXPECT_THAT(refused, HasSubstr("more_boards: a list of 10000: allowed are at most 7"));
+  EXPECT_LT(refused.size(), 300U);
+}
+
 TEST(Rig, DepthRefinesThePresetOrIsNone) {
   const TempFolder folder;
   const auto depth = [&](const std::string& text) {

@@ -181,6 +181,28 @@ TEST(Convert, AnAprilGridIsToldAsKalibrDoesAndNotToLayoutsOfEqualSquares) {
   EXPECT_FALSE(fs::exists(scratch / "refused"));
 }
 
+TEST(Convert, SeveralBoardsAreToldToARecordingAlone) {
+  const TempFolder scratch;
+  Recording recording = small_recording(scratch / "original");
+  Board marked;
+  marked.type = "charuco";
+  recording.rig.board = marked;
+  marked.dictionary = "DICT_4X4_50";
+  recording.rig.more_boards = {marked};
+  int refused = 0;
+  for (const std::string& format : writable_formats()) {
+    if (format == "recording") continue;
+    EXPECT_THAT(error_text([&] { convert(recording, format, scratch / "refused", {}); }),
+                AllOf(HasSubstr("rig.yaml: more_boards: "), HasSubstr("knows one board, and this recording has 2")))
+        << format;
+    ++refused;
+  }
+  EXPECT_GE(refused, 5);
+  EXPECT_FALSE(fs::exists(scratch / "refused"));
+  convert(recording, "recording", scratch / "there", {});
+  EXPECT_EQ(load_recording(scratch / "there").rig.more_boards, recording.rig.more_boards);
+}
+
 TEST(Convert, ToOpenCvIsWhatItsFileStorageReads) {
   const TempFolder scratch;
   Recording recording = small_recording(scratch / "original");

@@ -261,6 +261,33 @@ TEST_F(Watched, GrowsFromNothing) {
   EXPECT_EQ(watch.look().cameras[0].board_stops, 1U);
 }
 
+// What two cameras see of different boards ties them by no stop.
+TEST_F(Watched, CountsAnyBoardOfTheRig) {
+  write_poses({0.0, 20.0, -20.0});
+  const auto picture_of = [](const std::string& dictionary) {
+    Board board;
+    board.type = "charuco";
+    board.dictionary = dictionary;
+    return png_of(draw_board(lens(), board, board_in_view(lens(), board, 1.0, 0.2, 0.3, 0.0, {160.0, 120.0}),
+                             BoardPictureOptions()));
+  };
+  const std::string one = picture_of("DICT_5X5_50"), other = picture_of("DICT_4X4_50");
+  for (int stop = 0; stop < 3; ++stop) {
+    picture("left", stop, one);
+    picture("right", stop, stop == 0 ? one : other);
+  }
+  const std::string shape = "{type: charuco, squares: [5, 4], square_mm: 100, dictionary: ";
+  scratch_.write("in/rig.yaml", "board: " + shape + "DICT_5X5_50}\nmore_boards: [" + shape +
+                                    "DICT_4X4_50}]\ncameras:\n  left: {}\n  right: {}\n");
+  const RecordCheck check = RecordWatch(options()).look();
+  EXPECT_EQ(check.board, "charuco 5x4, charuco 5x4");
+  ASSERT_EQ(check.cameras.size(), 2U);
+  EXPECT_EQ(check.cameras[0].board_stops, 3U);
+  EXPECT_EQ(check.cameras[1].board_stops, 3U);
+  ASSERT_EQ(check.pairs.size(), 1U);
+  EXPECT_EQ(check.pairs[0].stops, 1U);
+}
+
 TEST_F(Watched, MistakesAreNamed) {
   RecordCheckOptions nowhere = options();
   nowhere.source.source = scratch_ / "nowhere";

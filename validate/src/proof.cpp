@@ -92,6 +92,8 @@ Proof prove(const Recording& recording, const Observations& observations, const 
             const ProofOptions& options) {
   Proof proof;
   std::size_t corners = 0;
+  if (observations.boards() > 1)
+    throw Error("the observations are of several boards; what is known to be true is of one");
   for (std::size_t i = 0; i < observations.cameras.size(); ++i) {
     const std::string& name = observations.cameras[i].name;
     const std::optional<std::size_t> camera = camera_named(truth.cameras, name);

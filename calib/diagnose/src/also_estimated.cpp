@@ -88,15 +88,19 @@ void note_riding_height(const Preparation& prepared, Result* result) {
   result->notes.push_back(Finding("robot.riding_height", {{"sigma_mm", 1e3 * sigma_m}}));
 }
 
-// A row of the table as it was estimated for a camera, or for the rig.
+// A row of the table as it was estimated for a camera, a board, or the rig.
 struct Estimated {
   Nuisance nuisance;
-  int camera;  // 0 for the rig
+  int which;  // camera or board; 0 for the rig
   int part;
   double value, sigma, prior;
   double unweighed;  // variance: of errors that the estimate does not weigh
 
   const NuisanceRow::Part& about() const { return row_of(nuisance).parts[static_cast<std::size_t>(part)]; }
+  // "board_size_percent" of the second board: board_2_size_percent.
+  std::string name() const {
+    return row_of(nuisance).each == Each::kBoard ? name_of_board(about().name, which) : about().name;
+  }
 };
 
 // The cameras that have a row's values of camera c: it alone, or, of what a make shares, all of the make of which it is
@@ -121,22 +125,25 @@ std::vector<Estimated> all_estimated(const Preparation& prepared, const Fit& fit
       if (prior > 0.0) all.push_back({nuisance, c, i, fit.state.nuisances.of(nuisance, c)[i], sigma, prior, unweighed});
     }
   };
-  const auto add_rows = [&](bool per_camera, int c) {
-    for (std::size_t n = 0; n < kNuisances; ++n) {
-      const Nuisance nuisance = static_cast<Nuisance>(n);
-      if (row_of(nuisance).per_camera != per_camera) continue;
-      if (!per_camera || !cameras_of(prepared, nuisance, c).empty()) add_row(nuisance, c);
-    }
+  const auto each_row = [](const auto& act) {
+    for (std::size_t n = 0; n < kNuisances; ++n) act(static_cast<Nuisance>(n), row_of(static_cast<Nuisance>(n)).each);
   };
-  for (int c = 0; c < layout.cameras; ++c) add_rows(true, c);
-  add_rows(false, 0);
+  for (int c = 0; c < layout.cameras; ++c)
+    each_row([&](Nuisance nuisance, Each each) {
+      if (each == Each::kCamera && !cameras_of(prepared, nuisance, c).empty()) add_row(nuisance, c);
+    });
+  each_row([&](Nuisance nuisance, Each each) {
+    if (each == Each::kRig) add_row(nuisance, 0);
+    for (int b = 0; each == Each::kBoard && b < layout.boards; ++b)
+      if (prepared.sees(b)) add_row(nuisance, b);
+  });
   return all;
 }
 
 std::vector<std::string> camera_names_of(const Preparation& prepared, const Estimated& estimated) {
   std::vector<std::string> names;
-  if (row_of(estimated.nuisance).per_camera)
-    for (const int c : cameras_of(prepared, estimated.nuisance, estimated.camera))
+  if (row_of(estimated.nuisance).each == Each::kCamera)
+    for (const int c : cameras_of(prepared, estimated.nuisance, estimated.which))
       names.push_back(prepared.original.cameras[static_cast<std::size_t>(c)].name);
   return names;
 }
@@ -160,14 +167,14 @@ void note_strained(const Preparation& prepared, const Estimated& estimated, Resu
   const double deviations = std::abs(estimated.value) / std::sqrt(p * p - s_square + estimated.unweighed);
   if (deviations < kSuspect) return;
   const double unit = estimated.about().units_per_si;
-  Finding finding("prior.strained", {{"quantity", estimated.about().name},
+  Finding finding("prior.strained", {{"quantity", estimated.name()},
                                      {"value", unit * estimated.value},
                                      {"prior", unit * p},
                                      {"deviations", deviations}});
   result->notes.push_back(finding.of(camera_names_of(prepared, estimated)));
 }
 
-Finding strained(const char* quantity, double value, double prior) {
+Finding strained(const std::string& quantity, double value, double prior) {
   return Finding("prior.strained",
                  {{"quantity", quantity}, {"value", value}, {"prior", prior}, {"deviations", value / prior}});
 }
@@ -178,11 +185,11 @@ void note_strained_repeating(const Preparation& prepared, Result* result) {
   constexpr double kFineSuspect = 3.0;
   const RemovedErrors& repeating = prepared.repeating;
   for (std::size_t g = 0; g < repeating.beyond_stated.size(); ++g) {
-    const int c = repeating.errors.groups()[g].camera;
+    const int c = repeating.errors.groups()[g].camera, board = repeating.errors.groups()[g].board;
     const double level = repeating.beyond_stated[g];
     if (c < 0) {
-      const double prior = kMm * prepared.used.board.print_sigma();
-      if (level > 1.0) result->notes.push_back(strained("print_mm", level * prior, prior));
+      const double prior = kMm * prepared.used.board_at(board).print_sigma();
+      if (level > 1.0) result->notes.push_back(strained(name_of_board("print_mm", board), level * prior, prior));
       continue;
     }
     const RigCamera& camera = prepared.used.cameras[static_cast<std::size_t>(c)];
@@ -215,8 +222,8 @@ void report_also_estimated(const Preparation& prepared, const Fit& fit, const Gl
     if (is_stated(estimated.nuisance)) note_strained(prepared, estimated, result);
     if (!row_of(estimated.nuisance).reported) continue;
     const double unit = estimated.about().units_per_si;
-    result->also_estimated.push_back({first_camera_of(prepared, estimated), estimated.about().name,
-                                      unit * estimated.value, unit * estimated.sigma, unit * estimated.prior});
+    result->also_estimated.push_back({first_camera_of(prepared, estimated), estimated.name(), unit * estimated.value,
+                                      unit * estimated.sigma, unit * estimated.prior});
   }
   note_strained_repeating(prepared, result);
   report_lenses(prepared, fit, result);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "rigproof/calib/geometry/depth_unit.h"
@@ -60,6 +61,7 @@ Ratio combined(const std::vector<Ratio>& ratios) {
 // What the depth of one camera tells about the board's size.
 struct CameraRatio {
   std::string camera;
+  int index;
   double value, measured_sigma;  // of ln of measured over expected depth
   double prior;                  // of the depth's scale, the board's size and the focal length
   double unit_m;
@@ -69,25 +71,26 @@ struct CameraRatio {
   double difference_sigma() const { return std::sqrt(2.0) * sigma(); }
 };
 
-// Of the cameras with depth on the board.
-std::vector<CameraRatio> ratios_of(const Observations& observations, const std::vector<ViewPose>& views) {
+// Of the cameras with depth on one of the boards.
+std::vector<CameraRatio> ratios_of(const Observations& observations, const std::vector<ViewPose>& views, int index) {
+  const Board& board = observations.board_at(index);
   std::map<std::pair<int, int>, const ViewPose*> view_at;
-  for (const ViewPose& view : views) view_at[{view.stop, view.camera}] = &view;
+  for (const ViewPose& view : views)
+    if (view.board == index) view_at[{view.stop, view.camera}] = &view;
   std::map<int, std::vector<Ratio>> all;
   for (const PlaneObservation& plane : observations.board_planes) {
     const auto view = view_at.find({plane.stop, plane.camera});
     if (view == view_at.end()) continue;
-    const std::optional<Ratio> ratio = ratio_of(plane, *view->second, observations.board);
+    const std::optional<Ratio> ratio = ratio_of(plane, *view->second, board);
     if (ratio) all[plane.camera].push_back(*ratio);
   }
   std::vector<CameraRatio> ratios;
   for (const auto& [c, of_camera] : all) {
     const RigCamera& camera = observations.cameras[static_cast<std::size_t>(c)];
     const double scale = std::max(kDepthScaleSigma, camera.depth ? camera.depth->noise.scale_sigma : 0.0);
-    const double prior =
-        std::hypot(scale, observations.board.square_sigma_relative(), camera.intrinsics_sigma.focal_relative);
+    const double prior = std::hypot(scale, board.square_sigma_relative(), camera.intrinsics_sigma.focal_relative);
     const Ratio ratio = combined(of_camera);
-    ratios.push_back({camera.name, ratio.value, ratio.sigma, prior, camera.depth ? camera.depth->unit_m : 1.0});
+    ratios.push_back({camera.name, c, ratio.value, ratio.sigma, prior, camera.depth ? camera.depth->unit_m : 1.0});
   }
   return ratios;
 }
@@ -146,7 +149,7 @@ std::optional<CameraRatio> mean_of(const std::vector<CameraRatio>& ratios) {
     const double share = 1.0 / (ratio.sigma() * ratio.sigma() * weight);
     variance += share * share * ratio.measured_sigma * ratio.measured_sigma;
   }
-  return CameraRatio{"", sum / weight, std::sqrt(variance), prior, ratios.front().unit_m};
+  return CameraRatio{"", -1, sum / weight, std::sqrt(variance), prior, ratios.front().unit_m};
 }
 
 Finding cause(const CameraRatio& depth, double wheels, double wheels_sigma, const Stated& stated) {
@@ -182,17 +185,8 @@ void judge(const CameraRatio& depth, const Stated& stated, BoardScale* result) {
                                                       {"stated_mm", stated.square_mm}}));
 }
 
-}  // namespace
-
-BoardScale check_board_scale(const Observations& observations, const std::vector<ViewPose>& views,
-                             const std::optional<OdometryScale>& odometry) {
-  const Stated stated{1e3 * observations.board.square_m, odometry};
-  const std::vector<CameraRatio> ratios = ratios_of(observations, views);
-  BoardScale result;
-  if (ratios.empty()) {
-    result.notes.push_back(note_without_depth(stated));
-    return result;
-  }
+// Takes out the cameras that differ from the others.
+std::vector<CameraRatio> without_odd(const std::vector<CameraRatio>& ratios, BoardScale* result) {
   const double centre = centre_of(ratios);
   std::vector<CameraRatio> agreeing;
   for (const CameraRatio& ratio : ratios) {
@@ -201,15 +195,81 @@ BoardScale check_board_scale(const Observations& observations, const std::vector
       agreeing.push_back(ratio);
       continue;
     }
-    result.contradictions.push_back(odd_camera(ratio, off));
-    result.depth_unit = result.depth_unit || std::abs(off) > kUnit;
+    result->contradictions.push_back(odd_camera(ratio, off));
+    result->depth_unit = result->depth_unit || std::abs(off) > kUnit;
   }
+  return agreeing;
+}
+
+void judge_board(int board, const std::vector<CameraRatio>& agreeing, const Stated& stated, BoardScale* result) {
   const std::optional<CameraRatio> depth = mean_of(agreeing);
-  if (!depth) return result;
-  result.log_depth_ratio = depth->value;
-  result.sigma = depth->measured_sigma;
-  judge(*depth, stated, &result);
+  if (!depth) return;
+  result->ratios.push_back({board, depth->value, depth->measured_sigma, {}});
+  for (const CameraRatio& ratio : agreeing) result->ratios.back().cameras.push_back(ratio.index);
+  judge(*depth, stated, result);
+}
+
+BoardScale check_one_board(const Observations& observations, const std::vector<ViewPose>& views,
+                           const std::optional<OdometryScale>& odometry) {
+  const Stated stated{1e3 * observations.board.square_m, odometry};
+  const std::vector<CameraRatio> ratios = ratios_of(observations, views, 0);
+  BoardScale result;
+  if (ratios.empty())
+    result.notes.push_back(note_without_depth(stated));
+  else
+    judge_board(0, without_odd(ratios, &result), stated, &result);
   return result;
+}
+
+// Says of each board which it is.
+void append(const std::vector<Finding>& of_board, int board, std::vector<Finding>* findings) {
+  for (const Finding& finding : of_board) findings->push_back(finding.with({{"board", board + 1}}));
+}
+
+BoardScale check_boards(const Observations& observations, const std::vector<ViewPose>& views) {
+  std::vector<std::vector<CameraRatio>> ratios;
+  std::set<int> odd;
+  BoardScale all;
+  for (int b = 0; b < observations.boards(); ++b) {
+    ratios.push_back(ratios_of(observations, views, b));
+    std::vector<CameraRatio> fresh;
+    for (const CameraRatio& ratio : ratios.back())
+      if (odd.count(ratio.index) == 0) fresh.push_back(ratio);
+    if (fresh.empty()) continue;
+    BoardScale of_cameras;
+    std::set<int> agree;
+    for (const CameraRatio& ratio : without_odd(fresh, &of_cameras)) agree.insert(ratio.index);
+    for (const CameraRatio& ratio : fresh)
+      if (agree.count(ratio.index) == 0) odd.insert(ratio.index);
+    append(of_cameras.contradictions, b, &all.contradictions);
+    all.depth_unit = all.depth_unit || of_cameras.depth_unit;
+  }
+  for (int b = 0; b < observations.boards(); ++b) {
+    const auto is_seen = [b](const ViewPose& view) { return view.board == b; };
+    if (std::none_of(views.begin(), views.end(), is_seen)) continue;
+    const std::optional<OdometryScale> none;
+    const Stated stated{1e3 * observations.board_at(b).square_m, none};
+    std::vector<CameraRatio> agreeing;
+    for (const CameraRatio& ratio : ratios[static_cast<std::size_t>(b)])
+      if (odd.count(ratio.index) == 0) agreeing.push_back(ratio);
+    BoardScale of_board;
+    if (agreeing.empty())
+      of_board.notes.push_back(note_without_depth(stated));
+    else
+      judge_board(b, agreeing, stated, &of_board);
+    append(of_board.contradictions, b, &all.contradictions);
+    append(of_board.notes, b, &all.notes);
+    all.ratios.insert(all.ratios.end(), of_board.ratios.begin(), of_board.ratios.end());
+  }
+  return all;
+}
+
+}  // namespace
+
+BoardScale check_board_scale(const Observations& observations, const std::vector<ViewPose>& views,
+                             const std::optional<OdometryScale>& odometry) {
+  return observations.boards() == 1 ? check_one_board(observations, views, odometry)
+                                    : check_boards(observations, views);
 }
 
 }  // namespace rigproof::ml

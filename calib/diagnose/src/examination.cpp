@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "dead_odometry.h"
 #include "depth_shape.h"
@@ -228,9 +229,12 @@ Symptoms symptoms_of(const Preparation& prepared, const Fit& fit, const Examinat
 }
 
 // A board of another size bends the corners' solution where depth is believed, and looks like a wrong lens then.
-bool board_is_clean(const Preparation& prepared, const Fit& fit, double log_depth_ratio) {
+bool board_is_clean(const Preparation& prepared, const Fit& fit, const std::vector<BoardScale::Ratio>& ratios) {
   Observations repaired = prepared.original;
-  repaired.board.square_m *= std::exp(log_depth_ratio);
+  for (const BoardScale::Ratio& ratio : ratios) {
+    Board& board = ratio.board == 0 ? repaired.board : repaired.more_boards[static_cast<std::size_t>(ratio.board) - 1];
+    board.square_m *= std::exp(ratio.log_depth_ratio);
+  }
   const std::optional<Trial> trial = refit(prepared, fit, repaired, false, nullptr, true);
   return trial && trial->clean;
 }
@@ -245,8 +249,11 @@ std::vector<std::pair<std::vector<int>, double>> depth_ratios(const Preparation&
       if (prepared.original.cameras[static_cast<std::size_t>(c)].name == finding.cameras.front())
         ratios.push_back({{c}, std::get<double>(finding.find("factor")->value)});
   }
-  if (ratios.empty() && !scale.depth_unit && scale.log_depth_ratio && std::abs(*scale.log_depth_ratio) > kFarOff)
-    ratios.push_back({prepared.solved_cameras(), std::exp(*scale.log_depth_ratio)});
+  if (!ratios.empty() || scale.depth_unit) return ratios;
+  for (const BoardScale::Ratio& of_board : scale.ratios)
+    if (std::abs(of_board.log_depth_ratio) > kFarOff)
+      ratios.push_back({prepared.used.boards() == 1 ? prepared.solved_cameras() : of_board.cameras,
+                        std::exp(of_board.log_depth_ratio)});
   return ratios;
 }
 
@@ -255,8 +262,8 @@ std::optional<Cause> cause_of(const Preparation& prepared, const Fit& fit, Sympt
   symptoms.depth_ratios = depth_ratios(prepared, scale);
   if (scale.depth_unit && symptoms.depth_ratios.empty()) return std::nullopt;
   symptoms.lenses = symptoms.lenses || !symptoms.depth_ratios.empty();
-  if (!scale.contradictions.empty() && scale.log_depth_ratio) {
-    if (!scale.depth_unit && board_is_clean(prepared, fit, *scale.log_depth_ratio)) return std::nullopt;
+  if (!scale.contradictions.empty() && !scale.ratios.empty()) {
+    if (!scale.depth_unit && board_is_clean(prepared, fit, scale.ratios)) return std::nullopt;
     symptoms.lenses = true;
   }
   const std::optional<Cause> cause =
@@ -412,11 +419,40 @@ std::optional<Cause> cause_without_excuses(const Preparation& prepared, const Fi
   return cause;
 }
 
+namespace {
+
+// Each camera's, by what those saw that boards tie to it.
+std::vector<MotionVerdict> motions_of(const Preparation& prepared) {
+  const std::vector<int> group = prepared.tied_by_boards();
+  std::map<int, std::vector<int>> cameras;
+  for (const int c : prepared.solved_cameras()) cameras[group[static_cast<std::size_t>(c)]].push_back(c);
+  std::vector<MotionVerdict> motions(group.size());
+  for (const auto& [number, tied] : cameras) {
+    const MotionVerdict verdict =
+        assess_motion(prepared.original, prepared.views, prepared.alignment, prepared.guess, tied);
+    for (const int c : tied) motions[static_cast<std::size_t>(c)] = verdict;
+  }
+  return motions;
+}
+
+}  // namespace
+
+const MotionVerdict& Examination::motion() const {
+  static const MotionVerdict kNone;
+  const auto sufficient = std::find_if(motions.begin(), motions.end(), [](const MotionVerdict& verdict) {
+    return verdict.kind == MotionKind::kSufficient;
+  });
+  if (sufficient != motions.end()) return *sufficient;
+  const auto any = std::max_element(motions.begin(), motions.end(), [](const MotionVerdict& a, const MotionVerdict& b) {
+    return a.usable_poses < b.usable_poses;
+  });
+  return any == motions.end() ? kNone : *any;
+}
+
 Examination examine(const Preparation& prepared, const Fit& fit) {
   const Problem problem = problem_at(prepared, fit, fit.noise);
   Examination found;
-  found.motion =
-      assess_motion(prepared.original, prepared.views, prepared.alignment, prepared.guess, prepared.solved_cameras());
+  found.motions = motions_of(prepared);
   std::vector<StepScore> steps;
   found.sums = problem.sums_with_leverage(
       fit.state, splits_of(static_cast<int>(prepared.used.stops.size()), kSplitsAtFirst), &steps);

@@ -13,8 +13,8 @@
 namespace rigproof::ml {
 
 struct Examination {
-  MotionVerdict motion;           ///< by what the solved cameras saw of the board
-  std::optional<GroupSums> sums;  ///< with leverage; absent where the poses are not determined
+  std::vector<MotionVerdict> motions;  ///< of each camera, by what those saw that boards tie to it
+  std::optional<GroupSums> sums;       ///< with leverage; absent where the poses are not determined
   Contradictions contradictions;
   Symptoms symptoms;
   bool upside_down = false;
@@ -24,7 +24,9 @@ struct Examination {
   std::vector<Finding> notes;
   /// If the motion does not determine the mounting, the solution is one of many: its residuals accuse no lens and no
   /// frame.
-  bool motion_suffices() const { return motion.kind == MotionKind::kSufficient; }
+  bool motion_suffices() const { return motion().kind == MotionKind::kSufficient; }
+  /// Of the rig: one that suffices, if that of any camera does.
+  const MotionVerdict& motion() const;
   /// Nothing contradicts itself, and nothing is suspected but slight movements.
   bool is_in_order() const;
   bool lens_spoils() const { return cause && cause->spoils_all; }

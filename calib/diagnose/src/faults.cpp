@@ -166,6 +166,8 @@ Finding shifted_stamps(const Observations& observations, double stops) {
                                      {"shift_s", size * median_interval_s(observations)}});
 }
 
+bool looks_alike_mirrored(const Board& board) { return board.squares_x % 2 == 1 || board.squares_y % 2 == 1; }
+
 // A mirrored board looks like one, numbered the other way along a side with an odd number of squares.
 void unmirror(const Board& board, int width_px, BoardView* view) {
   const int columns = board.inner_corners_x(), rows = board.inner_corners_y();
@@ -195,7 +197,7 @@ void unmirror(const Camera& camera, PlaneObservation* plane) {
 void unmirror(int camera, Observations* observations) {
   const Camera& optics = observations->cameras[static_cast<std::size_t>(camera)].camera;
   for (BoardView& view : observations->board_views)
-    if (view.camera == camera) unmirror(observations->board, optics.width_px, &view);
+    if (view.camera == camera) unmirror(observations->board_of(view), optics.width_px, &view);
   for (auto* planes : {&observations->ground_planes, &observations->board_planes})
     for (PlaneObservation& plane : *planes)
       if (plane.camera == camera) unmirror(optics, &plane);
@@ -252,10 +254,14 @@ std::vector<Fault> image_faults(const Observations& observations) {
   std::vector<int> all;
   const int cameras = static_cast<int>(observations.cameras.size());
   for (int c = 0; c < cameras; ++c) all.push_back(c);
-  if (observations.board.squares_x % 2 == 1 || observations.board.squares_y % 2 == 1) {
-    faults.push_back(mirrored_images(observations, all));
-    for (int c = 0; c < cameras && cameras > 1; ++c) faults.push_back(mirrored_images(observations, {c}));
-  }
+  const auto may_be_mirrored = [&observations](int camera) {
+    return std::all_of(observations.board_views.begin(), observations.board_views.end(), [&](const BoardView& view) {
+      return view.camera != camera || looks_alike_mirrored(observations.board_of(view));
+    });
+  };
+  if (std::all_of(all.begin(), all.end(), may_be_mirrored)) faults.push_back(mirrored_images(observations, all));
+  for (int c = 0; c < cameras && cameras > 1; ++c)
+    if (may_be_mirrored(c)) faults.push_back(mirrored_images(observations, {c}));
   for (int a = 0; a < cameras; ++a)
     for (int b = a + 1; b < cameras; ++b)
       if (other_intrinsics(observations.cameras[static_cast<std::size_t>(a)].camera,

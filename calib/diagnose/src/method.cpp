@@ -44,9 +44,15 @@ std::optional<Finding> Method::why_not(const MethodInput& /*input*/) const { ret
 
 Result Method::solve_recording(const MethodInput& input) const { return solve(input.observations); }
 
+std::optional<Finding> refusal_of(const Method& method, const MethodInput& input) {
+  const int boards = input.observations.boards();
+  if (boards > 1 && !method.traits().several_boards) return Finding("method.one_board", {{"boards", boards}});
+  return method.why_not(input);
+}
+
 Result run_method(const Method& method, const MethodInput& input) {
   Result result;
-  const std::optional<Finding> reason = method.why_not(input);
+  const std::optional<Finding> reason = refusal_of(method, input);
   const auto start = std::chrono::steady_clock::now();
   if (reason)
     result.reasons = {*reason};

@@ -32,7 +32,9 @@ std::vector<Relative> relative_poses(const std::vector<ViewPose>& views, int fir
   const ViewPose* seen_by_first = nullptr;
   for (const ViewPose& view : views) {  // by stop and camera, and `first` comes before `second`
     if (view.camera == first) seen_by_first = &view;
-    if (view.camera != second || seen_by_first == nullptr || seen_by_first->stop != view.stop) continue;
+    if (view.camera != second || seen_by_first == nullptr || seen_by_first->stop != view.stop ||
+        seen_by_first->board != view.board)
+      continue;
     poses.push_back({view.stop, seen_by_first->T_camera_board * view.T_camera_board.inverse(),
                      relative_covariance(*seen_by_first, view)});
   }

@@ -33,7 +33,8 @@ const std::string& name_of(const Preparation& prepared, int camera) {
 CalibrationState state_of(const Preparation& prepared, const State& solution) {
   CalibrationState state;
   state.T_robot_camera = solution.T_robot_camera;
-  state.T_world_board = solution.T_world_board;
+  state.T_world_board = solution.T_world_board.front();
+  state.T_world_more_boards.assign(solution.T_world_board.begin() + 1, solution.T_world_board.end());
   for (const RobotPose& pose : solution.poses) state.T_world_robot.push_back(pose.transform());
   state.odometry_scale = solution.odometry_scale();
   state.odometry_yaw_factor = solution.odometry_yaw_factor();
@@ -52,6 +53,14 @@ CalibrationNoise noise_of(const NoiseLevels& levels, const PriorSigmas& priors) 
       priors};
 }
 
+// Of several boards.
+Findings boards_in_no_image(const Preparation& prepared) {
+  Findings findings;
+  for (int b = 0; prepared.used.boards() > 1 && b < prepared.used.boards(); ++b)
+    if (!prepared.sees(b)) findings.push_back(Finding("board.in_no_image", {{"board", b + 1}}));
+  return findings;
+}
+
 MlEstimate estimate_of(const Preparation& prepared, const OdometryChoice& choice, const Examination& found,
                        const Statement& stated) {
   const Fit& fit = choice.fit;
@@ -63,12 +72,13 @@ MlEstimate estimate_of(const Preparation& prepared, const OdometryChoice& choice
   estimate.board_plane_scale = fit.noise.board_plane_scale;
   estimate.displacement_scale = fit.noise.displacement_scale;
   estimate.odometry = choice.decision;
-  estimate.motion = found.motion;
+  estimate.motion = found.motion();
   estimate.cost = stated.cost;
   estimate.iterations = fit.summary.iterations;
   estimate.converged = fit.summary.converged;
   estimate.result.notes = choice.notes;
   append(found.notes, &estimate.result.notes);
+  append(boards_in_no_image(prepared), &estimate.result.notes);
   return estimate;
 }
 
@@ -103,7 +113,12 @@ EstimatedTransform camera_transform(const Preparation& prepared, const State& so
   transform.T_parent_child = solution.T_robot_camera[static_cast<std::size_t>(c)];
   transform.covariance = Matrix6d(uncertainty.joint.block<6, 6>(6 * c, 6 * c));
   transform.budget = budget_of_camera(uncertainty, c);
-  const int ground_planes = static_cast<int>(prepared.used.ground_planes.size());
+  const std::vector<int> tied = prepared.tied_by_boards();
+  const auto of_group = [&](const PlaneObservation& plane) {
+    return tied[static_cast<std::size_t>(plane.camera)] == tied[static_cast<std::size_t>(c)];
+  };
+  const std::vector<PlaneObservation>& planes = prepared.used.ground_planes;
+  const auto ground_planes = static_cast<int>(std::count_if(planes.begin(), planes.end(), of_group));
   CameraObservability observability =
       assess_camera(prepared.original, c, prepared.views, prepared.alignment, motion, ground_planes);
   apply_posterior_gate(uncertainty.gate_joint.block<6, 6>(6 * c, 6 * c), transform.child, &observability,
@@ -181,11 +196,12 @@ void for_each_pair(const std::vector<int>& solved, const Visit& visit) {
     for (std::size_t b = a + 1; b < solved.size(); ++b) visit(solved[a], solved[b]);
 }
 
-void report_transforms(const Preparation& prepared, const State& solution, const MotionVerdict& motion,
+void report_transforms(const Preparation& prepared, const State& solution, const std::vector<MotionVerdict>& motions,
                        const Uncertainty& uncertainty, Result* result) {
   const std::vector<int> solved = prepared.solved_cameras();
   for (const int c : solved)
-    result->camera_to_robot.push_back(camera_transform(prepared, solution, motion, uncertainty, c, &result->reasons));
+    result->camera_to_robot.push_back(
+        camera_transform(prepared, solution, motions[static_cast<std::size_t>(c)], uncertainty, c, &result->reasons));
   result->joint_covariance = joint_of(solved, result->camera_to_robot, uncertainty.joint);
   for_each_pair(solved, [&](int j, int k) {
     result->camera_to_camera.push_back(
@@ -362,7 +378,7 @@ MlEstimate report(const Preparation& prepared, const OdometryChoice& choice, con
   Result& result = estimate.result;
   if (stated.uncertainty) {
     const GlobalCovariance& globals = stated.uncertainty->globals;
-    report_transforms(prepared, choice.fit.state, found.motion, *stated.uncertainty, &result);
+    report_transforms(prepared, choice.fit.state, found.motions, *stated.uncertainty, &result);
     const BoardScale lengths = check_lengths(prepared, choice.fit, found, globals.covariance);
     append(lengths.notes, &result.notes);
     report_contradictions(prepared, choice.fit, found, lengths.contradictions, &estimate);

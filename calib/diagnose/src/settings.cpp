@@ -88,7 +88,8 @@ MethodTraits MlMethod::traits() const {
           "board, odometry; ground planes for the height",
           "camera to robot (6), camera to camera (6), covariance",
           MethodReads::kObservations,
-          5e-4};
+          5e-4,
+          true};
 }
 
 Result MlMethod::solve(const Observations& observations) const {

@@ -31,7 +31,7 @@ bool has(const Bodies& bodies, int body) { return std::find(bodies.begin(), bodi
 std::vector<int> stops_that_see(const Preparation& prepared, const Bodies& bodies) {
   std::vector<int> stops;
   for (const BoardView& view : prepared.used.board_views)
-    if (has(bodies, Step::kBoard) || has(bodies, view.camera)) stops.push_back(view.stop);
+    if (has(bodies, Step::board(view.board)) || has(bodies, view.camera)) stops.push_back(view.stop);
   std::sort(stops.begin(), stops.end());
   stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
   return stops;
@@ -62,6 +62,11 @@ std::optional<StepScore> by_left_out(const Preparation& prepared, const Fit& fit
   return found;
 }
 
+// Views are not stops: several cameras may see a board of its own from few.
+bool may_split(const Preparation& prepared, const StepScore& score) {
+  return stops_that_see(prepared, score.step.bodies).size() >= 2 * static_cast<std::size_t>(kLeastViewsOfStep);
+}
+
 // The best split of each group of bodies, the likeliest first.
 std::vector<StepScore> candidates(const Preparation& prepared, const Fit& fit, const std::vector<StepScore>& scores) {
   std::map<Bodies, StepScore> best;
@@ -71,7 +76,8 @@ std::vector<StepScore> candidates(const Preparation& prepared, const Fit& fit, c
   };
   const bool poor = fit.noise.odometry_xy_m > kPoorOdometry_m || fit.noise.odometry_yaw_rad > kPoorOdometry_rad;
   for (const StepScore& score : scores)
-    if (score.square > (poor ? kWorthASolutionAtPoorOdometry : kWorthASolution)) look(score);
+    if (score.square > (poor ? kWorthASolutionAtPoorOdometry : kWorthASolution) && may_split(prepared, score))
+      look(score);
   for (const int c : prepared.solved_cameras())
     if (const std::optional<StepScore> score = by_left_out(prepared, fit, c)) look(*score);
   std::vector<StepScore> all;
@@ -122,10 +128,6 @@ Tried best_split(const Preparation& prepared, const Fit& without, const Step& st
   return best;
 }
 
-const Rigid3& first_pose(const State& state, int body) {
-  return body == Step::kBoard ? state.T_world_board : state.T_robot_camera[static_cast<std::size_t>(body)];
-}
-
 // How far a body moved: second pose less first, in the chart of transform_error(), and how far that is beyond chance.
 struct Motion {
   int body;
@@ -135,9 +137,9 @@ struct Motion {
 Motion motion_of(const Fit& fit, const Layout& layout, const GlobalCovariance& covariance, int index) {
   constexpr double kOpen = 1e6;  // variance of what the data leave open
   const int body = fit.step.bodies[static_cast<std::size_t>(index)];
-  const Rigid3 &before = first_pose(fit.state, body), &after = fit.state.second_poses[static_cast<std::size_t>(index)];
+  const Rigid3 &before = fit.state.first_pose(body), &after = fit.state.second_poses[static_cast<std::size_t>(index)];
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, layout.globals());
-  const int first = body == Step::kBoard ? layout.board() : layout.camera(body), second = layout.second(index);
+  const int first = layout.body(body), second = layout.second(index);
   J.block<3, 3>(0, first) = -Eigen::Matrix3d::Identity();
   J.block<3, 3>(3, first + 3) = -before.rotation_matrix();
   J.block<3, 3>(0, second).setIdentity();
@@ -180,7 +182,7 @@ Finding finding_of(const Preparation& prepared, const Examined& examined, bool b
   const auto after = std::lower_bound(stops.begin(), stops.end(), step.split);
   const Motion& most = *std::max_element(examined.motions.begin(), examined.motions.end(),
                                          [](const Motion& a, const Motion& b) { return a.square < b.square; });
-  const bool board = most.body == Step::kBoard;
+  const bool board = Step::is_board(most.body);
   const char* code =
       board ? (bends ? "board.moved" : "board.moved_slightly") : (bends ? "camera.moved" : "camera.moved_slightly");
   Finding finding(code, {{"from", *(after - 1)},
@@ -190,8 +192,9 @@ Finding finding_of(const Preparation& prepared, const Examined& examined, bool b
                          {"shift_mm", shift_mm(most.change)},
                          {"turn_deg", turn_deg(most.change)},
                          {"deviations", std::sqrt(most.square)}});
+  if (board && prepared.used.boards() > 1) finding = finding.with({{"board", Step::board_of(most.body) + 1}});
   for (const Motion& motion : examined.motions)
-    if (motion.body != Step::kBoard && motion.square > kSure)
+    if (!Step::is_board(motion.body) && motion.square > kSure)
       finding.cameras.push_back(prepared.original.cameras[static_cast<std::size_t>(motion.body)].name);
   return finding.at({*after});
 }
@@ -201,7 +204,7 @@ Finding finding_of(const Preparation& prepared, const Examined& examined, bool b
 bool worth_refusing(const Examined& examined) {
   constexpr double kMovedSquare = 100.0, kTurn_deg = 0.1, kShift_mm = 3.0;
   return std::any_of(examined.motions.begin(), examined.motions.end(), [&examined](const Motion& motion) {
-    const bool bends = examined.bent > kBentSigmas || (motion.body != Step::kBoard && motion.square > kMovedSquare);
+    const bool bends = examined.bent > kBentSigmas || (!Step::is_board(motion.body) && motion.square > kMovedSquare);
     return bends && (turn_deg(motion.change) > kTurn_deg || shift_mm(motion.change) > kShift_mm);
   });
 }

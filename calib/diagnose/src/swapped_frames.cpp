@@ -41,10 +41,13 @@ std::optional<Rigid3> predicted_pose(const Observations& observations, const Sta
   return std::nullopt;
 }
 
+// Of the robot, by a board that a camera sees.
+Rigid3 pose_by(const State& state, const Rigid3& T_camera_board, int camera, int board) {
+  return state.first_pose(Step::board(board)) * (state.first_pose(camera) * T_camera_board).inverse();
+}
+
 // 1 = at the limit of agreement.
-double disagreement(const State& state, const Rigid3& T_camera_board, int camera, const Rigid3& T_world_robot) {
-  const Rigid3 seen =
-      state.T_world_board * (state.T_robot_camera[static_cast<std::size_t>(camera)] * T_camera_board).inverse();
+double disagreement(const Rigid3& seen, const Rigid3& T_world_robot) {
   const Vector6d error = transform_error(seen, T_world_robot);
   return std::max(error.head<3>().norm() / kAgrees_m, error.tail<3>().norm() / kAgrees_rad);
 }
@@ -55,11 +58,11 @@ int best_camera(const Observations& observations, const State& state, const View
   double least = 1.0;
   for (int c = 0; c < static_cast<int>(observations.cameras.size()); ++c) {
     if (c == view.camera) continue;
-    const std::optional<BoardPose> pose =
-        estimate_board_pose(observations.board_views[static_cast<std::size_t>(view.view)].corners, observations.board,
-                            observations.cameras[static_cast<std::size_t>(c)].camera);
+    const std::optional<BoardPose> pose = estimate_board_pose(
+        observations.board_views[static_cast<std::size_t>(view.view)].corners, observations.board_at(view.board),
+        observations.cameras[static_cast<std::size_t>(c)].camera);
     if (!pose) continue;
-    const double off = disagreement(state, pose->T_camera_board, c, predicted);
+    const double off = disagreement(pose_by(state, pose->T_camera_board, c, view.board), predicted);
     if (off >= least) continue;
     least = off;
     best = c;
@@ -72,11 +75,9 @@ std::vector<RobotPose> proposals(const Observations& observations, const State& 
   std::vector<RobotPose> poses;
   for (const BoardView& view : observations.board_views) {
     if (view.stop != stop) continue;
-    const std::size_t c = static_cast<std::size_t>(view.camera);
-    if (const std::optional<BoardPose> pose =
-            estimate_board_pose(view.corners, observations.board, observations.cameras[c].camera))
-      poses.push_back(
-          RobotPose::from_transform(state.T_world_board * (state.T_robot_camera[c] * pose->T_camera_board).inverse()));
+    const Camera& camera = observations.cameras[static_cast<std::size_t>(view.camera)].camera;
+    if (const auto pose = estimate_board_pose(view.corners, observations.board_of(view), camera))
+      poses.push_back(RobotPose::from_transform(pose_by(state, pose->T_camera_board, view.camera, view.board)));
   }
   return poses;
 }
@@ -149,7 +150,8 @@ std::vector<SwappedFrames> find_swapped_frames(const Observations& observations,
     const std::size_t stop = static_cast<std::size_t>(view.stop);
     if (!doubtful[stop]) continue;
     const std::optional<Rigid3> predicted = predicted_pose(observations, state, doubtful, stop);
-    if (!predicted || disagreement(state, view.T_camera_board, view.camera, *predicted) < kDiffers) continue;
+    if (!predicted || disagreement(pose_by(state, view.T_camera_board, view.camera, view.board), *predicted) < kDiffers)
+      continue;
     const int other = best_camera(observations, state, view, *predicted);
     if (other < 0) continue;
     std::vector<int>& stops = found[std::minmax(view.camera, other)];

@@ -30,11 +30,12 @@ MotionVector step_of_error(const Evaluation& at, const WhitenedView& view, const
                            const MotionVector& error) {
   const Camera lens = lens_at(at, view.camera);
   const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
-  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
+  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape, view.board);
   MotionMatrix reweighted = MotionMatrix::Identity(), bent = MotionMatrix::Zero();
   MotionVector g = error;
   for (const WhitenedView::Corner& corner : view.corners) {
-    const Eigen::Vector3d on_board = corner_of_board(at.observations.board, shape, corner.point_board).point;
+    const Eigen::Vector3d on_board =
+        corner_of_board(at.observations.board_at(view.board), shape, corner.point_board).point;
     RowResidual residual;
     if (!row_residual(lens, seen.motion, seen.T_camera_board * on_board, corner.pixel, &residual)) continue;
     const Eigen::Matrix2d W = whiten * corner.whitening;
@@ -60,7 +61,7 @@ bool is_displaced(const Observations& observations, const Layout& layout, int st
   return reads_rows && !OdometryMotion(observations.stops[static_cast<std::size_t>(stop)]).stands();
 }
 
-BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s) {
+BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s, int board) {
   const Layout& layout = at.layout;
   const OdometryMotion motion(at.stop(stop));
   const bool at_speed = is_displaced(at.observations, layout, stop, camera);
@@ -70,12 +71,12 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
   if (moved)
     at_image = pose_at_image(at.pose(stop), motion, late_s, at.state.nuisances.of(Nuisance::kTurnLag)[0],
                              at.state.odometry_scale(), at.state.odometry_yaw_factor());
-  ViewGeometry geometry = view_geometry(at.T_robot_camera(camera, stop), at.T_world_board(stop), at_image.pose);
+  ViewGeometry geometry = view_geometry(at.T_robot_camera(camera, stop), at.T_world_board(board, stop), at_image.pose);
   const ClockTwist clock = moved ? chain_to_stop(at_image, &geometry) : ClockTwist();
   BoardInCamera seen;
   seen.T_camera_board = geometry.T_camera_board;
   seen.add(at.camera_unknowns(camera, stop), geometry.twist_by_camera);
-  seen.add(at.board_unknowns(stop), geometry.twist_by_board);
+  seen.add(at.board_unknowns(board, stop), geometry.twist_by_board);
   seen.add(of_pose(stop), geometry.twist_by_pose);
   const auto add = [&](Nuisance nuisance, const auto& twist) {
     if (moved && layout.has(nuisance))
@@ -91,7 +92,7 @@ BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double
 BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view) {
   constexpr int kMostRounds = 30;
   constexpr double kSettled = 1e-4;  // of a standard deviation: the last step leaves its square
-  BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s);
+  BoardInCamera seen = board_in_camera(at, view.stop, view.camera, view.after_stop_s, view.board);
   RowMotion& motion = seen.motion;
   if (!motion.moves()) return seen;
   MotionVector error = MotionVector::Zero();
@@ -129,12 +130,12 @@ void TwistSystem::eliminate_error(const RowMotion& motion) {
   motion_H_ = (left * motion_H_).eval();
 }
 
-int TwistSystem::append(const Layout& layout, Nuisance nuisance, int camera) {
+int TwistSystem::append(const Layout& layout, Nuisance nuisance, int which) {
   if (!layout.has(nuisance)) return -1;
   const int first = direct_, size = row_of(nuisance).size();
   if (first + size > kMaxDirect || count_ == static_cast<int>(segments_.size()))
     throw Error("estimate: the residuals of a view know too many unknowns directly");
-  segments_[static_cast<std::size_t>(count_++)] = of_globals(layout.place(nuisance, camera), size);
+  segments_[static_cast<std::size_t>(count_++)] = of_globals(layout.place(nuisance, which), size);
   direct_ += size;
   return first;
 }

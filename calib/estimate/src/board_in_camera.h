@@ -33,8 +33,8 @@ struct BoardInCamera {
 /// Whether the image of a camera at a stop was taken at speed and is treated so: where the readout is stated to be none
 /// at all, images are taken as they are.
 bool is_displaced(const Observations& observations, const Layout& layout, int stop, int camera);
-/// @param after_stop_s by how much the image is later than the stop, by the stamps
-BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s);
+/// @param after_stop_s by how much the image is later than the stop, by the stamps @param board which of them
+BoardInCamera board_in_camera(const Evaluation& at, int stop, int camera, double after_stop_s, int board);
 /// The same, of an image taken at speed with the motion by which the view's corners fit best.
 BoardInCamera board_in_view(const Evaluation& at, const WhitenedView& view);
 
@@ -55,7 +55,8 @@ class TwistSystem {
   static constexpr int kMaxDirect = DisplacementRows::kMaxDirect;
 
   /// Unknowns that the residuals know directly. Returns their first column, -1 where they are believed.
-  int append(const Layout& layout, Nuisance nuisance, int camera);
+  /// @param which camera or board
+  int append(const Layout& layout, Nuisance nuisance, int which);
 
   /// @param J by the twist @param direct by the appended unknowns
   template <int kRows>

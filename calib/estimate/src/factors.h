@@ -23,22 +23,19 @@ struct Evaluation {
   const RobotPose& pose(int stop) const { return state.poses[static_cast<std::size_t>(stop)]; }
   const Stop& stop(int index) const { return observations.stops[static_cast<std::size_t>(index)]; }
   /// Poses at a stop, and where they stand among the unknowns: a step changes them.
-  const Rigid3& T_robot_camera(int camera, int stop) const {
-    const int second = layout.second_of(camera, stop);
-    return second < 0 ? state.T_robot_camera[static_cast<std::size_t>(camera)]
-                      : state.second_poses[static_cast<std::size_t>(second)];
+  const Rigid3& T_robot_camera(int camera, int stop) const { return pose_of(camera, stop); }
+  Segment camera_unknowns(int camera, int stop) const { return unknowns_of(camera, stop); }
+  const Rigid3& T_world_board(int board, int stop) const { return pose_of(Step::board(board), stop); }
+  Segment board_unknowns(int board, int stop) const { return unknowns_of(Step::board(board), stop); }
+
+ private:
+  const Rigid3& pose_of(int body, int stop) const {
+    const int second = layout.second_of(body, stop);
+    return second < 0 ? state.first_pose(body) : state.second_poses[static_cast<std::size_t>(second)];
   }
-  Segment camera_unknowns(int camera, int stop) const {
-    const int second = layout.second_of(camera, stop);
-    return of_globals(second < 0 ? layout.camera(camera) : layout.second(second), 6);
-  }
-  const Rigid3& T_world_board(int stop) const {
-    const int second = layout.second_of(Step::kBoard, stop);
-    return second < 0 ? state.T_world_board : state.second_poses[static_cast<std::size_t>(second)];
-  }
-  Segment board_unknowns(int stop) const {
-    const int second = layout.second_of(Step::kBoard, stop);
-    return of_globals(second < 0 ? layout.board() : layout.second(second), 6);
+  Segment unknowns_of(int body, int stop) const {
+    const int second = layout.second_of(body, stop);
+    return of_globals(second < 0 ? layout.body(body) : layout.second(second), 6);
   }
 };
 

@@ -55,7 +55,7 @@ void move_to_odometry_frame(const Observations& observations, State* state) {
   const Eigen::Vector2d shift = mean_to - Eigen::Rotation2Dd(yaw) * mean_from;
   const Rigid3 T_odom_world = planar_pose(shift.x(), shift.y(), yaw);
   for (RobotPose& pose : state->poses) pose = RobotPose::from_transform(T_odom_world * pose.transform());
-  state->T_world_board = T_odom_world * state->T_world_board;
+  for (Rigid3& T_world_board : state->T_world_board) T_world_board = T_odom_world * T_world_board;
 }
 
 // Median of what the residuals of the groups are, in sigmas: how wide the loss must be to see them at the start.
@@ -126,7 +126,8 @@ bool reseat_poses(const Preparation& prepared, const Problem& problem, State* st
     RobotPose kept = state->poses[i];
     for (const ViewPose* view : views_at[i]) {
       const Rigid3& X = state->T_robot_camera[static_cast<std::size_t>(view->camera)];
-      state->poses[i] = RobotPose::from_transform(state->T_world_board * view->T_camera_board.inverse() * X.inverse());
+      const Rigid3& board = state->T_world_board[static_cast<std::size_t>(view->board)];
+      state->poses[i] = RobotPose::from_transform(board * view->T_camera_board.inverse() * X.inverse());
       const double weight = agreement();
       if (weight <= best) continue;
       best = weight;
@@ -203,16 +204,17 @@ namespace {
 Rigid3 pose_after(const Preparation& prepared, const State& state, const Step& step, int body) {
   std::vector<Rigid3> proposed;
   for (const ViewPose& view : prepared.views) {
-    if (view.stop < step.split || (body != Step::kBoard && view.camera != body)) continue;
+    if (view.stop < step.split || body != (Step::is_board(body) ? Step::board(view.board) : view.camera)) continue;
     const Rigid3 robot = state.poses[static_cast<std::size_t>(view.stop)].transform();
-    proposed.push_back(body == Step::kBoard
+    proposed.push_back(Step::is_board(body)
                            ? robot * state.T_robot_camera[static_cast<std::size_t>(view.camera)] * view.T_camera_board
-                           : robot.inverse() * state.T_world_board * view.T_camera_board.inverse());
+                           : robot.inverse() * state.first_pose(Step::board(view.board)) *
+                                 view.T_camera_board.inverse());
   }
   constexpr std::size_t kEnough = 50;
   if (proposed.size() > kEnough) proposed.resize(kEnough);
   double least = std::numeric_limits<double>::infinity();
-  Rigid3 nearest = body == Step::kBoard ? state.T_world_board : state.T_robot_camera[static_cast<std::size_t>(body)];
+  Rigid3 nearest = state.first_pose(body);
   for (const Rigid3& one : proposed) {
     double sum = 0.0;
     for (const Rigid3& other : proposed) {

@@ -12,7 +12,8 @@ namespace {
 std::vector<int> raw_columns(const BoardView& view, const RepeatingErrors& errors) {
   std::vector<int> raw;
   for (const CornerObservation& corner : view.corners)
-    for (int axis = 0; errors.print(corner.id) >= 0 && axis < 3; ++axis) raw.push_back(errors.print(corner.id) + axis);
+    for (int axis = 0; errors.print(view.board, corner.id) >= 0 && axis < 3; ++axis)
+      raw.push_back(errors.print(view.board, corner.id) + axis);
   for (int i = 0; errors.field(view.camera) >= 0 && i < errors.lens_field(view.camera).size(); ++i)
     raw.push_back(errors.field(view.camera) + i);
   return raw;
@@ -24,11 +25,18 @@ ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Obser
   const BoardView& view = observations.board_views[static_cast<std::size_t>(pose.view)];
   const RepeatingErrors& errors = removed.errors;
   const Camera& lens = observations.cameras[static_cast<std::size_t>(view.camera)].camera;
+  const Board& board = observations.board_of(view);
   const double by_px = coefficient_by_px(lens);
-  const std::vector<WhitenedView::Corner> corners = whitened_corners(view, observations.board);
+  const std::vector<WhitenedView::Corner> corners = whitened_corners(view, board);
   const auto rows = static_cast<Eigen::Index>(2 * corners.size());
-  ViewRows result{
-      view.camera, raw_columns(view, errors), Eigen::VectorXd::Zero(rows), Eigen::MatrixXd::Zero(rows, 6), {}, {}, {}};
+  ViewRows result{view.camera,
+                  view.board,
+                  raw_columns(view, errors),
+                  Eigen::VectorXd::Zero(rows),
+                  Eigen::MatrixXd::Zero(rows, 6),
+                  {},
+                  {},
+                  {}};
   result.by_others.setZero(rows, kLensColumns + kShapeColumns + static_cast<Eigen::Index>(result.raw.size()));
   const Eigen::Index fields = errors.field(view.camera) >= 0 ? errors.lens_field(view.camera).size() : 0;
   const Eigen::Matrix3d R = pose.T_camera_board.rotation_matrix();
@@ -50,8 +58,8 @@ ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Obser
     auto others = result.by_others.middleRows<2>(at);
     others.leftCols<kLensColumns>() = W * pixel_by_lens(lens, LensChange::Zero(), by_px, q, pixel);
     others.middleCols<kShapeColumns>(kLensColumns) =
-        by_offset * corner_of_board(observations.board, Eigen::Vector4d::Zero(), corner.point_board).by_shape;
-    if (errors.print(0) >= 0)
+        by_offset * corner_of_board(board, Eigen::Vector4d::Zero(), corner.point_board).by_shape;
+    if (errors.print(view.board, 0) >= 0)
       others.middleCols<3>(kLensColumns + kShapeColumns + 3 * static_cast<Eigen::Index>(i)) = by_offset;
     if (fields > 0)
       others.rightCols(fields) = W * removed.fields[static_cast<std::size_t>(pose.view)].middleRows<2>(at);

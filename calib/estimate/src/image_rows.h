@@ -15,7 +15,7 @@ constexpr int kLensColumns = 5, kShapeColumns = 4;
 
 /// Rows of a view's corners, two each, whitened by what is stated; zero where a corner has no use.
 struct ViewRows {
-  int camera;
+  int camera, board;
   std::vector<int> raw;  ///< of each column after lens and shape: its place among the raw errors
   Eigen::VectorXd residual;
   Eigen::MatrixXd by_pose;    ///< chart of transform_error()

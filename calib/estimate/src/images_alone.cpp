@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "fine_field.h"
 #include "fine_level.h"
@@ -28,20 +30,20 @@ struct NormalEquations {
   Eigen::VectorXd solution;
 };
 
-// The unknowns: five of each lens, four of the board, the repeating errors. Poses of views are eliminated.
+// The unknowns: five of each lens, four of each board, the repeating errors. Poses of views are eliminated.
 class ImagesAlone {
  public:
-  ImagesAlone(const RepeatingErrors& errors, std::size_t cameras, const Priors& priors)
-      : errors_(errors), cameras_(static_cast<int>(cameras)) {
-    const Eigen::Index lenses = kLensColumns * cameras_;
-    prior_ = Eigen::VectorXd::Ones(lenses + kShapeColumns + errors.size());
+  ImagesAlone(const RepeatingErrors& errors, const Priors& priors)
+      : errors_(errors), cameras_(priors.count(Nuisance::kLens)), boards_(priors.count(Nuisance::kBoardShape)) {
+    prior_ = Eigen::VectorXd::Ones(before_errors() + errors.size());
     constexpr double kBelieved = 1e12;  // information, where nothing is left open
     const auto information = [](double variance) { return variance > 0.0 ? 1.0 / variance : kBelieved; };
     for (int c = 0; c < cameras_; ++c)
       for (int i = 0; i < kLensColumns; ++i)
         prior_[kLensColumns * c + i] = information(priors.covariance(Nuisance::kLens, c)(i, i));
-    for (int i = 0; i < kShapeColumns; ++i)
-      prior_[lenses + i] = information(priors.covariance(Nuisance::kBoardShape)(i, i));
+    for (int b = 0; b < boards_; ++b)
+      for (int i = 0; i < kShapeColumns; ++i)
+        prior_[shape_of(b) + i] = information(priors.covariance(Nuisance::kBoardShape, b)(i, i));
   }
 
   // One round more: equations by the weights of how the corners fit so far, and their solution. The residuals become
@@ -104,11 +106,13 @@ class ImagesAlone {
   }
 
  private:
-  int raw_size() const { return kLensColumns * cameras_ + kShapeColumns + errors_.raw_size(); }
+  int shape_of(int board) const { return kLensColumns * cameras_ + kShapeColumns * board; }
+  int before_errors() const { return shape_of(boards_); }
+  int raw_size() const { return before_errors() + errors_.raw_size(); }
 
   // Of rows by lenses, shape and raw errors: those by the unknowns.
   Eigen::MatrixXd by_unknowns(const Eigen::MatrixXd& by_raw) const {
-    const Eigen::Index first = kLensColumns * cameras_ + kShapeColumns;
+    const Eigen::Index first = before_errors();
     Eigen::MatrixXd rows(first + errors_.size(), by_raw.cols());
     rows << by_raw.topRows(first), errors_.by_unknowns(by_raw.bottomRows(errors_.raw_size()));
     return rows;
@@ -116,9 +120,8 @@ class ImagesAlone {
 
   int place(const ViewRows& view, Eigen::Index column) const {
     if (column < kLensColumns) return kLensColumns * view.camera + static_cast<int>(column);
-    const int lenses = kLensColumns * cameras_;
-    if (column < kLensColumns + kShapeColumns) return lenses + static_cast<int>(column) - kLensColumns;
-    return lenses + kShapeColumns + view.raw[static_cast<std::size_t>(column - kLensColumns - kShapeColumns)];
+    if (column < kLensColumns + kShapeColumns) return shape_of(view.board) + static_cast<int>(column) - kLensColumns;
+    return before_errors() + view.raw[static_cast<std::size_t>(column - kLensColumns - kShapeColumns)];
   }
 
   // A view without its pose.
@@ -157,7 +160,7 @@ class ImagesAlone {
   }
 
   const RepeatingErrors& errors_;
-  int cameras_;
+  int cameras_, boards_;
   Eigen::VectorXd prior_;  // information
 };
 
@@ -268,7 +271,7 @@ Eigen::MatrixXd bent_by_fine(const std::vector<ViewRows>& views, const std::vect
 std::vector<double> beyond_stated(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
                                   const ImagesAlone& problem, const Observations& observations,
                                   const RemovedErrors& removed, const Estimate& estimate) {
-  // A rig has as many groups as cameras, and its board: chance is named in one healthy rig of three cameras of 2,500.
+  // A rig has as many groups as cameras, and its boards: chance is named in one healthy rig of three cameras of 2,500.
   // A rarer one hides fields that are six times as large as stated.
   constexpr double kChance = 1e-4;
   std::vector<double> beyond;
@@ -289,14 +292,12 @@ void estimate_repeating(const Observations& observations, const std::vector<View
   constexpr int kRounds = 3, kMostRounds = 5;  // weights and levels settle soon
   std::vector<ViewRows> rows;
   const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
-  std::vector<std::size_t> seen(
-      observations.cameras.size());  // by each camera, since two cameras take turns among the views
+  std::map<std::pair<int, int>, std::size_t> seen;  // by camera and board, since they take turns among the views
   for (const ViewPose& view : views)
-    if (seen[static_cast<std::size_t>(view.camera)]++ % step == 0)
-      rows.push_back(rows_of(view, *removed, observations));
+    if (seen[{view.camera, view.board}]++ % step == 0) rows.push_back(rows_of(view, *removed, observations));
   std::vector<Eigen::VectorXd> residuals;
   for (const ViewRows& view : rows) residuals.push_back(view.residual);
-  const ImagesAlone problem(removed->errors, observations.cameras.size(), priors);
+  const ImagesAlone problem(removed->errors, priors);
   for (int round = 1; round < kRounds; ++round) problem.solve(rows, &residuals);
   const auto next_estimate = [&] { return problem.estimate_of(problem.solve(rows, &residuals)); };
   Estimate estimate = next_estimate();

@@ -20,6 +20,8 @@ ml::State to_state(const Observations& observations, const CalibrationState& val
   const std::size_t cameras = observations.cameras.size(), stops = observations.stops.size();
   require(values.T_robot_camera.size() == cameras, "T_robot_camera", values.T_robot_camera.size(), cameras);
   require(values.depth_scale.size() == cameras, "depth_scale", values.depth_scale.size(), cameras);
+  require(values.T_world_more_boards.size() == observations.more_boards.size(), "T_world_more_boards",
+          values.T_world_more_boards.size(), observations.more_boards.size());
   require(values.T_world_robot.size() == stops, "T_world_robot", values.T_world_robot.size(), stops);
   return ml::state_from(values);
 }

@@ -1,8 +1,10 @@
 #include "rigproof/calib/estimate/preparation.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include "rigproof/core/error.h"
 #include "robust_views.h"
 #include "settle_repeating.h"
 
@@ -13,6 +15,7 @@ CalibrationState guessed(const InitialGuess& guess) {
   CalibrationState state;
   for (const std::optional<Rigid3>& T : guess.T_robot_camera) state.T_robot_camera.push_back(T.value_or(Rigid3()));
   state.T_world_board = *guess.T_world_board;
+  state.T_world_more_boards = guess.T_world_more_boards;
   state.T_world_robot = guess.T_world_robot;
   return state;
 }
@@ -51,6 +54,9 @@ Preparation closed_form(const Observations& observations, const MlOptions& optio
   prepared.excluded.insert(prepared.excluded.end(), ground.rejected.begin(), ground.rejected.end());
   if (!prepared.solvable()) return prepared;
   keep_usable_planes(ground, &prepared);
+  if (options.start && options.start->T_world_more_boards.size() != observations.more_boards.size())
+    throw Error("estimate: the start has " + std::to_string(1 + options.start->T_world_more_boards.size()) +
+                " boards, the observations have " + std::to_string(observations.boards()));
   prepared.start = state_from(options.start ? *options.start : guessed(prepared.guess));
   return prepared;
 }
@@ -87,7 +93,8 @@ std::vector<int> Preparation::seen_together(const std::vector<bool>& left_out) c
   };
   for (std::size_t i = 0; i < views.size(); ++i)
     for (std::size_t j = i + 1; j < views.size() && views[j].stop == views[i].stop; ++j)  // sorted by stop
-      if (counts(views[i]) && counts(views[j])) ++stops(views[i].camera, views[j].camera);
+      if (views[i].board == views[j].board && counts(views[i]) && counts(views[j]))
+        ++stops(views[i].camera, views[j].camera);
   std::vector<int> group(cameras);
   for (std::size_t c = 0; c < cameras; ++c) group[c] = static_cast<int>(c);
   for (std::size_t a = 0; a < cameras; ++a)
@@ -99,6 +106,18 @@ std::vector<int> Preparation::seen_together(const std::vector<bool>& left_out) c
   return group;
 }
 
+std::vector<int> Preparation::tied_by_boards() const {
+  std::vector<int> group(used.cameras.size()), first(static_cast<std::size_t>(used.boards()), -1);
+  for (std::size_t c = 0; c < group.size(); ++c) group[c] = static_cast<int>(c);
+  for (const ViewPose& view : views) {
+    int& camera = first[static_cast<std::size_t>(view.board)];
+    if (camera < 0) camera = view.camera;
+    const int one = group[static_cast<std::size_t>(view.camera)], other = group[static_cast<std::size_t>(camera)];
+    std::replace(group.begin(), group.end(), one, other);
+  }
+  return group;
+}
+
 PriorSigmas Preparation::sigmas() const {
   constexpr double kStanding = 0.01;  // [m/s, rad/s]: rounding of odometry is slower
   const auto moving = std::count_if(used.stops.begin(), used.stops.end(),
@@ -106,6 +125,10 @@ PriorSigmas Preparation::sigmas() const {
   PriorSigmas sigmas = with_those_of_rig(options.priors, used.odometry_noise);
   sigmas.riding_height_m *= moving == 0 ? 0.0 : static_cast<double>(moving) / static_cast<double>(used.stops.size());
   return sigmas;
+}
+
+bool Preparation::sees(int board) const {
+  return std::any_of(views.begin(), views.end(), [board](const ViewPose& view) { return view.board == board; });
 }
 
 bool Preparation::has_pose(std::size_t view) const {

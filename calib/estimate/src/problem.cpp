@@ -106,13 +106,13 @@ Eigen::MatrixXd information_of(const Eigen::MatrixXd& covariance) {
   return covariance.diagonal().unaryExpr([](double v) { return v > 0.0 ? 1.0 / v : 0.0; }).asDiagonal();
 }
 
-// visit(row, camera) for every nuisance that is among the unknowns, of rows of the rig for camera 0.
+// visit(row, camera or board) for every nuisance that is among the unknowns, of rows of the rig for 0.
 template <typename Visit>
 void for_each_nuisance(const Layout& layout, const Visit& visit) {
   for (std::size_t n = 0; n < kNuisances; ++n) {
     const Nuisance nuisance = static_cast<Nuisance>(n);
     if (!layout.has(nuisance)) continue;
-    for (int c = 0; c < (row_of(nuisance).per_camera ? layout.cameras : 1); ++c) visit(nuisance, c);
+    for (int c = 0; c < layout.count(nuisance); ++c) visit(nuisance, c);
   }
 }
 
@@ -153,7 +153,9 @@ void Problem::visit_blocks(const State& state, Weighting weighting, BlockSink* s
   const Evaluation here = at(state, weighting);
   for (std::size_t v = 0; v < whitened_->views.size(); ++v)
     if (!view_left_out[v]) corners(here, whitened_->views[v], sink);
-  for (const WhitenedPlane& plane : whitened_->board_planes) board_plane(here, plane, sink);
+  const std::vector<bool> shown = shown_boards();
+  for (const WhitenedPlane& plane : whitened_->board_planes)
+    if (shown[static_cast<std::size_t>(plane.board)]) board_plane(here, plane, sink);
   for (const WhitenedPlane& plane : whitened_->ground_planes) ground_plane(here, plane, sink);
   for (int stop = 0; stop < layout_.poses; ++stop) {
     visit_odometry(here, stop, sink);
@@ -183,6 +185,13 @@ void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) 
   });
 }
 
+std::vector<bool> Problem::shown_boards() const {
+  std::vector<bool> shown(static_cast<std::size_t>(layout_.boards), layout_.boards == 1);
+  for (std::size_t v = 0; layout_.boards > 1 && v < whitened_->views.size(); ++v)
+    if (!view_left_out[v]) shown[static_cast<std::size_t>(whitened_->views[v].board)] = true;
+  return shown;
+}
+
 void Problem::fix_unknowns(ArrowSystem* system) const {
   // Increments say nothing about where the world is: the first pose does.
   if (noise.law.model == OdometryModel::kPerIncrement && layout_.poses > 0)
@@ -190,6 +199,10 @@ void Problem::fix_unknowns(ArrowSystem* system) const {
   for (int c = 0; c < layout_.cameras; ++c)
     for (int unknown = 0; camera_fixed[static_cast<std::size_t>(c)] && unknown < 6; ++unknown)
       system->fix_global_unknown(layout_.camera(c) + unknown);
+  const std::vector<bool> shown = shown_boards();
+  for (int b = 0; b < layout_.boards; ++b)
+    for (int unknown = 0; !shown[static_cast<std::size_t>(b)] && unknown < 6; ++unknown)
+      system->fix_global_unknown(layout_.board(b) + unknown);
   for_each_nuisance(layout_, [&](Nuisance nuisance, int c) {
     for (int part = 0; part < row_of(nuisance).size(); ++part)
       if (!counts(nuisance) || !(priors_.covariance(nuisance, c)(part, part) > 0.0))
@@ -274,8 +287,10 @@ double Problem::log_normalisation() const {
   }
   for (const WhitenedPlane& plane : whitened_->ground_planes)
     sum += 6.0 * std::log(noise.ground_scale[static_cast<std::size_t>(plane.camera)]);
+  const std::vector<bool> shown = shown_boards();
   for (const WhitenedPlane& plane : whitened_->board_planes)
-    sum += 6.0 * std::log(noise.board_plane_scale[static_cast<std::size_t>(plane.camera)]);
+    if (shown[static_cast<std::size_t>(plane.board)])
+      sum += 6.0 * std::log(noise.board_plane_scale[static_cast<std::size_t>(plane.camera)]);
   return sum;
 }
 

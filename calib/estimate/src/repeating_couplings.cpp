@@ -46,14 +46,14 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
   const double by_px = at.lenses[static_cast<std::size_t>(view.camera)].coefficient_by_px();
   const double whiten = 1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
   const Eigen::Matrix3d R = seen.T_camera_board.rotation_matrix();
-  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
+  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape, view.board);
   const Eigen::MatrixXd& fields = removed_.fields[index];
   // Corners without a finite covariance are missing among those that are whitened.
   const bool all_there = fields.rows() == 2 * static_cast<Eigen::Index>(view.corners.size());
   Rows rows(static_cast<Eigen::Index>(view.corners.size()), fields.cols(), seen.motion.moves());
   for (std::size_t i = 0; i < view.corners.size(); ++i) {
     const WhitenedView::Corner& corner = view.corners[i];
-    const CornerOfBoard on_board = corner_of_board(at.observations.board, shape, corner.point_board);
+    const CornerOfBoard on_board = corner_of_board(at.observations.board_at(view.board), shape, corner.point_board);
     const Eigen::Vector3d q = R * on_board.point + seen.T_camera_board.translation;
     RowResidual residual;
     if (!row_residual(lens, seen.motion, q, corner.pixel, &residual)) continue;
@@ -104,7 +104,7 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
     with_globals.block(at.layout.place(Nuisance::kLens, view.camera), place, kLens, size) +=
         by_globals.middleRows<kLens>(kTwist);
   if (at.layout.has(Nuisance::kBoardShape))
-    with_globals.block(at.layout.place(Nuisance::kBoardShape), place, kShape, size) +=
+    with_globals.block(at.layout.place(Nuisance::kBoardShape, view.board), place, kShape, size) +=
         by_globals.middleRows<kShape>(kTwist + kLens);
   if (at.layout.has(Nuisance::kReadout) && seen.motion.moves())
     with_globals.row(at.layout.place(Nuisance::kReadout, view.camera)).segment(place, size) +=
@@ -152,7 +152,7 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
     own_.block(field, field, fields, fields).noalias() += rows.by_field.transpose() * rows.field_left();
     gradient_.segment(field, fields).noalias() += rows.by_field.transpose() * rows.residual;
   }
-  if (errors_.print(0) >= 0) add_print(at, view, seen, rows);
+  if (errors_.print(view.board, 0) >= 0) add_print(at, view, seen, rows);
   if (!fine_grids_.empty())
     for (const GridColumns& grid : fine_grids_[static_cast<std::size_t>(view.camera)])
       add_fine(at, view, seen, rows, grid);
@@ -161,20 +161,21 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
 // Offsets of all corners lie one after the other: a view is added once.
 void RepeatingCouplings::add_print(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
                                    const Rows& rows) {
-  const int field = errors_.field(view.camera), prints = 3 * at.observations.board.corner_count();
+  const int field = errors_.field(view.camera), first = errors_.print(view.board, 0);
+  const int prints = 3 * at.observations.board_at(view.board).corner_count();
   Eigen::MatrixXd by_globals = Eigen::MatrixXd::Zero(rows.by_globals.cols(), prints);
   for (std::size_t i = 0; i < view.corners.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(2 * i);
-    const int print = errors_.print(view.corners[i].id);
+    const int print = errors_.print(view.board, view.corners[i].id);
     const Eigen::Matrix<double, 2, 3> by_offset = rows.by_offset.middleRows<2>(row);
-    by_globals.middleCols<3>(print).noalias() += rows.by_globals.middleRows<2>(row).transpose() * by_offset;
+    by_globals.middleCols<3>(print - first).noalias() += rows.by_globals.middleRows<2>(row).transpose() * by_offset;
     own_.block<3, 3>(print, print) += by_offset.transpose() * by_offset;
     gradient_.segment<3>(print) += by_offset.transpose() * rows.residual.segment<2>(row);
     if (field >= 0)
       own_.block(print, field, 3, rows.by_field.cols()) +=
           by_offset.transpose().lazyProduct(rows.field_left().middleRows<2>(row));
   }
-  raw_.add(at, view, seen, errors_.print(0), by_globals);
+  raw_.add(at, view, seen, first, by_globals);
 }
 
 // Corners share nodes: summed over the corners first, a view is added once.
@@ -185,7 +186,7 @@ void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view
   int first = grid.field.nodes(), last = -1;
   for (std::size_t i = 0; i < view.corners.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(2 * i);
-    const int print = errors_.print(view.corners[i].id);
+    const int print = errors_.print(view.board, view.corners[i].id);
     const Eigen::Matrix2d by_pixel = grid.sigma_px * rows.roots[i];
     const Eigen::MatrixX2d globals_by_pixel = rows.by_globals.middleRows<2>(row).transpose().lazyProduct(by_pixel);
     const Eigen::Matrix<double, 3, 2> offset_by_pixel = rows.by_offset.middleRows<2>(row).transpose() * by_pixel;

@@ -32,42 +32,65 @@ Eigen::MatrixXd shape_modes(const Board& board) {
 RepeatingErrors::RepeatingErrors(const Observations& observations, const PriorSigmas& priors) {
   fields_.assign(observations.cameras.size(), -1);
   if (priors.believe_told || observations.stops.size() > kMostStops) return;
-  const Board& board = observations.board;
-  const int corners = 3 * board.corner_count();
-  has_print_ = board.print_sigma() > 0.0 && corners > kShapeModes;
-  int raw = has_print_ ? corners : 0, unknowns = has_print_ ? corners - kShapeModes : 0;
-  if (has_print_) groups_.push_back({-1, 0, unknowns, 1.0});
+  for (int b = 0; b < observations.boards(); ++b) {
+    prints_.push_back(-1);
+    add_print(observations.board_at(b), b);
+  }
   for (std::size_t c = 0; c < fields_.size(); ++c) {
-    std::optional<LensField>& field = lens_fields_.emplace_back();
-    if (!(observations.cameras[c].intrinsics_sigma.residual_px > 0.0)) continue;
-    field.emplace(observations.cameras[c].camera);
-    groups_.push_back({static_cast<int>(c), unknowns, field->size(), 1.0});
-    fields_[c] = raw;
-    raw += field->size();
-    unknowns += field->size();
+    lens_fields_.emplace_back();
+    if (observations.cameras[c].intrinsics_sigma.residual_px > 0.0)
+      add_field(observations.cameras[c].camera, static_cast<int>(c));
   }
-  raw_by_unknowns_ = Eigen::MatrixXd::Zero(raw, unknowns);
+  if (groups_.empty()) return;
+  const Group& last = groups_.back();
+  raw_by_unknowns_ = Eigen::MatrixXd::Zero(last.raw + last.raw_size, last.first + last.size);
   for (const Group& group : groups_) {
-    if (group.camera < 0)
-      raw_by_unknowns_.topLeftCorner(corners, group.size) =
-          board.print_sigma() * shape_modes(board).rightCols(group.size);
-    else
-      raw_by_unknowns_.block(field(group.camera), group.first, group.size, group.size)
-          .diagonal()
-          .setConstant(observations.cameras[static_cast<std::size_t>(group.camera)].intrinsics_sigma.residual_px);
+    auto of_group = raw_by_unknowns_.block(group.raw, group.first, group.raw_size, group.size);
+    if (group.camera < 0) {
+      const Board& board = observations.board_at(group.board);
+      of_group = board.print_sigma() * shape_modes(board).rightCols(group.size);
+    } else {
+      of_group.diagonal().setConstant(
+          observations.cameras[static_cast<std::size_t>(group.camera)].intrinsics_sigma.residual_px);
+    }
   }
+}
+
+void RepeatingErrors::add_print(const Board& board, int index) {
+  const int corners = 3 * board.corner_count();
+  if (!(board.print_sigma() > 0.0) || corners <= kShapeModes) return;
+  Group group = next_group(corners - kShapeModes, corners);
+  group.board = index;
+  prints_.back() = group.raw;
+  groups_.push_back(group);
+}
+
+void RepeatingErrors::add_field(const Camera& camera, int index) {
+  const int size = lens_fields_.back().emplace(camera).size();
+  Group group = next_group(size, size);
+  group.camera = index;
+  fields_[static_cast<std::size_t>(index)] = group.raw;
+  groups_.push_back(group);
+}
+
+RepeatingErrors::Group RepeatingErrors::next_group(int size, int raw_size) const {
+  Group group{-1, 0, size, 1.0, 0, 0, raw_size};
+  if (groups_.empty()) return group;
+  const Group& last = groups_.back();
+  group.first = last.first + last.size;
+  group.raw = last.raw + last.raw_size;
+  return group;
 }
 
 Eigen::MatrixXd RepeatingErrors::by_unknowns(const Eigen::MatrixXd& by_raw) const {
   Eigen::MatrixXd rows(size(), by_raw.cols());
   for (const Group& group : groups_) {
     auto of_group = rows.middleRows(group.first, group.size);
-    const auto columns = raw_by_unknowns_.middleCols(group.first, group.size);
-    const int raw = group.size + kShapeModes, first = group.camera < 0 ? 0 : field(group.camera);
+    const auto block = raw_by_unknowns_.block(group.raw, group.first, group.raw_size, group.size);
     if (group.camera < 0)
-      of_group.noalias() = columns.topRows(raw).transpose() * by_raw.topRows(raw);
+      of_group.noalias() = block.transpose() * by_raw.middleRows(group.raw, group.raw_size);
     else
-      of_group = columns.middleRows(first, group.size).diagonal().asDiagonal() * by_raw.middleRows(first, group.size);
+      of_group = block.diagonal().asDiagonal() * by_raw.middleRows(group.raw, group.size);
   }
   return rows;
 }
@@ -103,12 +126,12 @@ void remove_repeating(const RemovedErrors& removed, const std::vector<ViewPose>&
       CornerObservation& corner = view.corners[i];
       Eigen::Vector2d pixel, shift = Eigen::Vector2d::Zero();
       Eigen::Matrix<double, 2, 3> by_point;
-      const Eigen::Vector3d place = observations->board.corner(corner.id);
+      const Eigen::Vector3d place = observations->board_of(view).corner(corner.id);
       if (const int field = errors.field(view.camera); field >= 0) {
         const Eigen::MatrixXd& by_field = removed.fields[static_cast<std::size_t>(pose.view)];
         shift = by_field.middleRows<2>(2 * static_cast<Eigen::Index>(i)) * raw.segment(field, by_field.cols());
       }
-      if (const int print = errors.print(corner.id);
+      if (const int print = errors.print(view.board, corner.id);
           print >= 0 && lens.project(pose.T_camera_board * place, &pixel, &by_point))
         shift += by_point * (pose.T_camera_board.rotation * raw.segment<3>(print));
       corner.pixel -= shift;

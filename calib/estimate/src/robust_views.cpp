@@ -71,7 +71,7 @@ void refine_robustly(const Observations& observations, std::vector<ViewPose>* vi
   for (ViewPose& view : *views) {
     const BoardView& observed = observations.board_views[static_cast<std::size_t>(view.view)];
     const Camera& camera = observations.cameras[static_cast<std::size_t>(view.camera)].camera;
-    const std::vector<Corner> corners = whitened_corners(observed, observations.board);
+    const std::vector<Corner> corners = whitened_corners(observed, observations.board_of(observed));
     Step fit;
     if (!linearise(camera, corners, view.T_camera_board, CauchyLoss(), &fit)) continue;
     double sum = 0.0;

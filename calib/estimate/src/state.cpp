@@ -14,9 +14,11 @@ Rigid3 moved_transform(const Rigid3& T, const Eigen::Ref<const Vector6d>& step) 
 State state_from(const CalibrationState& values) {
   State state;
   state.T_robot_camera = values.T_robot_camera;
-  state.T_world_board = values.T_world_board;
+  state.T_world_board = values.T_world_more_boards;
+  state.T_world_board.insert(state.T_world_board.begin(), values.T_world_board);
   for (const Rigid3& T : values.T_world_robot) state.poses.push_back(RobotPose::from_transform(T));
-  state.nuisances = NuisanceValues(static_cast<int>(values.T_robot_camera.size()));
+  state.nuisances =
+      NuisanceValues(static_cast<int>(values.T_robot_camera.size()), static_cast<int>(state.T_world_board.size()));
   state.nuisances.of(Nuisance::kOdometryFactors) << values.odometry_scale - 1.0, values.odometry_yaw_factor - 1.0;
   for (std::size_t c = 0; c < values.depth_scale.size(); ++c)
     state.nuisances.of(Nuisance::kDepthScale, static_cast<int>(c))[0] = values.depth_scale[c] - 1.0;
@@ -40,7 +42,8 @@ Layout Layout::of(const Observations& observations, const Priors& priors) {
   Layout layout;
   layout.poses = static_cast<int>(observations.stops.size());
   layout.cameras = static_cast<int>(observations.cameras.size());
-  layout.globals_ = 6 * layout.cameras + 6;
+  layout.boards = observations.boards();
+  layout.globals_ = 6 * (layout.cameras + layout.boards);
   for (std::size_t n = 0; n < kNuisances; ++n) {
     const Nuisance nuisance = static_cast<Nuisance>(n);
     layout.first_[n] = priors.has(nuisance) ? layout.globals_ : -1;
@@ -71,15 +74,17 @@ State moved(const State& state, const Layout& layout, const Eigen::VectorXd& pos
     const std::size_t i = static_cast<std::size_t>(c);
     result.T_robot_camera[i] = moved_transform(state.T_robot_camera[i], global_step.segment<6>(layout.camera(c)));
   }
-  result.T_world_board = moved_transform(state.T_world_board, global_step.segment<6>(layout.board()));
+  for (int b = 0; b < layout.boards; ++b) {
+    const std::size_t i = static_cast<std::size_t>(b);
+    result.T_world_board[i] = moved_transform(state.T_world_board[i], global_step.segment<6>(layout.board(b)));
+  }
   for (std::size_t i = 0; i < state.second_poses.size(); ++i)
     result.second_poses[i] =
         moved_transform(state.second_poses[i], global_step.segment<6>(layout.second(static_cast<int>(i))));
   for (std::size_t n = 0; n < kNuisances; ++n) {
     const Nuisance nuisance = static_cast<Nuisance>(n);
-    const NuisanceRow& row = row_of(nuisance);
-    for (int c = 0; layout.has(nuisance) && c < (row.per_camera ? layout.cameras : 1); ++c)
-      result.nuisances.of(nuisance, c) += global_step.segment(layout.place(nuisance, c), row.size());
+    for (int c = 0; layout.has(nuisance) && c < layout.count(nuisance); ++c)
+      result.nuisances.of(nuisance, c) += global_step.segment(layout.place(nuisance, c), row_of(nuisance).size());
   }
   return result;
 }

@@ -46,9 +46,12 @@ StepScan::StepScan(const Layout& layout, std::vector<int> splits) : layout_(layo
   body.poses.assign(static_cast<std::size_t>(layout.poses), Matrix6d::Zero());
   body.parts.assign(splits_.size() + 1, Part());
   for (Part& part : body.parts) part.globals = Coupling::Zero(layout.globals(), 6);
-  bodies_.assign(static_cast<std::size_t>(layout.cameras) + 1, body);
-  for (const int stepped : layout.step().bodies)
-    bodies_[stepped == Step::kBoard ? bodies_.size() - 1 : static_cast<std::size_t>(stepped)].has_step = true;
+  bodies_.assign(static_cast<std::size_t>(layout.cameras + layout.boards), body);
+  for (const int stepped : layout.step().bodies) bodies_[place_of(stepped)].has_step = true;
+}
+
+std::size_t StepScan::place_of(int body) const {
+  return static_cast<std::size_t>(Step::is_board(body) ? layout_.cameras + Step::board_of(body) : body);
 }
 
 std::size_t StepScan::part_of(int stop) const {
@@ -71,7 +74,9 @@ void StepScan::add(const LocalBlock& block) {
   const int stop = block.segments[pose].pose;
   if (const std::size_t i = segment_at(layout_.camera(block.camera)); i < count)
     add(block, i, stop, &bodies_[static_cast<std::size_t>(block.camera)]);
-  if (const std::size_t i = segment_at(layout_.board()); i < count) add(block, i, stop, &bodies_.back());
+  for (int b = 0; b < layout_.boards; ++b)
+    if (const std::size_t i = segment_at(layout_.board(b)); i < count)
+      add(block, i, stop, &bodies_[place_of(Step::board(b))]);
 }
 
 void StepScan::add(const LocalBlock& block, std::size_t segment, int stop, Body* body) {
@@ -101,13 +106,14 @@ void StepScan::add(const LocalBlock& block, std::size_t segment, int stop, Body*
 // As one body that moves in the robot's frame by (dt, w): each camera by dt + w x t, and R' w about its own axes.
 StepScan::Body StepScan::all_cameras(const State& state) const {
   Body all = bodies_.back();
+  for (int b = 0; b < layout_.boards; ++b) all.has_step = all.has_step || bodies_[place_of(Step::board(b))].has_step;
   for (Matrix6d& pose : all.poses) pose.setZero();
   for (Part& part : all.parts) {
     const Eigen::Index globals = part.globals.rows();
     part = Part();
     part.globals = Coupling::Zero(globals, 6);
   }
-  for (std::size_t c = 0; c + 1 < bodies_.size(); ++c) {
+  for (std::size_t c = 0; c < static_cast<std::size_t>(layout_.cameras); ++c) {
     const Rigid3& T = state.T_robot_camera[c];
     Matrix6d M = Matrix6d::Zero();
     M.topLeftCorner<3, 3>().setIdentity();
@@ -168,7 +174,7 @@ std::vector<StepScore> StepScan::scores(const State& state, const EliminatedSyst
     cameras.push_back(c);
     score(bodies_[static_cast<std::size_t>(c)], {c}, at, &scores);
   }
-  score(bodies_.back(), {Step::kBoard}, at, &scores);
+  for (int b = 0; b < layout_.boards; ++b) score(bodies_[place_of(Step::board(b))], {Step::board(b)}, at, &scores);
   if (cameras.size() > 1) score(all_cameras(state), cameras, at, &scores);
   return scores;
 }

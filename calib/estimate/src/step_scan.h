@@ -35,6 +35,7 @@ class StepScan : public BlockSink {
     bool has_step = false;
   };
 
+  std::size_t place_of(int body) const;
   std::size_t part_of(int stop) const;
   void add(const LocalBlock& block, std::size_t segment, int stop, Body* body);
   Body all_cameras(const State& state) const;
@@ -50,7 +51,7 @@ class StepScan : public BlockSink {
 
   const Layout& layout_;
   std::vector<int> splits_;
-  std::vector<Body> bodies_;  // cameras, then the board
+  std::vector<Body> bodies_;  // cameras, then boards
 };
 
 }  // namespace rigproof::ml

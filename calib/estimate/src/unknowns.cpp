@@ -184,10 +184,14 @@ Covariances of_lens(const PriorSource& source) {
 // Printers scale both directions of a sheet more alike than right.
 Covariances of_board_shape(const PriorSource& source) {
   constexpr double kRatio = 0.2;  // of the sigma of the squares' side
-  const Board& board = source.observations.board;
-  if (source.sigmas.believe_told) return {Eigen::MatrixXd::Zero(4, 4)};
-  const double side = board.square_sigma_relative(), bow_m = board.bow_sigma();
-  return {independent({side, kRatio * side, bow_m, bow_m})};
+  Covariances covariances;
+  for (int b = 0; b < source.observations.boards(); ++b) {
+    const Board& board = source.observations.board_at(b);
+    const double side = board.square_sigma_relative(), bow_m = board.bow_sigma();
+    covariances.push_back(independent({side, kRatio * side, bow_m, bow_m}));
+    if (source.sigmas.believe_told) covariances.back().setZero();
+  }
+  return covariances;
 }
 
 Covariances of_ground_offset(const PriorSource& source) {
@@ -224,7 +228,8 @@ Covariances of_readout(const PriorSource& source) {
 }  // namespace
 
 const std::array<NuisanceRow, kNuisances>& nuisance_table() {
-  constexpr bool kRig = false, kCamera = true, kAnyOdometry = false, kIncrements = true, kReported = true;
+  constexpr Each kRig = Each::kRig, kCamera = Each::kCamera, kBoard = Each::kBoard;
+  constexpr bool kAnyOdometry = false, kIncrements = true, kReported = true;
   static const std::array<NuisanceRow, kNuisances> kTable = {{
       {{{"odometry_scale", 1.0}, {"odometry_yaw_factor", 1.0}},
        kRig,
@@ -271,7 +276,7 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
         {"board_ratio_percent", 100.0},
         {"board_bow_x_mm", 1e3},
         {"board_bow_y_mm", 1e3}},
-       kRig,
+       kBoard,
        kAnyOdometry,
        kReported,
        "board",
@@ -287,6 +292,13 @@ const std::array<NuisanceRow, kNuisances>& nuisance_table() {
       {{{"readout_ms", 1e3}}, kCamera, kAnyOdometry, kReported, "rolling shutter", &of_readout},
   }};
   return kTable;
+}
+
+std::string name_of_board(const std::string& quantity, int board) {
+  const std::string prefix = "board_";
+  const bool has_prefix = quantity.rfind(prefix, 0) == 0;
+  if (board == 0) return quantity;
+  return prefix + std::to_string(board + 1) + "_" + (has_prefix ? quantity.substr(prefix.size()) : quantity);
 }
 
 CommonDepth common_depth(const Observations& observations, int camera) {
@@ -323,10 +335,10 @@ double Priors::sigma(Nuisance nuisance, int camera, int part) const {
 
 namespace {
 
-// First the rig's values, then camera by camera.
+// First the rig's values, then camera by camera, then board by board.
 struct Addresses {
-  std::array<int, kNuisances> first;  // in the rig's values, or in a camera's
-  int rig = 0, camera = 0;            // how many values
+  std::array<int, kNuisances> first{};  // among the values of one
+  std::array<int, 3> size{};            // values of one, by Each
 };
 
 const Addresses& addresses() {
@@ -334,7 +346,7 @@ const Addresses& addresses() {
     Addresses all;
     for (std::size_t n = 0; n < kNuisances; ++n) {
       const NuisanceRow& row = nuisance_table()[n];
-      int& end = row.per_camera ? all.camera : all.rig;
+      int& end = all.size[static_cast<std::size_t>(row.each)];
       all.first[n] = end;
       end += row.size();
     }
@@ -345,13 +357,23 @@ const Addresses& addresses() {
 
 }  // namespace
 
-NuisanceValues::NuisanceValues(int cameras)
-    : values_(Eigen::VectorXd::Zero(addresses().rig + cameras * addresses().camera)) {}
+NuisanceValues::NuisanceValues(int cameras, int boards) : cameras_(cameras) {
+  const auto [rig, camera, board] = addresses().size;
+  values_ = Eigen::VectorXd::Zero(rig + cameras * camera + boards * board);
+}
 
-Eigen::Index NuisanceValues::address(Nuisance nuisance, int camera) {
-  const Addresses& all = addresses();
-  const int first = all.first[static_cast<std::size_t>(nuisance)];
-  return row_of(nuisance).per_camera ? all.rig + camera * all.camera + first : first;
+Eigen::Index NuisanceValues::address(Nuisance nuisance, int which) const {
+  const auto [rig, camera, board] = addresses().size;
+  const int first = addresses().first[static_cast<std::size_t>(nuisance)];
+  switch (row_of(nuisance).each) {
+    case Each::kRig:
+      return first;
+    case Each::kCamera:
+      return rig + which * camera + first;
+    case Each::kBoard:
+      return rig + cameras_ * camera + which * board + first;
+  }
+  return first;
 }
 
 }  // namespace ml

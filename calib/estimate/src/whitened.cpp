@@ -32,7 +32,8 @@ std::vector<WhitenedView> whitened_views(const Observations& observations, const
   std::vector<WhitenedView> views;
   for (const BoardView& view : observations.board_views) {
     WhitenedView prepared{view.stop, view.camera, delays.after(view.stop, view.camera), {}};
-    for (const WhitenedView::Corner& corner : whitened_corners(view, observations.board))
+    prepared.board = view.board;
+    for (const WhitenedView::Corner& corner : whitened_corners(view, observations.board_of(view)))
       if (corner.whitening.allFinite() && corner.pixel.allFinite()) prepared.corners.push_back(corner);
     views.push_back(std::move(prepared));
   }
@@ -57,6 +58,21 @@ std::vector<WhitenedPlane> whitened_planes(const Observations& observations,
   return prepared;
 }
 
+// The board that the camera sees at the plane's stop; of several boards a plane without a view is on none.
+void keep_on_boards(const Observations& observations, std::vector<WhitenedPlane>* planes) {
+  if (observations.more_boards.empty()) return;
+  std::map<std::pair<int, int>, int> seen;
+  for (const BoardView& view : observations.board_views) seen.emplace(std::pair(view.stop, view.camera), view.board);
+  std::vector<WhitenedPlane> kept;
+  for (WhitenedPlane& plane : *planes) {
+    const auto board = seen.find({plane.stop, plane.camera});
+    if (board == seen.end()) continue;
+    plane.board = board->second;
+    kept.push_back(plane);
+  }
+  *planes = std::move(kept);
+}
+
 }  // namespace
 
 std::vector<WhitenedView::Corner> whitened_corners(const BoardView& view, const Board& board) {
@@ -75,6 +91,7 @@ Whitened whitened(const Observations& observations) {
                whitened_planes(observations, observations.ground_planes, {}, delays),
                whitened_planes(observations, observations.board_planes, board_plane_biases(observations), delays),
                {}};
+  keep_on_boards(observations, &all.board_planes);
   for (const RigCamera& camera : observations.cameras) all.lenses.emplace_back(camera.camera);
   return all;
 }

@@ -34,14 +34,14 @@ ViewPoses estimate_view_poses(const Observations& observations) {
   for (std::size_t i = 0; i < observations.board_views.size(); ++i) {
     const BoardView& view = observations.board_views[i];
     const Camera& camera = observations.cameras[static_cast<std::size_t>(view.camera)].camera;
-    const std::optional<BoardPose> pose = estimate_board_pose(view.corners, observations.board, camera);
+    const std::optional<BoardPose> pose = estimate_board_pose(view.corners, observations.board_of(view), camera);
     if (!pose) {
       result.exclusions.push_back(no_pose(view));
       continue;
     }
     const double inflation = covariance_inflation(pose->reprojection_rms_px, expected_rms_px(view.corners));
     result.poses.push_back({static_cast<int>(i), view.stop, view.camera, pose->T_camera_board,
-                            inflation * pose->covariance, pose->reprojection_rms_px});
+                            inflation * pose->covariance, pose->reprojection_rms_px, view.board});
   }
   return result;
 }

@@ -43,7 +43,9 @@ struct LevelView {
   double variance;          // of the position
   double heading_variance;  // a small board far away is seen turned by degrees
   double weight;
+  int board;
 };
+using LevelViews = std::vector<LevelView>;
 
 // From view k to view l: same stop, or later.
 struct Link {
@@ -65,26 +67,31 @@ std::vector<Matrix3d> camera_levelling(std::size_t cameras, const std::vector<Vi
   std::vector<Matrix3d> R_level_camera(cameras, Matrix3d::Identity());
   for (std::size_t k = 0; k < cameras; ++k)
     if (alignment.up_camera[k]) R_level_camera[k] = levelling(*alignment.up_camera[k]);
-  if (alignment.source != VerticalSource::kNone) return R_level_camera;
-  for (auto view = views.rbegin(); view != views.rend(); ++view)
-    R_level_camera[static_cast<std::size_t>(view->camera)] =
-        levelling(view->T_camera_board.rotation * alignment.up_board);
+  for (auto view = views.rbegin(); view != views.rend(); ++view) {
+    const auto k = static_cast<std::size_t>(view->camera), b = static_cast<std::size_t>(view->board);
+    if (alignment.source == VerticalSource::kNone || !alignment.up_camera[k])
+      R_level_camera[k] = levelling(view->T_camera_board.rotation * alignment.up_board[b]);
+  }
   return R_level_camera;
 }
 
-std::vector<LevelView> level_views(const std::vector<ViewPose>& views, const std::vector<double>& weights,
-                                   const Matrix3d& R_level_board, const std::vector<Matrix3d>& R_level_camera) {
-  std::vector<LevelView> level;
+// Of each board.
+std::vector<LevelViews> level_views(const std::vector<ViewPose>& views, const std::vector<double>& weights,
+                                    const std::vector<Matrix3d>& R_level_board,
+                                    const std::vector<Matrix3d>& R_level_camera) {
+  std::vector<LevelViews> level(R_level_board.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ViewPose& view = views[i];
+    const Matrix3d& R_level = R_level_board[static_cast<std::size_t>(view.board)];
     const Rigid3 T_board_camera = view.T_camera_board.inverse();
-    const Vector3d position = R_level_board * T_board_camera.translation;
-    const Matrix3d R = R_level_board * T_board_camera.rotation_matrix() *
-                       R_level_camera[static_cast<std::size_t>(view.camera)].transpose();
+    const Vector3d position = R_level * T_board_camera.translation;
+    const Matrix3d R =
+        R_level * T_board_camera.rotation_matrix() * R_level_camera[static_cast<std::size_t>(view.camera)].transpose();
     const double variance = camera_position_covariance(view).trace() / 3.0 + kViewFloor_m * kViewFloor_m;
     const double heading_variance = view.covariance.bottomRightCorner<3, 3>().trace() / 3.0;
-    level.push_back({view.stop, view.camera, heading_of(R), position.head<2>(), position.z(), variance,
-                     heading_variance, std::max(weights[i], 1e-6)});
+    level[static_cast<std::size_t>(view.board)].push_back({view.stop, view.camera, heading_of(R), position.head<2>(),
+                                                           position.z(), variance, heading_variance,
+                                                           std::max(weights[i], 1e-6), view.board});
   }
   return level;
 }
@@ -97,8 +104,7 @@ Link link_between(const LevelView& from, const LevelView& to, const std::vector<
 
 // To the previous view, whatever its camera, and to the previous view of every camera at an earlier stop: one wrong
 // view has then no more links to the other cameras than each right one.
-std::vector<Link> make_links(const std::vector<LevelView>& views, const std::vector<Rigid3>& odometry,
-                             std::size_t cameras) {
+std::vector<Link> make_links(const LevelViews& views, const std::vector<Rigid3>& odometry, std::size_t cameras) {
   std::vector<Link> links;
   std::vector<const LevelView*> last(cameras, nullptr);
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -262,7 +268,7 @@ PlanarMounting solve_mounting(const std::vector<Link>& links, std::vector<double
 }
 
 // Of the cameras that saw the board, over its origin.
-std::vector<std::optional<double>> mean_heights(std::size_t cameras, const std::vector<LevelView>& views) {
+std::vector<std::optional<double>> mean_heights(std::size_t cameras, const LevelViews& views) {
   std::vector<std::optional<double>> means(cameras);
   std::vector<double> sums(cameras, 0.0);
   for (const LevelView& view : views) {
@@ -283,23 +289,67 @@ void collect_heights(const Observations& observations, const GroundCheck& ground
       heights->push_back(height_above(observations.ground_planes[i]).height_m - base_m);
 }
 
-// Of the board's origin over the ground, from all cameras; without planes the lowest camera is at height zero.
-double board_height(const Observations& observations, const GroundCheck& ground,
-                    const std::vector<std::optional<double>>& means) {
-  std::vector<double> offsets;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < means.size(); ++k) {
-    if (!means[k]) continue;
-    collect_heights(observations, ground, k, *means[k], &offsets);
-    lowest = std::min(lowest, *means[k]);
+// Of the boards' origins and of the cameras over the ground.
+class Heights {
+ public:
+  Heights(const Observations& observations, const GroundCheck& ground, const std::vector<LevelViews>& level)
+      : cameras_(observations.cameras.size()), boards_(level.size()) {
+    for (const LevelViews& views : level) means_.push_back(mean_heights(cameras_.size(), views));
+    for (std::size_t b = 0; b < boards_.size(); ++b) boards_[b] = by_planes(observations, ground, b);
+    for (std::size_t k = 0; k < cameras_.size(); ++k) {
+      // A camera's own planes know its height best.
+      std::vector<double> heights;
+      collect_heights(observations, ground, k, 0.0, &heights);
+      if (!heights.empty()) cameras_[k] = median(heights);
+    }
+    spread();
+    // Where no planes are, the lowest camera is at height zero.
+    for (std::size_t b = 0; b < boards_.size(); ++b) {
+      if (boards_[b]) continue;
+      double lowest = std::numeric_limits<double>::infinity();
+      for (const std::optional<double>& mean : means_[b])
+        if (mean) lowest = std::min(lowest, *mean);
+      if (std::isfinite(lowest)) boards_[b] = -lowest;
+      spread();
+    }
   }
-  return offsets.empty() ? -lowest : median(offsets);
-}
+  double board(std::size_t b) const { return boards_[b].value_or(0.0); }
+  double camera(std::size_t k) const { return cameras_[k].value_or(0.0); }
+
+ private:
+  std::optional<double> by_planes(const Observations& observations, const GroundCheck& ground, std::size_t b) const {
+    std::vector<double> offsets;
+    for (std::size_t k = 0; k < cameras_.size(); ++k)
+      if (means_[b][k]) collect_heights(observations, ground, k, *means_[b][k], &offsets);
+    return offsets.empty() ? std::nullopt : std::optional(median(offsets));
+  }
+
+  // From boards to cameras that see them, and back.
+  void spread() {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t b = 0; b < boards_.size(); ++b) {
+        for (std::size_t k = 0; k < cameras_.size(); ++k) {
+          const std::optional<double>& mean = means_[b][k];
+          if (!mean || cameras_[k].has_value() == boards_[b].has_value()) continue;
+          if (boards_[b])
+            cameras_[k] = *mean + *boards_[b];
+          else
+            boards_[b] = *cameras_[k] - *mean;
+          changed = true;
+        }
+      }
+    }
+  }
+
+  std::vector<std::vector<std::optional<double>>> means_;  // of each board, of each camera over its origin
+  std::vector<std::optional<double>> cameras_, boards_;
+};
 
 double certainty(const LevelView& view) { return view.weight / view.variance; }
 
 // The first view that is no outlier, or the most certain one of its stop.
-const LevelView& anchor_view(const std::vector<LevelView>& views) {
+const LevelView& anchor_view(const LevelViews& views) {
   const auto good = std::find_if(views.begin(), views.end(), [](const LevelView& v) { return v.weight >= 0.5; });
   const LevelView* anchor = good == views.end() ? &views.front() : &*good;
   for (const LevelView& view : views)
@@ -334,23 +384,91 @@ PlanarBoard place_board(const LevelView& anchor, const PlanarMounting& mounting,
   return {yaw, robot.translation.head<2>() - rotation2(yaw) * mounting.robot_position(anchor)};
 }
 
-std::vector<Rigid3> place_robot(const std::vector<LevelView>& views, const PlanarMounting& mounting,
-                                const PlanarBoard& board, const std::vector<Rigid3>& odometry) {
-  std::vector<const LevelView*> by_stop(odometry.size(), nullptr);
-  for (const LevelView& view : views) {
-    const LevelView*& best = by_stop[static_cast<std::size_t>(view.stop)];
-    if (view.weight >= kLeastPlanarWeight && (best == nullptr || certainty(view) > certainty(*best))) best = &view;
+// Cameras that see the same board, or are joined by a chain of such, are solved together: between others there are
+// only the odometry and heights. A number for each board.
+std::vector<std::size_t> groups_of(const std::vector<LevelViews>& level, std::size_t cameras) {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> group(level.size());
+  for (std::size_t b = 0; b < level.size(); ++b) group[b] = b;
+  std::vector<std::size_t> board_of(cameras, kNone);
+  for (std::size_t b = 0; b < level.size(); ++b) {
+    for (const LevelView& view : level[b]) {
+      std::size_t& first = board_of[static_cast<std::size_t>(view.camera)];
+      if (first == kNone) first = b;
+      if (group[first] != group[b]) std::replace(group.begin(), group.end(), group[b], group[first]);
+    }
   }
+  return group;
+}
+
+// How cameras and boards lie to each other and to the odometry.
+struct PlanarRig {
+  std::vector<PlanarMounting> mountings;  // of each group
+  std::vector<std::size_t> group_of_board;
+  std::vector<PlanarBoard> boards;  // where they were seen
+
+  const PlanarMounting& mounting_of(const LevelView& view) const {
+    return mountings[group_of_board[static_cast<std::size_t>(view.board)]];
+  }
+};
+
+PlanarRig solve_rig(const std::vector<LevelViews>& level, const std::vector<Rigid3>& odometry, std::size_t cameras) {
+  PlanarRig rig{std::vector<PlanarMounting>(level.size()), groups_of(level, cameras), {}};
+  for (std::size_t group = 0; group < level.size(); ++group) {
+    std::vector<Link> links;
+    const LevelView* first = nullptr;
+    for (std::size_t b = 0; b < level.size(); ++b) {
+      if (rig.group_of_board[b] != group || level[b].empty()) continue;
+      if (first == nullptr || level[b].front().stop < first->stop) first = &level[b].front();
+      const std::vector<Link> of_board = make_links(level[b], odometry, cameras);
+      links.insert(links.end(), of_board.begin(), of_board.end());
+    }
+    if (first != nullptr)
+      rig.mountings[group] =
+          solve_mounting(links, relate_yaws(cameras, static_cast<std::size_t>(first->camera), links));
+  }
+  for (const LevelViews& views : level)
+    rig.boards.push_back(views.empty() ? PlanarBoard{0.0, Vector2d::Zero()}
+                                       : place_board(anchor_view(views), rig.mounting_of(views.front()), odometry));
+  return rig;
+}
+
+std::vector<Rigid3> place_robot(const std::vector<LevelViews>& level, const PlanarRig& rig,
+                                const std::vector<Rigid3>& odometry) {
+  std::vector<const LevelView*> by_stop(odometry.size(), nullptr);
+  for (const LevelViews& views : level)
+    for (const LevelView& view : views) {
+      const LevelView*& best = by_stop[static_cast<std::size_t>(view.stop)];
+      if (view.weight >= kLeastPlanarWeight && (best == nullptr || certainty(view) > certainty(*best))) best = &view;
+    }
   std::vector<Rigid3> poses = odometry;
   std::vector<bool> placed(odometry.size(), false);
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     if (by_stop[i] == nullptr) continue;
-    const Vector2d p = board.position + rotation2(board.yaw) * mounting.robot_position(*by_stop[i]);
-    poses[i] = planar_pose(p.x(), p.y(), wrap_angle(board.yaw + mounting.robot_heading(*by_stop[i])));
+    const LevelView& view = *by_stop[i];
+    const PlanarBoard& board = rig.boards[static_cast<std::size_t>(view.board)];
+    const Vector2d p = board.position + rotation2(board.yaw) * rig.mounting_of(view).robot_position(view);
+    poses[i] = planar_pose(p.x(), p.y(), wrap_angle(board.yaw + rig.mounting_of(view).robot_heading(view)));
     placed[i] = true;
   }
   continue_by_odometry(odometry, placed, &poses);
   return poses;
+}
+
+std::vector<std::optional<Rigid3>> place_cameras(const std::vector<LevelViews>& level, const PlanarRig& rig,
+                                                 const Heights& heights, const std::vector<Matrix3d>& R_level_camera) {
+  std::vector<std::optional<Rigid3>> T_robot_camera(R_level_camera.size());
+  for (const LevelViews& views : level)
+    for (const LevelView& view : views) {
+      const auto k = static_cast<std::size_t>(view.camera);
+      if (T_robot_camera[k]) continue;
+      const PlanarMounting& mounting = rig.mounting_of(view);
+      const Vector2d t = mounting.t.segment<2>(2 * static_cast<Eigen::Index>(k));
+      T_robot_camera[k] =
+          Rigid3(Eigen::Quaterniond(rotation_z(mounting.psi + mounting.yaw[k]).toRotationMatrix() * R_level_camera[k]),
+                 Vector3d(t.x(), t.y(), heights.camera(k)));
+    }
+  return T_robot_camera;
 }
 
 }  // namespace
@@ -363,28 +481,23 @@ InitialGuess initial_guess(const Observations& observations, const std::vector<V
   guess.T_robot_camera.resize(cameras);
   guess.T_world_robot = odometry;
   if (views.empty()) return guess;
-  const Matrix3d R_level_board = levelling(alignment.up_board);
+  std::vector<Matrix3d> R_level_board;
+  for (const Vector3d& up : alignment.up_board) R_level_board.push_back(levelling(up));
   const std::vector<Matrix3d> R_level_camera = camera_levelling(cameras, views, alignment);
-  const std::vector<LevelView> level = level_views(views, alignment.view_weights, R_level_board, R_level_camera);
-  const std::vector<Link> links = make_links(level, odometry, cameras);
-  const PlanarMounting mounting =
-      solve_mounting(links, relate_yaws(cameras, static_cast<std::size_t>(level.front().camera), links));
-  const std::vector<std::optional<double>> means = mean_heights(cameras, level);
-  const double board_height_m = board_height(observations, ground, means);
-  for (std::size_t k = 0; k < cameras; ++k) {
-    if (!means[k]) continue;
-    // A camera's own planes know its height best.
-    std::vector<double> heights;
-    collect_heights(observations, ground, k, 0.0, &heights);
-    const Vector2d t = mounting.t.segment<2>(2 * static_cast<Eigen::Index>(k));
-    guess.T_robot_camera[k] =
-        Rigid3(Eigen::Quaterniond(rotation_z(mounting.psi + mounting.yaw[k]).toRotationMatrix() * R_level_camera[k]),
-               Vector3d(t.x(), t.y(), heights.empty() ? *means[k] + board_height_m : median(heights)));
+  const std::vector<LevelViews> level = level_views(views, alignment.view_weights, R_level_board, R_level_camera);
+  const PlanarRig rig = solve_rig(level, odometry, cameras);
+  const Heights heights(observations, ground, level);
+  guess.T_robot_camera = place_cameras(level, rig, heights, R_level_camera);
+  for (std::size_t b = 0; b < level.size(); ++b) {
+    const PlanarBoard& board = rig.boards[b];
+    const Rigid3 T(Eigen::Quaterniond(rotation_z(board.yaw).toRotationMatrix() * R_level_board[b]),
+                   Vector3d(board.position.x(), board.position.y(), heights.board(b)));
+    if (b == 0)
+      guess.T_world_board = T;
+    else
+      guess.T_world_more_boards.push_back(T);
   }
-  const PlanarBoard board = place_board(anchor_view(level), mounting, odometry);
-  guess.T_world_board = Rigid3(Eigen::Quaterniond(rotation_z(board.yaw).toRotationMatrix() * R_level_board),
-                               Vector3d(board.position.x(), board.position.y(), board_height_m));
-  guess.T_world_robot = place_robot(level, mounting, board, odometry);
+  guess.T_world_robot = place_robot(level, rig, odometry);
   return guess;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -308,10 +309,10 @@ double sign_of_up(const Context& context, const Vector3d& up) {
 // Up in each camera that has views, from up in the board.
 void spread_to_cameras(const Context& context, TrajectoryAlignment* alignment) {
   const std::size_t cameras = context.observations.cameras.size();
-  const std::vector<CameraMean> means = camera_means(context.levels, alignment->up_board, cameras);
+  const Vector3d& up_board = alignment->up_board.front();
+  const std::vector<CameraMean> means = camera_means(context.levels, up_board, cameras);
   for (std::size_t k = 0; k < cameras; ++k)
-    if (means[k].rotation_sum > 0.0)
-      alignment->up_camera[k] = (means[k].rotation.transpose() * alignment->up_board).normalized();
+    if (means[k].rotation_sum > 0.0) alignment->up_camera[k] = (means[k].rotation.transpose() * up_board).normalized();
 }
 
 void align_by_ground(const Context& context, TrajectoryAlignment* alignment) {
@@ -322,22 +323,123 @@ void align_by_ground(const Context& context, TrajectoryAlignment* alignment) {
     if (normal.in_board && (stays_with_camera(context, normal) || fits_motion(context.levels, means, *normal.in_board)))
       in_board.push_back(*normal.in_board);
   if (const std::optional<Vector3d> up = consensus(in_board)) {
-    alignment->up_board = *up;
+    alignment->up_board = {*up};
     alignment->source = VerticalSource::kGround;
     alignment->sigma_up_rad = kSamePlane_rad / std::sqrt(static_cast<double>(in_board.size()));
     spread_to_cameras(context, alignment);
   }
 }
 
-// A camera that never saw the board may still know the vertical from its own planes.
-void fill_from_own_planes(const Context& context, TrajectoryAlignment* alignment) {
-  for (std::size_t k = 0; k < alignment->up_camera.size(); ++k) {
-    if (alignment->up_camera[k]) continue;
-    std::vector<Vector3d> own;
-    for (const Normal& normal : context.normals)
-      if (normal.camera == static_cast<int>(k)) own.push_back(normal.in_camera);
-    alignment->up_camera[k] = consensus(own);
+std::optional<Vector3d> up_by_own_planes(const Observations& observations, std::size_t camera) {
+  std::vector<Vector3d> own;
+  for (const Normal& normal : plane_normals(observations, {}))
+    if (normal.camera == static_cast<int>(camera)) own.push_back(normal.in_camera);
+  return consensus(own);
+}
+
+// By the views of one board.
+TrajectoryAlignment align_to_board(const Observations& observations, const std::vector<ViewPose>& views) {
+  Context context{observations, views, make_levels(views), plane_normals(observations, views)};
+  TrajectoryAlignment alignment;
+  alignment.up_board = {Vector3d::UnitZ()};
+  alignment.up_camera.resize(observations.cameras.size());
+  const VerticalFit fit = fit_vertical(&context.levels, observations.cameras.size());
+  const double sign = fit.sigma_rad < kMaxSigmaUp_rad ? sign_of_up(context, fit.up) : 0.0;
+  if (sign != 0.0) {
+    alignment.source = VerticalSource::kMotion;
+    alignment.up_board = {sign * fit.up};
+    alignment.sigma_up_rad = fit.sigma_rad;
+    spread_to_cameras(context, &alignment);
+  } else {
+    align_by_ground(context, &alignment);
   }
+  for (const Level& level : context.levels)
+    alignment.view_weights.push_back(std::min(level.rotation_weight, level.position_weight));
+  return alignment;
+}
+
+// A vertical, and how well it is known.
+struct KnownUp {
+  Vector3d up = Vector3d::UnitZ();
+  double variance = std::numeric_limits<double>::infinity();
+
+  bool is_known() const { return std::isfinite(variance); }
+  bool take(const Vector3d& other, double its_variance) {
+    if (!(its_variance < variance)) return false;
+    *this = {other.normalized(), its_variance};
+    return true;
+  }
+};
+
+// From where it is known best, each time less certain by what the views between a board and a camera leave open.
+// @param means of each board
+void spread(const std::vector<std::vector<CameraMean>>& means, std::vector<KnownUp>* boards,
+            std::vector<KnownUp>* cameras) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t b = 0; b < means.size(); ++b) {
+      for (std::size_t k = 0; k < means[b].size(); ++k) {
+        const CameraMean& mean = means[b][k];
+        if (!(mean.rotation_sum > 0.0)) continue;
+        KnownUp &board = (*boards)[b], &camera = (*cameras)[k];
+        const double by_views = 1.0 / mean.rotation_sum;
+        changed = camera.take(mean.rotation.transpose() * board.up, board.variance + by_views) || changed;
+        changed = board.take(mean.rotation * camera.up, camera.variance + by_views) || changed;
+      }
+    }
+  }
+}
+
+std::vector<CameraMean> trusted_means(const std::vector<ViewPose>& views, const TrajectoryAlignment& alignment,
+                                      std::size_t cameras) {
+  std::vector<Level> levels = make_levels(views);
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    levels[i].rotation_weight = levels[i].position_weight = alignment.view_weights[i];
+  return camera_means(levels, alignment.up_board.front(), cameras);
+}
+
+// Each view by how well it fits the motion past its own board.
+std::vector<double> joined_weights(const std::vector<ViewPose>& views, const std::vector<TrajectoryAlignment>& own) {
+  std::vector<double> weights;
+  std::vector<std::size_t> next(own.size());
+  for (const ViewPose& view : views) {
+    const auto b = static_cast<std::size_t>(view.board);
+    weights.push_back(own[b].view_weights[next[b]++]);
+  }
+  return weights;
+}
+
+TrajectoryAlignment align_to_boards(const Observations& observations, const std::vector<ViewPose>& views) {
+  const std::size_t count = observations.cameras.size();
+  std::vector<TrajectoryAlignment> own;
+  std::vector<std::vector<CameraMean>> means;
+  std::vector<KnownUp> boards, cameras(count);
+  TrajectoryAlignment all;
+  for (const std::vector<ViewPose>& of_board : by_board(views, observations.boards())) {
+    own.push_back(align_to_board(observations, of_board));
+    means.push_back(trusted_means(of_board, own.back(), count));
+    boards.emplace_back();
+    if (own.back().source != VerticalSource::kNone)
+      boards.back() = {own.back().up_board.front(), own.back().sigma_up_rad * own.back().sigma_up_rad};
+    if (own.back().source == VerticalSource::kMotion) all.source = VerticalSource::kMotion;
+  }
+  for (std::size_t k = 0; k < count; ++k)
+    if (const std::optional<Vector3d> up = up_by_own_planes(observations, k))
+      cameras[k] = {*up, kSamePlane_rad * kSamePlane_rad};
+  spread(means, &boards, &cameras);
+  double least = std::numeric_limits<double>::infinity();
+  for (const KnownUp& board : boards) {
+    all.up_board.push_back(board.up);
+    least = std::min(least, board.variance);
+  }
+  for (const KnownUp& camera : cameras) {
+    all.up_camera.push_back(camera.is_known() ? std::optional(camera.up) : std::nullopt);
+    all.sigma_up_camera_rad.push_back(camera.is_known() ? std::sqrt(camera.variance) : 0.0);
+  }
+  if (all.source == VerticalSource::kNone && std::isfinite(least)) all.source = VerticalSource::kGround;
+  all.sigma_up_rad = std::isfinite(least) ? std::sqrt(least) : 0.0;
+  all.view_weights = joined_weights(views, own);
+  return all;
 }
 
 Exclusion rejection(const PlaneObservation& plane, Finding why) {
@@ -358,7 +460,10 @@ std::optional<Finding> tilt_problem(const PlaneObservation& plane, const Traject
   if (!(length > 0.0) || !std::isfinite(length)) return Finding("plane.degenerate");
   const double cosine = -plane.inverse_depth_plane.dot(*up) / length;
   const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
-  const double allowed = options.max_angle_rad + 3.0 * std::hypot(alignment.sigma_up_rad, normal_sigma(plane));
+  const std::vector<double>& of_cameras = alignment.sigma_up_camera_rad;
+  const double sigma_up =
+      of_cameras.empty() ? alignment.sigma_up_rad : of_cameras[static_cast<std::size_t>(plane.camera)];
+  const double allowed = options.max_angle_rad + 3.0 * std::hypot(sigma_up, normal_sigma(plane));
   if (angle <= allowed) return std::nullopt;
   if (kPi - angle <= allowed) return Finding("plane.ceiling");
   return Finding("plane.off_vertical", {{"off_deg", std::lround(rad_to_deg(angle))}});
@@ -412,22 +517,12 @@ void check_heights(const Observations& observations, int camera, const GroundChe
 Matrix3d levelling(const Vector3d& up) { return rotation_between(up, Vector3d::UnitZ()).toRotationMatrix(); }
 
 TrajectoryAlignment align_trajectories(const Observations& observations, const std::vector<ViewPose>& views) {
-  Context context{observations, views, make_levels(views), plane_normals(observations, views)};
-  TrajectoryAlignment alignment;
-  alignment.up_camera.resize(observations.cameras.size());
-  const VerticalFit fit = fit_vertical(&context.levels, observations.cameras.size());
-  const double sign = fit.sigma_rad < kMaxSigmaUp_rad ? sign_of_up(context, fit.up) : 0.0;
-  if (sign != 0.0) {
-    alignment.source = VerticalSource::kMotion;
-    alignment.up_board = sign * fit.up;
-    alignment.sigma_up_rad = fit.sigma_rad;
-    spread_to_cameras(context, &alignment);
-  } else {
-    align_by_ground(context, &alignment);
-  }
-  fill_from_own_planes(context, &alignment);
-  for (const Level& level : context.levels)
-    alignment.view_weights.push_back(std::min(level.rotation_weight, level.position_weight));
+  if (observations.boards() > 1) return align_to_boards(observations, views);
+  TrajectoryAlignment alignment = align_to_board(observations, views);
+  // A camera that never saw the board may still know the vertical from its own planes.
+  for (std::size_t k = 0; k < alignment.up_camera.size(); ++k)
+    if (!alignment.up_camera[k]) alignment.up_camera[k] = up_by_own_planes(observations, k);
+  alignment.sigma_up_camera_rad.assign(alignment.up_camera.size(), alignment.sigma_up_rad);
   return alignment;
 }
 

@@ -1,5 +1,7 @@
 #include "rigproof/calib/geometry/view_poses.h"
 
+#include <map>
+
 #include "rigproof/core/error_jacobians.h"
 
 namespace rigproof {
@@ -21,11 +23,18 @@ Matrix6d relative_covariance(const ViewPose& from, const ViewPose& to) {
   return J_from * from.covariance * J_from.transpose() + J_to * to.covariance * J_to.transpose();
 }
 
+std::vector<std::vector<ViewPose>> by_board(const std::vector<ViewPose>& views, int boards) {
+  std::vector<std::vector<ViewPose>> of_boards(static_cast<std::size_t>(boards));
+  for (const ViewPose& view : views) of_boards[static_cast<std::size_t>(view.board)].push_back(view);
+  return of_boards;
+}
+
 std::vector<ViewPair> consecutive_pairs(const std::vector<ViewPose>& views, int camera) {
   std::vector<ViewPair> pairs;
-  const ViewPose* previous = nullptr;
+  std::map<int, const ViewPose*> last;  // of each board
   for (const ViewPose& view : views) {
     if (view.camera != camera) continue;
+    const ViewPose*& previous = last[view.board];
     if (previous != nullptr && previous->stop != view.stop) pairs.push_back({previous, &view});
     previous = &view;
   }

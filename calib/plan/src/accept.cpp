@@ -85,8 +85,11 @@ double worst_z(const EstimatedTransform& a, const EstimatedTransform& b) {
 void check_split_half(const Method& method, const Observations& observations, double max_z,
                       std::vector<AcceptCheck>* checks) {
   const int stops = static_cast<int>(observations.stops.size());
-  const Result first = method.solve(stops_of(observations, 0, stops / 2));
-  const Result second = method.solve(stops_of(observations, stops / 2, stops));
+  const auto half = [&](int begin, int end) {
+    const Observations part = stops_of(observations, begin, end);
+    return refusal_of(method, {part, nullptr, 1}) ? Result() : method.solve(part);
+  };
+  const Result first = half(0, stops / 2), second = half(stops / 2, stops);
   for (const RigCamera& camera : observations.cameras) {
     const EstimatedTransform* a = first.find(observations.robot_frame, camera.name);
     const EstimatedTransform* b = second.find(observations.robot_frame, camera.name);

@@ -120,7 +120,7 @@ std::optional<KnownPoses> camera_to_camera(const Result& previous, const Observa
   return knowledge;
 }
 
-// Robot poses and the board as the previous calibration sees them; the first stop is the world.
+// Robot poses and boards as the previous calibration sees them; the first stop is the world.
 CalibrationState start_at(const std::vector<Rigid3>& T_robot_camera, const Observations& observations,
                           const std::vector<ViewPose>& views) {
   CalibrationState state;
@@ -128,16 +128,19 @@ CalibrationState start_at(const std::vector<Rigid3>& T_robot_camera, const Obser
   state.depth_scale.assign(T_robot_camera.size(), 1.0);
   state.T_world_robot = odometry_poses(observations);
   std::vector<bool> placed(observations.stops.size(), false);
-  bool board = false;
+  std::vector<std::optional<Rigid3>> boards(static_cast<std::size_t>(observations.boards()));
   for (const ViewPose& view : views) {
     const std::size_t stop = static_cast<std::size_t>(view.stop), c = static_cast<std::size_t>(view.camera);
-    if (placed[stop]) continue;
+    std::optional<Rigid3>& board = boards[static_cast<std::size_t>(view.board)];
+    if (placed[stop] && board) continue;
     const Rigid3 T_robot_board = T_robot_camera[c] * view.T_camera_board;
-    if (!board) state.T_world_board = state.T_world_robot[stop] * T_robot_board;
-    const Rigid3 T = state.T_world_board * T_robot_board.inverse();
-    state.T_world_robot[stop] = planar_pose(T.translation.x(), T.translation.y(), yaw_of(T));
-    board = placed[stop] = true;
+    if (!board) board = state.T_world_robot[stop] * T_robot_board;
+    const Rigid3 T = *board * T_robot_board.inverse();
+    if (!placed[stop]) state.T_world_robot[stop] = planar_pose(T.translation.x(), T.translation.y(), yaw_of(T));
+    placed[stop] = true;
   }
+  state.T_world_board = boards.front().value_or(Rigid3());
+  for (std::size_t b = 1; b < boards.size(); ++b) state.T_world_more_boards.push_back(boards[b].value_or(Rigid3()));
   return state;
 }
 

@@ -301,6 +301,9 @@ void foretell(const Outlook& outlook, Suggestion* suggestion) {
 
 Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options) {
   check(options);
+  if (observations.boards() > 1)
+    throw Error("more_boards: suggest looks for stops before one board, and there are " +
+                std::to_string(observations.boards()) + "; `rigproof record-check` tells what each camera has seen");
   const AcceptLimits limits = observations.accept.value_or(options.limits);
   const CalibrationSoFar knowledge = suggest::calibration_so_far(observations, options.ml);
   const CalibrationState& state = knowledge.estimate.state;

@@ -67,7 +67,8 @@ rivals::StopPairs partners(const ViewsByPlace& views, int camera, const std::vec
     double least = 0.0;
     for (const int other : stops) {
       const ViewPose* to = other == stop ? nullptr : find_view(views, other, camera);
-      if (from == nullptr || to == nullptr || taken.count(std::minmax(stop, other)) > 0) continue;
+      if (from == nullptr || to == nullptr || from->board != to->board || taken.count(std::minmax(stop, other)) > 0)
+        continue;
       const double cost = unlikeness(*from, *to);
       if (best != nullptr && cost >= least) continue;
       best = to;
@@ -195,7 +196,7 @@ ImageGround ground_from_images(const MethodInput& input, const FeatureSource& so
                     rivals::ray_sigma(observations.cameras[camera].camera, options.match_sigma_px)};
     const auto up = alignment.source == VerticalSource::kMotion ? alignment.up_camera[camera] : std::nullopt;
     const GroundPlaneFit fit =
-        fit_ground(triangulate(pair.matches, step, observations.board), step, up, max_tilt_rad, options);
+        fit_ground(triangulate(pair.matches, step, observations.board_at(from.board)), step, up, max_tilt_rad, options);
     const std::string& file = observations.board_views[static_cast<std::size_t>(from.view)].file;
     if (!fit.plane) {
       ground.rejected.push_back(no_ground({pair.camera, pair.from, file, *fit.why_not, true}));

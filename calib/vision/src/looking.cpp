@@ -97,12 +97,13 @@ std::optional<Image16> recall_depth(PictureMemory* memory, const std::string& co
 void look_at(const Recording& recording, const FrameInMemory& frame, PictureMemory* memory) {
   using Found = PictureMemory::Finding;
   const Camera& camera = recording.rig.cameras[frame.camera].camera;
-  const Board& board = recording.rig.board;
   const std::string content = memory->content_of(frame.files.color_file);
-  const std::string key = detection::corners_key(content, camera, board);
-  detection::Sight sight;
-  detection::search_image(detection::to_grey(frame.color), camera, board, &sight);
-  memory->keep(Found::kCorners, key, detection::bytes_of(sight));
+  for (int b = 0; b < recording.rig.boards(); ++b) {
+    const Board& board = recording.rig.board_at(b);
+    detection::Sight sight;
+    detection::search_image(detection::to_grey(frame.color), camera, board, &sight);
+    memory->keep(Found::kCorners, detection::corners_key(content, camera, board), detection::bytes_of(sight));
+  }
   if (frame.depth.empty()) return;
   memory->keep(
       Found::kDepths, detection::depth_key(memory->content_of(frame.files.depth_file)),

@@ -99,7 +99,13 @@ struct Source {
 };
 
 using Verticals = std::vector<std::optional<Eigen::Vector3d>>;  // per camera, in its frame
-using Boards = std::map<std::pair<int, int>, Rigid3>;           // T_camera_board by (stop, camera)
+
+// A board as an image shows it.
+struct SeenBoard {
+  Rigid3 T_camera_board;
+  int board;
+};
+using Boards = std::map<std::pair<int, int>, SeenBoard>;  // by (stop, camera)
 
 Observations described(const Recording& recording, const StopPlan& plan) {
   const Rig& rig = recording.rig;
@@ -107,6 +113,7 @@ Observations described(const Recording& recording, const StopPlan& plan) {
   result.source = recording.folder.string();
   result.robot_frame = rig.robot_frame;
   result.board = rig.board;
+  result.more_boards = rig.more_boards;
   result.cameras = rig.cameras;
   result.odometry_noise = rig.odometry_noise;
   result.accept = rig.accept;
@@ -130,23 +137,41 @@ std::optional<Value> read(const Recording& recording, const std::string& relativ
   }
 }
 
-void search(const Source& from, Sight* sight) {
+void search(const Source& from, const Board& board, Sight* sight) {
   detection::tell_opened(from.memory, from.frame(*sight).color_file);
   std::string unreadable;
   const auto image = read<Image8>(from.recording, from.frame(*sight).color_file, read_grey_image, &unreadable);
   if (!image) sight->why_not = Finding("image.unreadable", {{"text", unreadable}});
   if (!image) return;
-  detection::search_image(*image, from.camera(*sight).camera, from.recording.rig.board, sight);
+  detection::search_image(*image, from.camera(*sight).camera, board, sight);
 }
 
-void look(const Source& from, Sight* sight) {
+void look_for(const Source& from, const Board& board, Sight* sight) {
   const std::string content = detection::content_of(from.memory, from.frame(*sight).color_file);
   const std::string key =
-      content.empty() ? content : detection::corners_key(content, from.camera(*sight).camera, from.recording.rig.board);
+      content.empty() ? content : detection::corners_key(content, from.camera(*sight).camera, board);
   detection::recall_or(from.memory, PictureMemory::Finding::kCorners, key, sight, [&] {
-    search(from, sight);
+    search(from, board, sight);
     return sight->readable;
   });
+}
+
+// Any texture has squares that would be far too small for markers.
+bool tells_more(const Sight& other, const Sight& than) {
+  return than.why_not && than.why_not->is("board.not_found") && other.why_not && !other.why_not->is("board.too_small");
+}
+
+// For the board of which most corners are there; without any, why not is that of the board of which it tells more.
+void look(const Source& from, Sight* sight) {
+  const Rig& rig = from.recording.rig;
+  const Sight before = *sight;
+  look_for(from, rig.board, sight);
+  for (int b = 1; b < rig.boards() && sight->readable; ++b) {
+    Sight other = before;
+    other.board = b;
+    look_for(from, rig.board_at(b), &other);
+    if (other.corners.size() > sight->corners.size() || tells_more(other, *sight)) *sight = other;
+  }
 }
 
 // By (stop, camera, frame).
@@ -234,7 +259,8 @@ std::vector<const Sight*> choose_frames(const Source& from, const std::vector<Si
     const CameraFrame& frame = from.frame(sight);
     if (sight.readable) chosen.push_back(&sight);
     if (!sight.corners.empty())
-      result->board_views.push_back({sight.stop, sight.camera, frame.stamp_s, frame.color_file, sight.corners});
+      result->board_views.push_back(
+          {sight.stop, sight.camera, frame.stamp_s, frame.color_file, sight.corners, sight.board});
     begin = end;
   }
   return chosen;
@@ -326,6 +352,15 @@ Image16 turned(Image16 image, detection::DepthReading reading) {
   return image;
 }
 
+const SeenBoard* board_at(const Boards& boards, const Sight& sight) {
+  const auto board = boards.find({sight.stop, sight.camera});
+  return board == boards.end() ? nullptr : &board->second;
+}
+
+std::optional<Rigid3> pose_of(const SeenBoard* seen) {
+  return seen == nullptr ? std::nullopt : std::optional(seen->T_camera_board);
+}
+
 // The points of a file whatever their range, otherwise taken than it says.
 std::function<std::optional<DepthPoints>(detection::DepthReading)> any_points(const Source& from, const Sight& sight) {
   using detection::DepthReading;
@@ -365,11 +400,12 @@ PlaneSight fit_planes(const Board& board, const DepthNoise& noise, const DepthPo
   return result;
 }
 
-PlaneSight look_at_depth(const Source& from, const Sight& sight, const std::optional<Rigid3>& T_camera_board,
+PlaneSight look_at_depth(const Source& from, const Sight& sight, const SeenBoard* seen,
                          const std::optional<Eigen::Vector3d>& up_camera) {
   const std::string content = detection::content_of(from.memory, from.depth_file(sight));
   const RigCamera& camera = from.camera(sight);
-  const Board& board = from.recording.rig.board;
+  const Board& board = from.recording.rig.board_at(seen == nullptr ? 0 : seen->board);
+  const std::optional<Rigid3> T_camera_board = pose_of(seen);
   const std::string key = content.empty() ? content
                                           : detection::planes_key(content, camera, board, detection::kDepthPoints,
                                                                   T_camera_board, up_camera);
@@ -389,9 +425,7 @@ std::vector<PlaneSight> planes_of(const Source& from, const std::vector<const Si
   std::vector<PlaneSight> planes(sights.size());
   const auto look = [&](std::size_t i) {
     const Sight& sight = *sights[i];
-    const auto board = boards.find({sight.stop, sight.camera});
-    planes[i] = look_at_depth(from, sight, board == boards.end() ? std::nullopt : std::optional(board->second),
-                              up[static_cast<std::size_t>(sight.camera)]);
+    planes[i] = look_at_depth(from, sight, board_at(boards, sight), up[static_cast<std::size_t>(sight.camera)]);
   };
   const auto proceed = [&](std::size_t) { return !from.options.progress || from.options.progress(images, images); };
   if (!detection::for_each_parallel(sights.size(), from.options.threads, look, proceed))
@@ -452,31 +486,38 @@ void find_floors_above(const Source& from, const std::vector<const Sight*>& sigh
   }
 }
 
-const Rigid3* board_at(const Boards& boards, const Sight& sight) {
-  const auto board = boards.find({sight.stop, sight.camera});
-  return board == boards.end() ? nullptr : &board->second;
+// The board that most of a camera's frames show.
+int most_seen_board(const std::vector<const Sight*>& sights, const Boards& boards) {
+  std::map<int, int> frames;
+  for (const Sight* sight : sights)
+    if (const SeenBoard* seen = board_at(boards, *sight)) ++frames[seen->board];
+  const auto most =
+      std::max_element(frames.begin(), frames.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == frames.end() ? 0 : most->first;
 }
 
-std::optional<Rigid3> copied(const Rigid3* pose) { return pose == nullptr ? std::nullopt : std::optional(*pose); }
-
-// Some of a camera's frames that show the board, evenly spread.
+// Some of a camera's frames that show a board, evenly spread.
 std::vector<detection::DepthFrame> frames_to_check(const Source& from, const std::vector<const Sight*>& sights,
-                                                   const Boards& boards) {
+                                                   const Boards& boards, int board) {
+  const auto pose_at = [&](const Sight& sight) -> std::optional<Rigid3> {
+    const SeenBoard* seen = board_at(boards, sight);
+    return seen != nullptr && seen->board == board ? pose_of(seen) : std::nullopt;
+  };
   std::vector<std::size_t> with_board;
   for (std::size_t i = 0; i < sights.size(); ++i)
-    if (board_at(boards, *sights[i]) != nullptr) with_board.push_back(i);
+    if (pose_at(*sights[i])) with_board.push_back(i);
   std::vector<detection::DepthFrame> frames;
   const std::size_t step = (with_board.size() + kDiagnosedImages - 1) / kDiagnosedImages;
   for (std::size_t k = 0; k < with_board.size(); k += step) {
     const std::size_t i = with_board[k];
     detection::DepthFrame frame;
-    frame.T_camera_board = copied(board_at(boards, *sights[i]));
-    if (i > 0) frame.T_camera_board_before = copied(board_at(boards, *sights[i - 1]));
-    if (i + 1 < sights.size()) frame.T_camera_board_after = copied(board_at(boards, *sights[i + 1]));
-    for (int other = 0; other < static_cast<int>(from.recording.rig.cameras.size()); ++other) {
-      const auto board = boards.find({sights[i]->stop, other});
-      const bool seen = other != sights[i]->camera && board != boards.end();
-      frame.T_other_board.push_back(seen ? std::optional(board->second) : std::nullopt);
+    frame.T_camera_board = pose_at(*sights[i]);
+    if (i > 0) frame.T_camera_board_before = pose_at(*sights[i - 1]);
+    if (i + 1 < sights.size()) frame.T_camera_board_after = pose_at(*sights[i + 1]);
+    for (int camera = 0; camera < static_cast<int>(from.recording.rig.cameras.size()); ++camera) {
+      Sight other = *sights[i];
+      other.camera = camera;
+      frame.T_other_board.push_back(camera == sights[i]->camera ? std::nullopt : pose_at(other));
     }
     frame.points = any_points(from, *sights[i]);
     frames.push_back(std::move(frame));
@@ -497,14 +538,14 @@ bool meets_board(const PlaneSight& planes, const Rigid3& T_camera_board) {
 // above by the motion of the images, it is they. An image that is turned by half a turn moves as a camera that hangs
 // upside down, and depth cannot tell.
 bool images_are_flipped(const std::vector<detection::DepthFrame>& frames, detection::DepthReading reading,
-                        const Rig& rig, int camera, const Eigen::Vector3d& up_camera) {
+                        const Board& board, const Rig& rig, int camera, const Eigen::Vector3d& up_camera) {
   const DepthNoise& noise = rig.cameras[static_cast<std::size_t>(camera)].depth->noise;
   int below = 0, above = 0;
   for (const detection::DepthFrame& frame : frames) {
     const std::optional<DepthPoints> points = frame.points(reading);
     if (!points) continue;
     const auto has_ground = [&](const Eigen::Vector3d& up) {
-      return fit_planes(rig.board, noise, *points, frame.T_camera_board, up).ground.has_value();
+      return fit_planes(board, noise, *points, frame.T_camera_board, up).ground.has_value();
     };
     below += has_ground(up_camera);
     above += has_ground(-up_camera);
@@ -525,20 +566,21 @@ void drop_foreign_depth(const Source& from, const std::vector<const Sight*>& sig
       if (sights[i]->camera != camera) continue;
       of_camera.push_back(sights[i]);
       its_planes.push_back(&(*planes)[i]);
-      const Rigid3* board = board_at(boards, *sights[i]);
-      views += board != nullptr;
-      measured += board != nullptr && (*planes)[i].board.has_value();
-      meet += board != nullptr && meets_board((*planes)[i], *board);
+      const SeenBoard* seen = board_at(boards, *sights[i]);
+      views += seen != nullptr;
+      measured += seen != nullptr && (*planes)[i].board.has_value();
+      meet += seen != nullptr && meets_board((*planes)[i], seen->T_camera_board);
     }
     if (kOneIn * (views - meet) <= views) continue;
-    const Board& board = from.recording.rig.board;
+    const int index = most_seen_board(of_camera, boards);
+    const Board& board = from.recording.rig.board_at(index);
     const double unit_m = from.camera(*of_camera.front()).depth->unit_m;
-    const std::vector<detection::DepthFrame> frames = frames_to_check(from, of_camera, boards);
+    const std::vector<detection::DepthFrame> frames = frames_to_check(from, of_camera, boards, index);
     auto fault = detection::find_depth_fault(frames, board, unit_m);
     if (!fault) continue;
     const std::optional<Eigen::Vector3d>& up_camera = up[static_cast<std::size_t>(camera)];
     if (fault->cause.is("depth.mirrored") && up_camera &&
-        images_are_flipped(frames, fault->fits, from.recording.rig, camera, *up_camera))
+        images_are_flipped(frames, fault->fits, board, from.recording.rig, camera, *up_camera))
       fault->cause = Finding("images.mirrored");
     // A factor of what is within range is the board's or the sensor's, which the solution tells.
     if (const FindingValue* factor = fault->cause.find("factor"))
@@ -566,21 +608,24 @@ void keep(const Sight& sight, const std::string& file, PlaneSight planes, Observ
   add(planes.board, &result->board_planes);
 }
 
-// Something before the board, or a shine on it. What all frames of a camera share is its scale, and stays.
+// Something before the board, or a shine on it. What all frames of a camera and board share is a scale, and stays.
 void drop_odd_board_planes(const Boards& boards, std::vector<PlaneObservation>* planes) {
   constexpr double kOdd = 0.05, kSigmas = 3.0;
   const auto place_of = [&](const PlaneObservation& plane) {
-    return boards.at({plane.stop, plane.camera}).translation;
+    return boards.at({plane.stop, plane.camera}).T_camera_board.translation;
+  };
+  const auto key_of = [&](const PlaneObservation& plane) {
+    return std::pair(plane.camera, boards.at({plane.stop, plane.camera}).board);
   };
   // Expected over measured distance; 0 behind the camera.
   const auto ratio_of = [&](const PlaneObservation& plane) {
     return std::max(0.0, plane.inverse_depth_plane.dot(place_of(plane)));
   };
-  std::map<int, std::vector<double>> ratios;
-  for (const PlaneObservation& plane : *planes) ratios[plane.camera].push_back(ratio_of(plane));
+  std::map<std::pair<int, int>, std::vector<double>> ratios;
+  for (const PlaneObservation& plane : *planes) ratios[key_of(plane)].push_back(ratio_of(plane));
   const auto is_odd = [&](const PlaneObservation& plane) {
     const Eigen::Vector3d place = place_of(plane);
-    const double ratio = ratio_of(plane), middle = median(ratios[plane.camera]);
+    const double ratio = ratio_of(plane), middle = median(ratios[key_of(plane)]);
     const double sigma = std::sqrt(place.dot(plane.covariance_per_m2 * place));
     return !(ratio > 0.0 && std::abs(ratio - middle) <= kOdd * middle + kSigmas * sigma);
   };
@@ -633,7 +678,7 @@ bool repeats_depth(const Source& from, const Boards& boards, const Sight& before
 void add_planes(const Source& from, const std::vector<const Sight*>& chosen, std::size_t images, Observations* result) {
   const std::vector<ViewPose> poses = estimate_view_poses(*result).poses;
   Boards boards;
-  for (const ViewPose& pose : poses) boards[{pose.stop, pose.camera}] = pose.T_camera_board;
+  for (const ViewPose& pose : poses) boards[{pose.stop, pose.camera}] = {pose.T_camera_board, pose.board};
   std::vector<const Sight*> with_depth;
   std::map<int, const Sight*> last;
   for (const Sight* sight : chosen) {
@@ -670,18 +715,18 @@ void make_symmetric(Observations* result) {
 }
 
 // Images tell the tags' share of an AprilGrid better than a ruler does, so that marker_mm need only be near it.
-void measure_tags(const Recording& recording, Observations* result) {
+void measure_tags(const Recording& recording, int index, Observations* result) {
   constexpr double kOff = 0.03;
-  Board& board = result->board;
-  const std::optional<double> share = board.has_tags() ? detection::tag_share_in(*result) : std::nullopt;
+  Board& board = index == 0 ? result->board : result->more_boards[static_cast<std::size_t>(index) - 1];
+  const std::optional<double> share = board.has_tags() ? detection::tag_share_in(*result, index) : std::nullopt;
   if (!share) return;
   const double seen_m = *share * board.square_m, stated_m = board.marker_side_m();
   if (std::abs(seen_m / stated_m - 1.0) > kOff)
     throw Error((recording.folder / "rig.yaml").string() +
-                ": board.marker_mm: " + number_text(std::round(1e4 * stated_m) / 10.0) +
-                ", but in the images tags have " + number_text(std::round(1e3 * *share) / 10.0) +
-                " % of the distance from tag to tag: " + number_text(std::round(1e4 * seen_m) / 10.0) +
-                " if square_mm (tag and gap) is right");
+                (index == 0 ? ": board" : ": more_boards[" + std::to_string(index - 1) + "]") +
+                ".marker_mm: " + number_text(std::round(1e4 * stated_m) / 10.0) + ", but in the images tags have " +
+                number_text(std::round(1e3 * *share) / 10.0) + " % of the distance from tag to tag: " +
+                number_text(std::round(1e4 * seen_m) / 10.0) + " if square_mm (tag and gap) is right");
   board.marker_m = seen_m;
 }
 
@@ -700,7 +745,7 @@ Observations observe(const Recording& recording, const ObserveOptions& options, 
   Observations result = described(recording, plan);
   const std::vector<const Sight*> chosen = choose_frames(from, sights, &result);
   if (result.board_views.empty()) throw_without_board(from, chosen);
-  measure_tags(recording, &result);
+  for (int b = 0; b < result.boards(); ++b) measure_tags(recording, b, &result);
   if (options.use_depth) add_planes(from, chosen, sights.size(), &result);
   make_symmetric(&result);
   std::stable_sort(result.exclusions.begin(), result.exclusions.end(), [](const Exclusion& a, const Exclusion& b) {

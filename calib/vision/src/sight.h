@@ -20,6 +20,7 @@ struct Sight {
   bool wrong_size = false;
   std::vector<CornerObservation> corners;
   std::optional<Finding> why_not;  ///< why there are no corners
+  int board = 0;                   ///< which of the rig's boards the corners are of
 };
 
 /// Depth of one image.

@@ -32,10 +32,11 @@ struct Evidence {
 
 std::vector<Evidence> evidence_of(const Recording& recording, std::size_t stops, const std::vector<Sight>& sights) {
   std::vector<Evidence> all(stops);
-  const Sight* first = nullptr;  // with the board, of this stop and camera
+  std::map<std::pair<int, int>, const Sight*> last;  // with a board, by camera and board: the first of its stop
   for (const Sight& sight : sights) {
     if (sight.corners.empty()) continue;
-    if (first == nullptr || first->stop != sight.stop || first->camera != sight.camera) {
+    const Sight*& first = last[{sight.camera, sight.board}];
+    if (first == nullptr || first->stop != sight.stop) {
       first = &sight;
       continue;
     }

@@ -31,17 +31,18 @@ std::optional<VectorXd> off_plane(const Board& board, const Camera& camera, cons
 
 }  // namespace
 
-std::optional<double> tag_share_in(const Observations& observations) {
+std::optional<double> tag_share_in(const Observations& observations, int index) {
   constexpr double kStep = 1e-3;  // of the share; what is seen is linear in it to a thousandth of that
-  const double stated = observations.board.marker_side_m() / observations.board.square_m;
+  const double stated = observations.board_at(index).marker_side_m() / observations.board_at(index).square_m;
   const auto with = [&](double share) {
-    Board board = observations.board;
+    Board board = observations.board_at(index);
     board.marker_m = share * board.square_m;
     return board;
   };
   const Board low = with(stated - kStep), high = with(stated + kStep);
   double squares = 0.0, product = 0.0;
   for (const BoardView& view : observations.board_views) {
+    if (view.board != index) continue;
     const Camera& camera = observations.cameras[static_cast<std::size_t>(view.camera)].camera;
     const auto below = off_plane(low, camera, view), above = off_plane(high, camera, view);
     if (!below || !above) continue;

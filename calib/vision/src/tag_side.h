@@ -9,8 +9,8 @@
 
 namespace rigproof::detection {
 
-/// The side of the tags over the distance from tag to tag, as all views together show it (a pixel's hundredth tells it
-/// to some parts in 10^5, a ruler to one in 10^3). Absent where the views do not tell it.
-std::optional<double> tag_share_in(const Observations& observations);
+/// The side of the tags over the distance from tag to tag, as all views of a board together show it (a pixel's
+/// hundredth tells it to some parts in 10^5, a ruler to one in 10^3). Absent where the views do not tell it.
+std::optional<double> tag_share_in(const Observations& observations, int board);
 
 }  // namespace rigproof::detection

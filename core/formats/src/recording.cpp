@@ -48,6 +48,7 @@ ConvertReport write_recording(const WriteJob& job) {
 Format recording_format() {
   Format format;
   format.name = "recording";
+  format.several_boards = true;
   format.what = format.given_as = "a recording";
   format.marker = kMarker;
   format.detect = is_recording;

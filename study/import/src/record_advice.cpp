@@ -73,7 +73,7 @@ std::vector<int> rolls(const RecordCheck& check, const Board& board) {
   std::map<int, int> all;
   for (const auto& stop : check.pictures)
     for (std::size_t camera = 0; camera < stop.size(); ++camera)
-      if (stop[camera] && stop[camera]->board)
+      if (stop[camera] && stop[camera]->board && stop[camera]->which == 0)
         if (const std::optional<int> quarters = quarter_turns(*stop[camera], board)) ++votes[camera][*quarters];
   const auto most = [](const std::map<int, int>& counts) {
     const auto best = std::max_element(counts.begin(), counts.end(),

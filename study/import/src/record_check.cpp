@@ -27,17 +27,22 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kBlurred_px = 3.0;  // a sharp edge has 1 to 2
 
-PictureCheck checked(const Image8& grey, const std::optional<Board>& board) {
+// For the board of which it shows the most corners.
+PictureCheck checked(const Image8& grey, const std::vector<Board>& boards) {
   PictureCheck check;
-  const BoardDetection found =
-      board ? detect_board(grey, *board) : BoardDetection(BoardNotFound{Finding("board.not_found")});
+  check.why_not = Finding("board.not_found");
   std::vector<CornerObservation> corners;
-  if (const auto* seen = std::get_if<std::vector<CornerObservation>>(&found))
+  for (std::size_t b = 0; b < boards.size(); ++b) {
+    const BoardDetection found = detect_board(grey, boards[b]);
+    const auto* seen = std::get_if<std::vector<CornerObservation>>(&found);
+    if (seen == nullptr && b == 0) check.why_not = std::get<BoardNotFound>(found).why;
+    if (seen == nullptr || seen->size() <= corners.size()) continue;
     corners = *seen;
-  else
-    check.why_not = std::get<BoardNotFound>(found).why;
+    check.which = static_cast<int>(b);
+  }
   check.board = !corners.empty();
-  if (check.board) check.edge_px = edge_width_px(grey, *board, corners);
+  if (check.board) check.why_not.reset();
+  if (check.board) check.edge_px = edge_width_px(grey, boards[static_cast<std::size_t>(check.which)], corners);
   for (const CornerObservation& corner : corners) check.corners.push_back(corner.pixel);
   const Exposure exposure = exposure_of(grey, corners);
   check.overexposed = exposure == Exposure::kOver;
@@ -85,7 +90,8 @@ std::vector<PairCheck> pairs_of(const RecordCheck& check) {
   for (std::size_t a = 0; a < check.cameras.size(); ++a)
     for (std::size_t b = a + 1; b < check.cameras.size(); ++b) {
       PairCheck pair{check.cameras[a].name, check.cameras[b].name};
-      for (const auto& stop : check.pictures) pair.stops += stop[a] && stop[b] && stop[a]->board && stop[b]->board;
+      for (const auto& stop : check.pictures)
+        pair.stops += stop[a] && stop[b] && stop[a]->board && stop[b]->board && stop[a]->which == stop[b]->which;
       pairs.push_back(pair);
     }
   return pairs;
@@ -99,11 +105,12 @@ class RecordWatch::Impl {
       : options_(std::move(options)),
         scratch_("record-check"),
         source_(open_pictures(options_.source, options_.growing, scratch_.path() / "lists")),
-        board_(options_.source.board) {}
+        boards_(options_.source.board ? std::vector<Board>{*options_.source.board} : std::vector<Board>()) {}
 
   RecordCheck look() {
     const Recording recording = source_->choose();
-    if (!board_ && source_->knows_board()) board_ = recording.rig.board;
+    if (boards_.empty() && source_->knows_board())
+      for (int b = 0; b < recording.rig.boards(); ++b) boards_.push_back(recording.rig.board_at(b));
     const std::vector<detection::PlannedStop> stops = detection::plan_stops(recording, {}).stops;
     waiting_ = 0;
     see(recording, stops);
@@ -126,7 +133,7 @@ class RecordWatch::Impl {
         const PictureSource::Place place(camera, static_cast<std::size_t>(stop.frames[camera].front()));
         if (seen_.count(key_of(recording, place)) == 0) wanted.push_back(place);
       }
-    const bool known = board_.has_value();
+    const bool known = !boards_.empty();
     done_ = 0;
     batch_.clear();  // of a look that was broken off
     source_->read(wanted, [&](const PictureSource::Place& place, PictureSource::Picture picture) {
@@ -135,7 +142,7 @@ class RecordWatch::Impl {
       if (batch_.size() >= (may_guess() ? 1 : most_at_once())) look_at_batch(recording, wanted.size());
     });
     look_at_batch(recording, wanted.size());
-    if (known || !board_) return;
+    if (known || boards_.empty()) return;
     seen_.clear();  // the board was guessed from one of these
     see(recording, stops);
   }
@@ -164,7 +171,7 @@ class RecordWatch::Impl {
   }
 
   static constexpr int kGuesses = 24;  // each takes up to a second
-  bool may_guess() const { return !board_ && guesses_ < kGuesses; }
+  bool may_guess() const { return boards_.empty() && guesses_ < kGuesses; }
 
   static bool fits(const Recording& recording, const PictureSource::Place& place,
                    const std::variant<Image8, Unreadable>& image) {
@@ -175,7 +182,7 @@ class RecordWatch::Impl {
 
   std::variant<PictureCheck, Unreadable> looked_at(const Recording& recording, const Waiting& waiting) const {
     std::variant<Image8, Unreadable> image = waiting.picture();
-    if (fits(recording, waiting.place, image)) return checked(std::get<Image8>(image), board_);
+    if (fits(recording, waiting.place, image)) return checked(std::get<Image8>(image), boards_);
     if (auto* why = std::get_if<Unreadable>(&image)) return std::move(*why);
     return Unreadable{"it has another size than its intrinsics"};
   }
@@ -200,8 +207,8 @@ class RecordWatch::Impl {
     const std::variant<Image8, Unreadable> image = waiting.picture();
     if (!fits(recording, waiting.place, image)) return;
     ++guesses_;
-    board_ = any_board(std::get<Image8>(image));
-    guessed_ = board_.has_value();
+    if (const std::optional<Board> board = any_board(std::get<Image8>(image))) boards_ = {*board};
+    guessed_ = !boards_.empty();
   }
 
   RecordCheck told_of(const Recording& recording, const std::vector<detection::PlannedStop>& stops) const {
@@ -210,8 +217,9 @@ class RecordWatch::Impl {
     check.waiting = waiting_;
     check.duration_s = stops.back().stop.stamp_s - stops.front().stop.stamp_s;
     check.board_guessed = guessed_;
-    if (board_)
-      check.board = board_->type + " " + std::to_string(board_->squares_x) + "x" + std::to_string(board_->squares_y);
+    for (const Board& board : boards_)
+      check.board += (check.board.empty() ? "" : ", ") + board.type + " " + std::to_string(board.squares_x) + "x" +
+                     std::to_string(board.squares_y);
     for (const detection::PlannedStop& stop : stops) {
       check.pictures.emplace_back(stop.frames.size());
       for (std::size_t camera = 0; camera < stop.frames.size(); ++camera) {
@@ -224,14 +232,14 @@ class RecordWatch::Impl {
     for (std::size_t camera = 0; camera < recording.rig.cameras.size(); ++camera)
       check.cameras.push_back(told(recording.rig.cameras[camera], camera, check));
     check.pairs = pairs_of(check);
-    if (board_) check.next = advice_for(recording.rig.cameras, stops, check, *board_);
+    if (!boards_.empty()) check.next = advice_for(recording.rig.cameras, stops, check, boards_.front());
     return check;
   }
 
   RecordCheckOptions options_;
   ScratchFolder scratch_;
   std::unique_ptr<PictureSource> source_;
-  std::optional<Board> board_;
+  std::vector<Board> boards_;  // none: not known; one that is named for this check, or was guessed, or the recording's
   bool guessed_ = false;
   int guesses_ = 0;
   std::size_t waiting_ = 0;

@@ -27,14 +27,15 @@ std::vector<Rigid3> aligned(std::vector<Rigid3> odometry, const Rigid3& first) {
   return odometry;
 }
 
-std::optional<Rigid3> find_board(const InspectInput& input, const std::vector<Rigid3>& driven) {
-  if (input.truth) return input.truth->T_world_board;
+std::optional<Rigid3> find_board(const InspectInput& input, const std::vector<Rigid3>& driven, int board) {
+  if (input.truth && board == 0) return input.truth->T_world_board;
   for (const BoardView& view : input.observations.board_views) {
+    if (view.board != board) continue;
     const RigCamera& camera = input.observations.cameras[static_cast<std::size_t>(view.camera)];
     const auto T_robot_camera = camera_pose(input, camera.name);
     if (!T_robot_camera) continue;
-    const auto board = estimate_board_pose(view.corners, input.observations.board, camera.camera);
-    if (board) return driven[static_cast<std::size_t>(view.stop)] * *T_robot_camera * board->T_camera_board;
+    const auto pose = estimate_board_pose(view.corners, input.observations.board_of(view), camera.camera);
+    if (pose) return driven[static_cast<std::size_t>(view.stop)] * *T_robot_camera * pose->T_camera_board;
   }
   return std::nullopt;
 }
@@ -46,7 +47,8 @@ DrivePoses drive_poses(const InspectInput& input) {
   poses.odometry = odometry_of(input);
   poses.driven = driven_of(input, poses.odometry);
   if (input.truth) poses.odometry = aligned(std::move(poses.odometry), poses.driven[0]);
-  poses.T_world_board = find_board(input, poses.driven);
+  for (int b = 0; b < input.observations.boards(); ++b)
+    poses.T_world_board.push_back(find_board(input, poses.driven, b));
   return poses;
 }
 

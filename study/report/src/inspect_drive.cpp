@@ -52,7 +52,7 @@ class Map {
 struct Drive {
   const InspectInput& input;
   std::vector<Rigid3> driven, odometry;  ///< robot poses at the stops; driven = odometry without truth
-  std::optional<Rigid3> T_world_board;
+  std::vector<std::optional<Rigid3>> T_world_board;
   std::set<std::pair<int, std::size_t>> seen;  ///< (stop, camera) with a view of the board
   Map map;
 
@@ -67,9 +67,9 @@ Drive drive_of(const InspectInput& input) {
   std::vector<Point> points;
   for (const auto* track : {&poses.driven, &poses.odometry})
     for (const Rigid3& T : *track) points.emplace_back(T.translation.head<2>());
-  if (poses.T_world_board)
-    for (const Eigen::Vector3d& corner : input.observations.board.outline())
-      points.emplace_back((*poses.T_world_board * corner).head<2>());
+  for (std::size_t b = 0; b < poses.T_world_board.size(); ++b)
+    for (const Eigen::Vector3d& corner : input.observations.board_at(static_cast<int>(b)).outline())
+      if (poses.T_world_board[b]) points.emplace_back((*poses.T_world_board[b] * corner).head<2>());
   return {input, std::move(poses.driven), std::move(poses.odometry), poses.T_world_board, std::move(seen), Map(points)};
 }
 
@@ -125,17 +125,23 @@ void draw_tracks(const Drive& drive, Canvas* canvas) {
   }
 }
 
-void draw_board(const Drive& drive, Canvas* canvas) {
-  if (!drive.T_world_board) return;
-  const Rigid3& T = *drive.T_world_board;
-  const std::vector<Eigen::Vector3d> outline = drive.input.observations.board.outline();
+void draw_board(const Drive& drive, const Board& board, const Rigid3& T, const std::string& name, Canvas* canvas) {
+  const std::vector<Eigen::Vector3d> outline = board.outline();
   const Eigen::Vector3d left = T * outline[0], right = T * outline[1];
   canvas->line(drive.map(left), drive.map(right), kBoard, 5.0);
   // The printed face looks along -z of the board.
-  const Eigen::Vector3d middle = T * drive.input.observations.board.centre();
+  const Eigen::Vector3d middle = T * board.centre();
   const Eigen::Vector3d front = middle - 0.25 * (T.rotation * Eigen::Vector3d::UnitZ());
   canvas->line(drive.map(middle), drive.map(front), kBoard, 1.5);
-  canvas->text(drive.map(right) + Point(8.0, 4.0), "board", 8.5, kBoard);
+  canvas->text(drive.map(right) + Point(8.0, 4.0), name, 8.5, kBoard);
+}
+
+void draw_boards(const Drive& drive, Canvas* canvas) {
+  const Observations& observations = drive.input.observations;
+  for (int b = 0; b < observations.boards(); ++b)
+    if (const std::optional<Rigid3>& T = drive.T_world_board[static_cast<std::size_t>(b)])
+      draw_board(drive, observations.board_at(b), *T,
+                 observations.boards() == 1 ? "board" : "board " + std::to_string(b + 1), canvas);
 }
 
 // An arrow head; later stops are darker.
@@ -194,7 +200,7 @@ void draw_legend(const Drive& drive, Canvas* canvas) {
   y += 8.0;
   canvas->polygon({{x + 22.0, y - 4.0}, {x + 4.0, y - 10.0}, {x + 9.0, y - 4.0}, {x + 4.0, y + 2.0}}, kInk);
   entry(drive.has_truth() ? "true stop, heading" : "stop by odometry, heading");
-  if (drive.T_world_board) {
+  if (drive.T_world_board.front()) {
     canvas->line({x, y - 4.0}, {x + 24.0, y - 4.0}, kBoard, 5.0);
     entry(drive.has_truth() ? "board" : "board, from one view");
   }
@@ -224,7 +230,7 @@ Written draw_drive(const InspectInput& input, const std::filesystem::path& folde
   const std::size_t shown = std::min(stops, kStopsWithFrusta);
   for (std::size_t k = 0; k < shown; ++k) draw_frusta(drive, k * stops / shown, 0.16, &canvas);
   draw_tracks(drive, &canvas);
-  draw_board(drive, &canvas);
+  draw_boards(drive, &canvas);
   for (std::size_t i = 0; i < stops; ++i) draw_stop(drive, i, &canvas);
   draw_rig(drive, &canvas);
   canvas.rectangle({kMargin + kMapWidth + 1.0, 0.0}, {kLegendWidth + kMargin, std::floor(height)}, kPaper);

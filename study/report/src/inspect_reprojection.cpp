@@ -34,7 +34,7 @@ class CarryOver {
   const BoardView* source_for(const BoardView& target) const {
     const BoardView* best = nullptr;
     for (const BoardView& view : observations_.board_views) {
-      if (&view == &target || poses_.count(view.camera) == 0) continue;
+      if (&view == &target || view.board != target.board || poses_.count(view.camera) == 0) continue;
       if (best == nullptr || std::abs(view.stop - target.stop) < std::abs(best->stop - target.stop)) best = &view;
     }
     return best;
@@ -42,14 +42,14 @@ class CarryOver {
 
   void add(const BoardView& source, const BoardView& target, std::vector<Residual>* residuals) const {
     const Camera& source_camera = observations_.cameras[static_cast<std::size_t>(source.camera)].camera;
-    const auto board = estimate_board_pose(source.corners, observations_.board, source_camera);
+    const auto board = estimate_board_pose(source.corners, observations_.board_of(source), source_camera);
     if (!board) return;
     const Camera& target_camera = observations_.cameras[static_cast<std::size_t>(target.camera)].camera;
     const Rigid3 T_target_board = poses_.at(target.camera).inverse() * odometry(target.stop).inverse() *
                                   odometry(source.stop) * poses_.at(source.camera) * board->T_camera_board;
     for (const CornerObservation& corner : target.corners) {
       Eigen::Vector2d projected;
-      if (target_camera.project(T_target_board * observations_.board.corner(corner.id), &projected))
+      if (target_camera.project(T_target_board * observations_.board_of(target).corner(corner.id), &projected))
         residuals->push_back({corner.pixel, projected - corner.pixel});
     }
   }

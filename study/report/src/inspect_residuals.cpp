@@ -186,7 +186,7 @@ Written draw_corners(const InspectInput& input, std::size_t camera, const std::f
   double variance = 0.0;
   for (const BoardView& view : input.observations.board_views) {
     const auto stop = stop_at(stops, view.stamp_s);
-    if (view.camera != static_cast<int>(camera) || !stop) continue;
+    if (view.camera != static_cast<int>(camera) || view.board != 0 || !stop) continue;  // truth has one board
     ++views;
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;

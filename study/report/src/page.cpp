@@ -84,13 +84,19 @@ Json board_json(const Board& board) {
 }
 
 Json drive_json(const InspectInput& input) {
-  Json json = {{"driven", Json::array()}, {"odometry", Json::array()}, {"board", nullptr}, {"is_true", false}};
+  Json json = {{"driven", Json::array()},
+               {"odometry", Json::array()},
+               {"board", nullptr},
+               {"more_boards", Json::array()},
+               {"is_true", false}};
   if (input.observations.stops.empty()) return json;
   const inspect_detail::DrivePoses poses = inspect_detail::drive_poses(input);
   json["driven"] = poses_of(poses.driven);
   json["odometry"] = poses_of(poses.odometry);
   json["is_true"] = input.truth.has_value();
-  if (poses.T_world_board) json["board"] = pose_of(*poses.T_world_board);
+  if (const auto& first = poses.T_world_board.front()) json["board"] = pose_of(*first);
+  for (std::size_t b = 1; b < poses.T_world_board.size(); ++b)
+    json["more_boards"].push_back(poses.T_world_board[b] ? pose_of(*poses.T_world_board[b]) : Json());
   return json;
 }
 
@@ -118,6 +124,7 @@ Json facts_of(const InspectInput& input) {
     add("seed", std::to_string(input.truth->seed));
   }
   add("board", input.observations.board.type);
+  for (const Board& board : input.observations.more_boards) add("another board", board.type);
   add("source", input.observations.source);
   add("rigproof", version());
   std::error_code ignored;
@@ -173,6 +180,7 @@ PageContent page_content(const InspectInput& input, const PageOptions& options) 
   data["facts"] = facts_of(input);
   data["texts"] = texts_of(input);
   data["board"] = board_json(input.observations.board);
+  for (const Board& board : input.observations.more_boards) data["more_boards"].push_back(board_json(board));
   data["cameras"] = Json::array();
   for (const RigCamera& camera : input.observations.cameras) data["cameras"].push_back(camera_json(input, camera));
   data["drive"] = drive_json(input);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "page_parts.h"
 #include "rigproof/calib/geometry/pnp.h"
@@ -138,7 +139,7 @@ CornerFit fit_corners(const Observations& observations, const Result& result) {
   CornerFit fit;
   fit.differences.resize(observations.board_views.size());
   // Cameras with a pose share the board of a stop; any other camera has one of its own.
-  std::map<std::pair<int, int>, std::vector<PlacedView>> groups;
+  std::map<std::tuple<int, int, int>, std::vector<PlacedView>> groups;  // stop, camera or -1, board
   for (std::size_t i = 0; i < observations.board_views.size(); ++i) {
     const BoardView& view = observations.board_views[i];
     const RigCamera& camera = observations.cameras[static_cast<std::size_t>(view.camera)];
@@ -150,9 +151,9 @@ CornerFit fit_corners(const Observations& observations, const Result& result) {
       placed.velocity = observations.stops[static_cast<std::size_t>(view.stop)].velocity;
       if (!placed.velocity.isZero(0.0)) placed.readout_s = readout_of(result, camera);
     }
-    groups[{view.stop, pose == nullptr ? view.camera : -1}].push_back(placed);
+    groups[{view.stop, pose == nullptr ? view.camera : -1, view.board}].push_back(placed);
   }
-  for (const auto& [key, views] : groups) add_differences(views, observations.board, &fit);
+  for (const auto& [key, views] : groups) add_differences(views, observations.board_at(std::get<2>(key)), &fit);
   for (double* sum : {&fit.rms_px, &fit.stated_px})
     *sum = std::sqrt(*sum / static_cast<double>(std::max<std::size_t>(1, 2 * fit.corners)));
   return fit;

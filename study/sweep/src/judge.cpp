@@ -148,7 +148,7 @@ SweepAnswer answer_of(const Method& method, const TaskData& data, const SweepSig
   input.keep_going = data.keep_going;
   SweepAnswer answer;
   Result nothing;
-  const std::optional<Finding> why_not = method.why_not(input);
+  const std::optional<Finding> why_not = refusal_of(method, input);
   const auto start = std::chrono::steady_clock::now();
   const double cpu_start = cpu_seconds();
   try {

@@ -62,12 +62,14 @@ class Measured {
   }
 
   void add_board_planes(const ViewPoses& views) {
-    std::map<std::pair<int, int>, Rigid3> boards;
-    for (const ViewPose& view : views.poses) boards[{view.stop, view.camera}] = view.T_camera_board;
+    std::map<std::pair<int, int>, const ViewPose*> boards;
+    for (const ViewPose& view : views.poses) boards[{view.stop, view.camera}] = &view;
     for (const PlaneObservation& plane : seen_.board_planes) {
       const auto board = boards.find({plane.stop, plane.camera});
-      if (board != boards.end())
-        add(plane, board_ray_moments(camera(plane.camera), seen_.board, board->second), &at(plane.camera).board);
+      if (board == boards.end()) continue;
+      const ViewPose& view = *board->second;
+      add(plane, board_ray_moments(camera(plane.camera), seen_.board_at(view.board), view.T_camera_board),
+          &at(plane.camera).board);
     }
   }
 

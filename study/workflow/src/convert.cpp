@@ -58,6 +58,10 @@ ConvertReport convert(const Recording& recording, const std::string& format, con
   if (to.equal_squares && recording.rig.board.has_tags())
     throw Error((recording.folder / "rig.yaml").string() + ": board.type: " + recording.rig.board.type + ": " +
                 to.what + " knows boards of equal squares alone; --to euroc tells it as Kalibr does");
+  if (!recording.rig.more_boards.empty() && !to.several_boards)
+    throw Error((recording.folder / "rig.yaml").string() + ": more_boards: " + to.what +
+                " knows one board, and this recording has " + std::to_string(recording.rig.boards()) +
+                "; calibrate it with rigproof, or take out all but one");
   FolderInMaking making(folder);
   WriteJob job{recording, making.path(), {}, 0, {}, {}, {}};
   if (to.wants_stops) add_stops(recording, &job);

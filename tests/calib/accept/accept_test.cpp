@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "error_text.h"
+#include "past_boards.h"
 #include "paths.h"
 #include "rigproof/calib/diagnose/ml_settings.h"
 #include "rigproof/calib/methods/registry.h"
@@ -53,6 +54,20 @@ TEST(Accept, AGoodCalibrationMeetsTheShippedCriteria) {
   for (const AcceptCheck& check : report.checks) EXPECT_TRUE(check.passed) << check.name << " " << check.value;
   EXPECT_EQ(report.checks.size(), 3U * 6U + 3U * 6U + 3U + 1U);
   EXPECT_TRUE(report.passed());
+}
+
+// A method of one board does not compare halves of a drive past two.
+TEST(Accept, HalvesAreNotSolvedByAMethodThatRefusesTheWhole) {
+  const Observations observations = PastTwoBoards(3, 30).drawn().observations;
+  const Method& rival = find_method("joint_memroc");
+  const Result refused = run_method(rival, {observations, nullptr, 1});
+  ASSERT_EQ(refused.status, ResultStatus::kRefused);
+  AcceptCriteria criteria;
+  criteria.split_half_max_z = 4.0;
+  const AcceptReport report = check_acceptance(rival, refused, observations, criteria);
+  ASSERT_EQ(report.checks.size(), 3U);
+  for (const AcceptCheck& check : report.checks) EXPECT_FALSE(check.passed) << check.name;
+  for (const AcceptCheck& check : report_of(observations, criteria).checks) EXPECT_TRUE(check.passed) << check.name;
 }
 
 TEST(Accept, StatedUncertaintyIsGatedByAxis) {

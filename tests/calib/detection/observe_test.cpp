@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -237,6 +238,38 @@ TEST_F(ObserveTest, BadFilesAreExclusions) {
   const std::set<std::string> why = reasons(seen);
   EXPECT_THAT(why, testing::IsSupersetOf({"file is missing", "truncated PNG", "not a PNG or JPEG image",
                                           "image of another size (200x100, the rig says 640x360)"}));
+}
+
+// Each camera sees a board of its own, at the same place.
+TEST_F(ObserveTest, EachImageCountsForTheBoardThatItShows) {
+  std::array<Board, 2> boards = {kBoard, kBoard};
+  for (Board& board : boards) board.type = "charuco";
+  boards[0].dictionary = "DICT_5X5_50";
+  boards[1].dictionary = "DICT_4X4_50";
+  recording_.rig.board = boards[0];
+  recording_.rig.more_boards = {boards[1]};
+  for (int i = 0; i < kStops; ++i)
+    for (std::size_t camera = 0; camera < 2; ++camera)
+      write_image(i, camera, recording_.frames[camera][static_cast<std::size_t>(i)], 1.0, boards[camera]);
+  Observations seen = observe(recording_);
+  ASSERT_EQ(seen.boards(), 2);
+  ASSERT_EQ(seen.board_views.size(), 2U * kStops);
+  EXPECT_EQ(seen.board_planes.size(), 2U * kStops);
+  for (const BoardView& view : seen.board_views) {
+    ASSERT_EQ(view.board, view.camera) << view.file;
+    const auto camera = static_cast<std::size_t>(view.camera);
+    const auto truth = true_corners(seen.cameras[camera].camera, boards[camera], T_camera_board(view.stop, camera));
+    EXPECT_GE(view.corners.size(), 6U);
+    for (const CornerObservation& corner : view.corners)
+      EXPECT_LT((corner.pixel - truth[static_cast<std::size_t>(corner.id)]).norm(), 0.1);
+  }
+  std::swap(recording_.rig.board, recording_.rig.more_boards[0]);
+  for (const BoardView& view : observe(recording_).board_views) EXPECT_EQ(view.board, 1 - view.camera) << view.file;
+  // Without the other board its images show none.
+  recording_.rig.more_boards.clear();
+  seen = observe(recording_);
+  ASSERT_EQ(seen.board_views.size(), static_cast<std::size_t>(kStops));
+  for (const BoardView& view : seen.board_views) EXPECT_EQ(view.camera, 1);
 }
 
 TEST_F(ObserveTest, IntrinsicsOfAnotherSizeAreAnError) {

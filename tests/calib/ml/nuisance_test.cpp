@@ -315,13 +315,16 @@ void as_strangers_are(Observations* observations) {
 }
 
 // The gradient of the cost by every global unknown, by central differences, with everything estimated at once.
-void expect_right_derivatives(double clock_sigma_s, bool lenses) {
+void expect_right_derivatives(double clock_sigma_s, bool lenses, int boards = 1) {
   ClockRun made = run_with_wrong_clocks(5, true, lenses);
   Observations& observations = made.run.observations;
   if (lenses) as_strangers_are(&observations);
+  observations.more_boards.assign(static_cast<std::size_t>(boards) - 1, observations.board);
+  for (BoardView& view : observations.board_views) view.board = view.camera % boards;
   PlaneObservation plane = observations.ground_planes.front();
   plane.inverse_depth_plane << 0.05, 0.1, 0.5;
   observations.board_planes = {plane, plane};
+  observations.board_planes.back().camera = boards - 1;  // on the last board
   // Planes of depth images move with the lens.
   observations.board_planes.back().file = "left/depth/000000.png";
   for (std::size_t i = 0; i < observations.ground_planes.size(); i += 2)
@@ -344,6 +347,7 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   levels.corner_scale = levels.ground_scale = levels.board_plane_scale = {1.0, 1.0, 1.0};
   const ml::Problem problem(observations, priors, levels);
   CalibrationState values = state_of(made.run.truth);
+  values.T_world_more_boards.assign(static_cast<std::size_t>(boards) - 1, values.T_world_board);
   ml::State state = ml::state_from(values);
   state.nuisances.of(ml::Nuisance::kOdometryFactors) << 0.02, -0.03;
   state.nuisances.of(ml::Nuisance::kOdometryVeer)[0] = 0.004;
@@ -353,7 +357,8 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses) {
   }
   if (lenses) {
     for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kLens, c) << 0.002, 0.7 - c, -0.4, 0.0004, 0.2;
-    state.nuisances.of(ml::Nuisance::kBoardShape) << 0.004, -0.001, 0.0003, -0.0002;
+    for (int b = 0; b < boards; ++b)
+      state.nuisances.of(ml::Nuisance::kBoardShape, b) << 0.004 - 0.003 * b, -0.001, 0.0003, -0.0002;
     state.nuisances.of(ml::Nuisance::kCommonDepthScale, 0)[0] = 0.005;
     state.nuisances.of(ml::Nuisance::kCommonDepthScale, 1)[0] = -0.004;
     for (int c = 0; c < 3; ++c)
@@ -394,6 +399,7 @@ TEST(MlClocks, AndLensesHaveRightDerivatives) {
   expect_right_derivatives(kClock_s, true);
   expect_right_derivatives(0.0, true);
   expect_right_derivatives(0.0, false);
+  expect_right_derivatives(kClock_s, true, 2);
 }
 
 // Cameras without a common trigger, within one stop: each one's images show where the robot is at their true stamps.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "past_boards.h"
 #include "rigproof/calib/estimate/fit.h"
 #include "rigproof/calib/estimate/preparation.h"
 #include "rigproof/calib/estimate/repeating_covariance.h"
@@ -12,16 +13,15 @@
 namespace rigproof::ml {
 namespace {
 
-// Nothing is said of lenses and board, and one camera's lens is believed.
+// Nothing is said of lenses and boards, and one camera's lens is believed. A camera sees a board of its own.
 class RepeatingCouplingsTest : public testing::Test {
  protected:
   RepeatingCouplingsTest() : run_(drive()), prepared_(prepare(run_.observations, options_)) {}
 
   static GeometricRun drive() {
-    GeometricConfig config;
-    config.stops = 8;
-    GeometricRun run = draw_geometric_run(config);
+    GeometricRun run = PastTwoBoards(0, 24).drawn();
     run.observations.board.doubt();
+    run.observations.more_boards[0].doubt();
     for (std::size_t c = 1; c < run.observations.cameras.size(); ++c)
       run.observations.cameras[c].intrinsics_sigma = IntrinsicsSigma();
     return run;
@@ -36,7 +36,8 @@ TEST_F(RepeatingCouplingsTest, ByUnknownsIsTheWholeMatrixTransposed) {
   const RepeatingErrors& errors = prepared_.repeating.errors;
   ASSERT_LT(errors.field(0), 0);
   ASSERT_GE(errors.field(1), 0);
-  ASSERT_GE(errors.print(0), 0);
+  ASSERT_GE(errors.print(0, 0), 0);
+  ASSERT_GE(errors.print(1, 0), errors.print(0, 0) + 3 * run_.observations.board.corner_count());
   const Eigen::MatrixXd any = Eigen::MatrixXd::Random(errors.raw_size(), 7);
   const Eigen::MatrixXd whole = errors.raw_by_unknowns().transpose() * any;
   EXPECT_TRUE(errors.by_unknowns(any).isApprox(whole, 1e-12));

@@ -8,6 +8,7 @@
 #include "bending.h"
 #include "cases.h"
 #include "moved_during.h"
+#include "past_boards.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/calib/estimate/odometry_choice.h"
 #include "rigproof/core/conventions.h"
@@ -48,15 +49,14 @@ double decrement(const ml::Problem& problem, const ml::State& state) {
 }
 
 // The score of a step is what six more unknowns would gain, everything else following.
-TEST(Steps, ScoreIsTheGainOfSixMoreUnknowns) {
-  const GeometricRun run = draw_moved_during(drive(3, 12), 7, {1}, turned(0.02, 0.01));
+void expect_scores_are_gains(const GeometricRun& run, std::size_t bodies) {
   const MlOptions options;
   const ml::Preparation prepared = ml::prepare(run.observations, options);
   const ml::Fit fit = ml::choose_odometry(prepared).fit;
   const ml::Problem without = ml::problem_at(prepared, fit, fit.noise);
   std::vector<ml::StepScore> scores;
   ASSERT_TRUE(without.sums_with_leverage(fit.state, {3, 7, 9}, &scores));
-  ASSERT_EQ(scores.size(), 15U);  // three cameras, all of them, and the board
+  ASSERT_EQ(scores.size(), 3U * bodies);
   const ml::LossMoments& moments = ml::cauchy_moments(2);
   const double lengthening = std::pow(moments.weight / moments.weighted_square, 2);
   for (const ml::StepScore& score : scores) {
@@ -65,12 +65,17 @@ TEST(Steps, ScoreIsTheGainOfSixMoreUnknowns) {
     with.add(score.step);
     ml::State state = fit.state;
     const int body = score.step.bodies.front();
-    state.second_poses = {body == ml::Step::kBoard ? state.T_world_board
-                                                   : state.T_robot_camera[static_cast<std::size_t>(body)]};
+    state.second_poses = {state.first_pose(body)};
     const double gain = lengthening * (decrement(with, state) - decrement(without, fit.state));
     // Relative rounding of systems whose conditions are about 1e10.
     EXPECT_NEAR(score.square, gain, 1e-4 * std::max(1.0, gain)) << body << " " << score.step.split;
   }
+}
+
+TEST(Steps, ScoreIsTheGainOfSixMoreUnknowns) {
+  // Three cameras, all of them, and the board; and of two boards each.
+  expect_scores_are_gains(draw_moved_during(drive(3, 12), 7, {1}, turned(0.02, 0.01)), 5);
+  expect_scores_are_gains(drawn_past_boards_in_turn(drive(3, 16)), 6);
 }
 
 TEST(Steps, AKnockedCameraIsNamedWithStopAndSize) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "error_text.h"
+#include "past_boards.h"
 #include "rigproof/calib/diagnose/method.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/conventions.h"
@@ -100,6 +101,27 @@ TEST(Moved, NamesTheCameraAndHowFar) {
                   4.0 * *guilty.sigma[static_cast<std::size_t>(axis)]);
     }
   }
+}
+
+// The camera that was moved sees another board than the two that stand.
+TEST(Moved, IsToldByWhicheverBoardACameraSees) {
+  const Result previous = ml_method().solve(PastTwoBoards(31, 40).drawn().observations);
+  ASSERT_EQ(previous.status, ResultStatus::kSolved);
+  int false_alarms = 0;
+  for (std::uint64_t seed = 40; seed < 46; ++seed) {
+    PastTwoBoards stands(seed, 12), moved(seed, 12);
+    Rigid3& T = moved.config.rig.T_robot_camera[2];
+    T = apply_transform_error(T, shift_of(1, 0.03));
+    const auto outcome = [&](PastTwoBoards* day) {
+      return detect_movement(previous, day->drawn().observations, rigid_robot());
+    };
+    false_alarms += outcome(&stands).outcome == MovedOutcome::kMoved;
+    const MovedReport report = outcome(&moved);
+    ASSERT_EQ(report.outcome, MovedOutcome::kMoved) << seed;
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_EQ(report.cameras[c].verdict == MovedVerdict::kMoved, c == 2) << report.cameras[c].camera << seed;
+  }
+  EXPECT_EQ(false_alarms, 0);
 }
 
 // A shift of a hundred standard deviations leaves, beside what it explains, the noise of those that stand.

@@ -5,7 +5,7 @@ namespace rigproof::ml {
 
 void board_plane(const Evaluation& at, const WhitenedPlane& plane, BlockSink* sink) {
   const int c = plane.camera;
-  const BoardInCamera seen = board_in_camera(at, plane.stop, c, plane.after_stop_s);
+  const BoardInCamera seen = board_in_camera(at, plane.stop, c, plane.after_stop_s, plane.board);
   const MeasuredPlane measured = measured_plane(at, plane);
   const BoardPlaneResidual residual = board_plane_residual(seen.T_camera_board, depth_error(at, c), measured.value);
   const Eigen::Matrix3d W = plane.whitening / at.noise.board_plane_scale[static_cast<std::size_t>(c)];

@@ -31,21 +31,21 @@ class CostSum {
 
 // Unknowns that corners know directly: their first columns, -1 where they are believed.
 struct Direct {
-  Direct(const Evaluation& at, int camera, TwistSystem* system)
+  Direct(const Evaluation& at, int camera, int board, TwistSystem* system)
       : lens(system->append(at.layout, Nuisance::kLens, camera)),
-        shape(system->append(at.layout, Nuisance::kBoardShape, 0)),
+        shape(system->append(at.layout, Nuisance::kBoardShape, board)),
         readout(system->append(at.layout, Nuisance::kReadout, camera)) {}
   int lens, shape, readout;
 };
 
 // The displacement of a view, a group beside its corners: levels and the budget of the uncertainty count it apart.
-void take_displacement(const Evaluation& at, const BoardInCamera& seen, TwistSystem* of_corners, LocalBlock* block,
-                       BlockSink* sink) {
+void take_displacement(const Evaluation& at, int board, const BoardInCamera& seen, TwistSystem* of_corners,
+                       LocalBlock* block, BlockSink* sink) {
   constexpr double kParts = DisplacementRows::kParts;
   const DisplacementRows rows = of_corners->displacement(seen.motion);
   const double square = rows.residual.squaredNorm();
   TwistSystem system;
-  Direct(at, block->camera, &system);
+  Direct(at, block->camera, board, &system);
   system.add(rows, 1.0);
   of_corners->eliminate_error(seen.motion);
   of_corners->add(rows, -1.0);
@@ -64,15 +64,15 @@ void take_displacement(const Evaluation& at, const BoardInCamera& seen, TwistSys
 class CornerRows {
  public:
   CornerRows(const Evaluation& at, const WhitenedView& view, TwistSystem* system)
-      : board_(at.observations.board),
+      : board_(at.observations.board_at(view.board)),
         camera_(lens_at(at, view.camera)),
         seen_(board_in_view(at, view)),
         lens_change_(at.state.nuisances.of(Nuisance::kLens, view.camera)),
-        board_shape_(at.state.nuisances.of(Nuisance::kBoardShape)),
+        board_shape_(at.state.nuisances.of(Nuisance::kBoardShape, view.board)),
         coefficient_by_px_(at.lenses[static_cast<std::size_t>(view.camera)].coefficient_by_px()),
         whiten_(1.0 / at.noise.corner_scale[static_cast<std::size_t>(view.camera)]),
         R_camera_board_(seen_.T_camera_board.rotation_matrix()),
-        columns_(at, view.camera, system) {}
+        columns_(at, view.camera, view.board, system) {}
 
   const BoardInCamera& seen() const { return seen_; }
   /// False where the state puts the corner behind the camera.
@@ -138,7 +138,7 @@ void corners(const Evaluation& at, const WhitenedView& view, BlockSink* sink) {
   block.cost = cost.cost() + seen.motion.error.squaredNorm();
   block.sum.add(seen.motion.error.squaredNorm(), 1.0, 0.0);
   if (moves && at.weighting == Weighting::kInformation)
-    take_displacement(at, seen, &system, &block, sink);
+    take_displacement(at, view.board, seen, &system, &block, sink);
   else if (moves)
     system.eliminate_error(seen.motion);
   system.chain(seen, &block);
@@ -151,11 +151,12 @@ ViewFit view_fit(const Evaluation& at, const WhitenedView& view) {
   const Camera camera = lens_at(at, view.camera);
   const double scale = at.noise.corner_scale[static_cast<std::size_t>(view.camera)];
   const BoardInCamera seen = board_in_view(at, view);
-  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape);
+  const Board& board = at.observations.board_at(view.board);
+  const Eigen::Vector4d shape = at.state.nuisances.of(Nuisance::kBoardShape, view.board);
   double square = 0.0, weight = 0.0;
   for (const WhitenedView::Corner& corner : view.corners) {
     RowResidual residual;
-    const Eigen::Vector3d on_board = corner_of_board(at.observations.board, shape, corner.point_board).point;
+    const Eigen::Vector3d on_board = corner_of_board(board, shape, corner.point_board).point;
     if (!row_residual(camera, seen.motion, seen.T_camera_board * on_board, corner.pixel, &residual)) continue;
     square += residual.value.squaredNorm();
     weight += at.loss.weight((corner.whitening * residual.value / scale).squaredNorm());

@@ -26,6 +26,9 @@ const MarkerDictionary& dictionary_of(const Board& board);
 /// Why a board cannot have its markers: no such dictionary, too few of them; nothing for a board without markers.
 std::optional<std::string> problem_of_markers(const Board& board);
 
+/// Why an image may show either of two boards; nothing where their markers tell.
+std::optional<std::string> problem_of_telling_apart(const Board& a, const Board& b);
+
 /// A marker's id, and the area between corners that it is in (column, row; as Board::is_dark()).
 struct BoardMarker {
   int id, ix, iy;

@@ -27,6 +27,7 @@ struct BoardView {
   double stamp_s = 0.0;
   std::string file;  ///< image it came from, for messages
   std::vector<CornerObservation> corners;
+  int board = 0;  ///< which of the boards: 0 is Observations::board, then Observations::more_boards
 };
 
 /// A plane seen by the depth sensor, as 1/z = a . (x/z, y/z, 1): the plane is {p : a . p = 1} in camera coordinates.
@@ -82,6 +83,13 @@ struct Observations {
   std::vector<PlaneObservation> ground_planes;  ///< sorted by (stop, camera)
   std::vector<PlaneObservation> board_planes;   ///< depth on the board itself: calibrates the depth scale
   std::vector<Exclusion> exclusions;
+  std::vector<Board> more_boards = {};  ///< that stand elsewhere; of an image one board at most counts
+
+  int boards() const { return 1 + static_cast<int>(more_boards.size()); }
+  const Board& board_at(int index) const {
+    return index == 0 ? board : more_boards[static_cast<std::size_t>(index) - 1];
+  }
+  const Board& board_of(const BoardView& view) const { return board_at(view.board); }
 };
 
 /// Reads observations.json. Throws Error with every problem found.

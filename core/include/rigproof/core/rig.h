@@ -150,6 +150,13 @@ struct Rig {
   std::string odometry_file = "odometry.csv";
   OdometryNoise odometry_noise;
   std::optional<AcceptLimits> accept;
+  /// Boards that stand elsewhere, each wherever: an image shows whichever its camera looks at.
+  std::vector<Board> more_boards;
+
+  int boards() const { return 1 + static_cast<int>(more_boards.size()); }
+  const Board& board_at(int index) const {
+    return index == 0 ? board : more_boards[static_cast<std::size_t>(index) - 1];
+  }
 };
 
 }  // namespace rigproof

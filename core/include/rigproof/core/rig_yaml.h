@@ -27,6 +27,8 @@ struct RigReadOptions {
 void visit_fields(FieldVisitor& visitor, Board& board);
 /// The block alone.
 void visit_board(FieldVisitor& visitor, Board& board);
+/// `more_boards`, a list of the same; left out where there are none.
+void visit_more_boards(FieldVisitor& visitor, std::vector<Board>& boards);
 /// width_px height_px fx_px fy_px cx_px cy_px lens distortion.
 void visit_fields(FieldVisitor& visitor, Camera& camera);
 /// The same, where another key may stand for some of them: none is required.

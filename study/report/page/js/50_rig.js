@@ -201,10 +201,12 @@ class RigView {
     const { drive } = this.data, here = drive.driven[this.stop];
     if (this.parts.ground) this.addGround();
     if (this.parts.drive && drive.driven.length > 1) this.scene.add(driveModel(drive, this.parts.odometry && drive.is_true));
-    if (this.parts.board && drive.board) {
-      const board = boardModel(this.data.board);
-      board.applyMatrix4(poseMatrix(drive.board));
-      this.scene.add(board);
+    const boards = [[this.data.board, drive.board], ...(this.data.more_boards || []).map((board, i) => [board, drive.more_boards[i]])];
+    for (const [board, pose] of this.parts.board ? boards : []) {
+      if (!pose) continue;
+      const model = boardModel(board);
+      model.applyMatrix4(poseMatrix(pose));
+      this.scene.add(model);
     }
     const robot = new three.Group();
     if (here) robot.applyMatrix4(poseMatrix(here));
@@ -214,7 +216,7 @@ class RigView {
     this.draw();
   }
   addGround() {
-    const points = [...this.data.drive.driven, ...(this.data.drive.board ? [this.data.drive.board] : [])];
+    const points = [...this.data.drive.driven, ...this.boards()];
     const reach = Math.ceil(Math.max(2, ...points.map((p) => Math.max(Math.abs(p[0]), Math.abs(p[1])))) + 0.5);
     const grid = new three.GridHelper(2 * reach, 2 * reach, color("soft"), color("line"));
     grid.rotation.x = Math.PI / 2;
@@ -244,6 +246,11 @@ class RigView {
     label.position.setFromMatrixPosition(shown).add(new three.Vector3(0, 0, 0.09));
     robot.add(label);
   }
+  // Poses of those that are known.
+  boards() {
+    return [this.data.drive.board, ...(this.data.drive.more_boards || [])].filter((pose) => pose);
+  }
+
   // From behind and above, with the board in view.
   overTheShoulder(M, board, tall) {
     const robot = new three.Vector3().setFromMatrixPosition(M);
@@ -255,7 +262,7 @@ class RigView {
   look(where) {
     const here = this.data.drive.driven[this.stop] || [0, 0, 0, 0, 0, 0, 1], M = poseMatrix(here), board = this.data.drive.board;
     const inRobot = (x, y, z) => new three.Vector3(x, y, z).applyMatrix4(M);
-    const all = [...this.data.drive.driven, ...(board ? [board] : [])];
+    const all = [...this.data.drive.driven, ...this.boards()];
     const mid = [0, 1].map((i) => (Math.max(...all.map((p) => p[i])) + Math.min(...all.map((p) => p[i]))) / 2);
     const wide = Math.max(1.5, ...all.map((p) => Math.hypot(p[0] - mid[0], p[1] - mid[1])));
     const tall = Math.max(1, 1.5 / (this.camera.aspect || 1));

@@ -67,8 +67,9 @@ struct Format {
   Input (*read)(const std::filesystem::path& path) = nullptr;
   /// Null: it is only read. Throws Error with every problem for what the format cannot say.
   ConvertReport (*write)(const WriteJob& job) = nullptr;
-  bool wants_stops = false;    ///< its writer asks for WriteJob::stops
-  bool equal_squares = false;  ///< it can tell boards of equal squares alone, no AprilGrids
+  bool wants_stops = false;     ///< its writer asks for WriteJob::stops
+  bool several_boards = false;  ///< it can tell of more than one board
+  bool equal_squares = false;   ///< it can tell boards of equal squares alone, no AprilGrids
 };
 
 /// All of them, in the order in which a folder is tried.

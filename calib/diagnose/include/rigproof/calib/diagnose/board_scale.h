@@ -22,9 +22,14 @@ struct BoardScale {
   std::vector<Finding> contradictions;
   std::vector<Finding> notes;
   bool depth_unit = false;  ///< the depth of a camera is in another unit: no residual of it means anything
-  /// ln of measured over expected depth of the board, over all cameras, and its standard deviation; absent: no depth.
-  std::optional<double> log_depth_ratio;
-  double sigma = 0.0;
+  /// Of each board with depth on it: ln of measured over expected depth, over the cameras (by index) that agree.
+  struct Ratio {
+    int board;
+    double log_depth_ratio;
+    double sigma;
+    std::vector<int> cameras;
+  };
+  std::vector<Ratio> ratios;
 };
 
 /// Compares the depth at the board's centre with the distance at which its stated squares look as they do.
@@ -32,7 +37,8 @@ struct BoardScale {
 /// A real sensor's depth scale is off by 1 % (one sigma; data sheets promise 2 %), and sensors of one make are off
 /// alike, so many cameras are no better than one. The board's size and the focal length add what the rig says of them.
 /// Refused is a deviation beyond 4 sigmas of both, or beyond 2.5 if the
-/// odometry (2 %, one sigma) agrees and both together are beyond 4.
+/// odometry (2 %, one sigma) agrees and both together are beyond 4. Of several boards each is judged by the cameras
+/// that differ from others on none, and without the odometry, whose scale is that of all boards together.
 BoardScale check_board_scale(const Observations& observations, const std::vector<ViewPose>& views,
                              const std::optional<OdometryScale>& odometry);
 

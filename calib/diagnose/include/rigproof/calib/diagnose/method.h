@@ -26,6 +26,7 @@ struct MethodTraits {
   std::string gives;    ///< "camera to robot (6), camera to camera"
   MethodReads reads = MethodReads::kObservations;
   double seconds_a_view = 3e-4;  ///< one core's time to solve, for forecasts: a median over runs of 40 to 300 views
+  bool several_boards = false;   ///< takes recordings of more than one
 };
 
 class Method {
@@ -43,6 +44,10 @@ class Method {
   /// As solve(), for methods that also read images or clouds. Others only see the observations.
   virtual Result solve_recording(const MethodInput& input) const;
 };
+
+/// Why a method cannot run on an input, as why_not() says or because of what all methods have in common; absent if it
+/// can.
+std::optional<Finding> refusal_of(const Method& method, const MethodInput& input);
 
 /// Runs a method as every command does: one that cannot run on the input is refused with the reason why, one that can
 /// is timed.

@@ -14,11 +14,12 @@ namespace rigproof {
 /// Everything that the observations depend on; per camera and per stop in the order of Observations.
 struct CalibrationState {
   std::vector<Rigid3> T_robot_camera;
-  Rigid3 T_world_board;
+  Rigid3 T_world_board;               ///< of the first board
   std::vector<Rigid3> T_world_robot;  ///< all six degrees of freedom
   double odometry_scale = 1.0;        ///< measured = scale * true translation of an increment
   double odometry_yaw_factor = 1.0;   ///< measured = factor * true rotation of an increment
   std::vector<double> depth_scale;    ///< measured = scale * true depth, one a camera
+  std::vector<Rigid3> T_world_more_boards;
 };
 
 /// Standard deviations of what is not in the observations themselves. Corners and planes carry their covariances.

@@ -37,12 +37,17 @@ struct Preparation {
   /// False: no camera saw the board, there is nothing to solve.
   bool solvable() const { return guess.T_world_board.has_value(); }
   bool has_pose(std::size_t view) const;
+  /// Whether any view has a pose of the board.
+  bool sees(int board) const;
   bool solved(int camera) const { return guess.T_robot_camera[static_cast<std::size_t>(camera)].has_value(); }
   std::vector<int> solved_cameras() const;
-  /// A number for each camera, equal for cameras that are connected: by two stops at which both see the board, or by a
+  /// A number for each camera, equal for cameras that are connected: by two stops at which both see one board, or by a
   /// chain of such pairs. A single stop could not outweigh a whole drive that is wrong.
   /// @param left_out views that do not count, by index into the board's views
   std::vector<int> seen_together(const std::vector<bool>& left_out) const;
+  /// A number for each camera, equal for cameras that see the same board, whenever, or are joined by a chain of such:
+  /// what the motion of one tells holds for the others.
+  std::vector<int> tied_by_boards() const;
   /// Those of the options; the error that all heights share by the share of the stops at which the robot moves.
   PriorSigmas sigmas() const;
 };

@@ -98,6 +98,8 @@ class Problem {
   // Absolute odometry does not depend on some rows.
   bool counts(Nuisance nuisance) const;
   void add_priors(const State& state, ArrowSystem* system, double* cost) const;
+  // Of each board whether any view that counts is of it: one without stays where it is, and its depth does not count.
+  std::vector<bool> shown_boards() const;
   void fix_unknowns(ArrowSystem* system) const;
 
   const Observations& observations_;

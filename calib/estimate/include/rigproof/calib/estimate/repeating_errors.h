@@ -26,33 +26,42 @@ class RepeatingErrors {
   bool any() const { return size() > 0; }
   /// Independent unknowns, each of unit variance before any data.
   int size() const { return static_cast<int>(raw_by_unknowns_.cols()); }
-  /// Offsets of all corners of the board (three each, by id [m]), then each camera's coefficients of its field [px].
+  /// Offsets of all corners of each board (three each, by id [m]), then each camera's coefficients of its field [px].
   int raw_size() const { return static_cast<int>(raw_by_unknowns_.rows()); }
   const Eigen::MatrixXd& raw_by_unknowns() const { return raw_by_unknowns_; }
   /// raw_by_unknowns() transposed, times by_raw (raw_size() rows), by blocks, since most of the matrix is zero: the
   /// print's is full, that of a field diagonal.
   Eigen::MatrixXd by_unknowns(const Eigen::MatrixXd& by_raw) const;
 
-  /// Where a corner's offset begins among the raw errors; -1 if the print is believed.
-  int print(int id) const { return has_print_ ? 3 * id : -1; }
+  /// Where a corner's offset begins among the raw errors; -1 if the board's print is believed.
+  int print(int board, int id) const {
+    const int first = prints_.empty() ? -1 : prints_[static_cast<std::size_t>(board)];
+    return first < 0 ? -1 : first + 3 * id;
+  }
   /// Where a camera's coefficients begin; -1 if its lens is believed.
   int field(int camera) const { return fields_[static_cast<std::size_t>(camera)]; }
   /// Of a camera whose lens is not believed.
   const LensField& lens_field(int camera) const { return *lens_fields_[static_cast<std::size_t>(camera)]; }
 
-  /// Unknowns whose size is stated by one figure: the print, or a camera's field.
+  /// Unknowns whose size is stated by one figure: a board's print, or a camera's field.
   struct Group {
-    int camera;  ///< -1: the print
+    int camera;  ///< -1: a print
     int first, size;
-    double level;  ///< how many times larger than stated they are taken for
+    double level;   ///< how many times larger than stated they are taken for
+    int board = 0;  ///< of a print
+    int raw = 0;    ///< where its raw errors begin
+    int raw_size = 0;
   };
   const std::vector<Group>& groups() const { return groups_; }
   /// Takes a group for so many times larger.
   void enlarge(const Group& group, double factor);
 
  private:
-  bool has_print_ = false;
-  std::vector<int> fields_;
+  void add_print(const Board& board, int index);
+  void add_field(const Camera& camera, int index);
+  Group next_group(int size, int raw_size) const;
+
+  std::vector<int> prints_, fields_;
   std::vector<std::optional<LensField>> lens_fields_;
   std::vector<Group> groups_;
   Eigen::MatrixXd raw_by_unknowns_;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <string>
 #include <vector>
 
 #include "rigproof/core/observations.h"
@@ -72,21 +73,30 @@ struct PriorSource {
   bool planes_share_errors;  ///< ground planes that scatter less than stated share what is missing
 };
 
+/// What a row of the table has one of.
+enum class Each { kRig, kCamera, kBoard };
+inline int count_of(Each each, int cameras, int boards) {
+  return each == Each::kCamera ? cameras : each == Each::kBoard ? boards : 1;
+}
+
 struct NuisanceRow {
   struct Part {
     const char* name;     ///< with the unit in which it is reported
     double units_per_si;  ///< what is reported = this * value
   };
   std::vector<Part> parts;
-  bool per_camera;       ///< else one for the whole rig
+  Each each;             ///< whole rig, camera or board
   bool increments_only;  ///< no residual of absolute odometry knows it
   bool reported;         ///< in Result::also_estimated
   const char* source;    ///< of uncertainty: what its prior is called in the budget
-  /// Covariance of the prior (parts x parts, mean zero), one a camera or one for the rig; zero = believed.
+  /// Covariance of the prior (parts x parts, mean zero) of each; zero = believed.
   std::vector<Eigen::MatrixXd> (*prior)(const PriorSource& source);
 
   int size() const { return static_cast<int>(parts.size()); }
 };
+/// What a quantity of a board is called: board_size_percent of the second one board_2_size_percent.
+std::string name_of_board(const std::string& quantity, int board);
+
 /// By Nuisance. Every value is an error: zero where all is as declared.
 const std::array<NuisanceRow, kNuisances>& nuisance_table();
 inline const NuisanceRow& row_of(Nuisance nuisance) { return nuisance_table()[static_cast<std::size_t>(nuisance)]; }
@@ -95,16 +105,17 @@ inline const NuisanceRow& row_of(Nuisance nuisance) { return nuisance_table()[st
 class Priors {
  public:
   static Priors of(const PriorSource& source);
-  Eigen::MatrixXd& covariance(Nuisance nuisance, int camera = 0) {
-    return covariances_[static_cast<std::size_t>(nuisance)][static_cast<std::size_t>(camera)];
+  /// @param which camera or board
+  Eigen::MatrixXd& covariance(Nuisance nuisance, int which = 0) {
+    return covariances_[static_cast<std::size_t>(nuisance)][static_cast<std::size_t>(which)];
   }
-  const Eigen::MatrixXd& covariance(Nuisance nuisance, int camera = 0) const {
-    return covariances_[static_cast<std::size_t>(nuisance)][static_cast<std::size_t>(camera)];
+  const Eigen::MatrixXd& covariance(Nuisance nuisance, int which = 0) const {
+    return covariances_[static_cast<std::size_t>(nuisance)][static_cast<std::size_t>(which)];
   }
-  double sigma(Nuisance nuisance, int camera = 0, int part = 0) const;
+  double sigma(Nuisance nuisance, int which = 0, int part = 0) const;
   /// Whether any value of the row is not believed.
   bool has(Nuisance nuisance) const;
-  /// One for the rig, or one a camera.
+  /// One for the rig, or one a camera or board.
   int count(Nuisance nuisance) const {
     return static_cast<int>(covariances_[static_cast<std::size_t>(nuisance)].size());
   }
@@ -116,16 +127,18 @@ class Priors {
 /// Values of all rows, whether they are estimated or not; zero at first.
 class NuisanceValues {
  public:
-  explicit NuisanceValues(int cameras = 0);
-  auto of(Nuisance nuisance, int camera = 0) {
-    return values_.segment(address(nuisance, camera), row_of(nuisance).size());
+  explicit NuisanceValues(int cameras = 0, int boards = 1);
+  /// @param which camera or board
+  auto of(Nuisance nuisance, int which = 0) {
+    return values_.segment(address(nuisance, which), row_of(nuisance).size());
   }
-  auto of(Nuisance nuisance, int camera = 0) const {
-    return values_.segment(address(nuisance, camera), row_of(nuisance).size());
+  auto of(Nuisance nuisance, int which = 0) const {
+    return values_.segment(address(nuisance, which), row_of(nuisance).size());
   }
 
  private:
-  static Eigen::Index address(Nuisance nuisance, int camera);
+  Eigen::Index address(Nuisance nuisance, int which) const;
+  int cameras_ = 0;
   Eigen::VectorXd values_;
 };
 

@@ -19,6 +19,7 @@ struct WhitenedView {
   int stop, camera;
   double after_stop_s;  ///< by the stamps; 0 where the robot stands
   std::vector<Corner> corners;
+  int board = 0;
 };
 
 struct WhitenedPlane {
@@ -28,6 +29,7 @@ struct WhitenedPlane {
   Eigen::Matrix3d whitening;
   bool registered;            ///< errs with the intrinsics
   double mean_inverse_depth;  ///< of its points, by their weights [1/m]
+  int board = 0;              ///< of a plane on a board: which
 };
 
 /// The corners of a view; one whose covariance is of no use has no finite whitening.

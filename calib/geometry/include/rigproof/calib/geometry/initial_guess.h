@@ -13,7 +13,8 @@ namespace rigproof {
 
 struct InitialGuess {
   std::vector<std::optional<Rigid3>> T_robot_camera;  ///< absent for a camera that never saw the board
-  std::optional<Rigid3> T_world_board;                ///< absent if no camera ever saw the board
+  std::optional<Rigid3> T_world_board;                ///< of the first board; absent if no camera ever saw any
+  std::vector<Rigid3> T_world_more_boards;            ///< of the others; one that no camera saw lies anywhere
   /// Planar poses (z, roll, pitch zero), the world being the robot's frame at the first stop: from the board where a
   /// camera saw it, continued by odometry elsewhere.
   std::vector<Rigid3> T_world_robot;
@@ -26,7 +27,7 @@ struct InitialGuess {
 /// cameras at one stop need no odometry; cameras without overlap are linked through the odometry. Where the motion
 /// leaves degrees of freedom open (see observability.h) they take small, consistent values, so camera-to-camera
 /// transforms are still right. Heights come from the accepted ground planes; without any, the lowest camera is put at
-/// height zero.
+/// height zero. Links are between views of one board; cameras that no chain of boards joins are solved apart.
 InitialGuess initial_guess(const Observations& observations, const std::vector<ViewPose>& views,
                            const TrajectoryAlignment& alignment, const GroundCheck& ground);
 

@@ -20,10 +20,11 @@ enum class VerticalSource {
 /// The robot moves on a plane, so in the board frame every camera turns about one axis and stays at one height; in a
 /// camera the vertical is one constant direction. Both hold for any lever arm between robot and camera.
 struct TrajectoryAlignment {
-  VerticalSource source = VerticalSource::kNone;
-  Eigen::Vector3d up_board = Eigen::Vector3d::UnitZ();    ///< vertical in the board frame
+  VerticalSource source = VerticalSource::kNone;          ///< of several boards: the best that any of them has
+  std::vector<Eigen::Vector3d> up_board;                  ///< vertical in the frame of each board
   std::vector<std::optional<Eigen::Vector3d>> up_camera;  ///< per camera; absent without a view (or plane) to tell
-  double sigma_up_rad = 0.0;                              ///< standard deviation of up_board's worst direction
+  double sigma_up_rad = 0.0;  ///< standard deviation of the worst direction of the vertical, where it is known best
+  std::vector<double> sigma_up_camera_rad;  ///< the same per camera, of those that have one
   /// Per view, 0 to 1: how well it fits the common planar motion; below kLeastPlanarWeight it contradicts it.
   std::vector<double> view_weights;
 };
@@ -36,7 +37,9 @@ Eigen::Matrix3d levelling(const Eigen::Vector3d& up);
 
 /// Closed form: up is the smallest eigenvector of a 3x3 matrix made of all cameras' rotations and positions,
 /// reweighted until views that contradict the planar motion (a flipped board pose) count no more. The sign comes
-/// from the odometry's turns, or where there are none from its path, or from the ground planes.
+/// from the odometry's turns, or where there are none from its path, or from the ground planes. Of several boards each
+/// tells on its own; from the one that knows the vertical best it spreads to the cameras that see it, and from these to
+/// their other boards.
 TrajectoryAlignment align_trajectories(const Observations& observations, const std::vector<ViewPose>& views);
 
 struct GroundCheckOptions {

@@ -17,7 +17,11 @@ struct ViewPose {
   /// Chart of transform_error(); inflated where the corners fit worse than their covariances say.
   Matrix6d covariance = Matrix6d::Identity();
   double reprojection_rms_px = 0.0;
+  int board = 0;  ///< BoardView::board
 };
+
+/// The views of each board, each list as the views are.
+std::vector<std::vector<ViewPose>> by_board(const std::vector<ViewPose>& views, int boards);
 
 struct ViewPoses {
   std::vector<ViewPose> poses;  ///< sorted by (stop, camera)
@@ -40,7 +44,7 @@ struct ViewPair {
   const ViewPose* from = nullptr;
   const ViewPose* to = nullptr;
 };
-/// Consecutive views of one camera that belong to different stops.
+/// Consecutive views of one camera, of one board, that belong to different stops.
 std::vector<ViewPair> consecutive_pairs(const std::vector<ViewPose>& views, int camera);
 
 /// T_world_robot by odometry alone; the world is the robot's frame at the first stop.

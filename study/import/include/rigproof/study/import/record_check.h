@@ -17,6 +17,7 @@ namespace rigproof {
 /// What was seen by one camera at one stop.
 struct PictureCheck {
   bool board = false;
+  int which = 0;                         ///< of the rig's boards
   std::optional<Finding> why_not;        ///< board.not_found, board.cut_off, image.unreadable ..
   std::vector<Eigen::Vector2d> corners;  ///< in the order of ids
   std::optional<double> edge_px;         ///< width of the edges around the corners
