@@ -13,7 +13,8 @@ for view in observations.board_views:
     corners_m = T_camera_board @ truth.board.corners_m[view.ids]
     pixels, J_pixel_point = truth.cameras[view.camera].camera.project(corners_m, jacobians=True)
     sigma_px = np.full((len(view.ids), 1, 1), 0.01)
-    views.append(rigproof.BoardView(view.stop, view.camera, view.stamp_s, view.ids, pixels, sigma_px**2 * np.eye(2)))
+    views.append(rigproof.BoardView(view.stop, view.camera, view.stamp_s, view.ids, pixels, sigma_px**2 * np.eye(2),
+                                    board=view.board))
 print("a millimetre to the right moves the first corner by", 1e-3 * J_pixel_point[0, :, 0], "px")
 
 before = rigproof.calibrate(observations)

@@ -93,7 +93,8 @@ Proof prove(const Recording& recording, const Observations& observations, const 
   Proof proof;
   std::size_t corners = 0;
   if (observations.boards() > 1)
-    throw Error("the observations are of several boards; what is known to be true is of one");
+    throw Error(observations.source + ": more_boards: what is known to be true is of one board, and these are " +
+                std::to_string(observations.boards()));
   for (std::size_t i = 0; i < observations.cameras.size(); ++i) {
     const std::string& name = observations.cameras[i].name;
     const std::optional<std::size_t> camera = camera_named(truth.cameras, name);

@@ -204,7 +204,7 @@ std::vector<CameraRatio> without_odd(const std::vector<CameraRatio>& ratios, Boa
 void judge_board(int board, const std::vector<CameraRatio>& agreeing, const Stated& stated, BoardScale* result) {
   const std::optional<CameraRatio> depth = mean_of(agreeing);
   if (!depth) return;
-  result->ratios.push_back({board, depth->value, depth->measured_sigma, {}});
+  result->ratios.push_back({board, depth->value, {}});
   for (const CameraRatio& ratio : agreeing) result->ratios.back().cameras.push_back(ratio.index);
   judge(*depth, stated, result);
 }

@@ -306,6 +306,7 @@ std::optional<std::string> board_in_images(const Source& from, const std::vector
   const Board& board = from.recording.rig.board;
   Finding nowhere("board.nowhere",
                   {{"squares_x", board.squares_x}, {"squares_y", board.squares_y}, {"images", chosen.size()}});
+  if (const int others = from.recording.rig.boards() - 1; others > 0) nowhere = nowhere.with({{"others", others}});
   if (const std::optional<std::string> seen = board_in_images(from, chosen)) nowhere = nowhere.with({{"seen", *seen}});
   throw FindingError(from.recording.folder.string(), nowhere.by(counted(reasons)));
 }

@@ -26,7 +26,6 @@ struct BoardScale {
   struct Ratio {
     int board;
     double log_depth_ratio;
-    double sigma;
     std::vector<int> cameras;
   };
   std::vector<Ratio> ratios;
