@@ -63,14 +63,24 @@ Finding wrong_size(const char* code, int width, int height, const Camera& rig) {
                  {{"width", width}, {"height", height}, {"rig_width", rig.width_px}, {"rig_height", rig.height_px}});
 }
 
-void search_image(const Image8& grey, const Camera& camera, const Board& board, Sight* sight) {
+std::vector<Board> others_than(const Rig& rig, int board) {
+  std::vector<Board> others;
+  for (int b = 0; b < rig.boards(); ++b)
+    if (b != board) others.push_back(rig.board_at(b));
+  return others;
+}
+
+void search_image(const Image8& grey, const Camera& camera, const Board& board, std::vector<Board> others,
+                  Sight* sight) {
   sight->wrong_size = grey.width != camera.width_px || grey.height != camera.height_px;
   if (sight->wrong_size) {
     sight->why_not = wrong_size("image.wrong_size", grey.width, grey.height, camera);
     return;
   }
   sight->readable = true;
-  BoardDetection detection = detect_board(grey, board);
+  CheckerboardOptions options;
+  options.others = std::move(others);
+  BoardDetection detection = detect_board(grey, board, options);
   if (auto* missing = std::get_if<BoardNotFound>(&detection))
     sight->why_not = missing->why;
   else
@@ -101,8 +111,9 @@ void look_at(const Recording& recording, const FrameInMemory& frame, PictureMemo
   for (int b = 0; b < recording.rig.boards(); ++b) {
     const Board& board = recording.rig.board_at(b);
     detection::Sight sight;
-    detection::search_image(detection::to_grey(frame.color), camera, board, &sight);
-    memory->keep(Found::kCorners, detection::corners_key(content, camera, board), detection::bytes_of(sight));
+    const std::vector<Board> others = detection::others_than(recording.rig, b);
+    detection::search_image(detection::to_grey(frame.color), camera, board, others, &sight);
+    memory->keep(Found::kCorners, detection::corners_key(content, camera, board, others), detection::bytes_of(sight));
   }
   if (frame.depth.empty()) return;
   memory->keep(

@@ -14,8 +14,13 @@ inline constexpr int kDepthPoints = 12000;
 
 Finding wrong_size(const char* code, int width, int height, const Camera& rig);
 
-/// Corners of the board in a grey image, or why there are none. `camera` is what the rig says of it.
-void search_image(const Image8& grey, const Camera& camera, const Board& board, Sight* sight);
+/// The boards of a rig but one.
+std::vector<Board> others_than(const Rig& rig, int board);
+
+/// Corners of the board in a grey image, or why there are none. `camera` is what the rig says of it, `others` are
+/// boards that the image may show instead.
+void search_image(const Image8& grey, const Camera& camera, const Board& board, std::vector<Board> others,
+                  Sight* sight);
 
 /// A depth image with the pixels that observing looks at, 0 elsewhere; absent where the memory does not have it.
 std::optional<Image16> recall_depth(PictureMemory* memory, const std::string& content);

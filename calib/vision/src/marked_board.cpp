@@ -27,6 +27,8 @@ constexpr int kMinImageSize = 32;
 constexpr std::size_t kMinGrid = 4;
 // Texture and markers chain saddles, too; the board's grids are among the largest.
 constexpr std::size_t kGridsRead = 16;
+// Of the markers of a board over those of any other board that the image may show.
+constexpr double kAheadOfOthers = 8.0;
 
 /// A part of an image, enlarged.
 struct Enlarged {
@@ -129,9 +131,18 @@ class MarkedBoardFinder {
 
   void read(const std::vector<CornerGrid>& grids) {
     for (std::size_t i = 0; i < std::min(grids.size(), kGridsRead); ++i)
-      if (auto part = reader_.read(grey_, grids[i])) parts_.push_back(std::move(*part));
+      if (auto part = reader_.read(grey_, grids[i]); part && !may_be_another(*part, grids[i]))
+        parts_.push_back(std::move(*part));
     std::stable_sort(parts_.begin(), parts_.end(),
                      [](const MarkedPlacement& a, const MarkedPlacement& b) { return a.evidence > b.evidence; });
+  }
+  // Markers that are too small to be read look like others by chance.
+  bool may_be_another(const MarkedPlacement& part, const CornerGrid& grid) {
+    if (others_.empty())
+      for (const Board& other : options_.others) others_.emplace_back(other);
+    return std::any_of(others_.begin(), others_.end(), [&](const detection::MarkerReader& other) {
+      return other.most_evidence(grey_, grid) > part.evidence - kAheadOfOthers;
+    });
   }
   bool is_whole() const {
     return !parts_.empty() && parts_.front().placement.seeds.size() == static_cast<std::size_t>(board_.corner_count());
@@ -159,7 +170,8 @@ class MarkedBoardFinder {
   const Board& board_;
   const CheckerboardOptions& options_;
   detection::MarkerReader reader_;
-  std::vector<MarkedPlacement> parts_;  ///< likeliest first
+  std::vector<detection::MarkerReader> others_;  ///< made when a board is found
+  std::vector<MarkedPlacement> parts_;           ///< likeliest first
 };
 
 }  // namespace

@@ -328,21 +328,36 @@ MarkerReader::MarkerReader(const Board& board) : board_(board) {
     pictures_.emplace_back(border, marker_pictures(dictionary, count, border));
 }
 
-std::optional<MarkedPlacement> MarkerReader::read(const Image8& grey, const CornerGrid& grid) const {
+template <typename Take>
+void MarkerReader::for_each_border(const Image8& grey, const CornerGrid& grid, const Take& take) const {
   const std::optional<GridScale> scale = scale_of(grid, board_);
-  if (!scale) return std::nullopt;
-  std::optional<MarkedPlacement> best;
+  if (!scale) return;
   for (const auto& [border, pictures] : pictures_) {
     const MarkerShape shape{bits_, border, board_.has_tags() ? 1.0 : board_.marker_side_m() / board_.square_m};
     const Seen seen = marked_squares(grey, grid, *scale, shape);
+    take(border, seen, places_of(seen, board_, pictures, shape));
+  }
+}
+
+std::optional<MarkedPlacement> MarkerReader::read(const Image8& grey, const CornerGrid& grid) const {
+  std::optional<MarkedPlacement> best;
+  for_each_border(grey, grid, [&](int border, const Seen& seen, const Places& places) {
     const auto whole =
         std::count_if(seen.squares.begin(), seen.squares.end(), [](const auto& one) { return one.whole; });
-    const auto place = decide(places_of(seen, board_, pictures, shape), static_cast<int>(whole));
-    if (!place || (best && best->evidence >= place->second)) continue;
+    const auto place = decide(places, static_cast<int>(whole));
+    if (!place || (best && best->evidence >= place->second)) return;
     best = MarkedPlacement{placement_at(grid, board_, place->first), place->second};
     best->placement.tag_border_bits = border;
-  }
+  });
   return best;
+}
+
+double MarkerReader::most_evidence(const Image8& grey, const CornerGrid& grid) const {
+  double most = 0.0;
+  for_each_border(grey, grid, [&](int, const Seen&, const Places& places) {
+    for (const auto& [key, place] : places) most = std::max(most, place.evidence);
+  });
+  return most;
 }
 
 std::optional<double> tag_share(const CornerGrid& grid) {

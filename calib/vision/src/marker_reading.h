@@ -24,8 +24,13 @@ class MarkerReader {
   explicit MarkerReader(const Board& board);
   /// Positions of the grid in pixels of the image. Absent where the markers tell no place, or more than one.
   std::optional<MarkedPlacement> read(const Image8& grey, const CornerGrid& grid) const;
+  /// What speaks for the likeliest place, sure or not.
+  double most_evidence(const Image8& grey, const CornerGrid& grid) const;
 
  private:
+  template <typename Take>
+  void for_each_border(const Image8& grey, const CornerGrid& grid, const Take& take) const;
+
   Board board_;
   int bits_;
   std::vector<std::pair<int, std::vector<Eigen::MatrixXf>>> pictures_;  ///< by the width of the border [bits]

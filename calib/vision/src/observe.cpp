@@ -137,21 +137,23 @@ std::optional<Value> read(const Recording& recording, const std::string& relativ
   }
 }
 
-void search(const Source& from, const Board& board, Sight* sight) {
+void search(const Source& from, const Board& board, const std::vector<Board>& others, Sight* sight) {
   detection::tell_opened(from.memory, from.frame(*sight).color_file);
   std::string unreadable;
   const auto image = read<Image8>(from.recording, from.frame(*sight).color_file, read_grey_image, &unreadable);
   if (!image) sight->why_not = Finding("image.unreadable", {{"text", unreadable}});
   if (!image) return;
-  detection::search_image(*image, from.camera(*sight).camera, board, sight);
+  detection::search_image(*image, from.camera(*sight).camera, board, others, sight);
 }
 
-void look_for(const Source& from, const Board& board, Sight* sight) {
+void look_for(const Source& from, int index, Sight* sight) {
+  const Board& board = from.recording.rig.board_at(index);
+  const std::vector<Board> others = detection::others_than(from.recording.rig, index);
   const std::string content = detection::content_of(from.memory, from.frame(*sight).color_file);
   const std::string key =
-      content.empty() ? content : detection::corners_key(content, from.camera(*sight).camera, board);
+      content.empty() ? content : detection::corners_key(content, from.camera(*sight).camera, board, others);
   detection::recall_or(from.memory, PictureMemory::Finding::kCorners, key, sight, [&] {
-    search(from, board, sight);
+    search(from, board, others, sight);
     return sight->readable;
   });
 }
@@ -165,11 +167,11 @@ bool tells_more(const Sight& other, const Sight& than) {
 void look(const Source& from, Sight* sight) {
   const Rig& rig = from.recording.rig;
   const Sight before = *sight;
-  look_for(from, rig.board, sight);
+  look_for(from, 0, sight);
   for (int b = 1; b < rig.boards() && sight->readable; ++b) {
     Sight other = before;
     other.board = b;
-    look_for(from, rig.board_at(b), &other);
+    look_for(from, b, &other);
     if (other.corners.size() > sight->corners.size() || tells_more(other, *sight)) *sight = other;
   }
 }

@@ -10,7 +10,7 @@ namespace rigproof::detection {
 namespace {
 
 // Raised whenever what is found in a picture, or these bytes, change.
-constexpr std::uint32_t kFormat = 5;
+constexpr std::uint32_t kFormat = 6;
 
 constexpr auto kPlaneParts = [](auto& archive, auto& plane) {
   if (!archive.present(plane)) return;
@@ -84,11 +84,13 @@ std::string bytes_of(const PlaneSight& planes) { return bytes_of_parts(kFormat, 
 bool read_bytes(const std::string& bytes, Sight* sight) { return read_seen(bytes, sight, kSightParts); }
 bool read_bytes(const std::string& bytes, PlaneSight* planes) { return read_seen(bytes, planes, kPlaneSightParts); }
 
-std::string corners_key(const std::string& content, const Camera& camera, const Board& board) {
+std::string corners_key(const std::string& content, const Camera& camera, const Board& board,
+                        const std::vector<Board>& others) {
   Writer key = begun_key("corners", content);
   key.number(camera.width_px);
   key.number(camera.height_px);
   write(board, &key);
+  for (const Board& other : others) write(other, &key);
   return sha256_hex(key.bytes());
 }
 

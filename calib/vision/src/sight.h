@@ -38,7 +38,8 @@ bool read_bytes(const std::string& bytes, Sight* sight);
 bool read_bytes(const std::string& bytes, PlaneSight* planes);
 
 /// Hash of all that corners depend on.
-std::string corners_key(const std::string& content, const Camera& camera, const Board& board);
+std::string corners_key(const std::string& content, const Camera& camera, const Board& board,
+                        const std::vector<Board>& others);
 /// Hash of all that planes depend on. `points` is the number of depth points that are looked at.
 std::string planes_key(const std::string& content, const RigCamera& camera, const Board& board, int points,
                        const std::optional<Rigid3>& T_camera_board, const std::optional<Eigen::Vector3d>& up_camera);

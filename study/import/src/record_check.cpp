@@ -33,7 +33,10 @@ PictureCheck checked(const Image8& grey, const std::vector<Board>& boards) {
   check.why_not = Finding("board.not_found");
   std::vector<CornerObservation> corners;
   for (std::size_t b = 0; b < boards.size(); ++b) {
-    const BoardDetection found = detect_board(grey, boards[b]);
+    CheckerboardOptions options;
+    for (const Board& other : boards)
+      if (&other != &boards[b]) options.others.push_back(other);
+    const BoardDetection found = detect_board(grey, boards[b], options);
     const auto* seen = std::get_if<std::vector<CornerObservation>>(&found);
     if (seen == nullptr && b == 0) check.why_not = std::get<BoardNotFound>(found).why;
     if (seen == nullptr || seen->size() <= corners.size()) continue;

@@ -103,6 +103,61 @@ TEST(Charuco, AnotherBoardIsNotTaken) {
   EXPECT_EQ(reason_of(detect_by_markers(picture_of(checkered, clutter), board_7x5())), "no board");
 }
 
+// Squares of 5 to 8 px, whose markers have cells of less than a pixel.
+std::vector<CharucoView> small_views(int count, std::uint64_t seed) {
+  RandomStream random(seed, "small views");
+  std::vector<CharucoView> views;
+  for (int i = 0; i < count; ++i) {
+    CharucoView view{board_7x5(), Camera::symmetric(320, 180, 160.0), {}};
+    view.T_camera_board = board_in_view(view.camera, view.board, random.uniform(2.0, 3.2), random.uniform(0.0, 0.5),
+                                        random.uniform(0.0, 6.0), random.uniform(-0.3, 0.3),
+                                        {random.uniform(60.0, 260.0), random.uniform(50.0, 130.0)});
+    views.push_back(view);
+  }
+  return views;
+}
+
+TEST(Charuco, SmallSquaresAreAsUncertainAsTheyAreOverTrials) {
+  CharucoCounts counts;
+  BoardPictureOptions picture;
+  picture.noise_sigma = 0.5;
+  for (const CharucoView& view : small_views(Trials(40, 300).count(), 5)) {
+    picture.seed = static_cast<std::uint64_t>(counts.views);
+    counts.add(view, picture);
+  }
+  EXPECT_EQ(counts.wrong, 0);
+  EXPECT_GT(counts.corners, 200);
+  EXPECT_LT(counts.whitened(), 1.3);
+  EXPECT_GT(counts.whitened(), 0.5);
+}
+
+// Markers that are hardly read look like those of another board by chance.
+TEST(Charuco, SmallBoardsAreNotTakenForOthersOfTheRigOverTrials) {
+  int taken = 0, taken_knowingly = 0, found = 0;
+  BoardPictureOptions picture;
+  picture.noise_sigma = 3.0;
+  for (const CharucoView& view : small_views(Trials(60, 300).count(), 6)) {
+    picture.seed = static_cast<std::uint64_t>(found + taken);
+    const Image8 image = picture_of(view, picture);
+    std::vector<Board> boards = {view.board, view.board, view.board};
+    boards[0].dictionary = "DICT_5X5_50";
+    boards[1].dictionary = "DICT_4X4_50";
+    boards[2].dictionary = "DICT_6X6_50";
+    for (std::size_t b = 0; b < boards.size(); ++b) {
+      CheckerboardOptions knowing;
+      for (std::size_t other = 0; other < boards.size(); ++other)
+        if (other != b) knowing.others.push_back(boards[other]);
+      const bool without = reason_of(detect_by_markers(image, boards[b])) == "found",
+                 with = reason_of(detect_by_markers(image, boards[b], knowing)) == "found";
+      taken += b > 0 && without;
+      taken_knowingly += b > 0 && with;
+      found += b == 0 && with;
+    }
+  }
+  EXPECT_GT(found, 5);
+  EXPECT_EQ(taken_knowingly, 0) << taken << " without";
+}
+
 TEST(Charuco, WhichBoardItIsCanBeTold) {
   const std::optional<Board> plain = find_any_marked_board(picture_of(view_of(board_7x5())));
   ASSERT_TRUE(plain);

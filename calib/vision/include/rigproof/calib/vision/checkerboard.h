@@ -26,6 +26,8 @@ struct CheckerboardOptions {
   double max_fit_residual_ratio = 5.0;
   /// Share of the corners that must be measured; the others may be hidden or spoilt by glare.
   double min_corner_share = 0.75;
+  /// Other boards with markers that the image may show instead, which must be less likely by far.
+  std::vector<Board> others = {};
 };
 
 /// Detects the board in an 8-bit grey or RGB image. Ids follow board.h: the first corner is told by the squares'
