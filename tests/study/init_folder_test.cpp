@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "board_picture.h"
 #include "error_text.h"
 #include "rigproof/core/recording.h"
 #include "rigproof/core/text.h"
@@ -16,6 +17,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 const char* const kInfo =
     "image_width: 16\nimage_height: 12\ncamera_matrix: {rows: 3, cols: 3, data: [20, 0, 7.5, 0, 20, 5.5, 0, 0, 1]}\n"
@@ -67,6 +69,49 @@ TEST_F(InitFolder, BecomesARecording) {
   EXPECT_EQ(recording.frames[0][3].depth_file, "left/depth/000003.png");
   EXPECT_FALSE(recording.rig.cameras[1].depth);
   EXPECT_EQ(recording.odometry[3].x_m, 1.5);
+}
+
+std::string picture_of(const Board& board, double column = 160.0) {
+  const Camera camera = Camera::symmetric(320, 240, 300.0);
+  PngEncoder encoder;
+  return std::string(
+      encoder.encode(draw_board(camera, board, board_in_view(camera, board, 1.0, 0.2, 0.3, 0.0, {column, 120.0}))));
+}
+
+// Whether or not one of them is known.
+TEST_F(InitFolder, BoardsBesideTheFirstAreNamed) {
+  Board ahead;
+  ahead.type = "charuco";
+  ahead.dictionary = "DICT_5X5_50";
+  Board behind = ahead;
+  behind.dictionary = "DICT_4X4_50";
+  fs::remove_all(scratch_ / "in/left/depth");
+  for (const fs::directory_entry& entry : fs::directory_iterator(scratch_ / "in/left"))
+    if (entry.path().extension() == ".png")
+      scratch_.write("in/left/" + entry.path().filename().string(), picture_of(ahead));
+  for (int i = 0; i < 4; ++i)
+    scratch_.write("in/right/image/" + std::to_string(i) + ".png", picture_of(i == 0 ? ahead : behind, 170.0));
+  for (const char* camera : {"left", "right"})
+    scratch_.write(
+        std::string("in/") + camera + "/camera_info.yaml",
+        "image_width: 320\nimage_height: 240\ncamera_matrix: {rows: 3, cols: 3, data: [300, 0, 159.5, 0, 300, "
+        "119.5, 0, 0, 1]}\ndistortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: [0, "
+        "0, 0, 0, 0]}\n");
+  const auto names_second =
+      AllOf(HasSubstr("more_boards: [{type: charuco, squares: [5, 4], square_mm: 100, marker_mm: 7"),
+            HasSubstr("dictionary: DICT_4X4_50}]"));
+  options_.board.reset();
+  const InitReport guessed = init_recording(options_);
+  ASSERT_EQ(guessed.missing.size(), 2U);
+  EXPECT_THAT(guessed.missing[0], AllOf(HasSubstr("`board: {type: charuco"), HasSubstr("DICT_5X5_50")));
+  EXPECT_THAT(guessed.missing[1], names_second);
+  options_.board = ahead;
+  options_.output = scratch_ / "known";
+  EXPECT_THAT(init_recording(options_).notes, Not(Contains(HasSubstr("another one")))) << "right sees it once";
+  scratch_.write("in/right/image/0.png", picture_of(behind));
+  options_.output = scratch_ / "blind";
+  EXPECT_THAT(init_recording(options_).notes,
+              Contains(AllOf(HasSubstr("where right never sees the board another one seems to be"), names_second)));
 }
 
 TEST_F(InitFolder, EveryMissingPieceIsSaid) {

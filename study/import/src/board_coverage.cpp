@@ -8,6 +8,7 @@
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/calib/vision/marked_board.h"
 #include "rigproof/calib/vision/observe.h"
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
@@ -39,6 +40,40 @@ std::string text_of(const Board& board) {
   return text + marker + ", dictionary: " + board.dictionary + (board.legacy_pattern ? ", legacy_pattern: true" : "");
 }
 
+struct Candidate {
+  Board board;
+  int images = 0;
+};
+using Candidates = std::map<std::string, Candidate>;  // by their text
+
+// In the order of how many images show them. Candidates that images do not tell from one another are one board: a part
+// of it looks like a smaller one with the same markers, and how large its markers are is read to a hundredth.
+/// @param known boards that are not meant
+std::vector<std::string> told_apart(const Candidates& candidates, const std::vector<Board>& known) {
+  constexpr int kOfFurther = 2;  // images that show a board beside another one
+  std::vector<std::pair<std::string, Candidate>> order(candidates.begin(), candidates.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second.images > b.second.images; });
+  const auto same = [](const Board& a, const Board& b) { return problem_of_telling_apart(a, b).has_value(); };
+  std::vector<std::pair<std::string, Candidate>> groups;
+  for (const auto& [text, candidate] : order) {
+    const Board& board = candidate.board;
+    if (std::any_of(known.begin(), known.end(), [&](const Board& other) { return same(other, board); })) continue;
+    const auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const auto& other) { return same(other.second.board, board); });
+    if (group == groups.end())
+      groups.emplace_back(text, candidate);
+    else
+      group->second.images += candidate.images;
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const auto& a, const auto& b) { return a.second.images > b.second.images; });
+  std::vector<std::string> seen;
+  for (const auto& [text, candidate] : groups)
+    if ((known.empty() && seen.empty()) || candidate.images >= kOfFurther) seen.push_back(text);
+  return seen;
+}
+
 void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
 
 }  // namespace
@@ -53,6 +88,48 @@ std::optional<Board> any_board(const Image8& image) {
   board.squares_y = size->inner_corners_short + 1;
   return board;
 }
+
+namespace {
+
+/// @param which cameras to look through; empty: all
+/// @param known boards that are not meant
+BoardCoverage guessed(const Recording& recording, const std::vector<bool>& which, const std::vector<Board>& known,
+                      const CoverageProgress& progress) {
+  BoardCoverage coverage;
+  Candidates candidates;
+  std::size_t done = 0, total = 0;
+  for (std::size_t c = 0; c < recording.frames.size(); ++c)
+    total += which.empty() || which[c] ? std::min(kGuessedImages, recording.frames[c].size()) : 0;
+  for (std::size_t c = 0; c < recording.frames.size(); ++c) {
+    const std::vector<CameraFrame>& frames = recording.frames[c];
+    std::size_t seen = 0, looked_at = 0;
+    const std::size_t count = which.empty() || which[c] ? std::min(kGuessedImages, frames.size()) : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (progress && !progress(done++, total)) interrupt();
+      const auto image = read_grey_image(path_inside(recording.folder, frames[i * frames.size() / count].color_file));
+      if (!std::holds_alternative<Image8>(image)) continue;
+      ++looked_at;
+      const std::optional<Board> board = any_board(std::get<Image8>(image));
+      if (!board) continue;
+      ++seen;
+      Candidate& candidate = candidates[text_of(*board)];
+      candidate.board = *board;
+      ++candidate.images;
+    }
+    coverage.stops.push_back(seen);
+    coverage.looked_at.push_back(looked_at);
+  }
+  coverage.seen = told_apart(candidates, known);
+  return coverage;
+}
+
+std::vector<Board> boards_of(const Rig& rig) {
+  std::vector<Board> boards = rig.more_boards;
+  boards.insert(boards.begin(), rig.board);
+  return boards;
+}
+
+}  // namespace
 
 BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress) {
   BoardCoverage coverage;
@@ -69,35 +146,17 @@ BoardCoverage find_board(const Recording& recording, int threads, const Coverage
     if (error.exit_code() == ExitCode::kTryAgain) throw;
     coverage = guess_board(recording, progress);  // in no image: it may be another one
     coverage.stops.assign(cameras, 0);
+    return coverage;
   }
+  std::vector<bool> blind(cameras);
+  for (std::size_t c = 0; c < cameras; ++c) blind[c] = coverage.stops[c] == 0;
+  if (std::find(blind.begin(), blind.end(), true) != blind.end())
+    coverage.seen = guessed(recording, blind, boards_of(recording.rig), progress).seen;
   return coverage;
 }
 
 BoardCoverage guess_board(const Recording& recording, const CoverageProgress& progress) {
-  BoardCoverage coverage;
-  std::map<std::string, int> votes;
-  const std::size_t total = kGuessedImages * recording.frames.size();
-  std::size_t done = 0;
-  for (const std::vector<CameraFrame>& frames : recording.frames) {
-    std::size_t seen = 0, looked_at = 0;
-    const std::size_t count = std::min(kGuessedImages, frames.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      if (progress && !progress(done++, total)) interrupt();
-      const auto image = read_grey_image(path_inside(recording.folder, frames[i * frames.size() / count].color_file));
-      if (!std::holds_alternative<Image8>(image)) continue;
-      ++looked_at;
-      const std::optional<Board> board = any_board(std::get<Image8>(image));
-      if (!board) continue;
-      ++seen;
-      ++votes[text_of(*board)];
-    }
-    coverage.stops.push_back(seen);
-    coverage.looked_at.push_back(looked_at);
-  }
-  const auto most =
-      std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (most != votes.end()) coverage.seen = most->first;
-  return coverage;
+  return guessed(recording, {}, {}, progress);
 }
 
 }  // namespace rigproof

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +15,9 @@ namespace rigproof {
 struct BoardCoverage {
   std::vector<std::size_t> stops;      ///< [camera] stops at which the whole board was found
   std::vector<std::size_t> looked_at;  ///< [camera] stops that were looked at
-  std::optional<std::string>
-      seen;  ///< the board that most images show: "type: checkerboard, squares: [5, 4], square_mm: 100"
+  /// The board that most images show, "type: checkerboard, squares: [5, 4], square_mm: 100", and others beside it that
+  /// images tell from it, by their markers.
+  std::vector<std::string> seen;
 };
 
 /// Called with images looked at and in all; false interrupts.
@@ -26,9 +26,9 @@ using CoverageProgress = std::function<bool(std::uint64_t, std::uint64_t)>;
 /// The board in an image, a ChArUco board or a checkerboard of whatever size; its squares' side means nothing.
 std::optional<Board> any_board(const Image8& image);
 
-/// The board that the recording's rig states, at every stop.
+/// The boards that the recording's rig states, at every stop; others in the images of cameras that see none of them.
 BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress);
-/// Any checkerboard, in some images of each camera: which one it may be.
+/// Any boards, in some images of each camera: which ones they may be.
 BoardCoverage guess_board(const Recording& recording, const CoverageProgress& progress);
 
 }  // namespace rigproof

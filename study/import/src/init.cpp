@@ -132,6 +132,24 @@ class PictureWriter {
   std::size_t done_ = 0;
 };
 
+// "more_boards: [{type: charuco, ..}, {..}]" of those from one on.
+std::string more_boards_text(const std::vector<std::string>& boards, std::size_t first) {
+  std::string text = "more_boards: [";
+  for (std::size_t i = first; i < boards.size(); ++i) text += (i == first ? "{" : ", {") + boards[i] + "}";
+  return text + "]";
+}
+
+std::string note_of_others(const BoardCoverage& coverage, const std::vector<InitCamera>& cameras) {
+  std::string blind;
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    if (coverage.stops[c] == 0) blind += (blind.empty() ? "" : ", ") + cameras[c].name;
+  if (std::any_of(coverage.stops.begin(), coverage.stops.end(), [](std::size_t stops) { return stops > 0; }))
+    return "where " + blind + " never sees the board another one seems to be, apart from its size: `" +
+           more_boards_text(coverage.seen, 0) + "` in rig.yaml";
+  return "the board is in no image; another one seems to be there, apart from its size: {" + coverage.seen.front() +
+         "}";
+}
+
 void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
   const bool known = options.board.has_value();
   const CoverageProgress progress = [&options](std::uint64_t done, std::uint64_t total) {
@@ -142,21 +160,22 @@ void look_for_board(const InitOptions& options, const Recording& recording, Init
   const BoardCoverage guess = options.board.has_value() ? coverage : guess_board(recording, progress);
   if (known)
     for (std::size_t i = 0; i < report.cameras.size(); ++i) report.cameras[i].board_stops = coverage.stops[i];
-  if (known && guess.seen)
-    report.notes.push_back("the board is in no image; another one seems to be there, apart from its size: {" +
-                           *guess.seen + "}");
+  if (known && !guess.seen.empty()) report.notes.push_back(note_of_others(guess, report.cameras));
   if (options.board) return;
-  const std::string board = guess.seen.value_or("type: checkerboard, squares: [6, 5], square_mm: 100");
-  report.missing.push_back((guess.seen
-                                ? "the board, which seems to be this one; measure a row of its squares: `board: {"
+  const bool any = !guess.seen.empty();
+  const std::string board = any ? guess.seen.front() : "type: checkerboard, squares: [6, 5], square_mm: 100";
+  report.missing.push_back((any ? "the board, which seems to be this one; measure a row of its squares: `board: {"
                                 : "the board, of which none was found in the images: `board: {") +
                            board + "}` in rig.yaml");
+  if (guess.seen.size() > 1)
+    report.missing.push_back("boards beside it, which seem to be there; measure their squares, too: `" +
+                             more_boards_text(guess.seen, 1) + "` in rig.yaml");
 }
 
 std::vector<std::string> comments_of(const InitOptions& options, const InitReport& report) {
   std::vector<std::string> comments = {"Made by `rigproof init` of " + for_message(options.source.filename().string()) +
                                        "."};
-  for (const std::string& missing : report.missing) comments.push_back("Missing: " + for_message(missing, 300));
+  for (const std::string& missing : report.missing) comments.push_back("Missing: " + for_message(missing, 1200));
   comments.emplace_back(
       "About which point the robot turns is in no recording: if it is the middle of one driven axle, give odometry "
       "`noise: {rotation_centre_sigma_mm: 5}`; of one that skids, measure it, and give `rotation_centre_mm: [x, y]`, "
