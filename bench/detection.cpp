@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rigproof/calib/vision/observe.h"
+#include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/truth/truth.h"
 
@@ -106,6 +107,7 @@ void compare(const RunFolder& run) {
   ObserveOptions options;
   options.use_depth = false;
   const Observations seen = observe(load_recording(run.recording()), options);
+  if (truth.boards() > 1) throw Error(run.truth_file().string() + ": more_boards: this looks at runs with one board");
   for (std::size_t k = 0; k < truth.cameras.size(); ++k) {
     const TrueCamera& camera = truth.cameras[k];
     const auto T_camera_board = [&](const TrueStop& stop) {

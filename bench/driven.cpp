@@ -96,7 +96,9 @@ GeometricRun drive(const Options& options, std::uint64_t seed) {
   geometric.rig.T_robot_camera.clear();
   for (const TrueCamera& camera : scenario.truth.cameras) geometric.rig.T_robot_camera.push_back(camera.T_robot_camera);
   geometric.declare_odometry_model = geometric.declare_odometry_sigmas = false;
-  GeometricScene scene{scenario.truth.T_world_board, {}};
+  GeometricScene scene{scenario.truth.T_world_board, {}, {}};
+  for (const TrueBoard& board : scenario.truth.more_boards)
+    scene.more_boards.push_back({board.board, board.T_world_board, {}});
   for (const TrueStop& stop : scenario.truth.stops) scene.T_world_robot.push_back(stop.T_world_robot);
   GeometricRun run = draw_geometric_run(geometric, scene);
   run.truth.stops = scenario.truth.stops;

@@ -1,5 +1,7 @@
 #include "print_result.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include "rigproof/core/exclusions.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/body_angles.h"
+#include "rigproof/validate/figures.h"
 #include "rigproof/words/sentences.h"
 
 namespace rigproof {
@@ -127,6 +130,20 @@ std::vector<std::string> also_estimated_lines(const Result& result) {
   for (const EstimatedQuantity& quantity : result.also_estimated)
     if (quantity.camera.empty())
       lines.push_back(" " + head_of(quantity.name) + "  " + value_with_sigma(quantity.value, quantity.sigma));
+  return lines;
+}
+
+// "board no. 2 stands at (-1.204, 0.001, 0.318) m in the frame of the first, +- 2.1 mm, 0.11 deg".
+std::vector<std::string> board_lines(const Result& result) {
+  std::vector<std::string> lines;
+  for (const EstimatedBoard& board : result.boards) {
+    const Eigen::Vector3d& t = board.T_first_board.translation;
+    const double sigma_m = *std::max_element(board.sigma.begin(), board.sigma.begin() + 3);
+    const double sigma_rad = *std::max_element(board.sigma.begin() + 3, board.sigma.end());
+    lines.push_back(fmt::format(
+        "board no. {} stands at ({:.3f}, {:.3f}, {:.3f}) m in the frame of the first, +- {} mm, {} deg", board.number,
+        t.x(), t.y(), t.z(), short_figure(1e3 * sigma_m), short_figure(rad_to_deg(sigma_rad))));
+  }
   return lines;
 }
 
@@ -259,6 +276,7 @@ void print_result(const Terminal& terminal, const Result& result) {
   else
     print_usable(terminal, result);
   print_also_estimated(terminal, result);
+  for (const std::string& line : board_lines(result)) terminal.line(line);
   print_main_sources(terminal, result);
   print_notes(terminal, result, false);
 }
@@ -271,6 +289,20 @@ void print_also_estimated(const Terminal& terminal, const Result& result) {
 
 void print_main_sources(const Terminal& terminal, const Result& result) {
   if (const std::string sources = main_sources(result); !sources.empty()) terminal.line(sources);
+}
+
+// As in results/METHOD.yaml.
+nlohmann::json board_as_json(const EstimatedBoard& board) {
+  const Rigid3& T = board.T_first_board;
+  const auto in = [&board](double units_per_si, std::size_t first) {
+    return nlohmann::json::array({units_per_si * board.sigma[first], units_per_si * board.sigma[first + 1],
+                                  units_per_si * board.sigma[first + 2]});
+  };
+  return {{"number", board.number},
+          {"translation_m", {T.translation.x(), T.translation.y(), T.translation.z()}},
+          {"quaternion_xyzw", {T.rotation.x(), T.rotation.y(), T.rotation.z(), T.rotation.w()}},
+          {"sigmas_mm", in(1e3, 0)},
+          {"sigmas_deg", in(rad_to_deg(1.0), 3)}};
 }
 
 nlohmann::json json_of(const std::vector<Finding>& findings) {
@@ -293,6 +325,7 @@ std::string result_as_json(const Result& result) {
                                       {"value", quantity.value},
                                       {"sigma", quantity.sigma},
                                       {"prior_sigma", quantity.prior_sigma}});
+  for (const EstimatedBoard& board : result.boards) json["boards"].push_back(board_as_json(board));
   json["use"] = nlohmann::json::array();
   for (const CameraUse& use : result.use) {
     nlohmann::json camera = {{"camera", use.camera}, {"used", use.used}, {"left_out", nlohmann::json::array()}};

@@ -214,6 +214,9 @@ YamlTree listed_stops(const Suggestion& suggestion, const Observations& observat
   std::vector<Rigid3> T_world_robot = truth ? true_places(observations, *truth) : std::vector<Rigid3>();
   Rigid3 T_board_world;
   if (T_world_robot.empty()) {
+    const auto of_first = [](const BoardView& view) { return view.board == 0; };
+    if (std::none_of(observations.board_views.begin(), observations.board_views.end(), of_first))
+      throw Error("--output: stops are told from the first board of rig.yaml, which is in no image");
     T_world_robot = suggestion.T_world_robot;
     T_board_world = T_world_board_on_floor(suggestion.T_world_board, observations.board).inverse();
   } else {

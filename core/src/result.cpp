@@ -316,6 +316,23 @@ void visit_lens(FieldVisitor& visitor, EstimatedLens& lens) {
   visitor.tolerate("x-");
 }
 
+void visit_estimated_board(FieldVisitor& visitor, EstimatedBoard& board) {
+  visitor.on_one_line();
+  visitor.require("number", "a whole number, 2 of the first of more_boards");
+  visitor.field("number", board.number, {2.0, 1e3}, "which board: 2 is the first of more_boards");
+  visit_pose(visitor, board.T_first_board);
+  const auto visit_sigma = [&](const char* key, std::size_t first, double units_per_si, const char* description) {
+    std::vector<double> values;
+    for (std::size_t i = first; i < first + 3; ++i) values.push_back(units_per_si * board.sigma[i]);
+    visitor.require(key, "three numbers");
+    visitor.field(key, values, {0.0, 1e9}, 3, 3, description);
+    for (std::size_t i = 0; visitor.is_reading() && i < 3; ++i) board.sigma[first + i] = values[i] / units_per_si;
+  };
+  visit_sigma("sigmas_mm", 0, 1e3, "one sigma along each axis of the first board");
+  visit_sigma("sigmas_deg", 3, 180.0 / kPi, "one sigma about each axis of this board");
+  visitor.tolerate("x-");
+}
+
 void visit_quantity(FieldVisitor& visitor, EstimatedQuantity& quantity) {
   visitor.on_one_line();
   visitor.require("name", "what was estimated, with its unit");
@@ -345,6 +362,9 @@ void visit_lists(FieldVisitor& visitor, Result& result, const Wording& wording) 
   if (visitor.takes("lenses", !result.lenses.empty()))
     visitor.nested_list("lenses", result.lenses, "intrinsics that the poses go with, where they were estimated",
                         visit_lens);
+  if (visitor.takes("boards", !result.boards.empty()))
+    visitor.nested_list("boards", result.boards, "poses of more_boards in the frame of the first board",
+                        visit_estimated_board);
   visit_rotation_centre(visitor, result.rotation_centre_m,
                         "[x, y] of the point about which the robot was said to turn");
   visitor.scaled("rotation_centre_sigma_mm", result.rotation_centre_sigma_m, 1000.0, {0.0, 1000.0},

@@ -240,10 +240,31 @@ bool is_frame_name(const std::string& name) {
   return !name.empty() && name.size() <= 64 && name.front() != '.' && std::all_of(name.begin(), name.end(), allowed);
 }
 
+static bool is_preset(FieldVisitor& visitor, Board& board) {
+  const auto load = [&board](const std::string& name) { board = load_board(find_preset("boards", name).string()); };
+  return visitor.instead({{}, "name of a preset in models/boards", load});
+}
+
 void visit_fields(FieldVisitor& visitor, Board& board) {
   visitor.on_one_line();
-  const auto load = [&board](const std::string& name) { board = load_board(find_preset("boards", name).string()); };
-  if (!visitor.instead({{}, "name of a preset in models/boards", load})) visit_board(visitor, board);
+  if (!is_preset(visitor, board)) visit_board(visitor, board);
+}
+
+void visit_fields(FieldVisitor& visitor, BoardPlace& place) {
+  visitor.on_one_line();
+  visit_pose(visitor, place.T_first_board);
+  visitor.scaled("sigma_mm", place.sigma_m, kMmPerM, {0.01, 1e4}, "how well that is known along each axis, one sigma");
+  visitor.scaled("sigma_deg", place.sigma_rad, 180.0 / kPi, {1e-3, 180.0},
+                 "how well it is known about each axis, one sigma");
+}
+
+static void visit_other_board(FieldVisitor& visitor, Board& board) {
+  visitor.on_one_line();
+  if (is_preset(visitor, board)) return;
+  visit_board(visitor, board);
+  visitor.nested(
+      "place", board.place,
+      "pose of this board in the frame of `board`, where it was measured; without it, it may stand anywhere");
 }
 
 namespace {
@@ -309,16 +330,21 @@ void visit_board(FieldVisitor& visitor, Board& board) {
                 "use one even and one odd number of squares");
 }
 
-void visit_more_boards(FieldVisitor& visitor, std::vector<Board>& boards) {
+bool takes_more_boards(FieldVisitor& visitor, bool has_some) {
   constexpr std::size_t kMost = 7;
-  if (!visitor.takes("more_boards", !boards.empty())) return;
+  if (!visitor.takes("more_boards", has_some)) return false;
   const YamlTree* given = visitor.given("more_boards");
   const bool too_many = given != nullptr && given->items.size() > kMost;
   visitor.check(!too_many, "more_boards", "allowed are at most 7");
-  if (too_many) return;
+  return !too_many;
+}
+
+void visit_more_boards(FieldVisitor& visitor, std::vector<Board>& boards) {
+  if (!takes_more_boards(visitor, !boards.empty())) return;
   visitor.nested_list("more_boards", boards,
                       "boards that stand elsewhere, each wherever, that other cameras see, or from other stops; an "
-                      "image counts for the one of which it shows the most corners");
+                      "image counts for the one of which it shows the most corners",
+                      visit_other_board);
 }
 
 void visit_camera(FieldVisitor& visitor, Camera& camera) {

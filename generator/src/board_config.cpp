@@ -3,8 +3,6 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "rigproof/core/random.h"
-
 namespace rigproof {
 namespace {
 
@@ -20,8 +18,7 @@ Eigen::MatrixXd whole_motions(const Board& board) {
   return motions;
 }
 
-std::vector<Eigen::Vector2d> corner_shifts(const Board& board, double sigma_m, std::uint64_t seed) {
-  RandomStream random(seed, "board print");
+std::vector<Eigen::Vector2d> corner_shifts(const Board& board, double sigma_m, RandomStream random) {
   Eigen::VectorXd shifts(2 * board.corner_count());
   for (Eigen::Index i = 0; i < shifts.size(); ++i) shifts[i] = random.normal();
   const Eigen::MatrixXd motions = whole_motions(board);
@@ -49,23 +46,34 @@ void BoardDefectsConfig::visit(FieldVisitor& visitor) {
   visitor.field("dirt", dirt, {0.0, 1.0}, "specks and smudges: 1 = filthy");
 }
 
-BoardDefectsDraw draw_board_defects(const BoardDefectsConfig& config, const Board& board, std::uint64_t seed) {
+RandomStream stream_of_board(std::uint64_t seed, const std::string& purpose, std::size_t index) {
+  return RandomStream(seed, purpose, -1, static_cast<std::int32_t>(index) - 1);
+}
+
+std::string key_of_board(std::size_t index) {
+  return index == 0 ? "board" : "more_boards[" + std::to_string(index - 1) + "]";
+}
+
+BoardDefectsDraw draw_board_defects(const BoardDefectsConfig& config, const Board& board, std::uint64_t seed,
+                                    std::size_t index) {
   BoardDefectsDraw result;
-  RandomStream random(seed, "board defects");
+  RandomStream random = stream_of_board(seed, "board defects", index);
   const auto draw = [&](const char* name, const Distribution& distribution) {
-    return result.drawn[std::string("board.defects.") + name] = distribution.sample(random);
+    return result.drawn[key_of_board(index) + ".defects." + name] = distribution.sample(random);
   };
   BoardDefects& defects = result.defects;
   defects.print_scale_x = draw("print_scale_x", config.print_scale_x);
   defects.print_scale_y = draw("print_scale_y", config.print_scale_y);
   defects.bow_m = 0.001 * draw("bow_mm", config.bow_mm);
   result.print_error_m = 0.001 * draw("print_error_mm", config.print_error_mm);
-  if (result.print_error_m > 0.0) defects.corner_shifts_m = corner_shifts(board, result.print_error_m, seed);
+  if (result.print_error_m > 0.0)
+    defects.corner_shifts_m = corner_shifts(board, result.print_error_m, stream_of_board(seed, "board print", index));
   result.border_m = 0.001 * draw("border_mm", config.border_mm);
   defects.glare = draw("glare", config.glare);
   defects.covered = 0.01 * draw("covered_percent", config.covered_percent);
   defects.dirt = draw("dirt", config.dirt);
-  defects.seed = seed;
+  defects.seed =
+      index == 0 ? seed : seed ^ (std::uint64_t{stream_of_board(seed, "board surface", index).next_u32()} << 32U);
   return result;
 }
 

@@ -21,7 +21,7 @@ class FreeFloor : public ViewpointWorld {
     return {-kFar, kFar, -kFar, kFar};
   }
   std::string obstacle(const Rigid3&) override { return {}; }
-  bool in_sight(const Eigen::Vector3d&, const Eigen::Vector3d&) override { return true; }
+  bool in_sight(const Eigen::Vector3d&, const Eigen::Vector3d&, std::size_t) override { return true; }
 };
 
 ViewpointConfig reference_places(const std::vector<WorldCamera>& cameras) {
@@ -61,7 +61,7 @@ BoardPlacement at_fitting_height(const BoardPlacement& placement, const std::vec
   double most = -std::numeric_limits<double>::infinity();
   for (int step = 1; step * kStep_m <= kHighest_m; ++step) {
     tried.z_m = step * kStep_m;
-    const ViewpointSubject subject{cameras, board, place_board(board, tried), margin_m};
+    const ViewpointSubject subject{{board, place_board(board, tried), margin_m}, cameras};
     if (lowest_point(subject.T_scene_board, board, margin_m) < kClearance_m) continue;
     const double here = worth(possible_coverage(config, subject, floor));
     if (here <= most) continue;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "rigproof/core/rig_yaml.h"
+
 namespace rigproof {
 namespace {
 
@@ -25,6 +27,8 @@ void BoardConfig::visit(FieldVisitor& visitor) {
   visitor.field("squares", squares, {3.0, 64.0}, 0, 2,
                 "squares along board x and y instead of the preset's, e.g. [6, 5]; empty = the preset's");
   visitor.field("square_mm", square_mm, {0.0, 1000.0}, "side of a square instead of the preset's; 0 = the preset's");
+  visitor.optional("dictionary", dictionary,
+                   "charuco: of its markers, as OpenCV calls it, e.g. DICT_6X6_250, instead of the preset's");
   visitor.field("place", place, TextChoices{{"fitted", "scene", "given"}},
                 "fitted: the board stands where the scene puts it, at the height that lets all cameras of the rig see "
                 "it in most parts of their images; scene: at the scene's height, too; given: where the fields below "
@@ -40,6 +44,30 @@ void BoardConfig::visit(FieldVisitor& visitor) {
   visitor.check(is_board_size(squares), "squares", "must be empty or two whole numbers from 3 to 64, e.g. [5, 4]");
 }
 
+static void visit_more_boards(FieldVisitor& visitor, std::vector<BoardConfig>& boards) {
+  if (!takes_more_boards(visitor, !boards.empty())) return;
+  const auto visit = [](FieldVisitor& of_board, BoardConfig& board) {
+    for (const char* key : {"x_m", "y_m", "facing_deg"})
+      of_board.require(key, "a number or a distribution: where the board stands");
+    board.visit(of_board);
+    of_board.field("told_place_sigma_mm", board.told_place_sigma_mm, {0.0, 1e4},
+                   "the recording tells where the board stands against the first one, with an error drawn of this "
+                   "sigma; 0 = it does not");
+    of_board.field("told_place_sigma_deg", board.told_place_sigma_deg, {1e-3, 180.0}, "the same of its attitude");
+    of_board.check(board.told_place_sigma_mm == 0.0 || board.told_place_sigma_mm >= 0.01, "told_place_sigma_mm",
+                   "must be 0 or at least 0.01, the least that rig.yaml may state");
+    of_board.check(board.told_place_sigma_mm > 0.0 || of_board.given("told_place_sigma_deg") == nullptr,
+                   "told_place_sigma_deg", "needs told_place_sigma_mm beside it");
+    of_board.check(board.place != "scene", "place", "must be fitted or given: the scene has a place for one board");
+    of_board.check(board.place == "given" || of_board.given("z_m") == nullptr, "z_m",
+                   "is used with place: given alone");
+  };
+  visitor.nested_list("more_boards", boards,
+                      "boards that stand elsewhere, each as `board`, with markers of a dictionary of its own; place "
+                      "fitted: where x_m, y_m and the angles put it, at the height that lets all cameras see it",
+                      visit);
+}
+
 void ListedViewpoint::visit(FieldVisitor& visitor) {
   visitor.field("x_m", x_m, {-kMaxDistanceM, kMaxDistanceM}, "robot's place in the frame of the list");
   visitor.field("y_m", y_m, {-kMaxDistanceM, kMaxDistanceM}, "robot's place in the frame of the list");
@@ -47,15 +75,16 @@ void ListedViewpoint::visit(FieldVisitor& visitor) {
 }
 
 void GridConfig::visit(FieldVisitor& visitor) {
-  visitor.field("distances_m", distances_m, {0.3, kMaxDistanceM}, 1, 1000, "distances from the board");
-  visitor.field("bearings_deg", bearings_deg, {-90.0, 90.0}, 1, 1000, "bearings as seen from the board");
+  visitor.field("distances_m", distances_m, {0.3, kMaxDistanceM}, 1, 1000, "distances from the (first) board");
+  visitor.field("bearings_deg", bearings_deg, {-90.0, 90.0}, 1, 1000, "bearings as seen from the (first) board");
   visitor.field("headings_deg", headings_deg, {-360.0, 360.0}, 1, 1000, "headings, 0 = towards the board");
 }
 
 void ViewpointConfig::visit(FieldVisitor& visitor) {
   visitor.field("planner", planner, TextChoices{{"covering", "sampled", "grid", "list"}},
-                "covering: drawn from the distributions below, with the heading that shows each camera the board where "
-                "it has not been yet; sampled: drawn, with headings from heading_deg, the default where that or "
+                "covering: drawn from the distributions below, of each board in turn, with the heading that shows each "
+                "camera a board where none has been yet; sampled: drawn, with headings from heading_deg, the default "
+                "where that or "
                 "all_cameras_share is given; grid: every combination in `grid`; list: as in `list`");
   // So configurations of 0.1 mean, when it was the only planner that drew.
   const bool gives_sampled = visitor.given("heading_deg") != nullptr || visitor.given("all_cameras_share") != nullptr;
@@ -157,6 +186,7 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
                 "drives there by physics, and its encoders tell what they count");
   visitor.nested("drive", drive, "motion drive: how it drives");
   visitor.nested("board", board, "the calibration board and where it stands");
+  visit_more_boards(visitor, more_boards);
   visitor.nested("viewpoints", viewpoints, "where the robot stands when it takes images");
   visitor.nested("straight_drive", straight_drive, "frames along a straight line, for methods that need them");
   visitor.nested("odometry", odometry, "what the wheels tell");

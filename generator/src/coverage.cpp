@@ -50,16 +50,17 @@ std::vector<CameraCoverage> told(const std::vector<Shown>& shown, const Viewpoin
   return coverages;
 }
 
-void show(const ViewpointSubject& subject, std::size_t camera, const Viewpoint& stop, std::vector<Shown>* shown) {
-  const WorldCamera& seeing = subject.cameras[camera];
-  (*shown)[camera].add(seeing.camera, corners_in_image(seeing, stop.T_scene_robot(), subject));
+void show(const ViewpointSubject& subject, const Sight& sight, const Viewpoint& stop, std::vector<Shown>* shown) {
+  const WorldCamera& seeing = subject.cameras[sight.camera];
+  (*shown)[sight.camera].add(seeing.camera,
+                             corners_in_image(seeing, stop.T_scene_robot(), subject.board_at(sight.board)));
 }
 
 void show_from(const std::vector<Rigid3>& T_scene_robot, const Places& places, const ViewpointSubject& subject,
                std::vector<Shown>* shown) {
   for (const Rigid3& T : T_scene_robot) {
     const Viewpoint stop = places.at(T.translation.x(), T.translation.y(), yaw_of(T));
-    for (const std::size_t camera : places.seeing(stop)) show(subject, camera, stop, shown);
+    for (const Sight& sight : places.seeing(stop)) show(subject, sight, stop, shown);
   }
 }
 
@@ -77,8 +78,10 @@ std::vector<Viewpoint> places_around(const ViewpointConfig& config, const Places
   const std::vector<double> bearings_deg = spread(config.bearing_deg.lowest(), config.bearing_deg.highest(), kBearings);
   for (const double inverse_m : spread(1.0 / config.distance_m.highest(), 1.0 / config.distance_m.lowest(), kDistances))
     for (const double bearing_deg : bearings_deg)
-      for (int heading = 0; heading < kHeadings; ++heading)
-        stops.push_back(places.place(1.0 / inverse_m, deg_to_rad(bearing_deg), 2.0 * kPi * heading / kHeadings));
+      for (std::size_t board = 0; board < places.boards(); ++board)
+        for (int heading = 0; heading < kHeadings; ++heading)
+          stops.push_back(
+              places.place(1.0 / inverse_m, deg_to_rad(bearing_deg), 2.0 * kPi * heading / kHeadings, board));
   return stops;
 }
 
@@ -97,12 +100,12 @@ std::string describe_camera(const CameraCoverage& seen, const CameraCoverage& po
 }
 
 std::vector<Eigen::Vector2d> corners_in_image(const WorldCamera& camera, const Rigid3& T_scene_robot,
-                                              const ViewpointSubject& subject) {
-  const Rigid3 T_camera_board = (T_scene_robot * camera.T_robot_camera).inverse() * subject.T_scene_board;
+                                              const ViewedBoard& board) {
+  const Rigid3 T_camera_board = (T_scene_robot * camera.T_robot_camera).inverse() * board.T_scene_board;
   std::vector<Eigen::Vector2d> pixels;
-  for (int id = 0; id < subject.board.corner_count(); ++id) {
+  for (int id = 0; id < board.board.corner_count(); ++id) {
     Eigen::Vector2d pixel;
-    if (camera.camera.project(T_camera_board * subject.board.corner(id), &pixel)) pixels.push_back(pixel);
+    if (camera.camera.project(T_camera_board * board.board.corner(id), &pixel)) pixels.push_back(pixel);
   }
   return pixels;
 }
@@ -121,8 +124,7 @@ std::vector<CameraCoverage> possible_coverage(const ViewpointConfig& config, con
   show_from(T_scene_robot, places, subject, &shown);
   for (const Viewpoint& stop : places_around(config, places)) {
     if (!places.inside(stop)) continue;
-    for (std::size_t i = 0; i < shown.size(); ++i)
-      if (places.faces(i, stop)) show(subject, i, stop, &shown);
+    for (const Sight& sight : places.facing(stop)) show(subject, sight, stop, &shown);
   }
   return told(shown, subject);
 }

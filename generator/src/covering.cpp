@@ -7,10 +7,12 @@
 namespace rigproof {
 namespace {
 
-// Places that one stop is chosen among, and directions for each of them and each camera.
-constexpr int kPlaces = 6, kDirections = 8;
+// About so many places one stop is chosen among, and directions for each of them, each camera and each board.
+constexpr std::size_t kPlaces = 6, kDirections = 8;
 // What a camera's first view, and the first of two cameras together, are worth, in cells of an image.
 constexpr double kViewWorth = 8.0, kPairWorth = 4.0;
+
+bool are_pair(const Sight& a, const Sight& b) { return a.camera < b.camera && a.board == b.board; }
 
 double fresh(int times_seen) { return 1.0 / (1.0 + times_seen); }
 
@@ -34,30 +36,31 @@ std::optional<Viewpoint> turned(const Viewpoint& place, const WorldCamera& camer
 SeenSoFar::SeenSoFar(const ViewpointSubject& subject)
     : subject_(subject), cameras_(subject.cameras.size()), pairs_(cameras_.size() * cameras_.size(), 0) {}
 
-double SeenSoFar::worth(const Viewpoint& stop, const std::vector<std::size_t>& seeing) const {
+double SeenSoFar::worth(const Viewpoint& stop, const std::vector<Sight>& seeing) const {
   double sum = 0.0;
-  for (const std::size_t a : seeing) {
-    sum += kViewWorth * fresh(cameras_[a].views);
-    for (const std::size_t cell : cells_of(stop, a)) sum += fresh(cameras_[a].cells[cell]);
-    for (const std::size_t b : seeing)
-      if (a < b) sum += kPairWorth * fresh(pairs_[a * cameras_.size() + b]);
+  for (const Sight& a : seeing) {
+    const OfCamera& of = cameras_[a.camera];
+    sum += kViewWorth * fresh(of.views);
+    for (const std::size_t cell : cells_of(stop, a)) sum += fresh(of.cells[cell]);
+    for (const Sight& b : seeing)
+      if (are_pair(a, b)) sum += kPairWorth * fresh(pairs_[a.camera * cameras_.size() + b.camera]);
   }
   return sum;
 }
 
-void SeenSoFar::add(const Viewpoint& stop, const std::vector<std::size_t>& seeing) {
-  for (const std::size_t a : seeing) {
-    ++cameras_[a].views;
-    for (const std::size_t cell : cells_of(stop, a)) ++cameras_[a].cells[cell];
-    for (const std::size_t b : seeing)
-      if (a < b) ++pairs_[a * cameras_.size() + b];
+void SeenSoFar::add(const Viewpoint& stop, const std::vector<Sight>& seeing) {
+  for (const Sight& a : seeing) {
+    ++cameras_[a.camera].views;
+    for (const std::size_t cell : cells_of(stop, a)) ++cameras_[a.camera].cells[cell];
+    for (const Sight& b : seeing)
+      if (are_pair(a, b)) ++pairs_[a.camera * cameras_.size() + b.camera];
   }
 }
 
-std::vector<std::size_t> SeenSoFar::cells_of(const Viewpoint& stop, std::size_t camera) const {
+std::vector<std::size_t> SeenSoFar::cells_of(const Viewpoint& stop, const Sight& sight) const {
   std::vector<std::size_t> cells;
-  const WorldCamera& of = subject_.cameras[camera];
-  for (const Eigen::Vector2d& pixel : corners_in_image(of, stop.T_scene_robot(), subject_))
+  const WorldCamera& of = subject_.cameras[sight.camera];
+  for (const Eigen::Vector2d& pixel : corners_in_image(of, stop.T_scene_robot(), subject_.board_at(sight.board)))
     cells.push_back(image_cell(of.camera, pixel));
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
@@ -65,12 +68,14 @@ std::vector<std::size_t> SeenSoFar::cells_of(const Viewpoint& stop, std::size_t 
 }
 
 std::optional<Viewpoint> CoveringPlanner::next(RandomStream random, Tally* tally) const {
-  for (std::int64_t drawn = 0; drawn < config_.max_candidates;) {
+  const std::size_t boards = places_.boards(), places = boards * std::max<std::size_t>(1, kPlaces / boards);
+  for (std::int64_t drawn = 0; drawn < config_.max_candidates * static_cast<std::int64_t>(boards);) {
     std::vector<Candidate> candidates;
-    for (int k = 0; k < kPlaces; ++k) {
+    for (std::size_t k = 0; k < places; ++k) {
       const double distance_m = config_.distance_m.sample(random);
-      const Viewpoint place = places_.place(distance_m, deg_to_rad(config_.bearing_deg.sample(random)), 0.0);
-      for (const Viewpoint& stop : turned_to_board(place, &random)) {
+      const double bearing_rad = deg_to_rad(config_.bearing_deg.sample(random));
+      const Viewpoint place = places_.place(distance_m, bearing_rad, 0.0, k % boards);
+      for (const Viewpoint& stop : turned_to_boards(place, &random)) {
         ++drawn;
         if (const auto worth = worth_without_obstacles(stop, tally)) candidates.push_back({stop, *worth});
       }
@@ -80,14 +85,15 @@ std::optional<Viewpoint> CoveringPlanner::next(RandomStream random, Tally* tally
   return std::nullopt;
 }
 
-// Each camera to the board, in some ways.
-std::vector<Viewpoint> CoveringPlanner::turned_to_board(const Viewpoint& place, RandomStream* random) const {
+// Each camera to each board, in some ways.
+std::vector<Viewpoint> CoveringPlanner::turned_to_boards(const Viewpoint& place, RandomStream* random) const {
   std::vector<Viewpoint> stops;
   for (const WorldCamera& camera : subject_.cameras)
-    for (int k = 0; k < kDirections; ++k) {
+    for (std::size_t k = 0; k < kDirections * places_.boards(); ++k) {
       const double column = random->uniform() * camera.camera.width_px,
                    row = random->uniform() * camera.camera.height_px;
-      if (const auto stop = turned(place, camera, {column, row}, places_.board_centre())) stops.push_back(*stop);
+      const Eigen::Vector3d& centre = places_.board_centre(k % places_.boards());
+      if (const auto stop = turned(place, camera, {column, row}, centre)) stops.push_back(*stop);
     }
   return stops;
 }
@@ -95,9 +101,7 @@ std::vector<Viewpoint> CoveringPlanner::turned_to_board(const Viewpoint& place, 
 // As far as that is told without asking the world, which takes longer.
 std::optional<double> CoveringPlanner::worth_without_obstacles(const Viewpoint& stop, Tally* tally) const {
   ++tally->candidates;
-  std::vector<std::size_t> facing;
-  for (std::size_t i = 0; i < subject_.cameras.size(); ++i)
-    if (places_.faces(i, stop)) facing.push_back(i);
+  const std::vector<Sight> facing = places_.facing(stop);
   Viewpoint looked = stop;
   std::optional<Rejection> rejection;
   if (!places_.inside(stop))

@@ -1,5 +1,5 @@
-// The planner `covering`: every camera gets its share of stops, pairs of cameras see the board together, and the board
-// comes to lie all over each image, as far as the world lets it.
+// The planner `covering`: every camera gets its share of stops, pairs of cameras see a board together, and boards come
+// to lie all over each image, as far as the world lets them.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +20,9 @@ class SeenSoFar {
   explicit SeenSoFar(const ViewpointSubject& subject);
 
   /// What a stop adds, in cells of an image: each thing counts less the more often it was shown.
-  /// @param seeing the cameras that see the board from there
-  double worth(const Viewpoint& stop, const std::vector<std::size_t>& seeing) const;
-  void add(const Viewpoint& stop, const std::vector<std::size_t>& seeing);
+  /// @param seeing the cameras that see a board from there
+  double worth(const Viewpoint& stop, const std::vector<Sight>& seeing) const;
+  void add(const Viewpoint& stop, const std::vector<Sight>& seeing);
 
  private:
   struct OfCamera {
@@ -30,11 +30,11 @@ class SeenSoFar {
     std::array<int, kImageCells> cells{};
   };
 
-  std::vector<std::size_t> cells_of(const Viewpoint& stop, std::size_t camera) const;
+  std::vector<std::size_t> cells_of(const Viewpoint& stop, const Sight& sight) const;
 
   const ViewpointSubject& subject_;
   std::vector<OfCamera> cameras_;
-  std::vector<int> pairs_;  ///< [a * cameras + b], a < b: stops from which both see the board
+  std::vector<int> pairs_;  ///< [a * cameras + b], a < b: stops from which both see the same board
 };
 
 /// Chooses stop after stop, each by what those before have not shown.
@@ -55,7 +55,7 @@ class CoveringPlanner {
     double worth = 0.0;
   };
 
-  std::vector<Viewpoint> turned_to_board(const Viewpoint& place, RandomStream* random) const;
+  std::vector<Viewpoint> turned_to_boards(const Viewpoint& place, RandomStream* random) const;
   std::optional<double> worth_without_obstacles(const Viewpoint& stop, Tally* tally) const;
   std::optional<Viewpoint> best_possible(std::vector<Candidate> candidates, Tally* tally) const;
   int needed() const { return std::max(1, static_cast<int>(config_.min_cameras)); }

@@ -23,8 +23,8 @@ class DrivableWorld : public ViewpointWorld {
       : composed_(world), physics_(physics), clearance_m_(clearance_m) {}
   FloorArea drivable_area() override { return composed_.drivable_area(); }
   std::string obstacle(const Rigid3& T_scene_robot) override { return physics_.obstacle(T_scene_robot, clearance_m_); }
-  bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target) override {
-    return composed_.in_sight(origin, target);
+  bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target, std::size_t board) override {
+    return composed_.in_sight(origin, target, board);
   }
 
  private:

@@ -12,7 +12,11 @@ const char* const kSenseKeys[] = {
     "sensing.", "clouds",        "cloud_stride_px", "png_level"};
 const char* const kRenderKeyWhileMoving = "sensing.time.camera_delay_ms";
 
+// Of further boards, what is told of them needs none, either.
+const char* const kToldOfBoards = ".told_place_sigma_";
+
 bool is_sense_key(const std::string& path) {
+  if (path.rfind("more_boards[", 0) == 0 && path.find(kToldOfBoards) != std::string::npos) return true;
   return std::any_of(std::begin(kSenseKeys), std::end(kSenseKeys), [&path](const char* key) {
     const std::string text = key;
     return text.back() == '.' ? path.rfind(text, 0) == 0 : path == text;
@@ -54,6 +58,10 @@ GenerateConfig without_sense_keys(const GenerateConfig& config) {
   rendered.clouds = defaults.clouds;
   rendered.cloud_stride_px = defaults.cloud_stride_px;
   rendered.png_level = defaults.png_level;
+  for (BoardConfig& board : rendered.more_boards) {
+    board.told_place_sigma_mm = defaults.board.told_place_sigma_mm;
+    board.told_place_sigma_deg = defaults.board.told_place_sigma_deg;
+  }
   return rendered;
 }
 

@@ -1,4 +1,4 @@
-// Places of the robot: whether it may stand there, and what its cameras see of the board from there.
+// Places of the robot: whether it may stand there, and which cameras see which board from there.
 #pragma once
 
 #include <array>
@@ -24,42 +24,57 @@ struct Tally {
   const char* remedy() const;
 };
 
-/// The places around a board. Poses and points are in the scene's frame.
+/// A camera with a whole board in its image.
+struct Sight {
+  std::size_t camera = 0, board = 0;
+};
+
+/// The places around the subject's boards. Poses and points are in the scene's frame.
 class Places {
  public:
   Places(const ViewpointConfig& config, const ViewpointSubject& subject, ViewpointWorld& world);
 
-  Viewpoint place(double distance_m, double bearing_rad, double heading_rad) const;
+  /// @param board that distance, bearing and heading are told from
+  Viewpoint place(double distance_m, double bearing_rad, double heading_rad, std::size_t board = 0) const;
   Viewpoint at(double x_m, double y_m, double yaw_rad) const;
-  /// Below the board's centre, x towards its viewers.
-  Rigid3 board_on_floor() const { return planar_pose(centre_.x(), centre_.y(), facing_rad_); }
-  const Eigen::Vector3d& board_centre() const { return centre_; }
+  /// Below the first board's centre, x towards its viewers.
+  Rigid3 board_on_floor() const;
+  std::size_t boards() const { return boards_.size(); }
+  const Eigen::Vector3d& board_centre(std::size_t board) const { return boards_[board].centre; }
 
   bool inside(const Viewpoint& stop) const;
-  /// True if a camera has the whole board in its image, with border and margin, and not too obliquely; something may
-  /// stand in between.
-  bool faces(std::size_t camera, const Viewpoint& stop) const;
-  /// The cameras that see it so, with nothing in between.
-  std::vector<std::size_t> seeing(const Viewpoint& stop) const;
+  /// The cameras that have a whole board in their image, with border and margin, and not too obliquely, each with the
+  /// one that has the most corners; something may stand in between.
+  std::vector<Sight> facing(const Viewpoint& stop) const { return sights(stop, false); }
+  /// The same with nothing in between.
+  std::vector<Sight> seeing(const Viewpoint& stop) const { return sights(stop, true); }
   /// Fills in what the cameras see. The first constraint that leaves fewer than `needed` cameras is the answer.
   std::optional<Rejection> look(int needed, Viewpoint* stop) const;
   /// The same, and whether the robot may stand there.
   std::optional<Rejection> check(int needed, Viewpoint* stop) const;
 
  private:
-  bool has_whole_board(const Camera& camera, const Rigid3& T_scene_camera) const;
-  bool is_oblique(const Eigen::Vector3d& origin) const;
-  // Angle between the board's normal and the line to the camera; beyond 90 degrees it sees the back.
-  double obliquity(const Eigen::Vector3d& origin) const;
-  bool board_in_sight(const Eigen::Vector3d& origin) const;
+  struct Placed {
+    int corners = 0;
+    Eigen::Vector3d outward, centre;
+    double facing_rad = 0.0;
+    std::vector<Eigen::Vector3d> outline, sight_points;
+
+    explicit Placed(const ViewedBoard& board);
+    // Angle between the board's normal and the line to the camera; beyond 90 degrees it sees the back.
+    double obliquity(const Eigen::Vector3d& origin) const;
+  };
+
+  bool has_whole(const Placed& board, const Camera& camera, const Rigid3& T_scene_camera) const;
+  bool is_oblique(const Placed& board, const Eigen::Vector3d& origin) const;
+  bool in_sight(std::size_t board, const Eigen::Vector3d& origin) const;
+  std::vector<Sight> sights(const Viewpoint& stop, bool with_what_hides) const;
 
   const ViewpointConfig& config_;
   const ViewpointSubject& subject_;
   ViewpointWorld& world_;
   FloorArea area_;
-  Eigen::Vector3d outward_, centre_;
-  double facing_rad_ = 0.0;
-  std::vector<Eigen::Vector3d> outline_, sight_points_;
+  std::vector<Placed> boards_;
 };
 
 }  // namespace rigproof

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include "board_height.h"
@@ -11,6 +12,7 @@
 #include "driven.h"
 #include "exposures.h"
 #include "lens_residual.h"
+#include "rigproof/core/board_markers.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -78,7 +80,8 @@ RigModel resolve_rig(const GenerateConfig& config) {
   return rig;
 }
 
-Board resolve_board(const BoardConfig& config, const Board& of_rig) {
+/// @param key of the board in the configuration
+Board resolve_board(const BoardConfig& config, const std::string& key, const Board& of_rig) {
   Board board = config.preset.empty() ? of_rig : load_board(config.preset);
   if (!config.squares.empty()) {
     board.squares_x = static_cast<int>(config.squares[0]);
@@ -86,18 +89,36 @@ Board resolve_board(const BoardConfig& config, const Board& of_rig) {
   }
   if (config.square_mm > 0.0) board.square_m = config.square_mm / 1000.0;
   if (config.type != "preset") board.type = config.type;
+  if (!config.dictionary.empty()) board.dictionary = config.dictionary;
+  if (!config.dictionary.empty() && board.type != "charuco")
+    throw Error(key + ".dictionary: " + config.dictionary + ": is of charuco boards; this one is of type " +
+                board.type);
   if (board.type != "charuco") {
     const Board without;
     std::tie(board.dictionary, board.legacy_pattern) = std::tie(without.dictionary, without.legacy_pattern);
     if (!board.has_tags() || config.type != "preset") board.marker_m.reset();
   }
-  marker_dictionary(board);  // throws where markers run out
+  if (const std::optional<std::string> problem = problem_of_markers(board))
+    throw Error(key + (config.dictionary.empty() ? ".squares: " : ".dictionary: ") + *problem);
   if (board.type == "checkerboard" && board.ambiguous_under_half_turn()) {
-    throw Error("board.squares: [" + std::to_string(board.squares_x) + ", " + std::to_string(board.squares_y) +
+    throw Error(key + ".squares: [" + std::to_string(board.squares_x) + ", " + std::to_string(board.squares_y) +
                 "]: turned by 180 degrees this board looks the same, so that its corners cannot be told apart; use "
                 "one even and one odd number");
   }
   return board;
+}
+
+// Throws Error where two of them would be taken for one another.
+std::vector<Board> resolve_boards(const GenerateConfig& config, const Board& of_rig) {
+  std::vector<Board> boards;
+  for (std::size_t b = 0; b <= config.more_boards.size(); ++b) {
+    const std::string key = key_of_board(b);
+    boards.push_back(resolve_board(config.board_at(b), key, of_rig));
+    for (std::size_t a = 0; a < b; ++a)
+      if (const std::optional<std::string> problem = problem_of_telling_apart(boards[a], boards[b]))
+        throw Error(key + ": cannot be told from " + key_of_board(a) + " in images: " + *problem);
+  }
+  return boards;
 }
 
 // The cameras as the rig has them, so that a board does not move with the size of the images.
@@ -109,17 +130,33 @@ std::vector<WorldCamera> unscaled_cameras(const GenerateConfig& config) {
   return cameras;
 }
 
-BoardPlacement resolve_placement(const GenerateConfig& config, const SceneModel& scene, const Board& board,
-                                 double margin_m) {
-  RandomStream random(seed_of(config), "board");
-  if (config.board.place != "given") {
-    const BoardPlacement of_scene = scene.board.sample(random);
-    return config.board.place == "scene" ? of_scene
-                                         : at_fitting_height(of_scene, unscaled_cameras(config), board, margin_m);
-  }
-  const BoardConfig& given = config.board;
-  return BoardPlacementRange{given.x_m, given.y_m, given.z_m, given.facing_deg, given.lean_deg, given.roll_deg}.sample(
-      random);
+BoardPlacement resolve_placement(const GenerateConfig& config, const SceneModel& scene, const WorldBoard& board,
+                                 std::size_t index) {
+  RandomStream random = stream_of_board(seed_of(config), "board", index);
+  const BoardConfig& asked = config.board_at(index);
+  const BoardPlacementRange given{asked.x_m, asked.y_m, asked.z_m, asked.facing_deg, asked.lean_deg, asked.roll_deg};
+  const bool in_scene = index == 0 && asked.place != "given";
+  const BoardPlacement placement = (in_scene ? scene.board : given).sample(random);
+  return asked.place == "fitted"
+             ? at_fitting_height(placement, unscaled_cameras(config), board.board, board.board_margin_m)
+             : placement;
+}
+
+struct StandingBoard {
+  WorldBoard board;
+  std::map<std::string, double> drawn;  // for the truth, by field
+};
+
+StandingBoard stand_board(const GenerateConfig& config, const SceneModel& scene, const Board& board,
+                          std::size_t index) {
+  BoardDefectsDraw draw = draw_board_defects(config.board_at(index).defects, board, seed_of(config), index);
+  StandingBoard standing;
+  standing.board.board = board;
+  standing.board.board_margin_m = draw.border_m;
+  standing.board.board_defects = std::move(draw.defects);
+  standing.board.T_world_board = place_board(board, resolve_placement(config, scene, standing.board, index));
+  standing.drawn = std::move(draw.drawn);
+  return standing;
 }
 
 ScenarioInput input_of(const fs::path& file) {
@@ -129,9 +166,9 @@ ScenarioInput input_of(const fs::path& file) {
   return {inside ? relative.generic_string() : file.filename().string(), sha256_hex_of_file(file)};
 }
 
-// The presets' own files, and the board, which a preset may hold or the rig.
+// The presets' own files, and the boards, which presets may hold or the rig.
 std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigModel& rig, const SceneModel& scene,
-                                     const Board& board) {
+                                     const std::vector<Board>& boards) {
   std::vector<fs::path> files = {find_data_file("rigs", config.rig), rig.robot.file, rig.robot.mjcf,
                                  find_data_file("scenes", config.scene), scene.world.mjcf};
   for (const RigCamera& camera : rig.rig.cameras) {
@@ -142,7 +179,9 @@ std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigMode
   }
   std::vector<ScenarioInput> inputs;
   for (const fs::path& file : files) inputs.push_back(input_of(file));
-  inputs.push_back({"the board", sha256_hex(emit_yaml(tree_of(board)))});
+  for (std::size_t b = 0; b < boards.size(); ++b)
+    inputs.push_back(
+        {b == 0 ? "the board" : "board " + std::to_string(b + 1), sha256_hex(emit_yaml(tree_of(boards[b])))});
   // Two files outside of the data folder may share a name.
   const auto whole = [](const ScenarioInput& input) { return std::tie(input.name, input.sha256); };
   const auto before = [&](const ScenarioInput& a, const ScenarioInput& b) { return whole(a) < whole(b); };
@@ -156,14 +195,15 @@ std::vector<ScenarioInput> inputs_of(const GenerateConfig& config, const RigMode
 Rigid3 levelled(const Rigid3& T) { return planar_pose(T.translation.x(), T.translation.y(), yaw_of(T)); }
 
 /// @param stamps_s of the stops
-Truth true_part(const Scenario& scenario, const Board& board, const Rigid3& T_scene_board,
-                const std::vector<double>& stamps_s) {
+Truth true_part(const Scenario& scenario, const WorldDescription& description, const std::vector<double>& stamps_s) {
   const Rigid3 T_world_scene = levelled(scenario.T_scene_robot.front()).inverse();
   Truth truth;
   truth.scene = scenario.config.scene;
   truth.seed = seed_of(scenario.config);
-  truth.board = board;
-  truth.T_world_board = T_world_scene * T_scene_board;
+  truth.board = description.board;
+  truth.T_world_board = T_world_scene * description.T_world_board;
+  for (const WorldBoard& board : description.more_boards)
+    truth.more_boards.push_back({board.board, {}, T_world_scene * board.T_world_board});
   for (std::size_t i = 0; i < scenario.camera_count(); ++i) {
     const RigCamera& camera = scenario.rig.rig.cameras[i];
     TrueCamera entry{camera.name, scenario.rig.T_robot_camera[i], camera.camera, std::nullopt, {}};
@@ -181,11 +221,19 @@ std::string numbered(const std::string& folder, std::size_t number, const char* 
   return fmt::format("{}/{:06}{}", folder, number, extension);
 }
 
-Recording recorded_part(const Scenario& scenario, const Board& board) {
+Recording recorded_part(const Scenario& scenario, const WorldDescription& description) {
   Recording recording;
   recording.rig = scenario.rig.rig;
-  recording.rig.board = board;
-  tell_board(scenario.config, &recording.rig.board);
+  recording.rig.board = description.board;
+  tell_board(scenario.config, 0, &recording.rig.board);
+  recording.rig.more_boards.clear();
+  for (const WorldBoard& board : description.more_boards) {
+    recording.rig.more_boards.push_back(board.board);
+    const std::size_t index = recording.rig.more_boards.size();
+    Board& told = recording.rig.more_boards.back();
+    tell_board(scenario.config, index, &told);
+    told.place = told_place(scenario.config, index, description.T_world_board.inverse() * board.T_world_board);
+  }
   for (std::size_t i = 0; i < recording.rig.cameras.size(); ++i) {
     tell_lens(scenario.config, static_cast<std::int32_t>(i), &recording.rig.cameras[i]);
     tell_readout(scenario.config, scenario.shutters[i].readout_s, &recording.rig.cameras[i]);
@@ -222,8 +270,8 @@ void teleport(const WorldDescription& description, const ViewpointSubject& subje
     stamps_s.push_back(static_cast<double>(stamps_s.size()) * config.stop_period_s);
     scenario->T_scene_robot.push_back(stop.T_scene_robot());
   }
-  scenario->truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
-  scenario->recording = recorded_part(*scenario, description.board);
+  scenario->truth = true_part(*scenario, description, stamps_s);
+  scenario->recording = recorded_part(*scenario, description);
   tell_odometry(config, scenario->rig.robot, &scenario->recording, &scenario->truth);
 }
 
@@ -284,6 +332,7 @@ void lay_into_the_ground(const Rigid3& T_ground_robot, Truth* truth) {
     std::for_each(camera.stops.begin(), camera.stops.end(), lay);
   }
   truth->T_world_board = T_new_old * truth->T_world_board;
+  for (TrueBoard& board : truth->more_boards) board.T_world_board = T_new_old * board.T_world_board;
   truth->T_robot_chassis = T_ground_robot;
 }
 
@@ -303,17 +352,45 @@ void drive(const WorldDescription& description, const ViewpointSubject& subject,
     scenario->T_scene_robot.push_back(capture.T_scene_robot);
   }
   Truth& truth = scenario->truth;
-  truth = true_part(*scenario, description.board, description.T_world_board, stamps_s);
+  truth = true_part(*scenario, description, stamps_s);
   if (config.moves_while_exposing())
     for (TrueStop& stop : truth.stops) stop.velocity = scenario->trajectory.velocity(stop.stamp_s);
   delay_cameras(scenario);
   if (draw.physics.changes_stance()) lay_into_the_ground(driven.drive.T_ground_robot, &truth);
   label_odometry(driven.drive.odometry, &truth);
   truth.drawn.insert(draw.drawn.begin(), draw.drawn.end());
-  scenario->recording = recorded_part(*scenario, description.board);
+  scenario->recording = recorded_part(*scenario, description);
   scenario->recording.odometry = std::move(driven.drive.odometry);
   // Where wheels do not skid, their owner knows about which point they turn.
   if (scenario->rig.robot.slip_factor == 1.0) tell_driven_axle(&scenario->recording.rig);
+}
+
+/// @param drawn for the truth, by field
+WorldDescription described_world(const GenerateConfig& config, const RigModel& rig, const SceneModel& scene,
+                                 const std::vector<Board>& boards, std::map<std::string, double>* drawn) {
+  WorldDescription description = describe_world(rig, scene, boards.front(), Rigid3(), seed_of(config));
+  for (std::size_t b = 0; b < boards.size(); ++b) {
+    StandingBoard standing = stand_board(config, scene, boards[b], b);
+    drawn->merge(standing.drawn);
+    if (b == 0)
+      static_cast<WorldBoard&>(description) = std::move(standing.board);
+    else
+      description.more_boards.push_back(std::move(standing.board));
+  }
+  for (std::size_t i = 0; i < description.cameras.size(); ++i)
+    description.cameras[i].lens_residual =
+        drawn_lens_residual(config, rig.rig.cameras[i], static_cast<std::int32_t>(i));
+  if (config.motion == "drive")
+    description.ground = ground_of(config.drive, description.scene.drivable_area, seed_of(config));
+  return description;
+}
+
+ViewpointSubject subject_of(const WorldDescription& description) {
+  ViewpointSubject subject{{description.board, description.T_world_board, description.board_margin_m},
+                           description.cameras};
+  for (const WorldBoard& board : description.more_boards)
+    subject.more_boards.push_back({board.board, board.T_world_board, board.board_margin_m});
+  return subject;
 }
 
 std::vector<CameraCoverage> coverage_at_viewpoints(const Scenario& scenario) {
@@ -321,14 +398,20 @@ std::vector<CameraCoverage> coverage_at_viewpoints(const Scenario& scenario) {
   return coverage_of(scenario.viewpoint_poses(), scenario.config.viewpoints, scenario.subject, world);
 }
 
-// What board and lenses show in every image alike. A board that is not as told is not told to be exact.
+// A board that is not as told is not told to be exact.
+void label_print(const WorldBoard& board, Board* told, TrueBoard* truth) {
+  const BoardDefects& defects = board.board_defects;
+  if (defects.print_scale_x != 1.0 || defects.print_scale_y != 1.0) told->square_sigma_m.reset();
+  if (defects.bow_m != 0.0) told->bow_sigma_m.reset();
+  if (defects.moves_corners()) truth->printed_corners = printed_corners(board.board, board.board_margin_m, defects);
+}
+
+// What boards and lenses show in every image alike.
 void label_repeating_errors(const WorldDescription& description, Scenario* scenario) {
-  const BoardDefects& defects = description.board_defects;
-  Board& told = scenario->recording.rig.board;
-  if (defects.print_scale_x != 1.0 || defects.print_scale_y != 1.0) told.square_sigma_m.reset();
-  if (defects.bow_m != 0.0) told.bow_sigma_m.reset();
-  if (defects.moves_corners())
-    scenario->truth.printed_corners = printed_corners(description.board, description.board_margin_m, defects);
+  Rig& told = scenario->recording.rig;
+  label_print(description, &told.board, &scenario->truth);
+  for (std::size_t b = 0; b < description.more_boards.size(); ++b)
+    label_print(description.more_boards[b], &told.more_boards[b], &scenario->truth.more_boards[b]);
   for (std::size_t i = 0; i < description.cameras.size(); ++i) {
     const std::optional<LensResidual>& residual = description.cameras[i].lens_residual;
     if (!residual) continue;
@@ -359,7 +442,7 @@ std::vector<FrameJob> recorded_frames(std::size_t stops, const std::vector<std::
 std::vector<ScenarioInput> scenario_inputs(const GenerateConfig& config) {
   const RigModel rig = load_rig_model(config.rig);
   const SceneModel scene = varied(load_scene_model(config.scene), config.randomize, seed_of(config));
-  return inputs_of(config, rig, scene, resolve_board(config.board, rig.rig.board));
+  return inputs_of(config, rig, scene, resolve_boards(config, rig.rig.board));
 }
 
 Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& source) {
@@ -371,30 +454,22 @@ Scenario resolve_scenario(const GenerateConfig& config, const DriveSource& sourc
   scenario.config = config;
   scenario.rig = resolve_rig(config);
   const SceneModel scene = varied(load_scene_model(config.scene), config.randomize, seed_of(config));
-  const Board board = resolve_board(config.board, scenario.rig.rig.board);
-  scenario.inputs = inputs_of(config, scenario.rig, scene, board);
+  const std::vector<Board> boards = resolve_boards(config, scenario.rig.rig.board);
+  scenario.inputs = inputs_of(config, scenario.rig, scene, boards);
   scenario.scene_text = scene_text(scene);
   scenario.sensors = resolve_sensors(config, scenario.rig.rig, scene.outdoor);
   scenario.shutters = resolve_shutters(config, scenario.rig.rig);
-  const BoardDefectsDraw defects = draw_board_defects(config.board.defects, board, seed_of(config));
-  const Rigid3 T_scene_board = place_board(board, resolve_placement(config, scene, board, defects.border_m));
-  WorldDescription description = describe_world(scenario.rig, scene, board, T_scene_board, seed_of(config));
-  description.board_defects = defects.defects;
-  description.board_margin_m = defects.border_m;
-  for (std::size_t i = 0; i < description.cameras.size(); ++i)
-    description.cameras[i].lens_residual =
-        drawn_lens_residual(config, scenario.rig.rig.cameras[i], static_cast<std::int32_t>(i));
-  if (config.motion == "drive")
-    description.ground = ground_of(config.drive, description.scene.drivable_area, seed_of(config));
+  std::map<std::string, double> drawn;
+  const WorldDescription description = described_world(config, scenario.rig, scene, boards, &drawn);
   scenario.world = World::compose(description);
-  scenario.subject = {description.cameras, board, T_scene_board, description.board_margin_m};
+  scenario.subject = subject_of(description);
   const ViewpointSubject& subject = scenario.subject;
   if (config.motion == "drive")
     drive(description, subject, source, &scenario);
   else
     teleport(description, subject, &scenario);
   scenario.coverage = coverage_at_viewpoints(scenario);
-  scenario.truth.drawn.insert(defects.drawn.begin(), defects.drawn.end());
+  scenario.truth.drawn.insert(drawn.begin(), drawn.end());
   label_repeating_errors(description, &scenario);
   const std::vector<std::vector<CameraFrame>> taken = scenario.recording.frames;
   disturb_time(sensed_time(config), sensing_seed(config), &scenario.recording, &scenario.truth);

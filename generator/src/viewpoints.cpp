@@ -192,10 +192,8 @@ std::string ComposedViewpointWorld::obstacle(const Rigid3& T_scene_robot) {
   return names.empty() ? std::string() : names.front();
 }
 
-bool ComposedViewpointWorld::in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target) {
-  ObjectKind hit = ObjectKind::kNothing;
-  world_.cast_ray(origin, (target - origin).normalized(), &hit);
-  return hit == ObjectKind::kBoard;
+bool ComposedViewpointWorld::in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target, std::size_t board) {
+  return world_.cast_ray_to_board(origin, (target - origin).normalized()) == board;
 }
 
 std::string describe_coverage(const std::vector<Viewpoint>& stops, std::size_t cameras) {

@@ -73,6 +73,9 @@ class Board:
     @property
     def corners_m(self) -> Floats:
         """(n, 3) in the board frame, by id."""
+    @property
+    def place(self) -> Optional[Dict[str, Any]]:
+        """Of one of more_boards: T_first_board, sigma_m, sigma_rad."""
 
 class Finding:
     """str() says it in words."""
@@ -196,6 +199,7 @@ class Truth:
     cameras: List[TrueCamera]
     poses: Dict[str, Pose]
     T_world_board: Pose
+    more_boards: List[Dict[str, Any]]
     T_world_robot: List[Pose]
     stamps_s: Floats
     drawn: Dict[str, float]
@@ -229,6 +233,7 @@ class Result:
     residuals: List[Dict[str, Any]]
     also_estimated: List[Dict[str, Any]]
     lenses: Dict[str, Camera]
+    boards: List[Dict[str, Any]]
     rotation_centre_m: Floats
     rotation_centre_sigma_m: Optional[float]
     solve_s: float

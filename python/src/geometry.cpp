@@ -196,6 +196,15 @@ void add_camera(py::module_& module) {
           }));
 }
 
+py::object place_of(const Board& board) {
+  if (!board.place) return py::none();
+  py::dict place;
+  place["T_first_board"] = board.place->T_first_board;
+  place["sigma_m"] = board.place->sigma_m;
+  place["sigma_rad"] = board.place->sigma_rad;
+  return place;
+}
+
 void add_board(py::module_& module) {
   py::class_<Board>(module, "Board",
                     "The board, immutable. Its frame: origin at the first inner corner, x and y along the inner\n"
@@ -208,6 +217,9 @@ void add_board(py::module_& module) {
           "corners_m",
           [](const Board& board) { return rows_of(board.corners(), 3, [](const auto& p) { return p.transpose(); }); },
           "Inner corners (n, 3) in the board frame, by id.")
+      .def_property_readonly("place", place_of,
+                             "Of one of more_boards, where it was measured: T_first_board, sigma_m, sigma_rad; None: "
+                             "it may stand anywhere")
       .def("__repr__", [](const Board& board) {
         return "Board(" + board.type + ", " + std::to_string(board.squares_x) + "x" + std::to_string(board.squares_y) +
                " squares of " + number_text(board.square_m) + " m)";

@@ -218,6 +218,17 @@ std::map<std::string, Rigid3> true_poses(const Truth& truth) {
   return poses;
 }
 
+py::list true_boards(const Truth& truth) {
+  py::list all;
+  for (const TrueBoard& board : truth.more_boards) {
+    py::dict one;
+    one["board"] = board.board;
+    one["T_world_board"] = board.T_world_board;
+    all.append(one);
+  }
+  return all;
+}
+
 std::vector<Rigid3> robot_poses(const Truth& truth) {
   std::vector<Rigid3> poses;
   for (const TrueStop& stop : truth.stops) poses.push_back(stop.T_world_robot);
@@ -237,10 +248,11 @@ void add_truth(py::module_& module) {
       .def("save", save_truth, py::arg("file"), py::call_guard<py::gil_scoped_release>())
       .def_readonly("scene", &Truth::scene)
       .def_readonly("seed", &Truth::seed)
-      .def_property_readonly("board", copy_of(&Truth::board))
+      .def_property_readonly("board", [](const Truth& truth) { return truth.board; })
       .def_property_readonly("cameras", copy_of(&Truth::cameras))
       .def_property_readonly("poses", true_poses, "T_robot_camera of each camera, by its name")
-      .def_property_readonly("T_world_board", copy_of(&Truth::T_world_board))
+      .def_property_readonly("T_world_board", [](const Truth& truth) { return truth.T_world_board; })
+      .def_property_readonly("more_boards", true_boards, "Boards that stand elsewhere: board, T_world_board")
       .def_property_readonly("T_world_robot", robot_poses, "At each stop")
       .def_property_readonly(
           "stamps_s",

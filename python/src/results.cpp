@@ -87,6 +87,18 @@ py::list estimated_of(const Result& result) {
   return all;
 }
 
+py::list boards_of(const Result& result) {
+  py::list all;
+  for (const EstimatedBoard& board : result.boards) {
+    py::dict one;
+    one["number"] = board.number;
+    one["T_first_board"] = board.T_first_board;
+    one["sigma"] = board.sigma;
+    all.append(one);
+  }
+  return all;
+}
+
 std::map<std::string, Camera> lenses_of(const Result& result) {
   std::map<std::string, Camera> lenses;
   for (const EstimatedLens& lens : result.lenses) lenses[lens.camera] = lens.intrinsics;
@@ -164,6 +176,10 @@ void add_results(py::module_& module) {
       .def_property_readonly("residuals", residuals_of, "Groups: name, unit, count, rms")
       .def_property_readonly("also_estimated", estimated_of, "camera, name (with unit), value, sigma, prior_sigma")
       .def_property_readonly("lenses", lenses_of, "Intrinsics by camera, where the method estimated them")
+      .def_property_readonly(
+          "boards", boards_of,
+          "Of more_boards: number (2 is the first of them), T_first_board, sigma (tx ty tz along the "
+          "first board's axes, rx ry rz about its own)")
       .def_property_readonly(
           "rotation_centre_m", [](const Result& result) { return array_of(result.rotation_centre_m); },
           "(2,): where in the robot's frame the rig stated that it turns")

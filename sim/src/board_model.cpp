@@ -245,10 +245,22 @@ std::vector<Eigen::Vector3d> printed_corners(const Board& board, double margin_m
   return corners;
 }
 
-BoardMjcf board_mjcf(const Board& board, double margin_m, double thickness_m, const BoardTexture& texture,
-                     const std::string& pose_attributes, const BoardDefects& defects) {
-  const Plate plate(board, margin_m, thickness_m, texture.frame_squares, defects);
-  const std::string name = quoted(kBoardName);
+std::string board_name(std::size_t index) {
+  return index == 0 ? kBoardName : kBoardName + ("_" + std::to_string(index + 1));
+}
+
+std::optional<std::size_t> board_of_name(const std::string& name) {
+  constexpr std::size_t kMost = 8;
+  for (std::size_t i = 0; i < kMost; ++i)
+    if (name == board_name(i)) return i;
+  return std::nullopt;
+}
+
+BoardMjcf board_mjcf(const WorldBoard& board, const BoardTexture& texture, const std::string& called,
+                     const std::string& pose_attributes) {
+  const Plate plate(board.board, board.board_margin_m, board.board_thickness_m, texture.frame_squares,
+                    board.board_defects);
+  const std::string name = quoted(called);
   BoardMjcf mjcf;
   mjcf.asset = "  <texture name=" + name + " type=\"2d\" builtin=\"flat\" width=\"" + std::to_string(texture.width) +
                "\" height=\"" + std::to_string(texture.height) + "\"/>\n  <material name=" + name + " texture=" + name +

@@ -18,17 +18,24 @@ std::string visual(const SceneDescription& scene) {
          "/>\n</visual>\n<statistic extent=\"1\" center=\"0 0 0\"/>\n";
 }
 
-// A pole that carries the board from behind.
-std::string stand(const WorldDescription& description) {
+// A pole that carries a board from behind.
+std::string stand(const WorldBoard& board, const GroundRelief& ground, const std::string& name) {
   constexpr double kRadius = 0.015;
-  Eigen::Vector3d behind = description.board.centre();
-  behind.z() = description.board_thickness_m + kRadius;
-  const Eigen::Vector3d top = description.T_world_board * behind;
+  Eigen::Vector3d behind = board.board.centre();
+  behind.z() = board.board_thickness_m + kRadius;
+  const Eigen::Vector3d top = board.T_world_board * behind;
   if (top.z() < 4.0 * kRadius) return {};
-  const double foot = std::min(0.0, description.ground.height(top.head<2>()));
-  return "  <geom name=\"rigproof_stand\" type=\"cylinder\" size=" + quoted(numbers({kRadius})) +
+  const double foot = std::min(0.0, ground.height(top.head<2>()));
+  return "  <geom name=" + quoted(name) + " type=\"cylinder\" size=" + quoted(numbers({kRadius})) +
          " fromto=" + quoted(numbers({top.x(), top.y(), top.z(), top.x(), top.y(), foot})) +
          " rgba=\"0.25 0.25 0.26 1\"/>\n";
+}
+
+BoardMjcf standing_board(const WorldBoard& board, const GroundRelief& ground, std::size_t index) {
+  const BoardTexture texture = draw_board(board.board, board.board_margin_m);
+  BoardMjcf mjcf = board_mjcf(board, texture, board_name(index), pose_attributes(board.T_world_board));
+  mjcf.body += stand(board, ground, "rigproof_stand" + (index == 0 ? "" : "_" + std::to_string(index + 1)));
+  return mjcf;
 }
 
 std::string texture_assets(const SceneDescription& scene) {
@@ -51,9 +58,12 @@ std::filesystem::path base_folder(const WorldDescription& description) {
 std::string compose_mjcf(const WorldDescription& description, const std::string& more_geoms,
                          const std::string& more_assets) {
   const SceneDescription& scene = description.scene;
-  const BoardTexture texture = draw_board(description.board, description.board_margin_m);
-  const BoardMjcf board = board_mjcf(description.board, description.board_margin_m, description.board_thickness_m,
-                                     texture, pose_attributes(description.T_world_board), description.board_defects);
+  BoardMjcf boards;
+  for (std::size_t i = 0; i < description.boards(); ++i) {
+    const BoardMjcf board = standing_board(description.board_at(i), description.ground, i);
+    boards.asset += board.asset;
+    boards.body += board.body;
+  }
   // MuJoCo reads an included file at the main file's folder + its name, absolute or not.
   const std::filesystem::path folder = base_folder(description);
   const auto include = [&folder](const std::filesystem::path& file) {
@@ -62,9 +72,9 @@ std::string compose_mjcf(const WorldDescription& description, const std::string&
   };
   const ObjectsMjcf objects = objects_mjcf(scene, description.scene_seed);
   return "<mujoco model=\"rigproof_world\">\n<compiler autolimits=\"true\"/>\n" + visual(scene) + "<asset>\n" +
-         texture_assets(scene) + objects.assets + board.asset + more_assets + "</asset>\n" + include(scene.mjcf) +
-         include(description.robot_mjcf) + "<worldbody>\n" + objects.bodies + board.body + stand(description) +
-         more_geoms + "</worldbody>\n</mujoco>\n";
+         texture_assets(scene) + objects.assets + boards.asset + more_assets + "</asset>\n" + include(scene.mjcf) +
+         include(description.robot_mjcf) + "<worldbody>\n" + objects.bodies + boards.body + more_geoms +
+         "</worldbody>\n</mujoco>\n";
 }
 
 }  // namespace rigproof

@@ -1,6 +1,7 @@
 #include "gl_scene.h"
 
 #include <algorithm>
+#include <string>
 
 #include "board_model.h"
 #include "rigproof/core/error.h"
@@ -23,10 +24,14 @@ void shift_by(const Eigen::Vector3d& camera, float* position) {
 
 int rounded_up(int size) { return (size + kSizeStep - 1) / kSizeStep * kSizeStep; }
 
-// Anisotropic filtering keeps the board's edges where they are when it is seen obliquely. On the floor it would only
+bool is_of_board(const mjModel* model, int texture) {
+  const char* name = mj_id2name(model, mjOBJ_TEXTURE, texture);
+  return name != nullptr && board_of_name(name).has_value();
+}
+
+// Anisotropic filtering keeps a board's edges where they are when it is seen obliquely. On the floor it would only
 // cost time.
 void tune_textures(const GlFunctions& gl, const mjModel* model, const mjrContext& buffers) {
-  const int board = mj_name2id(model, mjOBJ_TEXTURE, kBoardName);
   GLfloat most = 1.0F;
   gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &most);
   gl.GetError();  // a driver without the extension says "invalid enum"
@@ -36,7 +41,7 @@ void tune_textures(const GlFunctions& gl, const mjModel* model, const mjrContext
     gl.GenerateMipmap(GL_TEXTURE_2D);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    if (i != board) continue;
+    if (!is_of_board(model, i)) continue;
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     if (most > 1.0F) gl.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, std::min(most, 16.0F));

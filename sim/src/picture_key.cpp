@@ -68,11 +68,14 @@ std::string World::content_hash() const {
        {scene.drivable_area.x_min, scene.drivable_area.x_max, scene.drivable_area.y_min, scene.drivable_area.y_max})
     bytes.add(end);
   bytes.add(description.scene_seed);
-  bytes.add(description.board.squares_x);
-  bytes.add(description.board.squares_y);
-  bytes.add(description.board.square_m);
-  bytes.add(description.board_margin_m);
-  bytes.add(description.T_world_board);
+  for (std::size_t i = 0; i < description.boards(); ++i) {
+    const WorldBoard& board = description.board_at(i);
+    bytes.add(board.board.squares_x);
+    bytes.add(board.board.squares_y);
+    bytes.add(board.board.square_m);
+    bytes.add(board.board_margin_m);
+    bytes.add(board.T_world_board);
+  }
   return bytes.hash();
 }
 

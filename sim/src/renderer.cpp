@@ -167,6 +167,10 @@ PixelRect rows_of(const PixelRect& rect, const PixelRect& rows) {
   return {rect.x0, top, rect.width, std::max(0, bottom - top)};
 }
 
+bool covers(const std::vector<PixelRect>& regions, const PixelRect& all) {
+  return !regions.empty() && regions.front().width == all.width && regions.front().height == all.height;
+}
+
 // When each row of an image is exposed.
 class RowTable {
  public:
@@ -232,7 +236,8 @@ struct Renderer::Impl {
   void take_object_ids(const CameraPlan& plan, Image16* ids);
   void refine(const CameraPlan& plan, const PixelRect& rect, Image8* color);
   RgbaView resampled(const RgbaView& source, const RayTable& table);
-  PixelRect region_at_double(const CameraPlan& plan, const Rigid3& T_world_camera) const;
+  std::vector<PixelRect> regions_at_double(const CameraPlan& plan, const Rigid3& T_world_camera,
+                                           const PixelRect& within) const;
 
   World& world;
   RenderOptions options;
@@ -249,13 +254,21 @@ struct Renderer::Impl {
   Image8 imager_color, part_color;  // scratch
 };
 
-PixelRect Renderer::Impl::region_at_double(const CameraPlan& plan, const Rigid3& T_world_camera) const {
-  const Camera& camera = plan.camera;
-  if (options.whole_at_double) return whole_image(camera);
-  if (!options.board_at_double) return {};
+// Of rows of the image; where one of them is all of these, it is the only one.
+std::vector<PixelRect> Renderer::Impl::regions_at_double(const CameraPlan& plan, const Rigid3& T_world_camera,
+                                                         const PixelRect& within) const {
+  if (options.whole_at_double) return {within};
+  std::vector<PixelRect> regions;
   const WorldDescription& description = world.description();
-  return board_region(camera, T_world_camera.inverse() * description.T_world_board, description.board,
-                      description.board_margin_m);
+  for (std::size_t i = 0; options.board_at_double && i < description.boards(); ++i) {
+    const WorldBoard& board = description.board_at(i);
+    const PixelRect region = rows_of(
+        board_region(plan.camera, T_world_camera.inverse() * board.T_world_board, board.board, board.board_margin_m),
+        within);
+    if (region.width == within.width && region.height == within.height) return {region};
+    if (!region.empty()) regions.push_back(region);
+  }
+  return regions;
 }
 
 void Renderer::Impl::draw_frame(const CameraPlan& plan, Pass pass) { gl.draw(whole_frustum(plan), pass); }
@@ -341,15 +354,16 @@ void Renderer::Impl::render(const CameraPlan& plan, const Rigid3& T_world_camera
                             RenderedView* view) {
   const Camera& camera = plan.camera;
   look_from(T_world_camera, with_ceiling);
-  const PixelRect region = options.color ? region_at_double(plan, T_world_camera) : PixelRect();
-  const bool all_at_double = region.width == camera.width_px && region.height == camera.height_px;
-  const bool color_at_single = options.color && !all_at_double;
+  const PixelRect whole = whole_image(camera);
+  std::vector<PixelRect> regions;
+  if (options.color) regions = regions_at_double(plan, T_world_camera, whole);
+  const bool color_at_single = options.color && !covers(regions, whole);
   if (color_at_single || with_depth) draw_frame(plan, Pass::kColor);
   if (color_at_single) take_color(plan, &view->color);
   if (with_depth) take_depth(plan, &view->depth_m);
   if (options.color) {
     resize(camera.width_px, camera.height_px, 3, &view->color);
-    if (!region.empty()) refine(plan, region, &view->color);
+    for (const PixelRect& region : regions) refine(plan, region, &view->color);
   }
   if (options.object_ids) {
     draw_frame(plan, Pass::kObjectIds);
@@ -372,9 +386,8 @@ void Renderer::Impl::render_depth_camera(std::size_t camera, RenderedView* view)
 void Renderer::Impl::render_color_rows(const CameraPlan& plan, const Rigid3& T_world_camera, const PixelRect& rows,
                                        Image8* color) {
   look_from(T_world_camera, true);
-  const PixelRect region = rows_of(region_at_double(plan, T_world_camera), rows);
-  const bool all_at_double = region.width == rows.width && region.height == rows.height;
-  if (!all_at_double) {
+  const std::vector<PixelRect> regions = regions_at_double(plan, T_world_camera, rows);
+  if (!covers(regions, rows)) {
     // Blur reaches beyond the rows that are wanted.
     const int margin = point_spread.reach_px();
     const PixelRect with_margin = {0, rows.y0 - margin, rows.width, rows.height + 2 * margin};
@@ -387,7 +400,7 @@ void Renderer::Impl::render_color_rows(const CameraPlan& plan, const Rigid3& T_w
     for (int y = rows.y0; y < rows.y0 + rows.height; ++y)
       std::copy_n(part_color.row(y - drawn.y0), part_color.row_length(), color->row(y));
   }
-  if (!region.empty()) refine(plan, region, color);
+  for (const PixelRect& region : regions) refine(plan, region, color);
 }
 
 void Renderer::Impl::expose_color(std::size_t camera, const Exposure& exposure, Image8* color) {
@@ -473,10 +486,11 @@ void Renderer::render_bare(std::size_t camera) {
   impl_->draw_frame(plan, Pass::kColor);
   if (impl_->options.color) gl.read_color();
   if (impl_->options.depth) gl.read_depth();
-  const PixelRect region = impl_->options.color ? impl_->region_at_double(plan, T_world_camera) : PixelRect();
-  if (!region.empty()) {  // for a lens: as many pixels of about the same things
-    gl.draw(frustum_of(plan.camera, region, 2), Pass::kColor);
-    gl.read_color();
+  if (impl_->options.color) {  // for a lens: as many pixels of about the same things
+    for (const PixelRect& region : impl_->regions_at_double(plan, T_world_camera, whole_image(plan.camera))) {
+      gl.draw(frustum_of(plan.camera, region, 2), Pass::kColor);
+      gl.read_color();
+    }
   }
   if (impl_->options.object_ids) {
     impl_->draw_frame(plan, Pass::kObjectIds);

@@ -19,6 +19,18 @@ constexpr float kFloorTolerance = 0.03F;
 // The sun's disc blurs edges by a hundredth of the distance that the shadow falls.
 constexpr double kPenumbraM = 0.012;
 
+// The corners of a board's sheet, its border included.
+std::vector<Eigen::Vector3d> sheet_of(const WorldBoard& board) {
+  std::vector<Eigen::Vector3d> sheet;
+  for (const Eigen::Vector3d& corner : board.board.outline()) {
+    const Eigen::Vector3d out = corner - board.board.centre();
+    const double margin = board.board_margin_m;
+    sheet.push_back(board.T_world_board *
+                    (corner + Eigen::Vector3d(std::copysign(margin, out.x()), std::copysign(margin, out.y()), 0.0)));
+  }
+  return sheet;
+}
+
 // Points whose convex hull is the geom, or nearly: circles become polygons. None for planes and meshes.
 std::vector<Eigen::Vector3d> points_of(const mjModel& model, int geom) {
   const mjtNum* size = model.geom_size + 3 * geom;
@@ -131,14 +143,7 @@ SunShadows::SunShadows(const World& world) {
     if (impl.geom_kinds[static_cast<std::size_t>(geom)] == ObjectKind::kScene &&
         model.geom_group[geom] != kCeilingGroup)
       add_geom(impl, geom, &standing_);
-  std::vector<Eigen::Vector3d> sheet;
-  for (const Eigen::Vector3d& corner : description.board.outline()) {
-    const Eigen::Vector3d out = corner - description.board.centre();
-    const double margin = description.board_margin_m;
-    sheet.push_back(description.T_world_board *
-                    (corner + Eigen::Vector3d(std::copysign(margin, out.x()), std::copysign(margin, out.y()), 0.0)));
-  }
-  add_points(sheet, &standing_);
+  for (std::size_t i = 0; i < description.boards(); ++i) add_points(sheet_of(description.board_at(i)), &standing_);
   standing_.blur(kPenumbraM);
 }
 

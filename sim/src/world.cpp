@@ -28,10 +28,14 @@ void require_sane(const WorldDescription& description) {
   if (!(scene.near_m > 0.0 && scene.far_m > scene.near_m))
     throw Error(scene.mjcf.string() + ": near_m " + std::to_string(scene.near_m) + " and far_m " +
                 std::to_string(scene.far_m) + " must be positive, near before far");
-  if (description.board.squares_x < 2 || description.board.squares_y < 2 || !(description.board.square_m > 0.0))
-    throw Error("the board needs at least 2x2 squares of a positive size");
-  if (!(description.board_margin_m >= 0.0) || !(description.board_thickness_m >= 1e-4))
-    throw Error("the board needs a margin of at least 0 and a thickness of at least 0.0001 m");
+  for (std::size_t i = 0; i < description.boards(); ++i) {
+    const WorldBoard& board = description.board_at(i);
+    const std::string which = i == 0 ? "the board" : "board " + std::to_string(i + 1);
+    if (board.board.squares_x < 2 || board.board.squares_y < 2 || !(board.board.square_m > 0.0))
+      throw Error(which + " needs at least 2x2 squares of a positive size");
+    if (!(board.board_margin_m >= 0.0) || !(board.board_thickness_m >= 1e-4))
+      throw Error(which + " needs a margin of at least 0 and a thickness of at least 0.0001 m");
+  }
 }
 
 // Compiles, and on failure finds out whose file is to blame by leaving the robot out.
@@ -120,6 +124,16 @@ void index_model(World::Impl* impl) {
                 ": the scene has no floor: at least one geom's name must start with `floor`");
 }
 
+// The first geom that is not the robot; the flat floor in place of its relief.
+double ray_to_geom(const World::Impl& world, const Eigen::Vector3d& origin_world,
+                   const Eigen::Vector3d& direction_world, int* geom) {
+  mjtByte groups[mjNGROUP];
+  for (int i = 0; i < mjNGROUP; ++i) groups[i] = i != kRobotGroup;
+  if (world.has_relief()) groups[kReliefGroup] = 0;
+  const Eigen::Vector3d unit = direction_world.normalized();
+  return mujoco::cast_ray(world.model.get(), world.data.get(), origin_world.data(), unit.data(), groups, geom);
+}
+
 }  // namespace
 
 void set_pose(mjData* state, int position, const Rigid3& T_world_body) {
@@ -133,7 +147,7 @@ ObjectKind kind_of_geom(const mjModel* model, int geom, int robot_body) {
   if (model->body_rootid[model->geom_bodyid[geom]] == robot_body) return ObjectKind::kRobot;
   const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
   const std::string text = name != nullptr ? name : "";
-  if (text == kBoardName) return ObjectKind::kBoard;
+  if (board_of_name(text)) return ObjectKind::kBoard;
   return text.rfind("floor", 0) == 0 ? ObjectKind::kFloor : ObjectKind::kScene;
 }
 
@@ -155,8 +169,11 @@ std::unique_ptr<World> World::compose(const WorldDescription& description) {
   if (impl->has_relief()) impl->model = compile_with_relief(description, *impl->model);
   for (const SceneTexture& texture : description.scene.textures)
     fill_texture(impl->model.get(), texture.name, draw_texture(texture, description.scene_seed));
-  fill_texture(impl->model.get(), kBoardName,
-               draw_board(description.board, description.board_margin_m, description.board_defects).rgb);
+  for (std::size_t i = 0; i < description.boards(); ++i) {
+    const WorldBoard& board = description.board_at(i);
+    fill_texture(impl->model.get(), board_name(i),
+                 draw_board(board.board, board.board_margin_m, board.board_defects).rgb);
+  }
   change_lights(impl->model.get(), description.scene.light);
   index_model(impl.get());
   impl->data.reset(mj_makeData(impl->model.get()));
@@ -202,15 +219,18 @@ std::vector<std::string> World::collisions() const {
 
 double World::cast_ray(const Eigen::Vector3d& origin_world, const Eigen::Vector3d& direction_world,
                        ObjectKind* hit) const {
-  mjtByte groups[mjNGROUP];
-  for (int i = 0; i < mjNGROUP; ++i) groups[i] = i != kRobotGroup;
-  if (impl_->has_relief()) groups[kReliefGroup] = 0;
-  const Eigen::Vector3d unit = direction_world.normalized();
   int geom = -1;
-  const double distance =
-      mujoco::cast_ray(impl_->model.get(), impl_->data.get(), origin_world.data(), unit.data(), groups, &geom);
+  const double distance = ray_to_geom(*impl_, origin_world, direction_world, &geom);
   if (hit != nullptr) *hit = geom < 0 ? ObjectKind::kNothing : impl_->geom_kinds[static_cast<std::size_t>(geom)];
   return geom < 0 ? std::numeric_limits<double>::infinity() : distance;
+}
+
+std::optional<std::size_t> World::cast_ray_to_board(const Eigen::Vector3d& origin_world,
+                                                    const Eigen::Vector3d& direction_world) const {
+  int geom = -1;
+  ray_to_geom(*impl_, origin_world, direction_world, &geom);
+  if (geom < 0 || impl_->geom_kinds[static_cast<std::size_t>(geom)] != ObjectKind::kBoard) return std::nullopt;
+  return board_of_name(name_of_geom(impl_->model.get(), geom));
 }
 
 FloorArea World::drivable_area() const { return impl_->description.scene.drivable_area; }

@@ -551,6 +551,38 @@ TEST(Rig, MayHaveBoardsThatImagesTellApart) {
   EXPECT_LT(refused.size(), 300U);
 }
 
+TEST(Rig, MayTellWhereBoardsStand) {
+  const auto rig_of = [](const std::string& place) {
+    return "board: charuco_7x5_100mm\nmore_boards: [{type: aprilgrid, squares: [6, 6], square_mm: 110, place: " +
+           place + "}]\ncameras: {left: {intrinsics: " + kIntrinsics + "}}\n";
+  };
+  TempFolder folder;
+  folder.write("rig.yaml", rig_of("{translation_m: [-1.2, 0.1, 0.6], quaternion_xyzw: [0, 0.6, 0, 0.8], sigma_mm: 3}"));
+  const Rig rig = load_rig(folder / "rig.yaml");
+  ASSERT_TRUE(rig.more_boards.at(0).place);
+  EXPECT_FALSE(rig.board.place);
+  const BoardPlace& place = *rig.more_boards[0].place;
+  EXPECT_EQ(place.T_first_board.translation, Eigen::Vector3d(-1.2, 0.1, 0.6));
+  EXPECT_NEAR(place.T_first_board.rotation.y(), 0.6, 1e-15);
+  EXPECT_NEAR(place.sigma_m, 0.003, 1e-15);
+  EXPECT_NEAR(place.sigma_rad, deg_to_rad(0.5), 1e-15) << "of an eye";
+  save_rig(rig, folder / "again.yaml");
+  const BoardPlace again = load_rig(folder / "again.yaml").more_boards.at(0).place.value();
+  EXPECT_EQ(again.T_first_board.translation, place.T_first_board.translation);
+  EXPECT_NEAR(again.sigma_rad, place.sigma_rad, 1e-15);
+  folder.write("rig.yaml", rig_of("{translation_m: [-1.2, 0.1], quaternion_xyzw: [0, 0, 0, 2], sigma_mm: 0}"));
+  const std::string text = error_text([&] { load_rig(folder / "rig.yaml"); });
+  for (const char* part : {"more_boards[0].place.translation_m", "more_boards[0].place.quaternion_xyzw",
+                           "more_boards[0].place.sigma_mm: 0: allowed is 0.01 to 10000"})
+    EXPECT_THAT(text, HasSubstr(part));
+  EXPECT_THAT(
+      rig_problems("board: {squares: [6, 5], square_mm: 110, place: {translation_m: [0, 0, 0], quaternion_xyzw: "
+                   "[0, 0, 0, 1]}}\ncameras: {left: {intrinsics: " +
+                   std::string(kIntrinsics) + "}}\n"),
+      HasSubstr("board.place"))
+      << "the others are told against the first one";
+}
+
 TEST(Rig, DepthRefinesThePresetOrIsNone) {
   const TempFolder folder;
   const auto depth = [&](const std::string& text) {

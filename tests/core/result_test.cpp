@@ -56,6 +56,10 @@ TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(b.camera_to_robot[0].budget[1].share, a.camera_to_robot[0].budget[1].share);
   EXPECT_EQ(b.rotation_centre_m, a.rotation_centre_m);
   EXPECT_EQ(b.rotation_centre_sigma_m, a.rotation_centre_sigma_m);
+  ASSERT_EQ(b.boards.size(), 1U);
+  EXPECT_EQ(b.boards[0].number, 3);
+  EXPECT_EQ(b.boards[0].T_first_board.translation, a.boards[0].T_first_board.translation);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(b.boards[0].sigma[i], a.boards[0].sigma[i], 1e-18) << i;
   ASSERT_EQ(b.lenses.size(), 1U);
   EXPECT_EQ(b.lenses[0].camera, "left");
   EXPECT_EQ(b.lenses[0].intrinsics.fx_px, 640.0);

@@ -157,6 +157,7 @@ inline Result sample_result() {
                                       {"board", {0.75, 0.5, 0.875, 0.0, 0.25, 1.0}}};
   result.rotation_centre_m << -0.0625, 0.0031;
   result.rotation_centre_sigma_m = 0.015;
+  result.boards = {{3, Rigid3(rotation_z(0.5), {2.1, -0.25, -1.5}), {0.001, 0.002, 0.003, 0.0004, 0.0005, 0.0006}}};
   result.lenses = {{"left", Camera::symmetric(1280, 720, 640.0)}};
   result.also_estimated = {{"left", "focal_length_percent", -0.31, 0.02, 0.5},
                            {"center", "clock_offset_ms", 4.5, 0.7, 10.0}};

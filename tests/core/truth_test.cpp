@@ -77,6 +77,28 @@ TEST(Truth, LensResidualPrintedCornersAndStanceAreKept) {
   EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
 }
 
+TEST(Truth, BoardsThatStandElsewhereAreKept) {
+  const TempFolder folder;
+  Truth a = sample_truth();
+  RandomStream random(6, "places");
+  Board grid;
+  grid.type = "aprilgrid";
+  a.more_boards = {{grid, {}, random_transform(random)}, {a.board, a.board.corners(), random_transform(random)}};
+  a.more_boards[1].printed_corners[2].x() += 1e-3;
+  save_truth(a, folder / "a.yaml");
+  const Truth b = load_truth(folder / "a.yaml");
+  ASSERT_EQ(b.boards(), 3);
+  EXPECT_EQ(b.board_at(0).board, a.board);
+  EXPECT_EQ(b.board_at(1).board, grid);
+  EXPECT_TRUE(IsPoseNear(b.board_at(1).T_world_board, a.more_boards[0].T_world_board, 0.0, 1e-15));
+  EXPECT_EQ(b.board_at(2).corner(2), a.more_boards[1].printed_corners[2]);
+  EXPECT_THROW(b.board_at(3), std::out_of_range);
+  save_truth(b, folder / "b.yaml");
+  EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
+  save_truth(sample_truth(), folder / "one.yaml");
+  EXPECT_EQ(folder.read("one.yaml").find("more_boards"), std::string::npos);
+}
+
 TEST(Truth, DamagedLensResidualsAndCornersAreNamed) {
   const TempFolder folder;
   Truth a = sample_truth();
@@ -120,13 +142,13 @@ TEST(Truth, ACornerIsSeenWhenItsRowIsRead) {
         (stop.T_world_robot * se3_exp(late_s * *stop.velocity) * camera.T_robot_camera).inverse() * truth.T_world_board;
     Eigen::Vector2d pixel, expected;
     ASSERT_TRUE(camera.project(T_camera_board * truth.corner(3), &expected));
-    ASSERT_TRUE(truth.project_corner(0, stop, 3, row, &pixel));
+    ASSERT_TRUE(truth.project_corner(0, stop, truth, 3, row, &pixel));
     EXPECT_NEAR((pixel - expected).norm(), 0.0, 1e-9) << row;
   }
   Eigen::Vector2d pixel;
   truth.T_world_board =
       stop.T_world_robot * camera.T_robot_camera * Rigid3(Eigen::Quaterniond::Identity(), {0, 0, -1.5});
-  EXPECT_FALSE(truth.project_corner(0, stop, 3, 0.0, &pixel)) << "behind the camera";
+  EXPECT_FALSE(truth.project_corner(0, stop, truth, 3, 0.0, &pixel)) << "behind the camera";
 }
 
 TEST(Truth, StopsAreFoundByTheirStamps) {

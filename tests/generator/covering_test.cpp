@@ -9,6 +9,7 @@
 #include "error_text.h"
 #include "pillar_world.h"
 #include "places.h"
+#include "rigproof/core/conventions.h"
 #include "rigproof/generator/coverage.h"
 
 namespace rigproof {
@@ -66,6 +67,40 @@ TEST(Covering, TheBoardComesToLieWhereverItCan) {
     EXPECT_GT(result.seen[i].cells, of_before.seen[i].cells);
     EXPECT_GT(result.seen[i].bottom_row_px - result.seen[i].top_row_px, 200.0);
   }
+}
+
+// From no place in front of the one does a camera see the other.
+TEST(Covering, BoardsThatFaceEachOtherAreShownToAllCamerasWithoutTurningAround) {
+  ViewpointSubject facing = low_board(all_round());
+  const Rigid3 about = planar_pose(2.0, 0.0, 0.0) * planar_pose(0.0, 0.0, kPi) * planar_pose(-2.0, 0.0, 0.0);
+  facing.more_boards = {{facing.board, about * facing.T_scene_board, facing.board_margin_m}};
+  const Planned result = planned(facing, 24);
+  for (const CameraCoverage& camera : result.seen) EXPECT_GE(camera.stops, 4U) << camera.camera;
+  PillarWorld world;
+  const Places places({}, facing, world);
+  std::map<std::size_t, int> views;
+  for (const Viewpoint& stop : result.plan.stops) {
+    EXPECT_LT(stop.distance_m, 3.7) << "of the nearest board";
+    for (const Sight& sight : places.seeing(stop)) ++views[sight.board];
+  }
+  EXPECT_GE(views[0], 6);
+  EXPECT_GE(views[1], 6);
+}
+
+// As of an image the one counts that has most corners.
+TEST(Covering, OfBoardsInOneImageTheLargerOneCounts) {
+  ViewpointSubject both = subject();
+  ViewedBoard larger{both.board, both.T_scene_board, both.board_margin_m};
+  larger.board.squares_x += 1;
+  larger.T_scene_board.translation.y() += 0.1;
+  both.more_boards = {larger};
+  PillarWorld world;
+  const Places places({}, both, world);
+  const Viewpoint stop = places.place(2.4, 0.1, 0.0);
+  ASSERT_FALSE(places.seeing(stop).empty());
+  for (const Sight& sight : places.seeing(stop)) EXPECT_EQ(sight.board, 1U) << sight.camera;
+  both.more_boards[0].board.squares_x = both.board.squares_x;
+  for (const Sight& sight : Places({}, both, world).seeing(stop)) EXPECT_EQ(sight.board, 0U) << "of equals the first";
 }
 
 // The bound is one: a plan of other places does not exceed it by more than the cells that lie between those tried.

@@ -22,7 +22,7 @@ class PillarWorld : public ViewpointWorld {
   std::string obstacle(const Rigid3& T_scene_robot) override {
     return (T_scene_robot.translation.head<2>() - pillar).norm() < pillar_radius_m + 0.6 ? "pillar" : "";
   }
-  bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target) override {
+  bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target, std::size_t) override {
     const Eigen::Vector2d a = origin.head<2>(), b = target.head<2>();
     const double along = std::clamp((pillar - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
     return (a + along * (b - a) - pillar).norm() > pillar_radius_m;

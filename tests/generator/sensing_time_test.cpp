@@ -219,7 +219,7 @@ TEST(SensingTold, SquaresAndDepthScalesAreDrawnWithWhatCamerasOfASensorShare) {
   for (run.seed = 0; run.seed < kRuns; ++run.seed) {
     Board board;
     const double true_m = board.square_m;
-    tell_board(run, &board);
+    tell_board(run, 0, &board);
     EXPECT_FALSE(board.square_sigma_m.has_value());
     EXPECT_EQ(board.print_sigma(), 0.0);
     sides += std::pow(board.square_m / true_m - 1.0, 2) / kRuns;

@@ -42,7 +42,7 @@ int count_cameras(const ViewpointSubject& subject, const Viewpoint& stop, double
     }
     const Eigen::Vector3d to_camera = T_board_camera.translation - board.centre();
     const double angle_deg = rad_to_deg(std::acos(-to_camera.z() / to_camera.norm()));
-    const bool seen = world.in_sight(T_scene_camera.translation, subject.T_scene_board * board.centre());
+    const bool seen = world.in_sight(T_scene_camera.translation, subject.T_scene_board * board.centre(), 0);
     if (whole && angle_deg <= max_obliquity_deg && seen) ++count;
   }
   return count;

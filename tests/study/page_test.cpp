@@ -112,9 +112,9 @@ TEST_F(Page, ResidualsOfARollingShutterAreTheCornersNoise) {
     const double middle = 0.5 * truth_.cameras[camera].camera.height_px - 0.5;
     for (CornerObservation& corner : view.corners) {
       Eigen::Vector2d standing, moving = corner.pixel;
-      ASSERT_TRUE(truth_.project_corner(camera, stop, corner.id, middle, &standing));
+      ASSERT_TRUE(truth_.project_corner(camera, stop, truth_, corner.id, middle, &standing));
       for (int round = 0; round < 5; ++round)
-        ASSERT_TRUE(truth_.project_corner(camera, stop, corner.id, moving.y(), &moving));
+        ASSERT_TRUE(truth_.project_corner(camera, stop, truth_, corner.id, moving.y(), &moving));
       corner.pixel += moving - standing;
     }
   }

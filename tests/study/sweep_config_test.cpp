@@ -184,6 +184,9 @@ TEST(SweepConfig, MeasuredNoiseGoesWithARunOnly) {
   EXPECT_THAT(problem_of("mode: geometric\ngeometric: {measured: seen.json}\n"), HasSubstr("needs rig: run"));
   EXPECT_THAT(problem_of("mode: geometric\ngeometric: {rig: run, measured: seen.json, corner_sigma_px: 0.02}\n"),
               HasSubstr("corner_sigma_px"));
+  EXPECT_THAT(problem_of("mode: geometric\nrun: {board: {preset: charuco_7x5_100mm}, more_boards: [{preset: "
+                         "aprilgrid_6x4_130mm, x_m: 0, y_m: 4, facing_deg: -90}]}\n"),
+              HasSubstr("more_boards: 1: must be none in mode geometric, unless geometric.rig is run"));
   EXPECT_THAT(problem_of("mode: geometric\ngeometric: {rig: run, measured: no_such.json}\n"),
               HasSubstr("no_such.json"));
   EXPECT_THAT(problem_of("mode: geometric\ngeometric: {rig: run, depth_scale_sigma: 0.01}\n"),

@@ -19,6 +19,7 @@ inline CalibrationState state_of(const Truth& truth) {
     state.depth_scale.push_back(camera.depth_scale.value_or(1.0));
   }
   state.T_world_board = truth.T_world_board;
+  for (const TrueBoard& board : truth.more_boards) state.T_world_more_boards.push_back(board.T_world_board);
   for (const TrueStop& stop : truth.stops) state.T_world_robot.push_back(stop.T_world_robot);
   state.odometry_scale = truth.odometry_scale;
   state.odometry_yaw_factor = truth.odometry_yaw_factor;

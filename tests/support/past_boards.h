@@ -11,12 +11,6 @@
 
 namespace rigproof {
 
-struct OtherBoard {
-  Board board;
-  Rigid3 T_world_board;
-  std::vector<Eigen::Vector3d> print_errors_m;  ///< of each corner, true minus stated; empty: none
-};
-
 /// Takes what a camera saw of a board at a stop out, and its depth on it.
 template <typename Where>
 void forget_board(Observations* observations, const Where& where) {
@@ -30,46 +24,18 @@ void forget_board(Observations* observations, const Where& where) {
   planes.erase(std::remove_if(planes.begin(), planes.end(), is_gone), planes.end());
 }
 
-/// The drive of a configuration, past further boards. Of a camera at a stop the view of the first board counts that it
-/// sees.
-/// @param in_turn where the number of stop and camera is odd, the first one does not count
-inline GeometricRun drawn_past_boards(const GeometricConfig& config, const GeometricScene& scene,
-                                      const std::vector<OtherBoard>& others, bool in_turn = false) {
-  GeometricRun run = draw_geometric_run(config, scene);
-  Observations& all = run.observations;
-  if (in_turn) forget_board(&all, [](const BoardView& view) { return (view.stop + view.camera) % 2 == 1; });
-  std::set<std::pair<int, int>> taken;
-  for (const BoardView& view : all.board_views) taken.insert({view.stop, view.camera});
-  for (const OtherBoard& other : others) {
-    GeometricConfig its_config = config;
-    its_config.rig.board = other.board;
-    its_config.rig.print_errors_m = other.print_errors_m;
-    const Observations seen = draw_geometric_run(its_config, {other.T_world_board, scene.T_world_robot}).observations;
-    all.more_boards.push_back(other.board);
-    std::set<std::pair<int, int>> own;
-    for (BoardView view : seen.board_views) {
-      if (taken.count({view.stop, view.camera}) > 0) continue;
-      own.insert({view.stop, view.camera});
-      view.board = static_cast<int>(all.more_boards.size());
-      all.board_views.push_back(view);
-    }
-    for (const PlaneObservation& plane : seen.board_planes)
-      if (own.count({plane.stop, plane.camera}) > 0) all.board_planes.push_back(plane);
-    taken.insert(own.begin(), own.end());
-  }
-  const auto by_place = [](const auto& a, const auto& b) {
-    return std::tie(a.stop, a.camera) < std::tie(b.stop, b.camera);
-  };
-  std::sort(all.board_views.begin(), all.board_views.end(), by_place);
-  std::sort(all.board_planes.begin(), all.board_planes.end(), by_place);
-  return run;
+/// The drive of a configuration, past further boards.
+inline GeometricRun drawn_past_boards(const GeometricConfig& config, GeometricScene scene,
+                                      const std::vector<GeometricBoard>& others) {
+  scene.more_boards = others;
+  return draw_geometric_run(config, scene);
 }
 
 /// The reference rig with its right camera turned to the right, where a second board stands: the first one's copy,
 /// turned about the middle of the robot's places.
 struct PastTwoBoards {
   GeometricConfig config;
-  OtherBoard second;
+  GeometricBoard second;
 
   explicit PastTwoBoards(std::uint64_t seed, int stops = 40) {
     config.seed = seed;
@@ -101,10 +67,27 @@ struct PastTwoBoards {
 inline GeometricRun drawn_past_boards_in_turn(const GeometricConfig& config) {
   const GeometricScene scene = draw_scene(config);
   const Eigen::Vector3d across = scene.T_world_board.rotation * Eigen::Vector3d::UnitX();
-  OtherBoard beside{config.rig.board, scene.T_world_board, {}};
+  GeometricBoard beside{config.rig.board, scene.T_world_board, {}};
   beside.T_world_board.translation += 0.3 * across + Eigen::Vector3d(0.0, 0.0, 0.08);
   beside.T_world_board.rotation = so3_exp({0.05, -0.04, 0.1}) * beside.T_world_board.rotation;
-  return drawn_past_boards(config, scene, {beside}, true);
+  GeometricRun run = draw_geometric_run(config, scene);
+  Observations& all = run.observations;
+  forget_board(&all, [](const BoardView& view) { return (view.stop + view.camera) % 2 == 1; });
+  std::set<std::pair<int, int>> taken;
+  for (const BoardView& view : all.board_views) taken.insert({view.stop, view.camera});
+  Observations second = draw_geometric_run(config, {beside.T_world_board, scene.T_world_robot}).observations;
+  forget_board(&second, [&taken](const BoardView& view) { return taken.count({view.stop, view.camera}) > 0; });
+  for (BoardView& view : second.board_views) view.board = 1;
+  all.more_boards.push_back(beside.board);
+  run.truth.more_boards.push_back({beside.board, {}, beside.T_world_board});
+  all.board_views.insert(all.board_views.end(), second.board_views.begin(), second.board_views.end());
+  all.board_planes.insert(all.board_planes.end(), second.board_planes.begin(), second.board_planes.end());
+  const auto by_place = [](const auto& a, const auto& b) {
+    return std::tie(a.stop, a.camera) < std::tie(b.stop, b.camera);
+  };
+  std::sort(all.board_views.begin(), all.board_views.end(), by_place);
+  std::sort(all.board_planes.begin(), all.board_planes.end(), by_place);
+  return run;
 }
 
 }  // namespace rigproof

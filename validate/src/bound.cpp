@@ -12,7 +12,7 @@ namespace rigproof {
 namespace {
 
 std::optional<CalibrationState> state_at(const Observations& observations, const Truth& truth) {
-  if (observations.boards() > 1) return std::nullopt;  // truth has one
+  if (observations.boards() > truth.boards()) return std::nullopt;
   CalibrationState state;
   for (const RigCamera& camera : observations.cameras) {
     const auto same = [&camera](const TrueCamera& c) { return c.name == camera.name; };
@@ -27,6 +27,7 @@ std::optional<CalibrationState> state_at(const Observations& observations, const
     state.T_world_robot.push_back(*T_world_robot);
   }
   state.T_world_board = truth.T_world_board;
+  for (int b = 1; b < observations.boards(); ++b) state.T_world_more_boards.push_back(truth.board_at(b).T_world_board);
   state.odometry_scale = truth.odometry_scale;
   state.odometry_yaw_factor = truth.odometry_yaw_factor;
   return state;

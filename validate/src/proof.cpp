@@ -11,13 +11,6 @@
 namespace rigproof {
 namespace {
 
-template <typename Cameras>
-std::optional<std::size_t> camera_named(const Cameras& cameras, const std::string& name) {
-  for (std::size_t i = 0; i < cameras.size(); ++i)
-    if (cameras[i].name == name) return i;
-  return std::nullopt;
-}
-
 void append(const proof_detail::Proved& proved, Proof* proof) {
   const CameraProof& camera = proof->cameras.emplace_back(proved.camera);
   for (const std::string& problem : proved.problems) proof->problems.push_back(camera.camera + ": " + problem);
@@ -92,18 +85,19 @@ Proof prove(const Recording& recording, const Observations& observations, const 
             const ProofOptions& options) {
   Proof proof;
   std::size_t corners = 0;
-  if (observations.boards() > 1)
-    throw Error(observations.source + ": more_boards: what is known to be true is of one board, and these are " +
-                std::to_string(observations.boards()));
+  if (observations.boards() != truth.boards())
+    throw Error(observations.source + ": more_boards: these are " + std::to_string(observations.boards()) +
+                " boards, and truth/truth.yaml knows " + std::to_string(truth.boards()) +
+                ": observe the recording of the same run");
   for (std::size_t i = 0; i < observations.cameras.size(); ++i) {
     const std::string& name = observations.cameras[i].name;
-    const std::optional<std::size_t> camera = camera_named(truth.cameras, name);
+    const std::optional<std::size_t> camera = proof_detail::camera_named(truth.cameras, name);
     if (!camera) throw Error("camera " + name + " of the observations is not in the truth");
     proof_detail::Proved proved;
     proved.camera.camera = name;
     proved = prove_corners(observations, truth, i, *camera, options, std::move(proved));
-    if (const auto recorded = camera_named(recording.rig.cameras, name)) {
-      proved = prove_depth(recording, truth, *recorded, *camera, options, std::move(proved));
+    if (const auto recorded = proof_detail::camera_named(recording.rig.cameras, name)) {
+      proved = prove_depth(recording, observations, truth, *recorded, *camera, options, std::move(proved));
       proved = prove_image(recording, truth, *recorded, *camera, options, std::move(proved));
     }
     corners += proved.camera.corners;

@@ -13,6 +13,7 @@ namespace {
 struct View {
   std::string file;
   std::size_t stop = 0;
+  int board = 0;
   std::vector<CornerObservation> corners;
 };
 
@@ -21,10 +22,10 @@ struct Setup {
   Camera camera;
   std::optional<LensResidual> lens_residual;
   Rigid3 T_robot_camera;
-  Rigid3 T_world_board;
   std::function<Rigid3(std::size_t)> T_world_robot;  // by stop
   double readout_s = 0.0;                            // of a rolling shutter
-  std::function<int(int)> board_id;
+  std::function<Rigid3(const TrueBoard&)> T_world_board;
+  std::function<int(const Board&, int)> board_id;
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> seen;  // the detected pixel as it should have been
 };
 
@@ -81,7 +82,7 @@ Subject subject_of(const Observations& observations, const Truth& truth, std::si
       ++subject.without_stop;
       continue;
     }
-    subject.views.push_back({view.file, *stop, view.corners});
+    subject.views.push_back({view.file, *stop, view.board, view.corners});
     subject.corners += view.corners.size();
     for (const CornerObservation& corner : view.corners) variance += 0.5 * corner.covariance_px2.trace();
   }
@@ -98,10 +99,10 @@ Setup as_stated(const Subject& subject) {
   return {camera.camera,
           camera.lens_residual,
           camera.T_robot_camera,
-          subject.truth.T_world_board,
           [&subject](std::size_t stop) { return subject.stops[stop].T_world_robot; },
           label_of(camera, "readout_ms") / 1000.0,
-          [](int id) { return id; },
+          [](const TrueBoard& board) { return board.T_world_board; },
+          [](const Board&, int id) { return id; },
           [](const Eigen::Vector2d& pixel) { return pixel; }};
 }
 
@@ -121,13 +122,14 @@ bool project(const Setup& setup, const TrueStop& stop, const Rigid3& T_camera_bo
 Residuals residuals_of(const Subject& subject, const Setup& setup) {
   Residuals result;
   for (const View& view : subject.views) {
+    const TrueBoard& board = subject.truth.board_at(view.board);
     const Rigid3 T_camera_board =
-        setup.T_robot_camera.inverse() * setup.T_world_robot(view.stop).inverse() * setup.T_world_board;
+        setup.T_robot_camera.inverse() * setup.T_world_robot(view.stop).inverse() * setup.T_world_board(board);
     double squares = 0.0;
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;
-      if (!project(setup, subject.stops[view.stop], T_camera_board, subject.truth.corner(setup.board_id(corner.id)),
-                   setup.seen(corner.pixel), &projected)) {
+      const Eigen::Vector3d point = board.corner(setup.board_id(board.board, corner.id));
+      if (!project(setup, subject.stops[view.stop], T_camera_board, point, setup.seen(corner.pixel), &projected)) {
         result.complete = false;
         continue;
       }
@@ -172,7 +174,8 @@ void add_wrong_poses(const Subject& subject, std::vector<Hypothesis>* list) {
   add("the robot's poses are inverted (world in robot)", [&subject](Setup* s) {
     s->T_world_robot = [&subject](std::size_t stop) { return subject.stops[stop].T_world_robot.inverse(); };
   });
-  add("the board's pose is inverted (world in board)", [](Setup* s) { s->T_world_board = s->T_world_board.inverse(); });
+  add("the board's pose is inverted (world in board)",
+      [](Setup* s) { s->T_world_board = [](const TrueBoard& board) { return board.T_world_board.inverse(); }; });
   for (const int shift : {-1, 1})
     add(std::string("the images are one stop ") + (shift < 0 ? "late" : "early") + " against the poses",
         [&subject, shift](Setup* s) {
@@ -190,10 +193,10 @@ void add_wrong_poses(const Subject& subject, std::vector<Hypothesis>* list) {
 }
 
 void add_wrong_boards(const Subject& subject, std::vector<Hypothesis>* list) {
-  const int nx = subject.truth.board.inner_corners_x(), ny = subject.truth.board.inner_corners_y();
   const auto add = [&](const char* explanation, bool mirror_x, bool mirror_y) {
     Setup setup = as_stated(subject);
-    setup.board_id = [=](int id) {
+    setup.board_id = [=](const Board& board, int id) {
+      const int nx = board.inner_corners_x(), ny = board.inner_corners_y();
       const int x = id % nx, y = id / nx;
       return (mirror_y ? ny - 1 - y : y) * nx + (mirror_x ? nx - 1 - x : x);
     };

@@ -33,7 +33,8 @@ struct Samples {
 struct Frame {
   Image16 depth;
   Rigid3 T_world_camera;
-  Rigid3 T_board_camera;
+  std::vector<Rigid3> T_board_camera;  // of each board
+  int compared = 0;                    // the board on which depth is compared; -1: none
   const TrueStop* stop = nullptr;
 };
 
@@ -116,7 +117,9 @@ double stated_sigma_m(const DepthStream& stream, double z) {
 
 void place(const Subject& subject, double dt_s, Frame* frame) {
   frame->T_world_camera = frame->stop->T_world_robot_after(dt_s) * subject.T_robot_depth;
-  frame->T_board_camera = subject.truth.T_world_board.inverse() * frame->T_world_camera;
+  frame->T_board_camera.clear();
+  for (int b = 0; b < subject.truth.boards(); ++b)
+    frame->T_board_camera.push_back(subject.truth.board_at(b).T_world_board.inverse() * frame->T_world_camera);
 }
 
 bool read_frame(const Subject& subject, const CameraFrame& recorded, Frame* frame) {
@@ -162,24 +165,36 @@ Sample sample_at(const Subject& subject, const Frame& frame, int u, int v, const
   return sample;
 }
 
+// Where a ray meets a board: at which depth, and how far beyond the edge of its squares (negative: inside).
+struct BoardHit {
+  double z = 0.0, beyond_m = 0.0;
+};
+
+std::optional<BoardHit> meet_board(const Board& board, const Rigid3& T_board_camera, const Eigen::Vector3d& ray) {
+  const std::optional<double> z = depth_of_plane(T_board_camera, ray);
+  if (!z) return std::nullopt;
+  const Eigen::Vector3d p = T_board_camera * (*z * ray);
+  return BoardHit{*z, std::max({board.along(-1) - p.x(), p.x() - board.along(board.inner_corners_x()),
+                                board.along(-1) - p.y(), p.y() - board.along(board.inner_corners_y())})};
+}
+
 void collect_pixel(const Subject& subject, const Frame& frame, int u, int v, Samples* samples) {
   Eigen::Vector3d ray;
   if (!unproject(subject.camera, subject.lens_residual, Eigen::Vector2d(u, v), &ray)) return;
   const DepthStream& stream = *subject.rig_camera.depth;
-  const Board& board = subject.truth.board;
-  const double margin = 0.2 * board.square_m;  // away from the squares' edge, where depth may fly
   const auto in_range = [&](double z) { return z >= stream.min_m && z <= stream.max_m; };
-  const std::optional<double> board_z = depth_of_plane(frame.T_board_camera, ray);
-  if (board_z) {
-    const Eigen::Vector3d p = frame.T_board_camera * (*board_z * ray);
-    const auto inside = [&](double grow) {
-      return p.x() >= board.along(-1) - grow && p.x() <= board.along(board.inner_corners_x()) + grow &&
-             p.y() >= board.along(-1) - grow && p.y() <= board.along(board.inner_corners_y()) + grow;
-    };
-    if (inside(-margin) && in_range(*board_z)) samples->board.push_back(sample_at(subject, frame, u, v, ray, *board_z));
-    // The board hides what is behind it; its border and rim are left out on both sides.
-    if (inside(board.square_m)) return;
+  std::optional<double> on_board;
+  int boards = 0;  // whose sheets the ray meets, or passes by closely: they hide what is behind them
+  for (int b = 0; b < subject.truth.boards(); ++b) {
+    const Board& board = subject.truth.board_at(b).board;
+    const auto hit = meet_board(board, frame.T_board_camera[static_cast<std::size_t>(b)], ray);
+    if (!hit || hit->beyond_m > board.square_m) continue;
+    ++boards;
+    // Away from the squares' edge, where depth may fly; border and rim are left out on both sides.
+    if (b == frame.compared && hit->beyond_m <= -0.2 * board.square_m && in_range(hit->z)) on_board = hit->z;
   }
+  if (boards == 1 && on_board) samples->board.push_back(sample_at(subject, frame, u, v, ray, *on_board));
+  if (boards > 0) return;
   const std::optional<double> ground_z = depth_of_plane(frame.T_world_camera, ray);
   if (ground_z && in_range(*ground_z)) samples->ground.push_back(sample_at(subject, frame, u, v, ray, *ground_z));
 }
@@ -381,8 +396,21 @@ std::string compare_frames(const Subject& subject) {
 
 }  // namespace
 
-Proved prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
-                   const ProofOptions& options, Proved proved) {
+namespace {
+
+// The only board; of several the one that was found in the image beside the depth image.
+int compared_board(const Observations& observations, const Subject& subject, const CameraFrame& frame) {
+  if (subject.truth.boards() == 1) return 0;
+  const std::optional<std::size_t> camera = camera_named(observations.cameras, subject.rig_camera.name);
+  for (const BoardView& view : observations.board_views)
+    if (camera && view.camera == static_cast<int>(*camera) && view.stamp_s == frame.stamp_s) return view.board;
+  return -1;
+}
+
+}  // namespace
+
+Proved prove_depth(const Recording& recording, const Observations& observations, const Truth& truth,
+                   std::size_t recorded_camera, std::size_t camera, const ProofOptions& options, Proved proved) {
   const Subject subject = subject_of(recording, truth, recorded_camera, camera, options);
   if (!subject.rig_camera.depth || options.max_depth_frames < 0) return proved;
   const std::string frames_differ = compare_frames(subject);
@@ -393,8 +421,10 @@ Proved prove_depth(const Recording& recording, const Truth& truth, std::size_t r
   const std::size_t count = frames_looked_at(with_depth.size(), options);
   Samples samples;
   for (std::size_t i = 0; i < count; ++i) {
+    const CameraFrame& recorded = *with_depth[i * with_depth.size() / count];
     Frame frame;
-    if (!read_frame(subject, *with_depth[i * with_depth.size() / count], &frame)) continue;
+    if (!read_frame(subject, recorded, &frame)) continue;
+    frame.compared = compared_board(observations, subject, recorded);
     ++proved.camera.depth_frames;
     collect(subject, std::max(1, options.depth_stride_px), &frame, &samples);
   }

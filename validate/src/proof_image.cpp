@@ -171,6 +171,7 @@ Proved prove_image(const Recording& recording, const Truth& truth, std::size_t r
   const TrueCamera& true_camera = truth.cameras[camera];
   const ImageLaw law = law_of(true_camera);
   const bool simulated = label_of(true_camera, "image_noise") > 0.0 && law.full_well > 0.0 && law.gamma > 0.0;
+  // Squares that are all dark or all light: the first board's, where it has no markers.
   if (!simulated || options.max_depth_frames < 0 || frames.empty() || truth.board.type != "checkerboard") return proved;
   if (frames.front().color_file.find(".png") == std::string::npos) {
     proved.notes.push_back("image noise is not compared: JPEG changes it");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,14 @@ inline double label_of(const TrueCamera& camera, const char* name) {
   return found == camera.sensing.end() ? 0.0 : found->second;
 }
 
+/// Index of a camera in a list by its name.
+template <typename Cameras>
+std::optional<std::size_t> camera_named(const Cameras& cameras, const std::string& name) {
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    if (cameras[i].name == name) return i;
+  return std::nullopt;
+}
+
 /// Of so many frames, how many are looked at: of n, that is every frame i * frames / n.
 inline std::size_t frames_looked_at(std::size_t frames, const ProofOptions& options) {
   return options.max_depth_frames == 0 ? frames : std::min(frames, static_cast<std::size_t>(options.max_depth_frames));
@@ -33,8 +42,9 @@ Proved prove_corners(const Observations& observations, const Truth& truth, std::
                      std::size_t camera, const ProofOptions& options, Proved proved);
 
 /// The depth. `recorded_camera` indexes the recording's cameras.
-Proved prove_depth(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
-                   const ProofOptions& options, Proved proved);
+/// Of several boards, a depth image is compared on the one of which its image has a view: others may be hidden.
+Proved prove_depth(const Recording& recording, const Observations& observations, const Truth& truth,
+                   std::size_t recorded_camera, std::size_t camera, const ProofOptions& options, Proved proved);
 
 /// The noise of the images, where the truth says that it was simulated.
 Proved prove_image(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "board_places.h"
 #include "report.h"
 #include "rigproof/calib/diagnose/basis.h"
 #include "rigproof/calib/estimate/shaking.h"
@@ -40,11 +41,12 @@ void allow_for_shaking(const ml::Preparation& prepared, ml::OdometryChoice* choi
 }
 
 MlEstimate solve(const Observations& observations, const MlOptions& options, std::optional<ml::Basis>* basis) {
-  const ml::Preparation prepared = ml::prepare(observations, options);
+  ml::Preparation prepared = ml::prepare(observations, options);
   if (!prepared.solvable()) return ml::report_unsolvable(prepared);
   ml::OdometryChoice choice = ml::choose_odometry(prepared);
   ml::Examination found = ml::examine(prepared, choice.fit);
   allow_for_shaking(prepared, &choice, &found);
+  ml::use_stated_places(&prepared, &choice, &found);
   const ml::Statement stated = ml::state_solution(prepared, choice, found);
   if (basis != nullptr)
     *basis = ml::Basis{without_left_out(prepared, choice.fit),

@@ -74,6 +74,10 @@ std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, co
     const auto by_prior = by_globals.middleCols(place, information.rows());
     add_to_budget(row_of(nuisance).source, (by_prior * information).cwiseProduct(by_prior).rowwise().sum(), &budget);
   });
+  for (const PlaceError& error : problem.place_errors(state)) {
+    const Eigen::MatrixXd by_place = by_globals.leftCols(layout.globals()) * error.by_globals(layout).transpose();
+    add_to_budget("places of boards", (by_place * error.information()).cwiseProduct(by_place).rowwise().sum(), &budget);
+  }
   return budget;
 }
 

@@ -244,6 +244,19 @@ Fit fit_with_step(const Preparation& prepared, const Fit& without, const Step& s
   return fit;
 }
 
+Fit fit_again(const Preparation& prepared, const Fit& before) {
+  Fit fit = before;
+  Problem problem = problem_at(prepared, before, before.noise);
+  EstimatedLevels levels = estimated_levels(prepared.used, prepared.options);
+  for (const double shaken_px : before.shaken_px) levels.corners_given.push_back(shaken_px > 0.0);
+  SolverOptions solver;
+  solver.tolerance = prepared.options.tolerance;
+  fit.summary = minimise_with_levels(levels, solver, &problem, &fit.state);
+  fit.minus_two_log_likelihood = minus_two_log_likelihood(problem, fit.state);
+  fit.noise = problem.noise;
+  return fit;
+}
+
 Problem problem_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels, const Priors& priors) {
   Problem problem(prepared.used, priors, levels, prepared.whitened);
   if (!fit.step.bodies.empty()) problem.add(fit.step);

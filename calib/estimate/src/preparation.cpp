@@ -39,6 +39,7 @@ void keep_usable_planes(const GroundCheck& ground, Preparation* prepared) {
 Preparation closed_form(const Observations& observations, const MlOptions& options,
                         const std::vector<ViewPose>* known_views) {
   Preparation prepared(observations, options);
+  for (Board& board : prepared.used.more_boards) board.place.reset();
   if (known_views != nullptr) {
     prepared.views = *known_views;
   } else {

@@ -183,6 +183,22 @@ void Problem::add_priors(const State& state, ArrowSystem* system, double* cost) 
     system->global_gradient.segment(place, size) += g;
     *cost += g.dot(value);
   });
+  for (const PlaceError& error : place_errors(state)) {
+    const Eigen::MatrixXd J = error.by_globals(layout_), JW = J.transpose() * error.information();
+    system->global.topLeftCorner(J.cols(), J.cols()) += JW * J;
+    system->global_gradient.head(J.cols()) += JW * error.value;
+    *cost += error.value.dot(error.information() * error.value);
+  }
+}
+
+std::vector<PlaceError> Problem::place_errors(const State& state) const {
+  std::vector<PlaceError> errors;
+  if (observations_.boards() == 1) return errors;
+  const std::vector<bool> shown = shown_boards();
+  for (int b = 1; b < layout_.boards; ++b)
+    if (const auto& place = observations_.board_at(b).place; place && shown[0] && shown[static_cast<std::size_t>(b)])
+      errors.push_back(place_error(state, b, *place));
+  return errors;
 }
 
 std::vector<bool> Problem::shown_boards() const {

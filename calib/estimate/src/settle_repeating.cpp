@@ -41,4 +41,10 @@ void settle_repeating(Preparation* prepared) {
   if (!per_pose) prepared->start = fit.state;
 }
 
+void settle_again(Preparation* prepared, const Fit& before) {
+  if (!prepared->repeating.errors.any()) return;
+  prepared->repeating.value += joint_step(*prepared, before);
+  take_out(prepared->original.board_views, prepared);
+}
+
 }  // namespace rigproof::ml

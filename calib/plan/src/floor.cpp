@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/text.h"
@@ -39,34 +40,39 @@ double without_small(double angle_rad, double min_turn_rad) {
 
 Place Place::of(const Rigid3& T) { return {T.translation.x(), T.translation.y(), yaw_of(T)}; }
 
-Floor::Floor(const SuggestOptions& options, const std::vector<Rigid3>& T_world_robot, const Board& board,
-             const Rigid3& T_world_board)
-    : clearance_m_(options.clearance_m) {
-  if (!T_world_robot.empty()) T_world_first_ = Place::of(T_world_robot.front()).T_world_robot();
-  area_ = options.area ? *options.area : stood_in(T_world_robot, T_world_first_, options.reach_m);
-  for (const Eigen::Vector3d& corner : board.outline()) outline_.emplace_back((T_world_board * corner).head<2>());
+Footprint footprint_of(const Board& board, const Rigid3& T_world_board) {
+  Footprint footprint;
+  for (const Eigen::Vector3d& corner : board.outline()) footprint.emplace_back((T_world_board * corner).head<2>());
+  return footprint;
 }
 
-double Floor::distance_from_board(double x_m, double y_m) const {
+Floor::Floor(const SuggestOptions& options, const std::vector<Rigid3>& T_world_robot, std::vector<Footprint> boards)
+    : clearance_m_(options.clearance_m), boards_(std::move(boards)) {
+  if (!T_world_robot.empty()) T_world_first_ = Place::of(T_world_robot.front()).T_world_robot();
+  area_ = options.area ? *options.area : stood_in(T_world_robot, T_world_first_, options.reach_m);
+}
+
+double Floor::distance_from_boards(double x_m, double y_m) const {
   double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < outline_.size(); ++i)
-    nearest = std::min(nearest, distance_to_segment({x_m, y_m}, outline_[i], outline_[(i + 1) % outline_.size()]));
+  for (const Footprint& board : boards_)
+    for (std::size_t i = 0; i < board.size(); ++i)
+      nearest = std::min(nearest, distance_to_segment({x_m, y_m}, board[i], board[(i + 1) % board.size()]));
   return nearest;
 }
 
 bool Floor::may_stand(const Place& place) const {
   const Eigen::Vector3d p = T_world_first_.inverse() * Eigen::Vector3d(place.x_m, place.y_m, 0.0);
   return p.x() >= area_.x_min_m && p.x() <= area_.x_max_m && p.y() >= area_.y_min_m && p.y() <= area_.y_max_m &&
-         distance_from_board(place.x_m, place.y_m) >= clearance_m_;
+         distance_from_boards(place.x_m, place.y_m) >= clearance_m_;
 }
 
 bool Floor::may_drive(const Place& from, const Place& to) const {
   constexpr int kSteps = 20;
-  const double needed = std::min(clearance_m_, distance_from_board(from.x_m, from.y_m));
+  const double needed = std::min(clearance_m_, distance_from_boards(from.x_m, from.y_m));
   for (int i = 0; i <= kSteps; ++i) {
     const double share = static_cast<double>(i) / kSteps;
     const double x = from.x_m + share * (to.x_m - from.x_m), y = from.y_m + share * (to.y_m - from.y_m);
-    if (distance_from_board(x, y) < needed - 1e-9) return false;
+    if (distance_from_boards(x, y) < needed - 1e-9) return false;
   }
   return true;
 }

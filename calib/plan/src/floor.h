@@ -20,25 +20,28 @@ struct Place {
   Place turned_to(double heading_rad, const Eigen::Vector2d& about_m) const;
 };
 
-/// The free floor around a board.
+/// The corners of a board's outline, seen from above.
+using Footprint = std::vector<Eigen::Vector2d>;
+Footprint footprint_of(const Board& board, const Rigid3& T_world_board);
+
+/// The free floor around boards.
 class Floor {
  public:
-  Floor(const SuggestOptions& options, const std::vector<Rigid3>& T_world_robot, const Board& board,
-        const Rigid3& T_world_board);
+  Floor(const SuggestOptions& options, const std::vector<Rigid3>& T_world_robot, std::vector<Footprint> boards);
 
   const DriveArea& area() const { return area_; }  ///< in the first stop's frame
   const Rigid3& T_world_first() const { return T_world_first_; }
   bool may_stand(const Place& place) const;
-  /// True if the straight path keeps the required distance from the board, or at least that at its start.
+  /// True if the straight path keeps the required distance from boards, or at least that at its start.
   bool may_drive(const Place& from, const Place& to) const;
 
  private:
-  double distance_from_board(double x_m, double y_m) const;
+  double distance_from_boards(double x_m, double y_m) const;
 
   double clearance_m_;
   Rigid3 T_world_first_;
   DriveArea area_;
-  std::vector<Eigen::Vector2d> outline_;  // of the board, projected to the floor
+  std::vector<Footprint> boards_;
 };
 
 /// Whole degrees and centimetres; forwards or backwards, whichever needs smaller turns; turns below the smallest one

@@ -72,6 +72,7 @@ StopInformation Forecast::information_of(const Foresight& foresight, const Place
   Observations one = without_views(knowledge_.basis.used);
   one.stops.clear();
   foresight.append_stop(T_world_robot, T_world_robot, &one);
+  for (Board& board : one.more_boards) board.place.reset();  // the stops so far have that already
   ml::State state = state_;
   state.poses = {ml::RobotPose::from_transform(T_world_robot)};
   // By itself: absolute odometry counts, increments are linked later.
@@ -80,8 +81,13 @@ StopInformation Forecast::information_of(const Foresight& foresight, const Place
     levels.law.model = OdometryModel::kPerPose;
     levels.odometry_xy_m = levels.odometry_yaw_rad = kNoInformation;
   }
-  const ml::ArrowSystem all = linearised(one, levels, state),
-                        priors_alone = linearised(without_views(one), levels, state);
+  const ml::ArrowSystem all = linearised(one, levels, state);
+  ml::ArrowSystem priors_alone = linearised(without_views(one), levels, state);
+  // There no board is seen, and each stays where it is.
+  for (const BoardView& view : one.board_views) {
+    priors_alone.global.middleRows<6>(layout_.board(view.board)).setZero();
+    priors_alone.global.middleCols<6>(layout_.board(view.board)).setZero();
+  }
   return {state.poses.front(), all.diagonal.front(), all.pose_global, all.global - priors_alone.global};
 }
 

@@ -25,13 +25,20 @@ struct CalibrationSoFar {
 /// Throws Error if no camera ever saw the board.
 CalibrationSoFar calibration_so_far(const Observations& observations, const MlOptions& options = {});
 
+/// Of several boards in the world.
+inline const Rigid3& pose_of_board(const CalibrationState& state, int board) {
+  return board == 0 ? state.T_world_board : state.T_world_more_boards[static_cast<std::size_t>(board) - 1];
+}
+
 /// Predicts what the cameras see from a place: views, planes and odometry without noise, each with the covariance that
 /// the same camera's nearest view so far has.
 class Foresight {
  public:
   Foresight(const CalibrationSoFar& knowledge, const SuggestOptions& options);
 
-  /// Cameras that see the whole board, not too obliquely.
+  /// Boards that were seen: where the others stand nobody knows.
+  const std::vector<int>& boards() const { return boards_; }
+  /// Cameras that see a whole board, not too obliquely.
   std::vector<int> cameras_with_board(const Rigid3& T_world_robot) const;
   /// The observations so far as they would be without noise if the estimate were true, so that predicted stops do not
   /// contradict them. `levels` are written as declared noise.
@@ -40,19 +47,25 @@ class Foresight {
   void append_stop(const Rigid3& T_world_before, const Rigid3& T_world_robot, Observations* observations) const;
 
  private:
-  bool sees_board(int camera, const Rigid3& T_camera_board) const;
+  // A camera with a whole board in its image: of several the one with most corners.
+  struct Sight {
+    int camera, board;
+  };
+  std::vector<Sight> sights(const Rigid3& T_world_robot) const;
+  bool sees_board(const Sight& sight, const Rigid3& T_camera_board) const;
   Stop stop_after(const Stop* before, const Rigid3& T_world_before, const Rigid3& T_world_robot) const;
   Eigen::Vector3d ground_seen(int camera, const Rigid3& T_world_robot) const;
   Eigen::Vector3d board_plane_seen(int camera, const Rigid3& T_camera_board) const;
-  Rigid3 T_camera_board(int camera, const Rigid3& T_world_robot) const;
-  BoardView board_view(int stop, int camera, const Rigid3& T_camera_board) const;
+  Rigid3 T_camera_board(const Sight& sight, const Rigid3& T_world_robot) const;
+  BoardView board_view(int stop, const Sight& sight, const Rigid3& T_camera_board) const;
   void append_board_plane(int stop, int camera, const Rigid3& T_camera_board, Observations* observations) const;
 
   const CalibrationSoFar& knowledge_;
   double max_obliquity_rad_;
   double margin_share_;
-  // Of each camera: where the board was in its views and with which sigma its corners were found; the covariance of its
-  // ground planes, if it usually sees the ground; where the board was in its board planes, and their covariance.
+  std::vector<int> boards_;
+  // Of each camera: where boards were in its views and with which sigma its corners were found; the covariance of its
+  // ground planes, if it usually sees the ground; where boards were in its board planes, and their covariance.
   struct Seen {
     Eigen::Vector3d board_m;
     Eigen::Matrix3d covariance;  // corners: only the upper left two

@@ -2,6 +2,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "forecast.h"
@@ -40,6 +42,8 @@ void start_over(const Observations& observations, const InitialGuess& guess, MlE
   for (std::size_t c = 0; c < guess.T_robot_camera.size(); ++c)
     if (guess.T_robot_camera[c]) state->T_robot_camera[c] = *guess.T_robot_camera[c];
   state->T_world_board = T_world_guess * *guess.T_world_board;
+  state->T_world_more_boards.clear();
+  for (const Rigid3& T : guess.T_world_more_boards) state->T_world_more_boards.push_back(T_world_guess * T);
   for (std::size_t i = 0; i < guess.T_world_robot.size(); ++i)
     state->T_world_robot[i] = T_world_guess * guess.T_world_robot[i];
   state->odometry_scale = state->odometry_yaw_factor = 1.0;
@@ -117,6 +121,23 @@ const Seen* nearest(const std::vector<Seen>& seen, const Eigen::Vector3d& board_
   return best == seen.end() ? nullptr : &*best;
 }
 
+// Which board a plane is of: that of the view beside it, or the only one.
+class BoardsInViews {
+ public:
+  explicit BoardsInViews(const Observations& observations) : only_one_(observations.boards() == 1) {
+    for (const BoardView& view : observations.board_views) boards_[{view.stop, view.camera}] = view.board;
+  }
+  std::optional<int> of(const PlaneObservation& plane) const {
+    const auto found = boards_.find({plane.stop, plane.camera});
+    if (found != boards_.end()) return found->second;
+    return only_one_ ? std::optional(0) : std::nullopt;
+  }
+
+ private:
+  bool only_one_;
+  std::map<std::pair<int, int>, int> boards_;  // by stop and camera
+};
+
 bool all_determined(const Result& result) {
   const std::vector<EstimatedTransform>& cameras = result.camera_to_robot;
   return !cameras.empty() &&
@@ -150,25 +171,30 @@ Foresight::Foresight(const CalibrationSoFar& knowledge, const SuggestOptions& op
   const CalibrationState& state = knowledge.estimate.state;
   corners_.resize(observations.cameras.size());
   board_planes_.resize(observations.cameras.size());
-  const auto board_m = [&state](int stop, int camera) {
-    const Rigid3 T_world_camera =
-        state.T_world_robot[static_cast<std::size_t>(stop)] * state.T_robot_camera[static_cast<std::size_t>(camera)];
-    return (T_world_camera.inverse() * state.T_world_board).translation;
+  const auto board_m = [&](int stop, int camera, int board) -> Eigen::Vector3d {
+    return T_camera_board({camera, board}, state.T_world_robot[static_cast<std::size_t>(stop)]).translation;
   };
-  for (const BoardView& view : observations.board_views)
-    if (!view.corners.empty())
-      corners_[static_cast<std::size_t>(view.camera)].push_back(
-          {board_m(view.stop, view.camera), corner_covariance(view)});
+  std::set<int> boards;
+  for (const BoardView& view : observations.board_views) {
+    if (view.corners.empty()) continue;
+    boards.insert(view.board);
+    corners_[static_cast<std::size_t>(view.camera)].push_back(
+        {board_m(view.stop, view.camera, view.board), corner_covariance(view)});
+  }
+  if (boards.empty()) boards.insert(0);  // no view counts: it stands where the closed form has it
+  boards_.assign(boards.begin(), boards.end());
+  const BoardsInViews in_views(observations);
   for (const PlaneObservation& plane : observations.board_planes)
-    board_planes_[static_cast<std::size_t>(plane.camera)].push_back(
-        {board_m(plane.stop, plane.camera), plane.covariance_per_m2});
+    if (const std::optional<int> board = in_views.of(plane))
+      board_planes_[static_cast<std::size_t>(plane.camera)].push_back(
+          {board_m(plane.stop, plane.camera, *board), plane.covariance_per_m2});
   for (int c = 0; c < static_cast<int>(observations.cameras.size()); ++c)
     ground_.push_back(usual_ground(observations, c));
 }
 
-bool Foresight::sees_board(int camera, const Rigid3& T) const {
-  const Board& board = knowledge_.basis.used.board;
-  const Camera& lens = knowledge_.basis.used.cameras[static_cast<std::size_t>(camera)].camera;
+bool Foresight::sees_board(const Sight& sight, const Rigid3& T) const {
+  const Board& board = knowledge_.basis.used.board_at(sight.board);
+  const Camera& lens = knowledge_.basis.used.cameras[static_cast<std::size_t>(sight.camera)].camera;
   const Eigen::Vector3d centre = T * board.centre();
   const Eigen::Vector3d normal = T.rotation * Eigen::Vector3d::UnitZ();
   if (normal.dot(centre.normalized()) < std::cos(max_obliquity_rad_)) return false;
@@ -182,23 +208,35 @@ bool Foresight::sees_board(int camera, const Rigid3& T) const {
   });
 }
 
-std::vector<int> Foresight::cameras_with_board(const Rigid3& T_world_robot) const {
-  const CalibrationState& state = knowledge_.estimate.state;
-  std::vector<int> cameras;
-  for (std::size_t c = 0; c < state.T_robot_camera.size(); ++c) {
+std::vector<Foresight::Sight> Foresight::sights(const Rigid3& T_world_robot) const {
+  const Observations& used = knowledge_.basis.used;
+  std::vector<Sight> sights;
+  for (std::size_t c = 0; c < used.cameras.size(); ++c) {
     if (!knowledge_.has_pose[c] || corners_[c].empty()) continue;
-    const int camera = static_cast<int>(c);
-    if (sees_board(camera, T_camera_board(camera, T_world_robot))) cameras.push_back(static_cast<int>(c));
+    std::optional<Sight> most;
+    for (const int board : boards_) {
+      const Sight sight{static_cast<int>(c), board};
+      if (most && used.board_at(board).corner_count() <= used.board_at(most->board).corner_count()) continue;
+      if (sees_board(sight, T_camera_board(sight, T_world_robot))) most = sight;
+    }
+    if (most) sights.push_back(*most);
   }
+  return sights;
+}
+
+std::vector<int> Foresight::cameras_with_board(const Rigid3& T_world_robot) const {
+  std::vector<int> cameras;
+  for (const Sight& sight : sights(T_world_robot)) cameras.push_back(sight.camera);
   return cameras;
 }
 
-BoardView Foresight::board_view(int stop, int camera, const Rigid3& T) const {
-  const std::size_t c = static_cast<std::size_t>(camera);
-  const Board& board = knowledge_.basis.used.board;
+BoardView Foresight::board_view(int stop, const Sight& sight, const Rigid3& T) const {
+  const std::size_t c = static_cast<std::size_t>(sight.camera);
+  const Board& board = knowledge_.basis.used.board_at(sight.board);
   BoardView view;
   view.stop = stop;
-  view.camera = camera;
+  view.camera = sight.camera;
+  view.board = sight.board;
   const Seen* like = nearest(corners_[c], T.translation);
   for (int id = 0; id < board.corner_count(); ++id) {
     CornerObservation corner;
@@ -210,9 +248,10 @@ BoardView Foresight::board_view(int stop, int camera, const Rigid3& T) const {
   return view;
 }
 
-Rigid3 Foresight::T_camera_board(int camera, const Rigid3& T_world_robot) const {
+Rigid3 Foresight::T_camera_board(const Sight& sight, const Rigid3& T_world_robot) const {
   const CalibrationState& state = knowledge_.estimate.state;
-  return (T_world_robot * state.T_robot_camera[static_cast<std::size_t>(camera)]).inverse() * state.T_world_board;
+  return (T_world_robot * state.T_robot_camera[static_cast<std::size_t>(sight.camera)]).inverse() *
+         pose_of_board(state, sight.board);
 }
 
 Eigen::Vector3d Foresight::board_plane_seen(int camera, const Rigid3& T) const {
@@ -270,13 +309,20 @@ Observations Foresight::as_expected(const ml::NoiseLevels& levels) const {
                                    state.T_world_robot[i]);
   for (BoardView& view : expected.board_views) {
     const Camera& lens = expected.cameras[static_cast<std::size_t>(view.camera)].camera;
+    const Rigid3 T = T_camera_board({view.camera, view.board}, pose(view.stop));
     for (CornerObservation& corner : view.corners)
-      lens.project(T_camera_board(view.camera, pose(view.stop)) * expected.board.corner(corner.id), &corner.pixel);
+      lens.project(T * expected.board_of(view).corner(corner.id), &corner.pixel);
   }
+  const BoardsInViews in_views(expected);
   for (PlaneObservation& plane : expected.ground_planes)
     plane.inverse_depth_plane = ground_seen(plane.camera, pose(plane.stop));
   for (PlaneObservation& plane : expected.board_planes)
-    plane.inverse_depth_plane = board_plane_seen(plane.camera, T_camera_board(plane.camera, pose(plane.stop)));
+    if (const std::optional<int> board = in_views.of(plane))
+      plane.inverse_depth_plane =
+          board_plane_seen(plane.camera, T_camera_board({plane.camera, *board}, pose(plane.stop)));
+  for (std::size_t b = 0; b < expected.more_boards.size(); ++b)
+    if (std::optional<BoardPlace>& place = expected.more_boards[b].place)
+      place->T_first_board = state.T_world_board.inverse() * state.T_world_more_boards[b];
   return expected;
 }
 
@@ -285,10 +331,10 @@ void Foresight::append_stop(const Rigid3& T_world_before, const Rigid3& T_world_
   const int stop = static_cast<int>(observations->stops.size());
   const Stop* before = observations->stops.empty() ? nullptr : &observations->stops.back();
   observations->stops.push_back(stop_after(before, T_world_before, T_world_robot));
-  for (const int camera : cameras_with_board(T_world_robot)) {
-    const Rigid3 T = T_camera_board(camera, T_world_robot);
-    observations->board_views.push_back(board_view(stop, camera, T));
-    append_board_plane(stop, camera, T, observations);
+  for (const Sight& sight : sights(T_world_robot)) {
+    const Rigid3 T = T_camera_board(sight, T_world_robot);
+    observations->board_views.push_back(board_view(stop, sight, T));
+    append_board_plane(stop, sight.camera, T, observations);
   }
   for (std::size_t c = 0; c < ground_.size(); ++c) {
     if (!ground_[c] || !knowledge_.has_pose[c]) continue;

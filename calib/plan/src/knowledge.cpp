@@ -217,7 +217,8 @@ std::vector<double> corner_scale_without_odometry(const Observations& observatio
                                estimate_maximum_likelihood(without_odometry(observations, seen), options).corner_scale);
 }
 
-Solution solve(const KnownPoses& before, const Observations& observations, const MovedOptions& options) {
+Solution solve(const KnownPoses& before, const Observations& stated, const MovedOptions& options) {
+  const Observations observations = without_places(stated);
   Solution solution;
   const std::vector<ViewPose> views = estimate_view_poses(observations).poses;
   const GroundCheck ground = check_ground_planes(observations, align_trajectories(observations, views));

@@ -17,13 +17,14 @@ struct Stated {
   const char* source;
   const char* measure;
 };
-constexpr std::array<Stated, 7> kStated = {{{"board", "squares"},
+constexpr std::array<Stated, 8> kStated = {{{"board", "squares"},
                                             {"lens", "lens"},
                                             {"print and lens residual", "residual"},
                                             {"depth scale", "scale"},
                                             {"depth error", "offset"},
                                             {"turning point", "centre"},
-                                            {"riding height", "height"}}};
+                                            {"riding height", "height"},
+                                            {"places of boards", "places"}}};
 constexpr std::array<const char*, 6> kAxes = {"x", "y", "z", "roll", "pitch", "yaw"};
 // Of the variance: with less, what is seen counts for more.
 constexpr double kMost = 0.5;

@@ -25,7 +25,7 @@ bool sees_board_when_rounded(const Outlook& outlook, const Place& place) {
   return outlook.enough(cameras);
 }
 
-// Anywhere in the area, with one of the cameras looking about at the board.
+// Anywhere in the area, with one of the cameras looking about at a board.
 Place aimed_place(const Outlook& outlook, const std::vector<std::size_t>& posed, RandomStream* random) {
   const DriveArea& area = outlook.floor.area();
   const double x = random->uniform(area.x_min_m, area.x_max_m), y = random->uniform(area.y_min_m, area.y_max_m);
@@ -34,7 +34,9 @@ Place aimed_place(const Outlook& outlook, const std::vector<std::size_t>& posed,
   const Rigid3& X = outlook.state().T_robot_camera[c];
   const Camera& lens = outlook.used().cameras[c].camera;
   const Eigen::Vector3d axis = X.rotation * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d board = outlook.board_centre();
+  const std::vector<int>& boards = outlook.foresight.boards();
+  const std::size_t which = boards.size() > 1 ? random->below(static_cast<std::uint32_t>(boards.size())) : 0;
+  const Eigen::Vector3d board = outlook.board_centre(boards[which]);
   const double half_view = std::atan(0.5 * lens.width_px / lens.fx_px);
   const double yaw = std::atan2(board.y() - p.y(), board.x() - p.x()) - std::atan2(axis.y(), axis.x()) +
                      random->uniform(-half_view, half_view);

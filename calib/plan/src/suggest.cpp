@@ -301,15 +301,15 @@ void foretell(const Outlook& outlook, Suggestion* suggestion) {
 
 Suggestion suggest_stops(const Observations& observations, const SuggestOptions& options) {
   check(options);
-  if (observations.boards() > 1)
-    throw Error("more_boards: suggest looks for stops before one board, and there are " +
-                std::to_string(observations.boards()) + "; `rigproof record-check` tells what each camera has seen");
   const AcceptLimits limits = observations.accept.value_or(options.limits);
   const CalibrationSoFar knowledge = suggest::calibration_so_far(observations, options.ml);
   const CalibrationState& state = knowledge.estimate.state;
-  const Outlook outlook{knowledge, options,
-                        Floor(options, state.T_world_robot, knowledge.basis.used.board, state.T_world_board),
-                        Foresight(knowledge, options), Forecast(knowledge)};
+  const Foresight foresight(knowledge, options);
+  std::vector<suggest::Footprint> boards;
+  for (const int board : foresight.boards())
+    boards.push_back(suggest::footprint_of(knowledge.basis.used.board_at(board), suggest::pose_of_board(state, board)));
+  const Outlook outlook{knowledge, options, Floor(options, state.T_world_robot, std::move(boards)), foresight,
+                        Forecast(knowledge)};
   Suggestion suggestion;
   suggestion.limits = limits;
   suggestion.status_now = knowledge.estimate.result.status;

@@ -13,12 +13,17 @@ bool was_left_out(const Result& result, const BoardView& view) {
 
 }  // namespace
 
+Observations without_places(Observations observations) {
+  for (Board& board : observations.more_boards) board.place.reset();
+  return observations;
+}
+
 Observations used_observations(const Result& result, const Observations& observations, const GroundCheck& ground) {
   const auto has_none = [&](const PlaneObservation& plane) {
     return result.find(observations.robot_frame, observations.cameras[static_cast<std::size_t>(plane.camera)].name) ==
            nullptr;
   };
-  Observations used = observations;
+  Observations used = without_places(observations);
   used.ground_planes = ground.planes(observations);
   for (auto* planes : {&used.ground_planes, &used.board_planes})
     planes->erase(std::remove_if(planes->begin(), planes->end(), has_none), planes->end());

@@ -43,7 +43,7 @@ void visit_odometry(FieldVisitor& visitor, Truth& truth) {
   visitor.field("yaw_factor", truth.odometry_yaw_factor, {0.01, 100.0}, "measured over true angle of a turn");
 }
 
-void visit_corners(FieldVisitor& visitor, Truth& truth) {
+void visit_corners(FieldVisitor& visitor, TrueBoard& truth) {
   if (!visitor.takes("printed_corners_m", !truth.printed_corners.empty())) return;
   std::vector<std::vector<double>> rows;
   for (const Eigen::Vector3d& p : truth.printed_corners) rows.push_back({p.x(), p.y(), p.z()});
@@ -55,6 +55,13 @@ void visit_corners(FieldVisitor& visitor, Truth& truth) {
   if (rows.size() != corners) return;
   truth.printed_corners.clear();
   for (const std::vector<double>& row : rows) truth.printed_corners.emplace_back(row[0], row[1], row[2]);
+}
+
+void visit_true_board(FieldVisitor& visitor, TrueBoard& truth) {
+  visitor.require("board", "{type, squares, square_mm}");
+  visitor.nested("board", truth.board, "as it is told");
+  visit_corners(visitor, truth);
+  visit_required(visitor, "T_world_board", truth.T_world_board, "pose of the board in the world");
 }
 
 }  // namespace
@@ -93,15 +100,17 @@ static void visit_fields(FieldVisitor& visitor, TrueCamera& camera) {
     visitor.nested_list("stops", camera.stops, "of a camera that takes its images while the robot moves");
 }
 
+static void visit_fields(FieldVisitor& visitor, TrueBoard& board) { visit_true_board(visitor, board); }
+
 static void visit_fields(FieldVisitor& visitor, Truth& truth) {
   visitor.format(kFormat, kVersion);
   visitor.field("scene", truth.scene, TextChoices{}, "the world");
   visitor.require("seed", "a whole number, >= 0");
   visitor.field("seed", truth.seed, "of all random numbers");
-  visitor.require("board", "{type, squares, square_mm}");
-  visitor.nested("board", truth.board, "as it is told");
-  visit_corners(visitor, truth);
-  visit_required(visitor, "T_world_board", truth.T_world_board, "pose of the board in the world");
+  visit_true_board(visitor, truth);
+  if (visitor.takes("more_boards", !truth.more_boards.empty()))
+    visitor.nested_list("more_boards", truth.more_boards,
+                        "boards that stand elsewhere, as in the recording's rig.yaml");
   visitor.require("odometry", "a block with noise, scale, yaw_factor");
   visitor.section(
       "odometry", [&truth](FieldVisitor& block) { visit_odometry(block, truth); }, "what is wrong with it");
@@ -118,12 +127,14 @@ static void visit_fields(FieldVisitor& visitor, Truth& truth) {
   visitor.nested_list("stops", truth.stops, "where the robot was when images were taken");
 }
 
-bool Truth::project_corner(std::size_t camera, const TrueStop& stop, int id, double row, Eigen::Vector2d* pixel) const {
+bool Truth::project_corner(std::size_t camera, const TrueStop& stop, const TrueBoard& seen, int id, double row,
+                           Eigen::Vector2d* pixel) const {
   const TrueCamera& seeing = cameras[camera];
   const auto readout_ms = seeing.sensing.find("readout_ms");
   const double readout_s = readout_ms == seeing.sensing.end() ? 0.0 : readout_ms->second / 1000.0;
   const Rigid3 T_world_robot = stop.T_world_robot_after(row_delay_s(row, seeing.camera.height_px, readout_s));
-  return seeing.project((T_world_robot * seeing.T_robot_camera).inverse() * (T_world_board * corner(id)), pixel);
+  return seeing.project((T_world_robot * seeing.T_robot_camera).inverse() * (seen.T_world_board * seen.corner(id)),
+                        pixel);
 }
 
 Truth load_truth(const std::filesystem::path& file) {

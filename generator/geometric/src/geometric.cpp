@@ -63,6 +63,8 @@ Truth truth_of(const GeometricConfig& config, const GeometricScene& scene) {
   truth.seed = config.seed;
   truth.board = config.rig.board;
   truth.T_world_board = scene.T_world_board;
+  for (const GeometricBoard& board : scene.more_boards)
+    truth.more_boards.push_back({board.board, {}, board.T_world_board});
   truth.odometry_noise = paper_odometry_noise(config.odometry_model, config.lambda);
   truth.odometry_scale = config.odometry_scale;
   truth.odometry_yaw_factor = config.odometry_yaw_factor;
@@ -76,10 +78,11 @@ Truth truth_of(const GeometricConfig& config, const GeometricScene& scene) {
 }
 
 // What a recording's reader is told, before anything is measured.
-Observations told_part(const GeometricConfig& config, const OdometryNoise& odometry) {
+Observations told_part(const GeometricConfig& config, const GeometricScene& scene, const OdometryNoise& odometry) {
   Observations observations;
   observations.source = "geometric mode, seed " + std::to_string(config.seed);
   observations.board = config.rig.board;
+  for (const GeometricBoard& board : scene.more_boards) observations.more_boards.push_back(board.board);
   observations.cameras = config.rig.cameras;
   for (RigCamera& camera : observations.cameras) {
     if (!camera.depth) continue;
@@ -103,7 +106,7 @@ Observations told_part(const GeometricConfig& config, const OdometryNoise& odome
 struct Frame {
   const GeometricConfig& config;
   int stop, camera;
-  Rigid3 T_camera_world, T_camera_board;
+  Rigid3 T_camera_world;
   double depth_scale;
 
   const RigCamera& rig_camera() const { return config.rig.cameras[static_cast<std::size_t>(camera)]; }
@@ -123,15 +126,15 @@ GeometricNoise noise_of(const GeometricConfig& config, int camera) {
   return noise;
 }
 
-Eigen::Vector3d print_error(const GeometricRig& rig, int id) {
-  return rig.print_errors_m.empty() ? Eigen::Vector3d::Zero() : rig.print_errors_m[static_cast<std::size_t>(id)];
+Eigen::Vector3d print_error(const GeometricBoard& board, int id) {
+  return board.print_errors_m.empty() ? Eigen::Vector3d::Zero() : board.print_errors_m[static_cast<std::size_t>(id)];
 }
 
 // Nothing where the camera does not see the whole front of the board.
-std::optional<BoardView> draw_corners(const Frame& frame, double sigma_px) {
-  const Board& board = frame.config.rig.board;
+std::optional<BoardView> draw_corners(const Frame& frame, const GeometricBoard& seen, double sigma_px) {
+  const Board& board = seen.board;
   const Camera& lens = frame.rig_camera().camera;
-  const Rigid3& T = frame.T_camera_board;
+  const Rigid3 T = frame.T_camera_world * seen.T_world_board;
   if ((T.rotation * Eigen::Vector3d::UnitZ()).dot(T * board.centre()) <= 0.0) return std::nullopt;
   RandomStream random = frame.random("geometric corners");
   BoardView view;
@@ -143,7 +146,7 @@ std::optional<BoardView> draw_corners(const Frame& frame, double sigma_px) {
   for (int id = 0; id < board.corner_count(); ++id) {
     CornerObservation corner;
     corner.id = id;
-    const Eigen::Vector3d printed = board.corner(id) + print_error(frame.config.rig, id);
+    const Eigen::Vector3d printed = board.corner(id) + print_error(seen, id);
     if (!lens.project(T * printed, &corner.pixel) || !lens.contains(corner.pixel)) return std::nullopt;
     corner.pixel += sigma_px * draw_vector<2>([&] { return random.normal(); });
     corner.covariance_px2 = stated_px * stated_px * Eigen::Matrix2d::Identity();
@@ -184,24 +187,37 @@ std::optional<PlaneObservation> draw_ground(const Frame& frame, const GeometricN
   return draw_plane(frame, "geometric ground", -up / height, *moments, *noise.ground_sigma_per_m, noise.ground_points);
 }
 
-PlaneObservation draw_board_plane(const Frame& frame, const GeometricNoise& noise) {
-  const Eigen::Vector3d normal = frame.T_camera_board.rotation * Eigen::Vector3d::UnitZ();
-  const double distance = normal.dot(frame.T_camera_board.translation);
-  const RayMoments moments = board_ray_moments(frame.rig_camera().camera, frame.config.rig.board, frame.T_camera_board);
+PlaneObservation draw_board_plane(const Frame& frame, const GeometricBoard& board, const GeometricNoise& noise) {
+  const Rigid3 T_camera_board = frame.T_camera_world * board.T_world_board;
+  const Eigen::Vector3d normal = T_camera_board.rotation * Eigen::Vector3d::UnitZ();
+  const double distance = normal.dot(T_camera_board.translation);
+  const RayMoments moments = board_ray_moments(frame.rig_camera().camera, board.board, T_camera_board);
   return draw_plane(frame, "geometric board plane", normal / distance, moments, *noise.board_sigma_per_m,
                     noise.board_points);
 }
 
-void add_frame(const Frame& frame, Observations* observations) {
+// Of the boards that it sees, the one with most corners.
+std::optional<BoardView> draw_view(const Frame& frame, const std::vector<GeometricBoard>& boards, double sigma_px) {
+  std::optional<BoardView> most;
+  for (std::size_t b = 0; b < boards.size(); ++b) {
+    std::optional<BoardView> view = draw_corners(frame, boards[b], sigma_px);
+    if (!view || (most && view->corners.size() <= most->corners.size())) continue;
+    view->board = static_cast<int>(b);
+    most = std::move(view);
+  }
+  return most;
+}
+
+void add_frame(const Frame& frame, const std::vector<GeometricBoard>& boards, Observations* observations) {
   const GeometricNoise noise = noise_of(frame.config, frame.camera);
-  std::optional<BoardView> view = draw_corners(frame, noise.corner_sigma_px);
-  const bool seen = view.has_value();
-  if (seen) observations->board_views.push_back(*std::move(view));
+  const std::optional<BoardView> view = draw_view(frame, boards, noise.corner_sigma_px);
+  if (view) observations->board_views.push_back(*view);
   if (!frame.rig_camera().depth) return;
   if (noise.ground_sigma_per_m)
     if (const std::optional<PlaneObservation> ground = draw_ground(frame, noise))
       observations->ground_planes.push_back(*ground);
-  if (seen && noise.board_sigma_per_m) observations->board_planes.push_back(draw_board_plane(frame, noise));
+  if (view && noise.board_sigma_per_m)
+    observations->board_planes.push_back(draw_board_plane(frame, boards[static_cast<std::size_t>(view->board)], noise));
 }
 
 // --------------------------------------------------------------------------------------------------------- odometry
@@ -305,12 +321,14 @@ std::vector<Stop> draw_odometry(const GeometricConfig& config, const std::vector
 GeometricRun draw(const GeometricConfig& config, const GeometricScene& scene) {
   GeometricRun run;
   run.truth = truth_of(config, scene);
-  run.observations = told_part(config, run.truth.odometry_noise);
+  run.observations = told_part(config, scene, run.truth.odometry_noise);
+  std::vector<GeometricBoard> boards = {{config.rig.board, scene.T_world_board, config.rig.print_errors_m}};
+  boards.insert(boards.end(), scene.more_boards.begin(), scene.more_boards.end());
   for (std::size_t i = 0; i < scene.T_world_robot.size(); ++i) {
     for (std::size_t c = 0; c < config.rig.cameras.size(); ++c) {
       const Rigid3 T_camera_world = (scene.T_world_robot[i] * config.rig.T_robot_camera[c]).inverse();
-      add_frame({config, static_cast<int>(i), static_cast<int>(c), T_camera_world, T_camera_world * scene.T_world_board,
-                 *run.truth.cameras[c].depth_scale},
+      const double depth_scale = *run.truth.cameras[c].depth_scale;
+      add_frame({config, static_cast<int>(i), static_cast<int>(c), T_camera_world, depth_scale}, boards,
                 &run.observations);
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "rigproof/core/recording.h"
@@ -26,8 +27,10 @@ double depth_scale_of(const GenerateConfig& config, const Rig& rig, int index, D
 /// In place of what is true: the intrinsics and how well they are known, which is exactly unless an error may be drawn.
 /// What `sensing.lens` asks for replaces what would be drawn of the same quantity.
 void tell_lens(const GenerateConfig& config, std::int32_t index, RigCamera* camera);
-/// The same for the side of the squares.
-void tell_board(const GenerateConfig& config, Board* board);
+/// The same for the side of the squares of a board of the run.
+void tell_board(const GenerateConfig& config, std::size_t index, Board* board);
+/// Where a board of the run beside the first one stands against that, as its owner measured it; nothing, if nobody did.
+std::optional<BoardPlace> told_place(const GenerateConfig& config, std::size_t index, const Rigid3& T_first_board);
 /// The true readout, of images taken at speed; nothing, where errors may be drawn: people do not know it.
 void tell_readout(const GenerateConfig& config, double readout_s, RigCamera* camera);
 /// How well the scale of depth that cameras of a make share is known; neither an offset nor a tilt is simulated.

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "resolve.h"
+#include "rigproof/core/conventions.h"
 #include "rigproof/core/draw_vector.h"
 #include "rigproof/core/random.h"
 
@@ -114,16 +115,27 @@ void tell_readout(const GenerateConfig& config, double readout_s, RigCamera* cam
   camera->readout_sigma_s = 0.0;
 }
 
-void tell_board(const GenerateConfig& config, Board* board) {
+void tell_board(const GenerateConfig& config, std::size_t index, Board* board) {
   const std::optional<double> print_sigma_m = board->print_sigma_m;
   if (!told_is_drawn(config)) board->believe();
-  const bool misprinted = !is_zero(config.board.defects.print_error_mm);
+  const bool misprinted = !is_zero(config.board_at(index).defects.print_error_mm);
   board->print_sigma_m = misprinted ? print_sigma_m : 0.0;
   if (!told_is_drawn(config)) return;
-  RandomStream random(sensing_seed(config), "told board");
+  RandomStream random = stream_of_board(sensing_seed(config), "told board", index);
   constexpr double kReadingsPerM = 1e5;  // a hundredth of a millimetre
   const double measured_m = board->square_m * (1.0 + random.normal(0.0, board->square_sigma_relative()));
   board->square_m = std::round(measured_m * kReadingsPerM) / kReadingsPerM;
+}
+
+std::optional<BoardPlace> told_place(const GenerateConfig& config, std::size_t index, const Rigid3& T_first_board) {
+  const BoardConfig& board = config.board_at(index);
+  if (board.told_place_sigma_mm == 0.0) return std::nullopt;
+  BoardPlace place{T_first_board, 0.001 * board.told_place_sigma_mm, deg_to_rad(board.told_place_sigma_deg)};
+  RandomStream random = stream_of_board(sensing_seed(config), "told place", index);
+  place.T_first_board.translation += draw_vector<3>([&] { return random.normal(0.0, place.sigma_m); });
+  const Eigen::Vector3d turn = draw_vector<3>([&] { return random.normal(0.0, place.sigma_rad); });
+  place.T_first_board.rotation = T_first_board.rotation * so3_exp(turn);
+  return place;
 }
 
 void tell_depth(const GenerateConfig& config, RigCamera* camera) {

@@ -64,7 +64,7 @@ void plan_many(const std::string& scene_name, const SceneModel& scene, int poses
   const WorldDescription description = describe_world(rig, scene, rig.rig.board, T_scene_board, 0);
   const auto world = World::compose(description);
   ComposedViewpointWorld viewpoint_world(*world);
-  const ViewpointSubject subject{description.cameras, rig.rig.board, T_scene_board, description.board_margin_m};
+  const ViewpointSubject subject{{rig.rig.board, T_scene_board, description.board_margin_m}, description.cameras};
   const ViewpointPlan plan = plan_viewpoints(config.viewpoints, poses, subject, viewpoint_world, 0);
   int whole = 0;
   check->planned_board_everywhere = true;

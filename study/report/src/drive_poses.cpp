@@ -28,7 +28,7 @@ std::vector<Rigid3> aligned(std::vector<Rigid3> odometry, const Rigid3& first) {
 }
 
 std::optional<Rigid3> find_board(const InspectInput& input, const std::vector<Rigid3>& driven, int board) {
-  if (input.truth && board == 0) return input.truth->T_world_board;
+  if (input.truth && board < input.truth->boards()) return input.truth->board_at(board).T_world_board;
   for (const BoardView& view : input.observations.board_views) {
     if (view.board != board) continue;
     const RigCamera& camera = input.observations.cameras[static_cast<std::size_t>(view.camera)];

@@ -43,7 +43,8 @@ std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& 
 }
 
 std::optional<double> distance_to_board(const InspectInput& input, const BoardView& view) {
-  if (!input.truth) return std::nullopt;
+  if (!input.truth || view.board >= input.truth->boards()) return std::nullopt;
+  const TrueBoard& board = input.truth->board_at(view.board);
   const auto camera =
       index_in_truth(*input.truth, input.observations.cameras[static_cast<std::size_t>(view.camera)].name);
   if (!camera) return std::nullopt;
@@ -51,7 +52,7 @@ std::optional<double> distance_to_board(const InspectInput& input, const BoardVi
   const auto stop = stop_at(stops, view.stamp_s);
   if (!stop) return std::nullopt;
   const Rigid3 T_world_camera = stops[*stop].T_world_robot * input.truth->cameras[*camera].T_robot_camera;
-  return (T_world_camera.inverse() * (input.truth->T_world_board * input.truth->board.centre())).norm();
+  return (T_world_camera.inverse() * (board.T_world_board * board.board.centre())).norm();
 }
 
 }  // namespace inspect_detail

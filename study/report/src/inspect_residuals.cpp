@@ -186,11 +186,12 @@ Written draw_corners(const InspectInput& input, std::size_t camera, const std::f
   double variance = 0.0;
   for (const BoardView& view : input.observations.board_views) {
     const auto stop = stop_at(stops, view.stamp_s);
-    if (view.camera != static_cast<int>(camera) || view.board != 0 || !stop) continue;  // truth has one board
+    if (view.camera != static_cast<int>(camera) || view.board >= truth.boards() || !stop) continue;
     ++views;
+    const TrueBoard& board = truth.board_at(view.board);
     for (const CornerObservation& corner : view.corners) {
       Eigen::Vector2d projected;
-      if (!truth.project_corner(*true_camera, stops[*stop], corner.id, corner.pixel.y(), &projected)) continue;
+      if (!truth.project_corner(*true_camera, stops[*stop], board, corner.id, corner.pixel.y(), &projected)) continue;
       picture.residuals.push_back({corner.pixel, corner.pixel - projected});
       variance += 0.5 * corner.covariance_px2.trace();
     }

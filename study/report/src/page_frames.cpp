@@ -44,7 +44,7 @@ std::optional<cv::Rect> board_area(const BoardView& view, const Camera& camera) 
 
 // Corners as the truth projects them; empty where it does not know the view.
 std::vector<Eigen::Vector2d> true_corners(const InspectInput& input, const BoardView& view) {
-  if (!input.truth || view.board != 0) return {};  // truth has one board
+  if (!input.truth || view.board >= input.truth->boards()) return {};
   const Truth& truth = *input.truth;
   const auto camera = index_in_truth(truth, input.observations.cameras[static_cast<std::size_t>(view.camera)].name);
   const auto stop = camera ? stop_at(truth.stops_of(*camera), view.stamp_s) : std::nullopt;
@@ -52,7 +52,8 @@ std::vector<Eigen::Vector2d> true_corners(const InspectInput& input, const Board
   std::vector<Eigen::Vector2d> pixels;
   for (const CornerObservation& corner : view.corners) {
     Eigen::Vector2d pixel = Eigen::Vector2d::Constant(std::nan(""));
-    truth.project_corner(*camera, truth.stops_of(*camera)[*stop], corner.id, corner.pixel.y(), &pixel);
+    truth.project_corner(*camera, truth.stops_of(*camera)[*stop], truth.board_at(view.board), corner.id,
+                         corner.pixel.y(), &pixel);
     pixels.push_back(pixel);
   }
   return pixels;

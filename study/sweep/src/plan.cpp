@@ -127,6 +127,9 @@ void check_geometric(const SweepConfig& config, const TaskSettings& task, Proble
   };
   if (run.motion != "teleport") problem("motion", run.motion, "must be teleport in mode geometric");
   if (task.geometric.rig == "run") return;
+  if (!run.more_boards.empty())
+    problem("more_boards", std::to_string(run.more_boards.size()),
+            "must be none in mode geometric, unless geometric.rig is run: the reference rig has one board");
   if (run.odometry.model != "per_increment" && run.odometry.model != "per_pose")
     problem("odometry.model", run.odometry.model,
             "must be per_increment or per_pose in mode geometric, unless geometric.rig is run");
@@ -154,6 +157,7 @@ const std::string& inputs_of(const GenerateConfig& config, Seen* seen) {
   part.rig = config.rig;
   part.randomize = config.randomize;
   part.board = config.board;
+  part.more_boards = config.more_boards;
   part.seed = config.seed;
   std::string& text = seen->inputs[resolved_text(part)];
   if (text.empty()) text = joined(run_inputs(config), "\n") + "\n";

@@ -153,6 +153,8 @@ TaskData planned_data(const TaskSettings& task) {
   config.rig.board = plan.recording.rig.board;
   GeometricScene scene;
   scene.T_world_board = plan.truth.T_world_board;
+  for (int b = 1; b < plan.truth.boards(); ++b)
+    scene.more_boards.push_back({plan.recording.rig.board_at(b), plan.truth.board_at(b).T_world_board, {}});
   std::vector<TrueStop> stops;
   for (const TrueStop& stop : plan.truth.stops) {
     CameraFrame frame;

@@ -7,7 +7,18 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/rigid3.h"
+
 namespace rigproof {
+
+/// Where a board stands against the first one of a recording, as somebody measured it.
+struct BoardPlace {
+  Rigid3 T_first_board;
+  /// One sigma of it, along and about each axis. Assumed: a tape measure and an eye, over a metre or two.
+  double sigma_m = 0.005;
+  double sigma_rad = 0.5 * kPi / 180.0;
+};
 
 /// A board of squares_x by squares_y squares. Its corners carry ids in row order: id = iy * inner_corners_x() + ix, at
 /// (along(ix), along(iy), 0) in the board frame. The square diagonally outside corner 0 (in the board's -x -y corner)
@@ -35,6 +46,8 @@ struct Board {
   std::optional<double> marker_m = {};
   /// Of a ChArUco board with an even number of rows: its first square is light, as OpenCV before 4.6 drew it.
   bool legacy_pattern = false;
+  /// Of a board beside the first one; absent: it may stand anywhere.
+  std::optional<BoardPlace> place = {};
 
   /// From now on exactly as stated.
   void believe() { square_sigma_m = bow_sigma_m = print_sigma_m = 0.0; }

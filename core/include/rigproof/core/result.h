@@ -68,6 +68,13 @@ struct EstimatedLens {
   Camera intrinsics;
 };
 
+/// Where a board stands, of several.
+struct EstimatedBoard {
+  int number = 2;  ///< 1 is the first board
+  Rigid3 T_first_board;
+  std::array<double, 6> sigma{};  ///< of the translation's parts [m], and of a turn about each axis of this board [rad]
+};
+
 enum class ResultStatus {
   kSolved,
   kPartial,  ///< some degrees of freedom are refused
@@ -90,6 +97,7 @@ struct Result {
   std::vector<EstimatedQuantity> also_estimated;  ///< camera by camera, then of the rig
   /// Where they were estimated: the poses go with these, not with the stated ones.
   std::vector<EstimatedLens> lenses;
+  std::vector<EstimatedBoard> boards;  ///< all but the first, where the drive tells
   /// Where in the robot's frame the rig states that the robot turns, along x and y, and how well (one sigma; absent: it
   /// does not say): the poses go with that, too.
   Eigen::Vector2d rotation_centre_m = Eigen::Vector2d::Zero();

@@ -27,7 +27,11 @@ struct RigReadOptions {
 void visit_fields(FieldVisitor& visitor, Board& board);
 /// The block alone.
 void visit_board(FieldVisitor& visitor, Board& board);
-/// `more_boards`, a list of the same; left out where there are none.
+/// {translation_m, quaternion_xyzw, sigma_mm, sigma_deg}.
+void visit_fields(FieldVisitor& visitor, BoardPlace& place);
+/// Whether there is a list `more_boards` to be visited; one that is too long is a problem.
+bool takes_more_boards(FieldVisitor& visitor, bool has_some);
+/// `more_boards`, a list of boards, each with its `place`; left out where there are none.
 void visit_more_boards(FieldVisitor& visitor, std::vector<Board>& boards);
 /// width_px height_px fx_px fy_px cx_px cy_px lens distortion.
 void visit_fields(FieldVisitor& visitor, Camera& camera);

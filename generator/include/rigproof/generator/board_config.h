@@ -7,9 +7,15 @@
 
 #include "rigproof/core/board.h"
 #include "rigproof/core/fields.h"
+#include "rigproof/core/random.h"
 #include "rigproof/sim/board_defects.h"
 
 namespace rigproof {
+
+/// What is random of a board of a run: the first is number 0.
+RandomStream stream_of_board(std::uint64_t seed, const std::string& purpose, std::size_t index);
+/// "board" or "more_boards[0]", as the configuration calls it.
+std::string key_of_board(std::size_t index);
 
 /// Drawn once a run. The recording tells the nominal board; truth/truth.yaml what was drawn.
 struct BoardDefectsConfig {
@@ -31,6 +37,7 @@ struct BoardDefectsDraw {
   double print_error_m = 0.0;           ///< one sigma of BoardDefects::corner_shifts_m
   std::map<std::string, double> drawn;  ///< for the truth, by field
 };
-BoardDefectsDraw draw_board_defects(const BoardDefectsConfig& config, const Board& board, std::uint64_t seed);
+BoardDefectsDraw draw_board_defects(const BoardDefectsConfig& config, const Board& board, std::uint64_t seed,
+                                    std::size_t index = 0);
 
 }  // namespace rigproof

@@ -23,6 +23,7 @@ struct BoardConfig {
   std::string type = "preset";   ///< preset | checkerboard | charuco | aprilgrid
   std::vector<double> squares;   ///< two numbers replace the preset's; empty = the preset's
   double square_mm = 0.0;        ///< 0 = the preset's
+  std::string dictionary;        ///< of a charuco's markers, as OpenCV calls it; empty = the preset's
   std::string place = "fitted";  ///< fitted | scene: where the scene puts it; given: the fields below
   Distribution x_m = 0.0;
   Distribution y_m = 0.0;
@@ -31,6 +32,9 @@ struct BoardConfig {
   Distribution lean_deg = 0.0;
   Distribution roll_deg = 0.0;
   BoardDefectsConfig defects;
+  // Of further boards: how well the recording tells where they stand against the first one.
+  double told_place_sigma_mm = 0.0;  ///< 0 = it does not; with `sensing.told: exact`, too, this error is drawn
+  double told_place_sigma_deg = 0.5;
 
   void visit(FieldVisitor& visitor);
 };
@@ -122,6 +126,7 @@ struct GenerateConfig {
   std::string motion = "teleport";  ///< teleport | drive
   DriveConfig drive;
   BoardConfig board;
+  std::vector<BoardConfig> more_boards;  ///< with a place of their own
   ViewpointConfig viewpoints;
   StraightDriveConfig straight_drive;
   OdometryConfig odometry;
@@ -133,6 +138,8 @@ struct GenerateConfig {
   std::int64_t cloud_stride_px = 2;
   std::int64_t png_level = 0;
 
+  /// The first board, or one of the others.
+  const BoardConfig& board_at(std::size_t index) const { return index == 0 ? board : more_boards[index - 1]; }
   bool moves_while_exposing() const { return motion == "drive" && drive.capture == "moving"; }
   void visit(FieldVisitor& visitor);
 };

@@ -20,8 +20,9 @@ class ViewpointWorld {
   virtual FloorArea drivable_area() = 0;
   /// Name of something that the robot would touch, or empty.
   virtual std::string obstacle(const Rigid3& T_scene_robot) = 0;
-  /// True if nothing but the board is met on the way from `origin` to `target`, a point of the board.
-  virtual bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target) = 0;
+  /// True if nothing but the board is met on the way from `origin` to `target`, a point of the subject's board of that
+  /// number.
+  virtual bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target, std::size_t board) = 0;
 };
 
 /// The same for a composed world; moves its robot.
@@ -30,18 +31,28 @@ class ComposedViewpointWorld : public ViewpointWorld {
   explicit ComposedViewpointWorld(World& world) : world_(world) {}
   FloorArea drivable_area() override { return world_.drivable_area(); }
   std::string obstacle(const Rigid3& T_scene_robot) override;
-  bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target) override;
+  bool in_sight(const Eigen::Vector3d& origin, const Eigen::Vector3d& target, std::size_t board) override;
 
  private:
   World& world_;
 };
 
-/// What is to be seen, and from which cameras.
-struct ViewpointSubject {
-  std::vector<WorldCamera> cameras;
+/// A board to be seen.
+struct ViewedBoard {
   Board board;
   Rigid3 T_scene_board;
   double board_margin_m = 0.05;  ///< white border, to be in the image as well
+};
+
+/// What is to be seen, and from which cameras. Its own members of a board are those of the first one.
+struct ViewpointSubject : ViewedBoard {
+  std::vector<WorldCamera> cameras;
+  std::vector<ViewedBoard> more_boards = {};
+
+  std::size_t boards() const { return 1 + more_boards.size(); }
+  const ViewedBoard& board_at(std::size_t index) const {
+    return index == 0 ? static_cast<const ViewedBoard&>(*this) : more_boards[index - 1];
+  }
 };
 
 /// One stop of the robot.
@@ -49,10 +60,10 @@ struct Viewpoint {
   double x_m = 0.0;  ///< scene's frame
   double y_m = 0.0;
   double yaw_rad = 0.0;
-  double distance_m = 0.0;     ///< from the board's centre, along the floor
-  double bearing_rad = 0.0;    ///< as seen from the board, 0 = straight in front of it
-  double obliquity_rad = 0.0;  ///< largest of the cameras that see the board
-  int cameras_with_board = 0;  ///< cameras with the whole board, its border, and the margin, unhidden
+  double distance_m = 0.0;     ///< from the centre of the nearest board, along the floor
+  double bearing_rad = 0.0;    ///< as seen from that board, 0 = straight in front of it
+  double obliquity_rad = 0.0;  ///< largest of the cameras that see a board
+  int cameras_with_board = 0;  ///< cameras with a whole board, its border, and the margin, unhidden
 
   Rigid3 T_scene_robot() const { return planar_pose(x_m, y_m, yaw_rad); }
 };

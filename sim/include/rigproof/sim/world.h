@@ -91,17 +91,28 @@ struct SceneDescription {
   StraightPath straight_path;
 };
 
-struct WorldDescription {
-  std::filesystem::path robot_mjcf;  ///< body `robot` whose origin is the robot frame
-  SceneDescription scene;
-  std::uint64_t scene_seed = 0;  ///< of the procedural textures
-  std::vector<WorldCamera> cameras;
+/// A board and where it stands.
+struct WorldBoard {
   Board board;
   Rigid3 T_world_board;
   double board_margin_m = 0.05;     ///< white border around the squares
   double board_thickness_m = 0.01;  ///< behind the printed face
   BoardDefects board_defects;
+};
+
+/// Its own members of a board are those of the first one.
+struct WorldDescription : WorldBoard {
+  std::filesystem::path robot_mjcf;  ///< body `robot` whose origin is the robot frame
+  SceneDescription scene;
+  std::uint64_t scene_seed = 0;  ///< of the procedural textures
+  std::vector<WorldCamera> cameras;
+  std::vector<WorldBoard> more_boards;
   GroundRelief ground;  ///< of the floor, where it is not flat: of its pictures and of what wheels stand on
+
+  std::size_t boards() const { return 1 + more_boards.size(); }
+  const WorldBoard& board_at(std::size_t index) const {
+    return index == 0 ? static_cast<const WorldBoard&>(*this) : more_boards[index - 1];
+  }
 };
 
 /// What a pixel of the object-id image shows.
@@ -125,6 +136,9 @@ class World {
   /// Distance along the ray to the first thing hit that is not the robot, and what it is; infinity if nothing.
   double cast_ray(const Eigen::Vector3d& origin_world, const Eigen::Vector3d& direction_world,
                   ObjectKind* hit = nullptr) const;
+  /// Which board's printed face or back the ray meets before anything else.
+  std::optional<std::size_t> cast_ray_to_board(const Eigen::Vector3d& origin_world,
+                                               const Eigen::Vector3d& direction_world) const;
   FloorArea drivable_area() const;
 
   const WorldDescription& description() const;

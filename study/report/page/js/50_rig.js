@@ -202,18 +202,24 @@ class RigView {
     if (this.parts.ground) this.addGround();
     if (this.parts.drive && drive.driven.length > 1) this.scene.add(driveModel(drive, this.parts.odometry && drive.is_true));
     const boards = [[this.data.board, drive.board], ...(this.data.more_boards || []).map((board, i) => [board, drive.more_boards[i]])];
-    for (const [board, pose] of this.parts.board ? boards : []) {
-      if (!pose) continue;
+    boards.forEach(([board, pose], i) => {
+      if (!pose || !this.parts.board) return;
       const model = boardModel(board);
+      if (boards.length > 1) model.add(this.boardNumber(board, i + 1));
       model.applyMatrix4(poseMatrix(pose));
       this.scene.add(model);
-    }
+    });
     const robot = new three.Group();
     if (here) robot.applyMatrix4(poseMatrix(here));
     robot.add(robotModel(this.places(), this.letters()));
     this.data.cameras.forEach((camera, i) => this.addCamera(robot, camera, i));
     this.scene.add(robot);
     this.draw();
+  }
+  boardNumber(board, number) {
+    const label = labelSprite(`board ${number}`, color("ink"), this.letters());
+    label.position.set(...board.outline[1], 0);
+    return label;
   }
   addGround() {
     const points = [...this.data.drive.driven, ...this.boards()];

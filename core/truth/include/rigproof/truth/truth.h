@@ -55,13 +55,23 @@ struct TrueCamera {
 /// A shutter that reads rows one after the other: when row v of `height` is exposed, against the middle row.
 inline double row_delay_s(double row, int height, double readout_s) { return readout_s * ((row + 0.5) / height - 0.5); }
 
-struct Truth {
-  std::string scene;
-  std::uint64_t seed = 0;
+struct TrueBoard {
   Board board;  ///< as it is told
   /// Where its corners truly are, by id [board frame]; empty = where `board` says.
   std::vector<Eigen::Vector3d> printed_corners = {};
   Rigid3 T_world_board;
+
+  /// A corner as it is printed and bent [board frame].
+  Eigen::Vector3d corner(int id) const {
+    return printed_corners.empty() ? board.corner(id) : printed_corners[static_cast<std::size_t>(id)];
+  }
+};
+
+/// Its own members of a board are those of the first one.
+struct Truth : TrueBoard {
+  std::string scene;
+  std::uint64_t seed = 0;
+  std::vector<TrueBoard> more_boards;
   /// Of a robot on unequal wheels or under a load: how the frame in which the rig's file mounts cameras, which is level
   /// on the robot's model, stands in the robot frame, which lies in the ground.
   std::optional<Rigid3> T_robot_chassis = std::nullopt;
@@ -73,13 +83,15 @@ struct Truth {
   /// What was drawn once for the run, by the field of its configuration: "drive.payload_kg", "board.bow_mm", ...
   std::map<std::string, double> drawn;
 
-  /// A corner of the board as it is printed and bent [board frame].
-  Eigen::Vector3d corner(int id) const {
-    return printed_corners.empty() ? board.corner(id) : printed_corners[static_cast<std::size_t>(id)];
+  int boards() const { return 1 + static_cast<int>(more_boards.size()); }
+  /// Throws std::out_of_range where there is none of that number.
+  const TrueBoard& board_at(int index) const {
+    return index == 0 ? static_cast<const TrueBoard&>(*this) : more_boards.at(static_cast<std::size_t>(index) - 1);
   }
-  /// Where a camera sees a corner in an image of a stop, when it reads the row at which the corner was found.
-  /// Returns false where it does not.
-  bool project_corner(std::size_t camera, const TrueStop& stop, int id, double row, Eigen::Vector2d* pixel) const;
+  /// Where a camera sees a corner of a board in an image of a stop, when it reads the row at which the corner was
+  /// found. Returns false where it does not.
+  bool project_corner(std::size_t camera, const TrueStop& stop, const TrueBoard& seen, int id, double row,
+                      Eigen::Vector2d* pixel) const;
   /// When a camera took its images and where the robot was: those of its own, or the stops that all cameras share.
   const std::vector<TrueStop>& stops_of(std::size_t camera) const {
     return cameras[camera].stops.empty() ? stops : cameras[camera].stops;

@@ -110,10 +110,19 @@ RayMoments board_ray_moments(const Camera& camera, const Board& board, const Rig
 /// Noise of the odometry at the given multiple of the paper's level.
 OdometryNoise paper_odometry_noise(OdometryModel model, double lambda);
 
+/// A board beside the rig's.
+struct GeometricBoard {
+  Board board;
+  Rigid3 T_world_board;
+  std::vector<Eigen::Vector3d> print_errors_m;  ///< as GeometricRig's
+};
+
 /// True poses of the robot in the world (the first one's x, y and yaw are zero), and the board in it.
 struct GeometricScene {
   Rigid3 T_world_board;
   std::vector<Rigid3> T_world_robot;
+  /// Where a camera sees more than one whole board, the one with most corners counts.
+  std::vector<GeometricBoard> more_boards = {};
 };
 /// Throws Error where the rig cannot see the board as asked.
 GeometricScene draw_scene(const GeometricConfig& config);

@@ -30,6 +30,11 @@ inline constexpr int kLeaveOutRounds = 8;
 Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out_rounds = kLeaveOutRounds,
               const Fit* other = nullptr);
 
+/// Errors that repeat in every image, anew from a solution without a prior that the preparation has got since.
+void settle_again(Preparation* prepared, const Fit& before);
+/// From a solution, with the same views, after the priors have changed: cameras that shake keep their level.
+Fit fit_again(const Preparation& prepared, const Fit& before);
+
 /// The same from a solution, with second poses of the step's bodies, and with the views again that it left out.
 Fit fit_with_step(const Preparation& prepared, const Fit& without, const Step& step);
 

@@ -23,7 +23,9 @@ struct Preparation {
 
   const Observations& original;
   const MlOptions& options;
-  Observations used;  ///< without planes that are not the ground, and without errors that repeat in every image
+  /// Without planes that are not the ground, without errors that repeat in every image, and, until the rest is known
+  /// to be in order, without the places that are stated of boards.
+  Observations used;
   std::vector<ViewPose> views;
   std::vector<Exclusion> excluded;
   TrajectoryAlignment alignment;

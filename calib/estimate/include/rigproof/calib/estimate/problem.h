@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rigproof/calib/estimate/arrow_system.h"
+#include "rigproof/calib/estimate/board_place.h"
 #include "rigproof/calib/estimate/group_sums.h"
 #include "rigproof/calib/estimate/noise.h"
 #include "rigproof/calib/estimate/odometry_way.h"
@@ -74,6 +75,8 @@ class Problem {
   void visit_blocks(const State& state, Weighting weighting, BlockSink* sink) const;
   /// Every prior that counts: of which row, where its unknowns stand among the globals, its information.
   void for_each_prior(const std::function<void(Nuisance, int, const Eigen::MatrixXd&)>& visit) const;
+  /// Of the boards whose place against the first one is stated, where views of both count.
+  std::vector<PlaceError> place_errors(const State& state) const;
   ViewFit view_fit(const State& state, std::size_t view) const;
   /// One for each board view, none of those left out or taken at speed, of which the displacement is an unknown; absent
   /// if the poses are not determined.
