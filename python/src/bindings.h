@@ -20,6 +20,7 @@
 namespace rigproof::python {
 
 namespace py = pybind11;
+using namespace py::literals;  // "key"_a
 
 void add_errors(py::module_& module);
 void add_geometry(py::module_& module);
@@ -51,6 +52,14 @@ py::array_t<double> rows_of(const Elements& elements, Eigen::Index width, const 
   Eigen::Index at = 0;
   for (const auto& element : elements) rows.row(at++) = row_of(element);
   return array_of(rows);
+}
+
+/// A list of what `part_of(element)` answers for each element.
+template <typename Elements, typename PartOf>
+py::list list_of(const Elements& elements, const PartOf& part_of) {
+  py::list list;
+  for (const auto& element : elements) list.append(part_of(element));
+  return list;
 }
 
 /// The numbers, with NaN for those that are absent.

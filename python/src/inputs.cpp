@@ -219,14 +219,9 @@ std::map<std::string, Rigid3> true_poses(const Truth& truth) {
 }
 
 py::list true_boards(const Truth& truth) {
-  py::list all;
-  for (const TrueBoard& board : truth.more_boards) {
-    py::dict one;
-    one["board"] = board.board;
-    one["T_world_board"] = board.T_world_board;
-    all.append(one);
-  }
-  return all;
+  return list_of(truth.more_boards, [](const TrueBoard& board) {
+    return py::dict("board"_a = board.board, "T_world_board"_a = board.T_world_board);
+  });
 }
 
 std::vector<Rigid3> robot_poses(const Truth& truth) {

@@ -50,53 +50,29 @@ py::object poses_of(const Result& result) {
 
 py::dict use_of(const Result& result) {
   py::dict all;
-  for (const CameraUse& use : result.use) {
-    py::dict one;
-    one["used"] = use.used;
-    one["left_out"] = use.left_out;
-    one["reprojection_rms_px"] = use.reprojection_rms_px;
-    all[use.camera.c_str()] = one;
-  }
+  for (const CameraUse& use : result.use)
+    all[use.camera.c_str()] =
+        py::dict("used"_a = use.used, "left_out"_a = use.left_out, "reprojection_rms_px"_a = use.reprojection_rms_px);
   return all;
 }
 
 py::list residuals_of(const Result& result) {
-  py::list all;
-  for (const ResidualSummary& summary : result.residuals) {
-    py::dict one;
-    one["name"] = summary.name;
-    one["unit"] = summary.unit;
-    one["count"] = summary.count;
-    one["rms"] = summary.rms;
-    all.append(one);
-  }
-  return all;
+  return list_of(result.residuals, [](const ResidualSummary& summary) {
+    return py::dict("name"_a = summary.name, "unit"_a = summary.unit, "count"_a = summary.count, "rms"_a = summary.rms);
+  });
 }
 
 py::list estimated_of(const Result& result) {
-  py::list all;
-  for (const EstimatedQuantity& quantity : result.also_estimated) {
-    py::dict one;
-    one["camera"] = quantity.camera;
-    one["name"] = quantity.name;
-    one["value"] = quantity.value;
-    one["sigma"] = quantity.sigma;
-    one["prior_sigma"] = quantity.prior_sigma;
-    all.append(one);
-  }
-  return all;
+  return list_of(result.also_estimated, [](const EstimatedQuantity& quantity) {
+    return py::dict("camera"_a = quantity.camera, "name"_a = quantity.name, "value"_a = quantity.value,
+                    "sigma"_a = quantity.sigma, "prior_sigma"_a = quantity.prior_sigma);
+  });
 }
 
 py::list boards_of(const Result& result) {
-  py::list all;
-  for (const EstimatedBoard& board : result.boards) {
-    py::dict one;
-    one["number"] = board.number;
-    one["T_first_board"] = board.T_first_board;
-    one["sigma"] = board.sigma;
-    all.append(one);
-  }
-  return all;
+  return list_of(result.boards, [](const EstimatedBoard& board) {
+    return py::dict("number"_a = board.number, "T_first_board"_a = board.T_first_board, "sigma"_a = board.sigma);
+  });
 }
 
 std::map<std::string, Camera> lenses_of(const Result& result) {

@@ -84,15 +84,9 @@ py::list bound(const Observations& observations, const Truth& truth) {
     const py::gil_scoped_release released;
     bounds = transform_bounds(observations, truth);
   }
-  py::list all;
-  for (const TransformBound& one : bounds) {
-    py::dict entry;
-    entry["parent"] = one.parent;
-    entry["child"] = one.child;
-    entry["sigma"] = array_of(one.sigma);
-    all.append(entry);
-  }
-  return all;
+  return list_of(bounds, [](const TransformBound& one) {
+    return py::dict("parent"_a = one.parent, "child"_a = one.child, "sigma"_a = array_of(one.sigma));
+  });
 }
 
 }  // namespace

@@ -82,17 +82,11 @@ Result calibrate(const Data& data, const py::object& method, int threads, const 
 }
 
 py::list methods() {
-  py::list all;
-  for (const Method* method : all_methods()) {
+  return list_of(all_methods(), [](const Method* method) {
     const MethodTraits traits = method->traits();
-    py::dict one;
-    one["name"] = traits.name;
-    one["summary"] = traits.summary;
-    one["needs"] = traits.needs;
-    one["gives"] = traits.gives;
-    all.append(one);
-  }
-  return all;
+    return py::dict("name"_a = traits.name, "summary"_a = traits.summary, "needs"_a = traits.needs,
+                    "gives"_a = traits.gives);
+  });
 }
 
 void add_view_poses(py::module_& module) {

@@ -250,7 +250,7 @@ std::string board_name(std::size_t index) {
 }
 
 std::optional<std::size_t> board_of_name(const std::string& name) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMost = 8;  // `board`, and seven `more_boards`
   for (std::size_t i = 0; i < kMost; ++i)
     if (name == board_name(i)) return i;
   return std::nullopt;

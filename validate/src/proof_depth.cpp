@@ -394,10 +394,6 @@ std::string compare_frames(const Subject& subject) {
   return off;
 }
 
-}  // namespace
-
-namespace {
-
 // The only board; of several the one that was found in the image beside the depth image.
 int compared_board(const Observations& observations, const Subject& subject, const CameraFrame& frame) {
   if (subject.truth.boards() == 1) return 0;

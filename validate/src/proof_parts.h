@@ -41,8 +41,8 @@ inline std::size_t frames_looked_at(std::size_t frames, const ProofOptions& opti
 Proved prove_corners(const Observations& observations, const Truth& truth, std::size_t observed_camera,
                      std::size_t camera, const ProofOptions& options, Proved proved);
 
-/// The depth. `recorded_camera` indexes the recording's cameras.
-/// Of several boards, a depth image is compared on the one of which its image has a view: others may be hidden.
+/// The depth. `recorded_camera` indexes the recording's cameras. Of several boards a depth image is compared on the one
+/// that was found in the image taken with it: another one may be hidden.
 Proved prove_depth(const Recording& recording, const Observations& observations, const Truth& truth,
                    std::size_t recorded_camera, std::size_t camera, const ProofOptions& options, Proved proved);
 

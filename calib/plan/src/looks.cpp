@@ -74,8 +74,8 @@ bool is_oblique(const Outlook& outlook, int board, const Place& place) {
   return normal.dot(sight.normalized()) < std::cos(outlook.options.max_obliquity_rad);
 }
 
-// Where its images leave it to look; false if none was searched for a board. One that is in none of them is in no
-// direction in which it looks.
+// In which directions a camera may look: from a stop at which it found no board, it does not look to where a board
+// stands. False if none of its images was searched.
 bool learn_from_images(const Outlook& outlook, Sight* sight) {
   bool searched = false;
   sight->looks.fill(1.0);

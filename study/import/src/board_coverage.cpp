@@ -76,21 +76,6 @@ std::vector<std::string> told_apart(const Candidates& candidates, const std::vec
 
 void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
 
-}  // namespace
-
-std::optional<Board> any_board(const Image8& image) {
-  // First the one with markers: its corners alone look like a checkerboard's.
-  if (std::optional<Board> board = find_any_marked_board(image)) return board;
-  const auto size = find_any_checkerboard(image);
-  if (!size) return std::nullopt;
-  Board board;
-  board.squares_x = size->inner_corners_long + 1;
-  board.squares_y = size->inner_corners_short + 1;
-  return board;
-}
-
-namespace {
-
 /// @param which cameras to look through; empty: all
 /// @param known boards that are not meant
 BoardCoverage guessed(const Recording& recording, const std::vector<bool>& which, const std::vector<Board>& known,
@@ -130,6 +115,17 @@ std::vector<Board> boards_of(const Rig& rig) {
 }
 
 }  // namespace
+
+std::optional<Board> any_board(const Image8& image) {
+  // First the one with markers: its corners alone look like a checkerboard's.
+  if (std::optional<Board> board = find_any_marked_board(image)) return board;
+  const auto size = find_any_checkerboard(image);
+  if (!size) return std::nullopt;
+  Board board;
+  board.squares_x = size->inner_corners_long + 1;
+  board.squares_y = size->inner_corners_short + 1;
+  return board;
+}
 
 BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress) {
   BoardCoverage coverage;
