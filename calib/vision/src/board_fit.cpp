@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <set>
 #include <utility>
 
+#include "marker_codes.h"
 #include "rigproof/calib/geometry/homography.h"
 #include "rigproof/core/board_markers.h"
 #include "rigproof/core/median.h"
@@ -60,6 +62,33 @@ struct TagSides {
     gap = 2.0 - tag;
     clean = std::min(gap, border_bits / (bits + 2.0 * border_bits) * tag);
   }
+};
+
+/// The cells of a ChArUco board's markers.
+class MarkerCells {
+ public:
+  explicit MarkerCells(const Board& board) {
+    if (board.type != "charuco") return;
+    const std::vector<BoardMarker> markers = markers_of(board);
+    const std::vector<Eigen::MatrixXf> pictures =
+        marker_pictures(dictionary_of(board), static_cast<int>(markers.size()), 1);
+    for (const BoardMarker& marker : markers) {
+      const Eigen::MatrixXf& light = pictures[static_cast<std::size_t>(marker.id)];
+      const Eigen::Index cells = light.rows() - 4;  // a border of one, without the white around it
+      dark_[{marker.ix, marker.iy}] = 1.0 - light.block(2, 2, cells, cells).cast<double>().array();
+    }
+  }
+  /// Those of the light squares at a corner, see SaddleWindow.
+  std::array<const Eigen::MatrixXd*, 2> at(int column, int row, bool dark_diagonal) const {
+    return {find(column + 1, dark_diagonal ? row : row + 1), find(column, dark_diagonal ? row + 1 : row)};
+  }
+
+ private:
+  const Eigen::MatrixXd* find(int ix, int iy) const {
+    const auto found = dark_.find({ix, iy});
+    return found == dark_.end() ? nullptr : &found->second;
+  }
+  std::map<std::pair<int, int>, Eigen::MatrixXd> dark_;  // by column and row of the square
 };
 
 struct MeasuredCorner {
@@ -115,7 +144,8 @@ void follow_tags(const Board& board, int id, const TagSides& sides, SaddleWindow
 
 /// How corners are measured.
 struct Measuring {
-  std::optional<TagSides> tags;
+  const std::optional<TagSides>& tags;
+  const MarkerCells& markers;
   double blur_px;
   bool coarse;
   int may_miss;  ///< after more corners that are none the others are not looked at
@@ -135,9 +165,11 @@ std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, cons
     if (how.tags) follow_tags(board, id, *how.tags, &corner.window);
     const auto seed = std::find_if(seeds.begin(), seeds.end(), [id](const auto& s) { return s.first == id; });
     corner.window.centre = seed != seeds.end() ? seed->second : centre;
-    corner.window.dark_diagonal = board.is_dark(id % board.inner_corners_x(), id / board.inner_corners_x());
+    const int column = id % board.inner_corners_x(), row = id / board.inner_corners_x();
+    corner.window.dark_diagonal = board.is_dark(column, row);
     corner.window.blur_px = how.blur_px;
     corner.window.marker_share = marker_share(board);
+    corner.window.dark_cells = how.markers.at(column, row, corner.window.dark_diagonal);
     corner.window.coarse = how.coarse;
     corner.fit = fit_saddle(grey, corner.window);
     missed += corner.fit.status == SaddleStatus::kFitted ? 0 : 1;
@@ -440,7 +472,7 @@ struct CoarseCorners {
 // too far off: a board of which markers tell a part is measured again from what was found, as long as more is.
 CoarseCorners measure_coarsely(const Image8& grey, const Board& board, Homography H,
                                std::vector<std::pair<int, Vector2d>> seeds, const std::optional<TagSides>& tags,
-                               const CheckerboardOptions& options) {
+                               const MarkerCells& markers, const CheckerboardOptions& options) {
   constexpr double kFirstBlur = 0.9;
   constexpr int kMaxRounds = 4;
   const int all = board.corner_count();
@@ -448,7 +480,7 @@ CoarseCorners measure_coarsely(const Image8& grey, const Board& board, Homograph
   const bool part = !has_markers(board) && static_cast<int>(seeds.size()) < all;
   const int may_miss = part ? all - static_cast<int>(std::ceil(kHopeless * all)) : all;
   for (int round = 0;; ++round) {
-    CoarseCorners coarse = {measure(grey, board, H, seeds, {tags, kFirstBlur, true, may_miss}), {}};
+    CoarseCorners coarse = {measure(grey, board, H, seeds, {tags, markers, kFirstBlur, true, may_miss}), {}};
     coarse.H = homography_of(board, coarse.corners);
     if (!coarse.H) return coarse;
     drop_outliers(board, *coarse.H, options, &coarse.corners);
@@ -478,7 +510,8 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   if (!H) return result;
   std::optional<TagSides> tags;
   if (board.has_tags()) tags.emplace(board, placement.tag_border_bits);
-  auto [corners, found] = measure_coarsely(grey, board, *H, placement.seeds, tags, options);
+  const MarkerCells markers(board);
+  auto [corners, found] = measure_coarsely(grey, board, *H, placement.seeds, tags, markers, options);
   H = std::move(found);
   result.fitted = count(corners, SaddleStatus::kFitted);
   if (!has_markers(board) && result.fitted < kHopeless * board.corner_count()) {
@@ -491,7 +524,7 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
   }
   if (H) {
     corners = measure(grey, board, *H, places_of(corners),
-                      {tags, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false, board.corner_count()});
+                      {tags, markers, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false, board.corner_count()});
     drop_outliers(board, *H, options, &corners);
   }
   result.outside = count(corners, SaddleStatus::kOutsideImage);

@@ -42,7 +42,7 @@ constexpr double kEdgeReach = 4.0;
 constexpr double kCurvatureSigma = 4e-4;
 // Prior of the brightness slope [1/px]: a tenth over ten pixels.
 constexpr double kSlopeSigma = 0.01;
-// A pixel of which markers take more says little of the edges, and more of the marker's bits.
+// A pixel of which markers cover more says little of the edges, and more of the marker's bits.
 constexpr double kMaxMarkerCover = 0.2;
 constexpr double kMinBlur = 0.3;  // a pixel alone has sqrt(1/12)
 constexpr double kQuantisationVariance = 1.0 / 12.0;
@@ -156,7 +156,7 @@ class CorrelatedSigns {
 struct Pixel {
   double x, y;  ///< relative to the window's centre
   double grey;
-  double marker = 0.0;  ///< share of its light that a marker takes, twice, with the sign of light squares
+  double marker = 0.0;  ///< share of its light that markers take, twice, with the sign of light squares
 };
 
 struct Edge {
@@ -305,35 +305,49 @@ struct WindowShape {
   bool goes_on(const Vector2d& uv, int axis) const { return uv[axis] < ahead[axis] && -uv[axis] < behind[axis]; }
 };
 
-/// The markers in the two light squares at a corner, as dark squares: what is within their border is left out.
+/// The markers in the two light squares at a corner.
 class MarkerShade {
  public:
   MarkerShade(const SaddleWindow& window, const WindowShape& shape, double blur_px)
       : shape_(shape),
-        begin_(0.5 * (1.0 - window.marker_share)),
         share_(window.marker_share),
-        per_u_(shape.height_u / blur_px),
-        per_v_(shape.height_v / blur_px),
-        dark_diagonal_(window.dark_diagonal) {}
+        per_square_(shape.height_u / blur_px, shape.height_v / blur_px),
+        side_(window.dark_diagonal ? -1.0 : 1.0),
+        dark_cells_(window.dark_cells) {}
 
-  /// Share of a pixel's light that they take.
-  double cover(const Vector2d& offset) const {
-    if (share_ <= 0.0) return 0.0;
-    const Vector2d uv = shape_.board_from_pixel * offset;
-    const double side = dark_diagonal_ ? -1.0 : 1.0;
-    return along(uv.x(), per_u_) * along(side * uv.y(), per_v_) +
-           along(-uv.x(), per_u_) * along(-side * uv.y(), per_v_);
-  }
+  /// Share of a pixel's light that falls on the markers' area.
+  double cover(const Vector2d& offset) const { return share_ > 0.0 ? sum(offset, {}) : 0.0; }
+  /// Share of it that falls on their dark cells.
+  double dark(const Vector2d& offset) const { return share_ > 0.0 ? sum(offset, dark_cells_) : 0.0; }
 
  private:
-  double along(double at, double per_square) const {
+  using Cells = std::array<const Eigen::MatrixXd*, 2>;
+
+  // Of the square ahead along x and of the one behind, which lie on opposite sides of the edge along x.
+  double sum(const Vector2d& offset, const Cells& cells) const {
+    const Vector2d uv = shape_.board_from_pixel * offset;
+    return of_square(uv - Vector2d(0.5, 0.5 * side_), cells[0]) + of_square(uv + Vector2d(0.5, 0.5 * side_), cells[1]);
+  }
+  // At a place from the square's middle.
+  double of_square(const Vector2d& at, const Eigen::MatrixXd* cells) const {
+    if (cells == nullptr) return shares(at, 0, 1).sum() * shares(at, 1, 1).sum();
+    return shares(at, 1, cells->rows()).dot(*cells * shares(at, 0, cells->cols()));
+  }
+  // What each cell in a row of them takes of the light along an axis.
+  Eigen::VectorXd shares(const Vector2d& at, int axis, Eigen::Index cells) const {
     const NormalTable& table = NormalTable::instance();
-    return 0.5 * (table.step((at - begin_) * per_square) - table.step((at - begin_ - share_) * per_square));
+    Eigen::VectorXd steps(cells + 1);
+    for (Eigen::Index i = 0; i <= cells; ++i)
+      steps[i] = table.step((at[axis] + share_ * (0.5 - static_cast<double>(i) / static_cast<double>(cells))) *
+                            per_square_[axis]);
+    return 0.5 * (steps.head(cells) - steps.tail(cells));
   }
 
   const WindowShape& shape_;
-  double begin_, share_, per_u_, per_v_;  ///< blurs in a square
-  bool dark_diagonal_;
+  double share_;
+  Vector2d per_square_;  ///< blurs in a square
+  double side_;
+  Cells dark_cells_;
 };
 
 bool inside(const Image8& grey, int x, int y) { return x >= 0 && y >= 0 && x < grey.width && y < grey.height; }
@@ -355,7 +369,7 @@ std::optional<std::vector<Pixel>> gather(const Image8& grey, const SaddleWindow&
       const double cover = markers.cover(offset);
       if (cover > kMaxMarkerCover) continue;
       if (inside(grey, x, y))
-        pixels.push_back({offset.x(), offset.y(), static_cast<double>(grey.at(x, y)), sign * cover});
+        pixels.push_back({offset.x(), offset.y(), static_cast<double>(grey.at(x, y)), sign * markers.dark(offset)});
       else
         ++missing;
     }

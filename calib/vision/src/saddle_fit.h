@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "rigproof/core/image.h"
 
@@ -19,6 +20,9 @@ struct SaddleWindow {
   /// Side of the markers in the middle of the light squares, over the squares'; 0: none. Pixels on them are left out,
   /// and what their blur leaves of the others' light is part of the model.
   double marker_share = 0.0;
+  /// Dark (1) and light (0) cells of the markers in the light squares ahead of the corner along x and behind it, rows
+  /// along y and columns along x; null: dark all over. Not owned.
+  std::array<const Eigen::MatrixXd*, 2> dark_cells{};
   /// How far the edges along x (first) and y go on between areas as clean as the squares above, beyond the corner and
   /// before it [squares].
   Eigen::Vector2d clean_ahead = Eigen::Vector2d::Ones(), clean_behind = Eigen::Vector2d::Ones();
