@@ -1,44 +1,62 @@
 // How often `moved` raises a false alarm, and how often it finds shifts of a given size: the tables of
 // docs/measurements/moved.md.
-//   bench_moved [trials, default 2000] [alarms | detections] [--verbose]
-// The reference rig in geometric mode (0.1 px, odometry lambda 1), previous calibrations of 20 stops.
+//   bench_moved [trials, default 2000] [alarms | detections] [strangers] [--verbose]
+// The reference rig in geometric mode (0.1 px, odometry lambda 1), previous calibrations of 20 stops. With `strangers`
+// each robot's lenses, board and depth differ from what is stated by errors drawn from the usual priors.
 #include "rigproof/calib/plan/moved.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
+#include "stranger.h"
 
 namespace rigproof {
 namespace {
 
 constexpr int kPrevious = 400;  // calibrations that trials take by turns
 
-std::vector<Result> previous_results() {
-  std::vector<Result> results;
-  for (int i = 0; i < kPrevious; ++i) {
-    GeometricConfig config;
-    config.seed = 100000 + static_cast<std::uint64_t>(i);
-    config.stops = 20;
-    results.push_back(default_method().solve(draw_geometric_run(config).observations));
-  }
-  return results;
-}
+// A robot, and what its first drive told.
+struct Calibrated {
+  std::optional<Stranger> robot;  // absent: the reference rig, exactly as stated
+  Result result;
+};
 
-MovedReport trial(const Result& previous, std::uint64_t seed, int stops, const Vector6d& shift) {
-  GeometricConfig config;
+Observations observed(const std::optional<Stranger>& robot, std::uint64_t seed, int stops,
+                      const Vector6d& shift = Vector6d::Zero()) {
+  GeometricConfig config = robot ? robot->config : GeometricConfig();
   config.seed = seed;
   config.stops = stops;
   config.rig.T_robot_camera[1] = apply_transform_error(config.rig.T_robot_camera[1], shift);
+  if (!robot) return draw_geometric_run(config).observations;
+  Stranger shifted = *robot;
+  shifted.config = config;
+  return drive(shifted, seed, stops).observations;
+}
+
+std::vector<Calibrated> calibrated_robots(bool strangers) {
+  std::vector<Calibrated> robots;
+  for (int i = 0; i < kPrevious; ++i) {
+    Calibrated made;
+    if (strangers) made.robot = draw_stranger(i);
+    made.result = default_method().solve(observed(made.robot, 100000 + static_cast<std::uint64_t>(i), 20));
+    robots.push_back(std::move(made));
+  }
+  return robots;
+}
+
+MovedReport trial(const Calibrated& before, std::uint64_t seed, int stops, const Vector6d& shift) {
   MovedOptions options;
   options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
-  return detect_movement(previous, draw_geometric_run(config).observations, options);
+  return detect_movement(before.result, observed(before.robot, seed, stops, shift), options);
 }
 
 // Half the width of a 95 % confidence interval of a share.
@@ -57,7 +75,7 @@ bool blames_the_data(const MovedReport& report) {
   return report.degrees_of_freedom == 0 || has_code(report.notes, "moved.odometry_ignored");
 }
 
-void false_alarms(const std::vector<Result>& previous, int trials, bool verbose) {
+void false_alarms(const std::vector<Calibrated>& previous, int trials, bool verbose) {
   const std::vector<double> levels = {0.05, 0.01, 0.001};
   std::printf("false alarms of %d trials, 95 %% confidence\nstops", trials);
   for (const double level : levels) std::printf("  %16.1f %%", 100.0 * level);
@@ -79,10 +97,11 @@ void false_alarms(const std::vector<Result>& previous, int trials, bool verbose)
     for (const int count : alarms)
       std::printf("  %7.2f +- %5.2f %%", 100.0 * count / trials, 100.0 * half_width(count, trials));
     std::printf("  %16.3f  %11d\n", ratio, blamed);
+    std::fflush(stdout);
   }
 }
 
-void detections(const std::vector<Result>& previous, int trials) {
+void detections(const std::vector<Calibrated>& previous, int trials) {
   std::printf("detected at 0.1 %% / center named alone, of %d trials [%%]\n", trials);
   std::printf("%-10s %6s", "shift", "size");
   for (const int stops : {1, 2, 5}) std::printf("  %9d stop", stops);
@@ -122,7 +141,7 @@ int main(int argc, char** argv) {
     return std::find(arguments.begin(), arguments.end(), word) != arguments.end();
   };
   const int trials = arguments.empty() ? 2000 : std::max(1, std::atoi(arguments.front().c_str()));
-  const std::vector<rigproof::Result> previous = rigproof::previous_results();
+  const std::vector<rigproof::Calibrated> previous = rigproof::calibrated_robots(given("strangers"));
   if (!given("detections")) rigproof::false_alarms(previous, trials, given("--verbose"));
   if (!given("alarms")) rigproof::detections(previous, std::max(1, trials / 20));
   return 0;

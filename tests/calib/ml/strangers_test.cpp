@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
 #include "calibration_truth.h"
@@ -19,10 +18,9 @@
 #include "rigproof/calib/estimate/repeating_covariance.h"
 #include "rigproof/calib/estimate/solver.h"
 #include "rigproof/core/conventions.h"
-#include "rigproof/core/draw_vector.h"
-#include "rigproof/core/lens_residual.h"
 #include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
+#include "stranger.h"
 #include "trials.h"
 
 namespace rigproof {
@@ -31,159 +29,13 @@ namespace {
 const Trials kTrials(12, 60);
 constexpr int kUnknowns = 18;  // of three cameras: the mean of their NEES
 
-// A smooth field over an image of a family that the estimator does not know: waves of half the image's size to one and
-// a half, without what a change of the lens or a turn of the camera makes.
-class Waves {
- public:
-  Waves(const Camera& camera, double rms_px, RandomStream* random) : camera_(camera) {
-    for (Eigen::Vector4d& wave : waves_) {
-      const double length = std::exp(random->uniform(std::log(0.45), std::log(1.6)));
-      const double heading = random->uniform(-kPi, kPi);
-      wave << 2.0 * kPi / length * std::cos(heading), 2.0 * kPi / length * std::sin(heading),
-          random->uniform(-kPi, kPi), random->uniform(-kPi, kPi);
-    }
-    constexpr int kAcross = 16, kDown = 9;
-    Eigen::MatrixXd modes(2 * kAcross * kDown, 8);
-    Eigen::VectorXd field(modes.rows());
-    for (int i = 0; i < kAcross * kDown; ++i) {
-      const Eigen::Vector2d pixel((i % kAcross + 0.5) / kAcross * camera.width_px,
-                                  (i / kAcross + 0.5) / kDown * camera.height_px);
-      modes.middleRows<2>(2 * i) = lens_and_turn(pixel);
-      field.segment<2>(2 * i) = waves_at(pixel);
-    }
-    taken_out_ = modes.colPivHouseholderQr().solve(field);
-    scale_ = rms_px / std::sqrt((field - modes * taken_out_).squaredNorm() / static_cast<double>(field.size()));
-  }
-  Eigen::Vector2d at(const Eigen::Vector2d& pixel) const {
-    return scale_ * (waves_at(pixel) - lens_and_turn(pixel) * taken_out_);
-  }
-
- private:
-  Eigen::Vector2d normalised(const Eigen::Vector2d& pixel) const {
-    return {(pixel.x() - camera_.cx_px) / camera_.fx_px, (pixel.y() - camera_.cy_px) / camera_.fy_px};
-  }
-  Eigen::Matrix<double, 2, 8> lens_and_turn(const Eigen::Vector2d& pixel) const {
-    const Eigen::Vector2d n = normalised(pixel);
-    const double x = n.x(), y = n.y(), square = n.squaredNorm();
-    Eigen::Matrix<double, 2, 8> modes;
-    modes << 1, 0, x, x, -y, x * square, 1 + x * x, x * y,  //
-        0, 1, y, -y, x, y * square, x * y, 1 + y * y;
-    return modes;
-  }
-  Eigen::Vector2d waves_at(const Eigen::Vector2d& pixel) const {
-    const Eigen::Vector2d place = pixel / camera_.width_px;
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const Eigen::Vector4d& wave : waves_) {
-      const double phase = wave.head<2>().dot(place);
-      sum += Eigen::Vector2d(std::sin(phase + wave[2]), std::sin(phase + wave[3]));
-    }
-    return sum;
-  }
-
-  Camera camera_;
-  std::array<Eigen::Vector4d, 6> waves_;
-  Eigen::VectorXd taken_out_;
-  double scale_ = 1.0;
-};
-
-struct Stranger {
+struct Driven : Stranger {
   GeometricRun run;
-  std::vector<ml::LensChange> lens;
-  Eigen::Vector4d board;
-  std::vector<Eigen::Vector3d> depth;  ///< of each camera: offset, tilt about x and y
-  std::vector<Vector6d> shape;         ///< of each depth image: its shift along x and y [tan], and what lenses leave
 };
 
-// What is worse than usual of one thing, as a multiple of its prior; and a depth camera that measures too far.
-struct Worse {
-  double field = 1.0, print = 1.0, depth_offset_m = 0.0;
-  double cells = 0.0;  ///< of the grid of the lenses' fields; 0: waves
-};
-
-// The cameras and the board are other ones than the rig says.
-Stranger stranger(int seed, double corner_sigma_px = 0.1, const Worse& worse = {}) {
-  GeometricConfig config;
-  config.corner_sigma_px = corner_sigma_px;
-  config.seed = static_cast<std::uint64_t>(seed);
-  config.stops = 20;
-  config.board_planes = true;
-  Stranger made;
-  const GeometricRig told = config.rig;
-  RandomStream random(config.seed, "strangers"), shifts(config.seed, "shifts of depth images"),
-      left(config.seed, "what lenses leave in planes of depth");
-  const IntrinsicsSigma sigma;
-  const DepthNoise depth;
-  const double common_depth = random.normal(0.0, depth.common_scale_sigma);
-  for (RigCamera& camera : config.rig.cameras) {
-    made.lens.emplace_back();
-    made.lens.back() << random.normal(0.0, sigma.focal_relative), random.normal(0.0, sigma.principal_point_px),
-        random.normal(0.0, sigma.principal_point_px), random.normal(0.0, sigma.focal_ratio),
-        random.normal(0.0, sigma.distortion_px);
-    camera.camera = ml::Lenses(camera.camera).changed(made.lens.back());
-    camera.depth->noise.scale_sigma = depth.scale_sigma;
-    config.depth_scales.push_back(1.0 + common_depth + random.normal(0.0, depth.scale_sigma));
-    made.depth.emplace_back(random.normal(0.0, depth.offset_sigma_m), random.normal(0.0, depth.tilt_sigma_rad),
-                            random.normal(0.0, depth.tilt_sigma_rad));
-    const double shift_sigma = depth.shift_sigma_px / camera.camera.fx_px;
-    const double left_sigma = 0.1 * sigma.distortion_px / camera.camera.fx_px;
-    made.shape.emplace_back();
-    made.shape.back() << draw_vector<2>([&] { return shifts.normal(0.0, shift_sigma); }),
-        draw_vector<4>([&] { return left.normal(0.0, left_sigma); });
-    if (made.depth.size() == 2) made.depth.back()[0] += worse.depth_offset_m;
-  }
-  Board& board = config.rig.board;
-  board.doubt();
-  const double side = board.square_sigma_relative();
-  made.board << random.normal(0.0, side), random.normal(0.0, 0.2 * side), random.normal(0.0, board.bow_sigma()),
-      random.normal(0.0, board.bow_sigma());
-  for (const Eigen::Vector3d& corner : board.corners()) {
-    const Eigen::Vector3d p = corner - board.centre();
-    const double u = 2.0 * p.x() / (board.square_m * board.squares_x),
-                 v = 2.0 * p.y() / (board.square_m * board.squares_y);
-    config.rig.print_errors_m.emplace_back((made.board[0] + 0.5 * made.board[1]) * p.x(),
-                                           (made.board[0] - 0.5 * made.board[1]) * p.y(),
-                                           made.board[2] * u * u + made.board[3] * v * v);
-    for (int axis = 0; axis < 3; ++axis)
-      config.rig.print_errors_m.back()[axis] += random.normal(0.0, worse.print * board.print_sigma());
-  }
-  made.run = draw_geometric_run(config);
-  Observations& observations = made.run.observations;
-  observations.board = board;
-  std::vector<std::function<Eigen::Vector2d(const Eigen::Vector2d&)>> residuals;
-  for (const RigCamera& camera : config.rig.cameras) {
-    const double rms_px = sigma.residual_px * (residuals.size() == 1 ? worse.field : 1.0);
-    if (worse.cells > 0.0) {
-      const std::string purpose = "field " + std::to_string(residuals.size());
-      residuals.emplace_back(
-          [field = draw_lens_residual(camera.camera, rms_px, worse.cells, RandomStream(config.seed, purpose))](
-              const Eigen::Vector2d& pixel) { return field.at(pixel); });
-    } else {
-      residuals.emplace_back(
-          [field = Waves(camera.camera, rms_px, &random)](const Eigen::Vector2d& pixel) { return field.at(pixel); });
-    }
-  }
-  for (BoardView& view : observations.board_views)
-    for (CornerObservation& corner : view.corners)
-      corner.pixel += residuals[static_cast<std::size_t>(view.camera)](corner.pixel);
-  for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
-    observations.cameras[c].camera = told.cameras[c].camera;
-    observations.cameras[c].intrinsics_sigma = sigma;
-    observations.cameras[c].depth->noise = config.rig.cameras[c].depth->noise;
-    observations.cameras[c].depth->noise.doubt_place_and_common_scale();
-    // Registered depth sees through the stated lens: what it shows of a plane errs with it.
-    const auto as_registered = [&](std::vector<PlaneObservation>* planes) {
-      for (PlaneObservation& plane : *planes)
-        if (plane.camera == static_cast<int>(c)) {
-          plane.file = "depth/000000.png";
-          plane.inverse_depth_plane -=
-              ml::Lenses(told.cameras[c].camera).plane_by(plane.inverse_depth_plane) * made.lens[c] +
-              plane_by_depth_offset(plane.inverse_depth_plane, mean_inverse_depth(plane)) * made.depth[c] +
-              plane_by_depth_shape(plane.inverse_depth_plane) * made.shape[c];
-        }
-    };
-    as_registered(&observations.ground_planes);
-    as_registered(&observations.board_planes);
-  }
+Driven stranger(int seed, double corner_sigma_px = 0.1, const Worse& worse = {}) {
+  Driven made{draw_stranger(seed, corner_sigma_px, worse), {}};
+  made.run = drive(made, static_cast<std::uint64_t>(seed), 20);
   return made;
 }
 
@@ -207,7 +59,7 @@ TEST(MlStrangers, AreSolvedWithinTheStatedUncertaintyOverTrials) {
   double mean = 0.0, z_square = 0.0;
   int suspicions = 0, values = 0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
-    const Stranger made = stranger(seed, 0.1, of_any_scale(seed));
+    const Driven made = stranger(seed, 0.1, of_any_scale(seed));
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
     ASSERT_EQ(estimate.result.status, ResultStatus::kSolved) << seed;
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
@@ -234,7 +86,7 @@ TEST(MlStrangers, WhateverTheScaleOfTheirLensesFieldsTheStatementHoldsOverTrials
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     Worse worse;
     worse.cells = seed % 2 == 0 ? 8.0 : 16.0;
-    const Stranger made = stranger(seed, 0.1, worse);
+    const Driven made = stranger(seed, 0.1, worse);
     MlOptions options = told();
     options.estimate_corner_level = true;
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
@@ -250,7 +102,7 @@ TEST(MlStrangers, WhateverTheScaleOfTheirLensesFieldsTheStatementHoldsOverTrials
 TEST(MlStrangers, ShiftsOfDepthImagesThatAreBelievedToBeNoneShowOverTrials) {
   double believing = 0.0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
-    Stranger made = stranger(seed);
+    Driven made = stranger(seed);
     Observations& observations = made.run.observations;
     for (RigCamera& camera : observations.cameras) camera.depth->noise.shift_sigma_px = 0.0;
     for (auto* planes : {&observations.ground_planes, &observations.board_planes})
@@ -273,7 +125,7 @@ TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
   std::vector<double> believed;
   int suspicions = 0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
-    const Stranger made = stranger(seed, 0.01);
+    const Driven made = stranger(seed, 0.01);
     MlOptions options = told();
     options.estimate_corner_level = true;
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
@@ -301,7 +153,7 @@ TEST(MlStrangers, WithSharpCornersFieldsOfAnyScaleAreNotSuspectedOverTrials) {
   double sum = 0.0;
   int solved = 0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
-    const Stranger made = stranger(seed, seed % 2 == 0 ? 0.05 : 0.01, of_any_scale(seed));
+    const Driven made = stranger(seed, seed % 2 == 0 ? 0.05 : 0.01, of_any_scale(seed));
     MlOptions options = told();
     options.estimate_corner_level = true;
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
@@ -322,7 +174,7 @@ TEST(MlStrangers, WithSharpCornersFieldsExplainWhatOdometryContradictsOverTrials
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     Worse worse;
     worse.cells = 16.0;
-    const Stranger made = stranger(seed, 0.01, worse);
+    const Driven made = stranger(seed, 0.01, worse);
     MlOptions options = told();
     options.estimate_corner_level = true;
     const ml::Preparation prepared = ml::prepare(made.run.observations, options);
@@ -343,7 +195,7 @@ TEST(MlStrangers, WithSharpCornersFieldsExplainWhatOdometryContradictsOverTrials
 }
 
 TEST(MlStrangers, BelievedToTheLastDigitTheirErrorsShow) {
-  Stranger made = stranger(0);
+  Driven made = stranger(0);
   MlOptions exact = told();
   exact.priors.believe_told = true;
   const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, exact);
@@ -494,7 +346,7 @@ TEST(MlStrangers, NoDepthIsSuspectedForWhatIsLeftOfItsLens) {
 TEST(MlStrangers, DepthThatIsShiftedAgainstItsImageIsNamed) {
   Eigen::Matrix<double, 6, 1> shape = Eigen::Matrix<double, 6, 1>::Zero();
   shape[0] = 0.02;
-  Stranger made = stranger(3);
+  Driven made = stranger(3);
   Observations& observations = made.run.observations;
   for (auto* planes : {&observations.ground_planes, &observations.board_planes})
     for (PlaneObservation& plane : *planes)
@@ -509,7 +361,7 @@ TEST(MlStrangers, CloudsErrWithTheLensThatMadeThemOverTrials) {
     double mean = 0.0;
     int suspicions = 0;
     for (int seed = 0; seed < kTrials.count(); ++seed) {
-      Stranger made = stranger(seed);
+      Driven made = stranger(seed);
       Observations& observations = made.run.observations;
       for (auto* planes : {&observations.ground_planes, &observations.board_planes})
         for (PlaneObservation& plane : *planes) {
@@ -570,7 +422,7 @@ TEST(MlStrangers, ASizeThatBoardAndDepthShareIsKnownByTheOdometryAlone) {
 
 // A lens five percent off is beyond what its prior of half a percent allows: named, though lenses are estimated.
 TEST(MlStrangers, AFocalLengthFarBeyondItsPriorIsNamed) {
-  Stranger made = stranger(2);
+  Driven made = stranger(2);
   Camera& lens = made.run.observations.cameras[1].camera;
   lens.fx_px *= 1.05;
   lens.fy_px *= 1.05;

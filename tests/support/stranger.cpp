@@ -1,0 +1,165 @@
+#include "stranger.h"
+
+#include <Eigen/QR>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "rigproof/calib/estimate/depth_bias.h"
+#include "rigproof/core/conventions.h"
+#include "rigproof/core/draw_vector.h"
+#include "rigproof/core/lens_residual.h"
+#include "rigproof/core/random.h"
+
+namespace rigproof {
+namespace {
+
+// A smooth field over an image of a family that the estimator does not know: waves of half the image's size to one and
+// a half, without what a change of the lens or a turn of the camera makes.
+class Waves {
+ public:
+  Waves(const Camera& camera, double rms_px, RandomStream* random) : camera_(camera) {
+    for (Eigen::Vector4d& wave : waves_) {
+      const double length = std::exp(random->uniform(std::log(0.45), std::log(1.6)));
+      const double heading = random->uniform(-kPi, kPi);
+      wave << 2.0 * kPi / length * std::cos(heading), 2.0 * kPi / length * std::sin(heading),
+          random->uniform(-kPi, kPi), random->uniform(-kPi, kPi);
+    }
+    constexpr int kAcross = 16, kDown = 9;
+    Eigen::MatrixXd modes(2 * kAcross * kDown, 8);
+    Eigen::VectorXd field(modes.rows());
+    for (int i = 0; i < kAcross * kDown; ++i) {
+      const Eigen::Vector2d pixel((i % kAcross + 0.5) / kAcross * camera.width_px,
+                                  (i / kAcross + 0.5) / kDown * camera.height_px);
+      modes.middleRows<2>(2 * i) = lens_and_turn(pixel);
+      field.segment<2>(2 * i) = waves_at(pixel);
+    }
+    taken_out_ = modes.colPivHouseholderQr().solve(field);
+    scale_ = rms_px / std::sqrt((field - modes * taken_out_).squaredNorm() / static_cast<double>(field.size()));
+  }
+  Eigen::Vector2d at(const Eigen::Vector2d& pixel) const {
+    return scale_ * (waves_at(pixel) - lens_and_turn(pixel) * taken_out_);
+  }
+
+ private:
+  Eigen::Vector2d normalised(const Eigen::Vector2d& pixel) const {
+    return {(pixel.x() - camera_.cx_px) / camera_.fx_px, (pixel.y() - camera_.cy_px) / camera_.fy_px};
+  }
+  Eigen::Matrix<double, 2, 8> lens_and_turn(const Eigen::Vector2d& pixel) const {
+    const Eigen::Vector2d n = normalised(pixel);
+    const double x = n.x(), y = n.y(), square = n.squaredNorm();
+    Eigen::Matrix<double, 2, 8> modes;
+    modes << 1, 0, x, x, -y, x * square, 1 + x * x, x * y,  //
+        0, 1, y, -y, x, y * square, x * y, 1 + y * y;
+    return modes;
+  }
+  Eigen::Vector2d waves_at(const Eigen::Vector2d& pixel) const {
+    const Eigen::Vector2d place = pixel / camera_.width_px;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector4d& wave : waves_) {
+      const double phase = wave.head<2>().dot(place);
+      sum += Eigen::Vector2d(std::sin(phase + wave[2]), std::sin(phase + wave[3]));
+    }
+    return sum;
+  }
+
+  Camera camera_;
+  std::array<Eigen::Vector4d, 6> waves_;
+  Eigen::VectorXd taken_out_;
+  double scale_ = 1.0;
+};
+
+}  // namespace
+
+Stranger draw_stranger(int seed, double corner_sigma_px, const Worse& worse) {
+  Stranger made;
+  GeometricConfig& config = made.config;
+  config.corner_sigma_px = corner_sigma_px;
+  config.seed = static_cast<std::uint64_t>(seed);
+  config.board_planes = true;
+  made.told = config.rig;
+  RandomStream random(config.seed, "strangers"), shifts(config.seed, "shifts of depth images"),
+      left(config.seed, "what lenses leave in planes of depth");
+  const IntrinsicsSigma sigma;
+  const DepthNoise depth;
+  const double common_depth = random.normal(0.0, depth.common_scale_sigma);
+  for (RigCamera& camera : config.rig.cameras) {
+    made.lens.emplace_back();
+    made.lens.back() << random.normal(0.0, sigma.focal_relative), random.normal(0.0, sigma.principal_point_px),
+        random.normal(0.0, sigma.principal_point_px), random.normal(0.0, sigma.focal_ratio),
+        random.normal(0.0, sigma.distortion_px);
+    camera.camera = ml::Lenses(camera.camera).changed(made.lens.back());
+    camera.depth->noise.scale_sigma = depth.scale_sigma;
+    config.depth_scales.push_back(1.0 + common_depth + random.normal(0.0, depth.scale_sigma));
+    made.depth.emplace_back(random.normal(0.0, depth.offset_sigma_m), random.normal(0.0, depth.tilt_sigma_rad),
+                            random.normal(0.0, depth.tilt_sigma_rad));
+    const double shift_sigma = depth.shift_sigma_px / camera.camera.fx_px;
+    const double left_sigma = 0.1 * sigma.distortion_px / camera.camera.fx_px;
+    made.shape.emplace_back();
+    made.shape.back() << draw_vector<2>([&] { return shifts.normal(0.0, shift_sigma); }),
+        draw_vector<4>([&] { return left.normal(0.0, left_sigma); });
+    if (made.depth.size() == 2) made.depth.back()[0] += worse.depth_offset_m;
+  }
+  Board& board = config.rig.board;
+  board.doubt();
+  const double side = board.square_sigma_relative();
+  made.board << random.normal(0.0, side), random.normal(0.0, 0.2 * side), random.normal(0.0, board.bow_sigma()),
+      random.normal(0.0, board.bow_sigma());
+  for (const Eigen::Vector3d& corner : board.corners()) {
+    const Eigen::Vector3d p = corner - board.centre();
+    const double u = 2.0 * p.x() / (board.square_m * board.squares_x),
+                 v = 2.0 * p.y() / (board.square_m * board.squares_y);
+    config.rig.print_errors_m.emplace_back((made.board[0] + 0.5 * made.board[1]) * p.x(),
+                                           (made.board[0] - 0.5 * made.board[1]) * p.y(),
+                                           made.board[2] * u * u + made.board[3] * v * v);
+    for (int axis = 0; axis < 3; ++axis)
+      config.rig.print_errors_m.back()[axis] += random.normal(0.0, worse.print * board.print_sigma());
+  }
+  for (const RigCamera& camera : config.rig.cameras) {
+    const double rms_px = sigma.residual_px * (made.fields.size() == 1 ? worse.field : 1.0);
+    if (worse.cells > 0.0) {
+      const std::string purpose = "field " + std::to_string(made.fields.size());
+      made.fields.emplace_back(
+          [field = draw_lens_residual(camera.camera, rms_px, worse.cells, RandomStream(config.seed, purpose))](
+              const Eigen::Vector2d& pixel) { return field.at(pixel); });
+    } else {
+      made.fields.emplace_back(
+          [field = Waves(camera.camera, rms_px, &random)](const Eigen::Vector2d& pixel) { return field.at(pixel); });
+    }
+  }
+  return made;
+}
+
+GeometricRun drive(const Stranger& robot, std::uint64_t seed, int stops) {
+  GeometricConfig config = robot.config;
+  config.seed = seed;
+  config.stops = stops;
+  GeometricRun run = draw_geometric_run(config);
+  Observations& observations = run.observations;
+  observations.board = config.rig.board;
+  for (BoardView& view : observations.board_views)
+    for (CornerObservation& corner : view.corners)
+      corner.pixel += robot.fields[static_cast<std::size_t>(view.camera)](corner.pixel);
+  for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
+    observations.cameras[c].camera = robot.told.cameras[c].camera;
+    observations.cameras[c].intrinsics_sigma = IntrinsicsSigma();
+    observations.cameras[c].depth->noise = config.rig.cameras[c].depth->noise;
+    observations.cameras[c].depth->noise.doubt_place_and_common_scale();
+    // Registered depth sees through the stated lens: what it shows of a plane errs with it.
+    const auto as_registered = [&](std::vector<PlaneObservation>* planes) {
+      for (PlaneObservation& plane : *planes)
+        if (plane.camera == static_cast<int>(c)) {
+          plane.file = "depth/000000.png";
+          plane.inverse_depth_plane -=
+              ml::Lenses(robot.told.cameras[c].camera).plane_by(plane.inverse_depth_plane) * robot.lens[c] +
+              plane_by_depth_offset(plane.inverse_depth_plane, mean_inverse_depth(plane)) * robot.depth[c] +
+              plane_by_depth_shape(plane.inverse_depth_plane) * robot.shape[c];
+        }
+    };
+    as_registered(&observations.ground_planes);
+    as_registered(&observations.board_planes);
+  }
+  return run;
+}
+
+}  // namespace rigproof
