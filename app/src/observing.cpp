@@ -3,8 +3,13 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/error.h"
+#include "rigproof/study/workflow/kept_observations.h"
 #include "rigproof/study/workflow/workflow.h"
 #include "rigproof/words/sentences.h"
 
@@ -24,12 +29,19 @@ Vision::Vision(const VisionArguments& arguments)
 }
 
 Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal) {
-  ProgressLine progress(terminal, "observe", "images");
   ObserveOptions options;
   options.threads = jobs;
+  const std::string key = input.observations ? "" : observations_key(input.recording.value(), options);
+  if (std::optional<Observations> known = recall_observations(key)) {
+    known->source = input.recording->folder.string();
+    terminal.line("no image has changed since they were looked at (RIGPROOF_OBSERVATIONS= looks again)");
+    return *std::move(known);
+  }
+  ProgressLine progress(terminal, "observe", "images");
   options.progress = progress.callback();
   Observations observations = observations_of(input, options);
   if (interrupted()) throw Error("interrupted", ExitCode::kTryAgain);
+  keep_observations(key, observations);
   return observations;
 }
 

@@ -124,10 +124,12 @@ Rig load_rig(const fs::path& file) {
   return rig;
 }
 
-void save_rig(const Rig& rig, const fs::path& file) {
+std::string rig_text(const Rig& rig) {
   Rig copy = rig;
-  write_file_atomically(file, write_fields([&copy](FieldVisitor& visitor) { visit_rig(visitor, {}, copy); }));
+  return write_fields([&copy](FieldVisitor& visitor) { visit_rig(visitor, {}, copy); });
 }
+
+void save_rig(const Rig& rig, const fs::path& file) { write_file_atomically(file, rig_text(rig)); }
 
 std::vector<OdometrySample> odometry_of_origin(const Recording& recording) {
   std::vector<OdometrySample> odometry = recording.odometry;

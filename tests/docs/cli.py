@@ -16,6 +16,7 @@ What `rigproof COMMAND --help` prints; this page is written from it. Defaults st
 | `RIGPROOF_CACHE` | folder of clean renders, as `--cache` |
 | `RIGPROOF_DATA` | another folder with `models/`, `scenes/` and `config/` than the one beside the program |
 | `RIGPROOF_PATH` | folders of your own of the same layout, separated by `:`; what they have comes before what ships |
+| `RIGPROOF_OBSERVATIONS` | folder in which observations of recordings are kept, so that images that have not changed are not looked at again; empty: none are; default `rigproof/observations/` in `$XDG_CACHE_HOME` or `~/.cache` |
 | `RIGPROOF_LIBEGL` | another EGL library than `libEGL.so.1` |
 | `RIGPROOF_PARSE_ONLY` | set: a command line is checked, and nothing is done |
 | `NO_COLOR` | set: no colours on a terminal |

@@ -64,5 +64,7 @@ void save_recording(const Recording& recording);
 /// Rig alone, for presets in models/rigs and for rig.yaml. `folder` resolves relative file names.
 Rig load_rig(const std::filesystem::path& file);
 void save_rig(const Rig& rig, const std::filesystem::path& file);
+/// What save_rig() writes.
+std::string rig_text(const Rig& rig);
 
 }  // namespace rigproof
