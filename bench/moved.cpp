@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "bench_main.h"
 #include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
@@ -116,14 +117,19 @@ void detections(const std::vector<Result>& previous, int trials) {
 }  // namespace
 }  // namespace rigproof
 
-int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  const auto given = [&arguments](const char* word) {
-    return std::find(arguments.begin(), arguments.end(), word) != arguments.end();
+int main(int count, char** arguments) {
+  int trials = 2000;
+  std::string only;
+  bool verbose = false;
+  const auto declare = [&](CLI::App& app) {
+    app.add_option("trials", trials)->check(CLI::Range(1, 1000000));
+    app.add_option("only", only)->check(CLI::IsMember({"alarms", "detections"}));
+    app.add_flag("--verbose", verbose);
   };
-  const int trials = arguments.empty() ? 2000 : std::max(1, std::atoi(arguments.front().c_str()));
-  const std::vector<rigproof::Result> previous = rigproof::previous_results();
-  if (!given("detections")) rigproof::false_alarms(previous, trials, given("--verbose"));
-  if (!given("alarms")) rigproof::detections(previous, std::max(1, trials / 20));
-  return 0;
+  return rigproof::bench_main(count, arguments, "False alarms of `moved`, and shifts that it finds", declare, [&] {
+    const std::vector<rigproof::Result> previous = rigproof::previous_results();
+    if (only != "detections") rigproof::false_alarms(previous, trials, verbose);
+    if (only != "alarms") rigproof::detections(previous, std::max(1, trials / 20));
+    return 0;
+  });
 }
