@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 
 #include "bag_bytes.h"
 #include "error_text.h"
@@ -102,6 +103,13 @@ std::vector<Recorded> messages_of(const Robot& robot) {
   return messages;
 }
 
+// The same bag with other names of topics.
+std::vector<Recorded> renamed(std::vector<Recorded> messages, const std::map<std::string, std::string>& names) {
+  for (Recorded& message : messages)
+    if (const auto name = names.find(message.topic); name != names.end()) message.topic = name->second;
+  return messages;
+}
+
 class Init : public testing::Test {
  protected:
   InitOptions options_for(const Robot& robot) {
@@ -194,6 +202,56 @@ TEST_F(Init, TopicsAreRenamedLeftOutAndRefusedTwice) {
                                     HasSubstr("did you mean \"right\"")));
   wrong.topics = {"left"};
   EXPECT_THAT(failure(wrong), HasSubstr("NAME=TOPIC"));
+}
+
+TEST_F(Init, TwoCamerasInOneNamespaceAreTwo) {
+  Robot robot;
+  robot.depth = false;
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(renamed(messages_of(robot), {{"/left/image_raw", "/left_image"},
+                                                                     {"/left/camera_info", "/left_info"},
+                                                                     {"/right/image_raw", "/right_image"},
+                                                                     {"/right/camera_info", "/right_info"}})));
+  const InitReport guessed = init_recording(options);
+  ASSERT_EQ(guessed.cameras.size(), 2U);
+  EXPECT_EQ(guessed.cameras[0].images, "/left_image");
+  EXPECT_EQ(guessed.cameras[0].camera_info, "/left_info");
+  EXPECT_EQ(guessed.cameras[1].camera_info, "/right_info");
+  EXPECT_THAT(guessed.notes, Not(Contains(HasSubstr("not taken"))));
+  options.output = scratch_ / "named";
+  options.topics = {"left=/left_image", "right=/right_image"};
+  const InitReport named = init_recording(options);
+  ASSERT_EQ(named.cameras.size(), 2U);
+  EXPECT_EQ(named.cameras[0].name, "left");
+  EXPECT_EQ(named.cameras[0].images, "/left_image");
+  EXPECT_EQ(named.cameras[1].name, "right");
+  EXPECT_EQ(named.cameras[1].images, "/right_image");
+  options.output = scratch_ / "shared";
+  options.topics.clear();
+  scratch_.write("bag.mcap", mcap_bytes(renamed(messages_of(robot), {{"/left/image_raw", "/cams/left_image"},
+                                                                     {"/left/camera_info", "/cams/camera_info"},
+                                                                     {"/right/image_raw", "/cams/right_image"}})));
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("camera right_image: there is no CameraInfo"),
+                                      HasSubstr("lies beside several cameras"), Not(HasSubstr("camera left_image"))));
+}
+
+TEST_F(Init, OtherPicturesOfACameraAreNoCamerasAndSaid) {
+  Robot robot;
+  robot.depth = false;
+  std::vector<Recorded> messages = messages_of(robot);
+  for (const std::string other : {"/left/image_rect", "/left/infra1/image_raw", "/right/image_color"})
+    for (const Recorded& message : messages_of(robot))
+      if (message.topic == other.substr(0, other.find('/', 1)) + "/image_raw")
+        messages.push_back({other, message.type, message.log_s, message.data});
+  InitOptions options = options_for(robot);
+  options.topics = {"right=none"};
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  const InitReport report = init_recording(options);
+  ASSERT_EQ(report.cameras.size(), 1U);
+  EXPECT_EQ(report.cameras[0].images, "/left/image_raw");
+  EXPECT_THAT(report.notes,
+              Contains(AllOf(HasSubstr("--topic left=/left/image_rect in place of /left/image_raw"),
+                             HasSubstr("--topic left_infra1=/left/infra1/image_raw"), Not(HasSubstr("/right")))));
 }
 
 TEST_F(Init, MissingCalibrationIsSaidForEveryCameraAndGivenByAFile) {

@@ -36,6 +36,7 @@ class Planner {
     choice_ = choose_topics(survey_, topic_rules(options_.topics));
     plan_.recording.rig.name = options_.output.filename().string();
     if (options_.board) plan_.recording.rig.board = *options_.board;
+    add_notes(choice_.notes);
     describe(choice_.cameras);
     take_odometry(*choice_.odometry);
     add_notes(notes_of_clocks());
@@ -106,7 +107,10 @@ class Planner {
     const std::string remedy = "; give --topic " + topics.name + ".camera_info=TOPIC, or --camera-info " + topics.name +
                                "=FILE with the YAML that camera_calibration writes";
     if (topics.camera_info.empty())
-      throw Error("there is no CameraInfo for " + images.name + " (looked for " + expected + ")" + remedy);
+      throw Error("there is no CameraInfo for " + images.name + " (" +
+                  (survey_.find_info(expected) == nullptr ? "looked for " + expected
+                                                          : expected + " lies beside several cameras") +
+                  ")" + remedy);
     const InfoTopic& info = *survey_.find_info(topics.camera_info);
     if (info.changes)
       throw Error(info.name +
