@@ -482,6 +482,44 @@ TEST_F(Init, DamagedMessagesNameTheirTopic) {
   EXPECT_THAT(failure(options), HasSubstr("no bag"));
 }
 
+TEST_F(Init, AFewPosesThatAreNoneAreLeftOutAndManyAreRefused) {
+  InitOptions options = options_for(Robot());
+  std::vector<Recorded> messages = messages_of(Robot());
+  const PoseFields none = {NAN, 0, 0, 0, 0, 0, 1};
+  const auto add = [&](const char* topic, const char* type, const std::string& data) {
+    messages.push_back({topic, type, 1700000001.0, data});
+  };
+  add("/odom", kOdometryType, odometry_message(1700000001.001, {0, 0, 0, 0, 0, 0, 0}));
+  add("/tf", kTfType, tf_message(1700000001.0, {{"base_link", "wheel", none}}));
+  add("/tf_static", kTfType, tf_message(1700000001.0, {{"base_link", "arm", none}, {"base_link", "mast", {}}}));
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  const InitReport report = init_recording(options);
+  EXPECT_EQ(report.odometry_rows, 1000U);
+  EXPECT_THAT(report.notes,
+              Contains(AllOf(HasSubstr("/odom: 1 of 1001 poses"), HasSubstr("1700000001.001 s"), HasSubstr("norm 0"))));
+  EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("/tf_static: left out is arm"), HasSubstr("nan"))));
+  EXPECT_THAT(report.notes, Not(Contains(HasSubstr("wheel"))));
+  EXPECT_TRUE(load_frame_tree(scratch_ / "monday/tf_static.json").has("mast"));
+  fs::remove_all(scratch_ / "monday");
+  for (int i = 0; i < 60; ++i) add("/odom", kOdometryType, odometry_message(1700000001.0 + 0.001 * i, none));
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("/odom: 61 of 1061 poses"), HasSubstr("--topic odometry=TOPIC")));
+}
+
+TEST_F(Init, AFrameOfACameraWhosePoseIsNoneIsRefused) {
+  InitOptions options = options_for(Robot());
+  const PoseFields none = {0, 0, 0, 0, 0, 0, 0};
+  const std::vector<TransformFields> bad = {{"base_link", "left_link", none}, {"left_link", "left_optical", {}}};
+  scratch_.write("bag.mcap", WithFrames{bad}.bytes());
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("camera left: /tf_static: left_link: a pose"),
+                                      HasSubstr("--topic tf_static=none"), Not(HasSubstr("camera right"))));
+  // One that comes again whole is good.
+  std::vector<TransformFields> mended = bad;
+  mended.push_back({"base_link", "left_link", {}});
+  scratch_.write("bag.mcap", WithFrames{mended}.bytes());
+  EXPECT_THAT(init_recording(options).notes, Not(Contains(HasSubstr("left out is"))));
+}
+
 // What is told of a bag that grows is what is told of it as it lies there.
 TEST_F(Init, OfABagThatGrowsTheSameIsToldAsOfOneThatIsReadAnew) {
   McapLayout layout;

@@ -37,6 +37,7 @@ class Planner {
     plan_.recording.rig.name = options_.output.filename().string();
     if (options_.board) plan_.recording.rig.board = *options_.board;
     add_notes(choice_.notes);
+    for (const std::string& text : survey_.tf_static.left_out()) note("/tf_static: left out is " + text);
     describe(choice_.cameras);
     take_odometry(*choice_.odometry);
     add_notes(notes_of_clocks());
@@ -201,7 +202,23 @@ class Planner {
     return T.value_or(Rigid3());
   }
 
+  // A few poses that are none are a node's hiccup, many a broken one.
+  void check_poses(const PoseTopic& topic) {
+    constexpr double kMost = 0.05;
+    const BadPoses& bad = topic.bad;
+    if (bad.count == 0) return;
+    const std::string text = topic.name + ": " + std::to_string(bad.count) + " of " + std::to_string(bad.of) +
+                             " poses cannot be used, the first at " + fixed_text(seconds(bad.first_stamp_ns), 3) +
+                             " s: " + bad.first;
+    if (static_cast<double>(bad.count) > kMost * static_cast<double>(bad.of))
+      throw Error(text +
+                  ". More than one in twenty is too many: record again with that mended, or take another "
+                  "odometry: --topic odometry=TOPIC");
+    note(text);
+  }
+
   void take_odometry(const PoseTopic& topic) {
+    check_poses(topic);
     InitReport& report = plan_.report;
     report.robot_frame = options_.robot_frame.empty() ? kGroundFrame : options_.robot_frame;
     plan_.recording.rig.robot_frame = report.robot_frame;

@@ -82,7 +82,7 @@ class Writer {
     std::vector<RosTransform> transforms;
     const FrameTree tree = frames_of_bag(recording_);
     for (const auto& [child, edge] : tree.edges())
-      transforms.push_back({{stamp_ns, edge.parent}, child, edge.T_parent_child});
+      transforms.push_back({{stamp_ns, edge.parent}, child, edge.T_parent_child, ""});
     put("/tf_static", kTfType, stamp_ns, message_bytes(transforms));
     for (const RigCamera& camera : recording_.rig.cameras)
       if (!tree.between(recording_.rig.robot_frame, optical_frame_in_bag(camera))) unmounted_.push_back(camera.name);

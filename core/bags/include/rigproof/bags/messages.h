@@ -72,10 +72,11 @@ struct RosOdometry {
   RosHeader header;  ///< frame_id: the odometry frame
   std::string child_frame_id;
   Rigid3 T_odom_child;
+  std::string no_pose;                                         ///< why its numbers are no pose; empty: they are one
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< along the child's axes [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< the same [rad/s]
 };
-/// Throws Error for a quaternion whose norm is not 1 within 1 %.
+/// A pose needs finite numbers and a quaternion whose norm is 1 within 1 %.
 RosOdometry read_odometry_message(std::string_view message);
 /// With covariances of zero: not stated.
 std::string message_bytes(const RosOdometry& odometry);
@@ -85,6 +86,7 @@ struct RosTransform {
   RosHeader header;  ///< frame_id: the parent
   std::string child_frame_id;
   Rigid3 T_parent_child;
+  std::string no_pose;  ///< as above
 };
 /// tf2_msgs/TFMessage.
 std::vector<RosTransform> read_tf_message(std::string_view message);
