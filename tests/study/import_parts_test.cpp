@@ -5,13 +5,13 @@
 #include <opencv2/calib3d.hpp>
 
 #include "bag_bytes.h"
-#include "camera_of_info.h"
 #include "error_text.h"
 #include "frame_choice.h"
 #include "ground_track.h"
 #include "rectifier.h"
 #include "rigproof/bags/messages.h"
 #include "rigproof/calib/vision/image_io.h"
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/formats/frame_tree.h"
 #include "ros_cloud.h"

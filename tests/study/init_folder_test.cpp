@@ -114,6 +114,18 @@ TEST_F(InitFolder, BoardsBesideTheFirstAreNamed) {
               Contains(AllOf(HasSubstr("where right never sees the board another one seems to be"), names_second)));
 }
 
+// Images of a folder are copied as they are.
+TEST_F(InitFolder, ALensThatNobodyFollowsIsRefusedAndOneThatIsMetIsSaid) {
+  const auto write = [&](const std::string& size_and_matrix, const std::string& d) {
+    scratch_.write("in/left/camera_info.yaml",
+                   size_and_matrix + "\ndistortion_model: rational_polynomial\nd: " + d + "\n");
+  };
+  write("width: 640\nheight: 480\nk: [500, 0, 320, 0, 500, 240, 0, 0, 1]", "[4, 0, 0, 0, 0, 8, 0, 0]");
+  EXPECT_THAT(failure(), AllOf(HasSubstr("camera left"), HasSubstr("of a folder they are copied")));
+  write("width: 16\nheight: 12\nk: [20, 0, 7.5, 0, 20, 5.5, 0, 0, 1]", "[0, 0, 0, 0, 0, 0.1, 0, 0]");
+  EXPECT_THAT(init_recording(options_).notes, Contains(HasSubstr("left: rational_polynomial is written as")));
+}
+
 TEST_F(InitFolder, EveryMissingPieceIsSaid) {
   for (const char* camera : {"left", "right"}) fs::remove(scratch_ / "in" / camera / "camera_info.yaml");
   EXPECT_THAT(failure(),

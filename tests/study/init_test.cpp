@@ -272,6 +272,41 @@ TEST_F(Init, MissingCalibrationIsSaidForEveryCameraAndGivenByAFile) {
   EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[0].camera.fy_px, 71.0);
 }
 
+// K and D of a file are of the raw images.
+TEST_F(Init, AFileForRectifiedImagesGivesP) {
+  Robot robot;
+  robot.cameras = {"left"};
+  robot.depth = false;
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(renamed(messages_of(robot), {{"/left/image_raw", "/left/image_rect"}})));
+  const std::string raw =
+      "image_width: 64\nimage_height: 48\ncamera_matrix: {rows: 3, cols: 3, data: [70, 0, 31, 0, 71, 23, 0, 0, 1]}\n"
+      "distortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: [-0.3, 0.1, 0, 0, 0]}\n";
+  options.camera_infos = {"left=" + scratch_.write("info.yaml", raw).string()};
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("info.yaml"), HasSubstr("has no projection_matrix (P)")));
+  scratch_.write("info.yaml",
+                 raw + "projection_matrix: {rows: 3, cols: 4, data: [55, 0, 30, 0, 0, 56, 22, 0, 0, 0, 1, 0]}\n");
+  EXPECT_THAT(init_recording(options).notes, Contains(HasSubstr("left: images are rectified: the matrix P")));
+  const Camera camera = load_recording(scratch_ / "monday").rig.cameras[0].camera;
+  EXPECT_EQ(camera.lens, Lens::kPinhole);
+  EXPECT_EQ(camera.fx_px, 55.0);
+  EXPECT_EQ(camera.cy_px, 22.0);
+}
+
+// Its images are rectified like those of a bag's own CameraInfo.
+TEST_F(Init, AFileOfARationalLensServesLikeAMessage) {
+  Robot robot;
+  robot.cameras = {"left"};
+  InitOptions options = options_for(robot);
+  options.camera_infos = {"left=" + scratch_
+                                        .write("info.yaml",
+                                               "width: 64\nheight: 48\nk: [60, 0, 31.5, 0, 60, 23.5, 0, 0, 1]\n"
+                                               "distortion_model: rational_polynomial\nd: [4, 0, 0, 0, 0, 8, 0, 0]\n")
+                                        .string()};
+  EXPECT_THAT(init_recording(options).notes, Contains(HasSubstr("images are rectified as they are read")));
+  EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[0].camera.lens, Lens::kPinhole);
+}
+
 TEST_F(Init, IntrinsicsOfAnotherSizeAreRefused) {
   Robot robot;
   robot.info_width = 128;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "camera_of_info.h"
 #include "depth_of_bag.h"
 #include "ground_track.h"
 #include "import_words.h"
@@ -17,8 +16,6 @@
 namespace rigproof {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kGroundFrame = "base_footprint";
 
 // Whole seconds apart: nanoseconds since 1970 are more digits than a double has.
@@ -29,8 +26,7 @@ double seconds(std::int64_t ns) {
 
 class Planner {
  public:
-  Planner(const BagSurvey& survey, const InitOptions& options, fs::path scratch)
-      : survey_(survey), options_(options), scratch_(std::move(scratch)) {}
+  Planner(const BagSurvey& survey, const InitOptions& options) : survey_(survey), options_(options) {}
 
   ImportPlan run() {
     choice_ = choose_topics(survey_, topic_rules(options_.topics));
@@ -88,9 +84,11 @@ class Planner {
     RigCamera camera;
     camera.name = camera.folder = topics.name;
     const auto info = infos.find(topics.name);
-    plan_.to_undo.emplace_back();
-    camera.camera = info == infos.end() ? camera_of_bag(topics, images, &plan_.to_undo.back())
-                                        : camera_of_file(info->second, scratch_ / topics.name);
+    const InfoReading reading =
+        info == infos.end() ? camera_of_bag(topics, images) : camera_of_file(info->second, is_rectified(images.name));
+    for (const std::string& text : reading.notes) note(topics.name + ": " + text);
+    plan_.to_undo.push_back(reading.to_undo);
+    camera.camera = reading.camera;
     report.camera_info = info == infos.end() ? topics.camera_info : info->second;
     check_image_size(images, camera.camera);
     take_frames(images, &camera);
@@ -103,7 +101,7 @@ class Planner {
     plan_.report.cameras.push_back(report);
   }
 
-  Camera camera_of_bag(const CameraTopics& topics, const ImageTopic& images, std::vector<double>* to_undo) {
+  InfoReading camera_of_bag(const CameraTopics& topics, const ImageTopic& images) const {
     const std::string expected = namespace_of(images.name) + "/camera_info";
     const std::string remedy = "; give --topic " + topics.name + ".camera_info=TOPIC, or --camera-info " + topics.name +
                                "=FILE with the YAML that camera_calibration writes";
@@ -119,10 +117,7 @@ class Planner {
                   "intrinsics, or give --camera-info " +
                   topics.name + "=FILE");
     try {
-      const InfoReading reading = camera_of_info(info.info, is_rectified(images.name));
-      for (const std::string& text : reading.notes) note(topics.name + ": " + text);
-      *to_undo = reading.to_undo;
-      return reading.camera;
+      return camera_of_info(info.info, is_rectified(images.name));
     } catch (const Error& error) {
       throw Error(info.name + ": " + error.what() + remedy);
     }
@@ -355,7 +350,6 @@ class Planner {
 
   const BagSurvey& survey_;
   const InitOptions& options_;
-  fs::path scratch_;
   TopicChoice choice_;
   std::vector<std::string> without_sensor_;
   ImportPlan plan_;
@@ -363,8 +357,6 @@ class Planner {
 
 }  // namespace
 
-ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options, const fs::path& scratch) {
-  return Planner(survey, options, scratch).run();
-}
+ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options) { return Planner(survey, options).run(); }
 
 }  // namespace rigproof

@@ -104,7 +104,7 @@ std::vector<std::vector<double>> stamps_of(const std::vector<std::vector<Stamped
 
 class FolderPlanner {
  public:
-  FolderPlanner(const InitOptions& options, fs::path scratch) : options_(options), scratch_(std::move(scratch)) {}
+  explicit FolderPlanner(const InitOptions& options) : options_(options) {}
 
   FolderPlan run() {
     plan_.recording.rig.name = options_.output.filename().string();
@@ -154,7 +154,7 @@ class FolderPlanner {
                   "=FILE");
     RigCamera camera;
     camera.name = camera.folder = camera.link = report.link = from.name;
-    camera.camera = camera_of_file(info_file, scratch_ / from.name);
+    camera.camera = camera_of_copies(from.name, info_file);
     report.camera_info = info_file.string();
     report.width_px = camera.camera.width_px;
     report.height_px = camera.camera.height_px;
@@ -170,6 +170,16 @@ class FolderPlanner {
     report.images_in_source = files_.back().size();
     plan_.recording.rig.cameras.push_back(camera);
     plan_.report.cameras.push_back(report);
+  }
+
+  // Of images that are copied as they are.
+  Camera camera_of_copies(const std::string& name, const fs::path& info_file) {
+    const InfoReading reading = camera_of_file(info_file, false);
+    if (!reading.to_undo.empty())
+      throw Error(info_file.string() + ": " + reading.notes.front() +
+                  "; of a folder they are copied: give rectified ones, and P as their camera_matrix");
+    for (const std::string& text : reading.notes) plan_.report.notes.push_back(name + ": " + text);
+    return reading.camera;
   }
 
   void keep_frames(const std::vector<std::vector<double>>& stamps_s) {
@@ -219,7 +229,6 @@ class FolderPlanner {
   }
 
   const InitOptions& options_;
-  fs::path scratch_;
   FolderPlan plan_;
   std::vector<std::vector<StampedFile>> files_;  // [camera]
 };
@@ -240,8 +249,6 @@ fs::path find_trajectory(const InitOptions& options) {
                                    "; say which: --odometry FILE"));
 }
 
-FolderPlan plan_folder_import(const InitOptions& options, const fs::path& scratch) {
-  return FolderPlanner(options, scratch).run();
-}
+FolderPlan plan_folder_import(const InitOptions& options) { return FolderPlanner(options).run(); }
 
 }  // namespace rigproof

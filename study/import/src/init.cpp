@@ -204,7 +204,7 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   BagSurvey survey = survey_bag(bag, options.log_stamps);
   if (std::find(options.topics.begin(), options.topics.end(), "tf_static=none") != options.topics.end())
     survey.tf_static = {};
-  ImportPlan plan = plan_import(survey, options, scratch);
+  ImportPlan plan = plan_import(survey, options);
   plan.recording.folder = making;
   plan.report.notes.insert(plan.report.notes.begin(), survey.notes.begin(), survey.notes.end());
   PictureWriter(bag, survey, options, &plan).write_all();
@@ -214,9 +214,9 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   return {std::move(plan.recording), std::move(plan.report)};
 }
 
-Imported import_folder(const InitOptions& options, const fs::path& making, const fs::path& scratch) {
+Imported import_folder(const InitOptions& options, const fs::path& making) {
   if (!options.topics.empty()) throw Error("--topic: is for bags; cameras of a folder are called as its folders");
-  FolderPlan plan = plan_folder_import(options, scratch);
+  FolderPlan plan = plan_folder_import(options);
   plan.recording.folder = making;
   std::size_t done = 0;
   for (const auto& [from, to] : plan.copies) {
@@ -240,8 +240,7 @@ InitReport init_recording(const InitOptions& options) {
                 ": no bag of ROS 2 (.mcap, .db3, or the folder of one), and no folder of images");
   FolderInMaking making(options.output);
   const fs::path scratch = making.path() / ".scratch";
-  Imported imported =
-      bag ? import_bag(options, making.path(), scratch) : import_folder(options, making.path(), scratch);
+  Imported imported = bag ? import_bag(options, making.path(), scratch) : import_folder(options, making.path());
   save_recording(imported.recording);
   look_for_board(options, imported.recording, &imported.report);
   write_descriptions(options, imported);

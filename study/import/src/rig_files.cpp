@@ -44,25 +44,13 @@ std::string rig_yaml_text(const RigText& text) {
   return comments + emit_yaml(tree);
 }
 
-Camera camera_of_file(const fs::path& file, const fs::path& scratch) {
-  // Read as a recording's: the same words for the same mistakes.
+InfoReading camera_of_file(const fs::path& file, bool rectified) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) throw Error(file.string() + ": no such file");
-  copy_file_into(file, scratch / "camera" / "camera_info.yaml");
-  std::vector<RigCamera> cameras;
-  RigReadOptions options;
-  options.folder = scratch;
-  try {
-    read_fields_of_tree(parse_yaml("cameras: {camera: {}}", file),
-                        [&](FieldVisitor& visitor) { visit_rig_cameras(visitor, options, cameras); });
-  } catch (const Error& error) {
-    std::string text = error.what();
-    const std::string copied = (scratch / "camera" / "camera_info.yaml").string();
-    for (std::size_t at = text.find(copied); at != std::string::npos; at = text.find(copied))
-      text.replace(at, copied.size(), file.string());
-    throw Error(text);
-  }
-  return cameras.front().camera;
+  Problems problems;
+  std::optional<InfoReading> reading = read_camera_info(file, rectified, &problems);
+  problems.throw_if_any();
+  return std::move(reading).value();
 }
 
 }  // namespace rigproof

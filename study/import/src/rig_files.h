@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/recording.h"
 
 namespace rigproof {
@@ -19,8 +20,7 @@ struct RigText {
 /// rig.yaml as a person would write it: the depth block of a camera without a sensor holds only what is known.
 std::string rig_yaml_text(const RigText& text);
 
-/// Intrinsics of a ROS camera_info file. Throws Error.
-/// @param scratch an empty folder
-Camera camera_of_file(const std::filesystem::path& file, const std::filesystem::path& scratch);
+/// Intrinsics of a camera_info file. Throws Error with every problem.
+InfoReading camera_of_file(const std::filesystem::path& file, bool rectified);
 
 }  // namespace rigproof

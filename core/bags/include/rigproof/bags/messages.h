@@ -3,12 +3,12 @@
 // message. message_bytes() is the way back, little-endian.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/rigid3.h"
 
 namespace rigproof {
@@ -51,18 +51,8 @@ RosCompressedImage read_compressed_image(std::string_view message);
 std::string message_bytes(const RosCompressedImage& image);
 
 /// sensor_msgs/CameraInfo.
-struct RosCameraInfo {
+struct RosCameraInfo : CameraInfo {
   RosHeader header;
-  std::uint32_t height = 0, width = 0;  ///< of the full sensor, before binning and the region of interest
-  std::string distortion_model;
-  std::vector<double> d;
-  std::array<double, 9> k{};  ///< row-major, of the full sensor
-  std::array<double, 9> r{};
-  std::array<double, 12> p{};                  ///< row-major, of the rectified image
-  std::uint32_t binning_x = 0, binning_y = 0;  ///< 0 and 1: none
-  struct Region {
-    std::uint32_t x_offset = 0, y_offset = 0, height = 0, width = 0;  ///< of the full sensor; size 0: all of it
-  } roi;
 };
 RosCameraInfo read_camera_info_message(std::string_view message);
 std::string message_bytes(const RosCameraInfo& info);
