@@ -150,6 +150,16 @@ std::string note_of_others(const BoardCoverage& coverage, const std::vector<Init
          "}";
 }
 
+// What is wrong with the images, the first of it, by the name that the recording will have.
+std::string note_of_problem(const std::string& problem, const fs::path& making, const fs::path& output) {
+  const std::size_t end = problem.find('\n');
+  std::string text = problem.substr(0, end) + (end == std::string::npos ? "" : " (and others)");
+  const std::string from = making.string(), to = output.string();
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return "the board could not be looked for: " + text;
+}
+
 void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
   const bool known = options.board.has_value();
   const CoverageProgress progress = [&options](std::uint64_t done, std::uint64_t total) {
@@ -158,7 +168,9 @@ void look_for_board(const InitOptions& options, const Recording& recording, Init
   InitReport& report = *to;
   const BoardCoverage coverage = known ? find_board(recording, options.threads, progress) : BoardCoverage();
   const BoardCoverage guess = options.board.has_value() ? coverage : guess_board(recording, progress);
-  if (known)
+  if (!coverage.problem.empty())
+    report.notes.push_back(note_of_problem(coverage.problem, recording.folder, options.output));
+  else if (known)
     for (std::size_t i = 0; i < report.cameras.size(); ++i) report.cameras[i].board_stops = coverage.stops[i];
   if (known && !guess.seen.empty()) report.notes.push_back(note_of_others(guess, report.cameras));
   if (options.board) return;
