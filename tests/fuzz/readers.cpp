@@ -131,7 +131,7 @@ std::vector<Reader> readers_of_other_files() {
       {"cloud", [](const auto& bytes, const auto&) { require_readable(decode_point_cloud(as_bytes(bytes))); }, ""},
       {"camera_info",
        [](const auto&, const auto& file) {
-         for (const bool rectified : {false, true}) camera_of_file(file, rectified);
+         for (const char* topic : {"/left/image_raw", "/left/image_rect"}) camera_of_file(file, "cam0", topic);
        },
        "camera.yaml"},
       {"urdf", read_urdf, ""},

@@ -307,6 +307,41 @@ TEST_F(Init, AFileOfARationalLensServesLikeAMessage) {
   EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[0].camera.lens, Lens::kPinhole);
 }
 
+TEST_F(Init, ACamchainOfKalibrIsForAllCameras) {
+  const auto camera = [](const std::string& name, const std::string& focal, const std::string& end) {
+    return name + ":\n  camera_model: pinhole\n  cam_overlaps: []\n  resolution: [64, 48]\n  intrinsics: [" + focal +
+           ", 71, 31, 23]\n" + end;
+  };
+  const std::string left =
+                        camera("cam0", "70",
+                               "  distortion_model: radtan\n  distortion_coeffs: [-0.1, 0.02, 0.001, 0]\n  rostopic: "
+                               "/left/image_raw/compressed\n"),
+                    right = camera("cam1", "80",
+                                   "  distortion_model: equidistant\n  distortion_coeffs: [0.1, 0, 0, 0]\n  T_cn_cnm1: "
+                                   "[[1, 0, 0, 0]]\n");
+  InitOptions options = options_for(Robot());
+  const std::string file = scratch_.write("camchain.yaml", left + right).string();
+  options.camera_infos = {file};
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("camera right: " + file +
+                                                ": which of its cameras is right? It has cam0 "
+                                                "(/left/image_raw/compressed), cam1"),
+                                      HasSubstr("--topic camN=/right/image_raw"), Not(HasSubstr("camera left"))));
+  options.topics = {"cam1=/right/image_raw"};
+  init_recording(options);
+  const Recording recording = load_recording(scratch_ / "monday");
+  EXPECT_EQ(recording.rig.cameras[0].camera.fx_px, 70.0);
+  EXPECT_EQ(recording.rig.cameras[0].camera.lens, Lens::kBrownConrady);
+  EXPECT_EQ(recording.rig.cameras[1].camera.fx_px, 80.0);
+  EXPECT_EQ(recording.rig.cameras[1].camera.cy_px, 23.0);
+  EXPECT_EQ(recording.rig.cameras[1].camera.lens, Lens::kKannalaBrandt);
+  options.output = scratch_ / "tuesday";
+  scratch_.write("camchain.yaml", left + "cam1: {camera_model: omni, intrinsics: [1], distortion_model: radtan}\n");
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("camchain.yaml:9: cam1.camera_model: omni: must be one of pinhole"),
+                                      HasSubstr("cam1.resolution"), HasSubstr("cam1.distortion_coeffs")));
+  scratch_.write("camchain.yaml", "image_width: 64\nimage_height: 48\n");
+  EXPECT_THAT(failure(options), HasSubstr("must be CAMERA=FILE"));
+}
+
 TEST_F(Init, IntrinsicsOfAnotherSizeAreRefused) {
   Robot robot;
   robot.info_width = 128;

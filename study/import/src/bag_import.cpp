@@ -52,7 +52,7 @@ class Planner {
   void describe(const std::vector<CameraTopics>& cameras) {
     std::vector<std::string> names;
     for (const CameraTopics& camera : cameras) names.push_back(camera.name);
-    const auto infos = values_by_camera(options_.camera_infos, "--camera-info", names, false);
+    const auto infos = intrinsics_files(options_.camera_infos, names);
     const auto sensors = values_by_camera(options_.sensors, "--sensor", names, true);
     Problems problems;
     for (const CameraTopics& topics : cameras) {
@@ -85,7 +85,7 @@ class Planner {
     camera.name = camera.folder = topics.name;
     const auto info = infos.find(topics.name);
     const InfoReading reading =
-        info == infos.end() ? camera_of_bag(topics, images) : camera_of_file(info->second, is_rectified(images.name));
+        info == infos.end() ? camera_of_bag(topics, images) : camera_of_file(info->second, topics.name, images.name);
     for (const std::string& text : reading.notes) note(topics.name + ": " + text);
     plan_.to_undo.push_back(reading.to_undo);
     camera.camera = reading.camera;

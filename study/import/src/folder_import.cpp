@@ -124,7 +124,7 @@ class FolderPlanner {
   void describe(const std::vector<CameraFolder>& cameras) {
     std::vector<std::string> names;
     for (const CameraFolder& camera : cameras) names.push_back(camera.name);
-    const auto infos = values_by_camera(options_.camera_infos, "--camera-info", names, false);
+    const auto infos = intrinsics_files(options_.camera_infos, names);
     const auto sensors = values_by_camera(options_.sensors, "--sensor", names, true);
     Problems problems;
     for (const CameraFolder& camera : cameras) {
@@ -174,7 +174,7 @@ class FolderPlanner {
 
   // Of images that are copied as they are.
   Camera camera_of_copies(const std::string& name, const fs::path& info_file) {
-    const InfoReading reading = camera_of_file(info_file, false);
+    const InfoReading reading = camera_of_file(info_file, name, "");
     if (!reading.to_undo.empty())
       throw Error(info_file.string() + ": " + reading.notes.front() +
                   "; of a folder they are copied: give rectified ones, and P as their camera_matrix");
