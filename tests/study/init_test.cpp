@@ -235,6 +235,33 @@ TEST_F(Init, TwoCamerasInOneNamespaceAreTwo) {
                                       HasSubstr("lies beside several cameras"), Not(HasSubstr("camera left_image"))));
 }
 
+TEST_F(Init, WithoutFramesNamesTellCamerasApart) {
+  Robot robot;
+  robot.depth = false;
+  std::vector<Recorded> messages;
+  for (Recorded& message : renamed(messages_of(robot), {{"/left/image_raw", "/left_image_raw"},
+                                                        {"/left/camera_info", "/left_camera_info"},
+                                                        {"/right/image_raw", "/right_image_raw"},
+                                                        {"/right/camera_info", "/right_camera_info"}})) {
+    if (message.type == kImageType) {
+      RosImage image = read_image(message.data);
+      image.header.frame_id.clear();
+      message.data = message_bytes(image);
+      if (message.topic == "/left_image_raw")
+        messages.push_back({"/left_image_rect", kImageType, message.log_s, message.data});
+    }
+    messages.push_back(message);
+  }
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  const InitReport report = init_recording(options);
+  ASSERT_EQ(report.cameras.size(), 2U);
+  EXPECT_EQ(report.cameras[0].images, "/left_image_raw");
+  EXPECT_EQ(report.cameras[0].camera_info, "/left_camera_info");
+  EXPECT_EQ(report.cameras[1].camera_info, "/right_camera_info");
+  EXPECT_THAT(report.notes, Contains(HasSubstr("=/left_image_rect in place of /left_image_raw")));
+}
+
 TEST_F(Init, OtherPicturesOfACameraAreNoCamerasAndSaid) {
   Robot robot;
   robot.depth = false;

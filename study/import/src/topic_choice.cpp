@@ -196,13 +196,16 @@ std::string rule_that_takes(const BagSurvey& survey, const ImageTopic& topic,
   return "--topic " + name + "=" + topic.name;
 }
 
-// Empty where all images are taken. Other transports of what is taken, or was to be left out, are not missed.
+// Empty where all images are taken. Nobody misses other transports, what a rule chose another picture of, and what was
+// to be left out.
 std::string note_of_untaken(const BagSurvey& survey, const std::vector<CameraTopics>& cameras,
                             const std::vector<const ImageTopic*>& left_out) {
   std::vector<std::string> rules;
   for (const ImageTopic& topic : survey.images) {
-    const auto has_it = [&topic](const CameraTopics& camera) {
-      return without_transport(camera.images) == without_transport(topic.name);
+    const auto has_it = [&](const CameraTopics& camera) {
+      return without_transport(camera.images) == without_transport(topic.name) ||
+             (camera.is_given && place_in(camera.images) == place_in(topic.name) &&
+              same_camera(*survey.find_image(camera.images), topic));
     };
     const auto same = [&topic](const ImageTopic* other) { return same_camera(*other, topic); };
     if (topic.is_depth || std::any_of(cameras.begin(), cameras.end(), has_it) ||
@@ -273,18 +276,24 @@ void guess_depth(const BagSurvey& survey, std::vector<CameraTopics>* cameras) {
 
 // ---------------------------------------------------------------------------------------------------- camera info
 
-// Of the CameraInfo beside the images what names the same place. One for all is of the only camera there, or of the one
-// in whose frame it is.
+// Of the CameraInfo beside the images what names the same place, or the one for all. If it could be another camera's,
+// too, frames have to tell.
 std::string info_topic_of(const BagSurvey& survey, const CameraTopics& of, const std::vector<CameraTopics>& cameras) {
-  const std::string beside = namespace_of(of.images);
-  for (const InfoTopic& info : survey.infos)
-    if (namespace_of(info.name) == beside && place_in(info.name) == place_in(of.images)) return info.name;
-  const InfoTopic* for_all = survey.find_info(beside + "/camera_info");
-  const bool alone = std::none_of(cameras.begin(), cameras.end(), [&](const CameraTopics& other) {
-    return &other != &of && namespace_of(other.images) == beside;
+  const std::string beside = namespace_of(of.images), place = place_in(of.images);
+  const auto named = std::find_if(survey.infos.begin(), survey.infos.end(), [&](const InfoTopic& info) {
+    return namespace_of(info.name) == beside && place_in(info.name) == place;
   });
-  if (for_all == nullptr) return "";
-  return alone || for_all->info.header.frame_id == survey.find_image(of.images)->frame_id() ? for_all->name : "";
+  const bool for_all = named == survey.infos.end();
+  const InfoTopic* info = for_all ? survey.find_info(beside + "/camera_info") : &*named;
+  if (info == nullptr) return "";
+  const auto in_frame = [&](const CameraTopics& camera) {
+    return survey.find_image(camera.images)->frame_id() == info->info.header.frame_id;
+  };
+  const bool is_shared = std::any_of(cameras.begin(), cameras.end(), [&](const CameraTopics& other) {
+    return &other != &of && namespace_of(other.images) == beside && (for_all || place_in(other.images) == place) &&
+           (in_frame(other) || !in_frame(of));
+  });
+  return is_shared ? "" : info->name;
 }
 
 void apply_part_rule(const BagSurvey& survey, const TopicRule& rule, std::vector<CameraTopics>* cameras,
