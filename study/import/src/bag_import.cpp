@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "camera_of_info.h"
 #include "clock_check.h"
 #include "depth_of_bag.h"
 #include "ground_track.h"
@@ -17,12 +16,16 @@
 namespace rigproof {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kGroundFrame = "base_footprint";
 
 void append(const std::vector<std::string>& notes, std::vector<std::string>* to) {
   to->insert(to->end(), notes.begin(), notes.end());
+}
+
+std::vector<std::string> notes_of_choice(const TopicChoice& choice, const BagSurvey& survey) {
+  std::vector<std::string> notes = choice.notes;
+  for (const std::string& text : survey.tf_static.left_out()) notes.push_back("/tf_static: left out is " + text);
+  return notes;
 }
 
 // --------------------------------------------------------------------------------------------------------- cameras
@@ -37,14 +40,14 @@ void check_image_size(const ImageTopic& images, const Camera& camera) {
 // The cameras of a plan, one after the other.
 class CameraPlanner {
  public:
-  CameraPlanner(const BagSurvey& survey, const InitOptions& options, fs::path scratch, const PoseTopic& odometry)
-      : survey_(survey), options_(options), scratch_(std::move(scratch)), odometry_(odometry) {}
+  CameraPlanner(const BagSurvey& survey, const InitOptions& options, const PoseTopic& odometry)
+      : survey_(survey), options_(options), odometry_(odometry) {}
 
   // Images, depth and what to undo of each camera, its entry in rig and report, and notes.
   ImportPlan run(const std::vector<CameraTopics>& cameras) {
     std::vector<std::string> names;
     for (const CameraTopics& camera : cameras) names.push_back(camera.name);
-    const auto infos = values_by_camera(options_.camera_infos, "--camera-info", names, false);
+    const auto infos = intrinsics_files(options_.camera_infos, names);
     const auto sensors = values_by_camera(options_.sensors, "--sensor", names, true);
     Problems problems;
     for (const CameraTopics& topics : cameras) {
@@ -80,9 +83,11 @@ class CameraPlanner {
     RigCamera camera;
     camera.name = camera.folder = topics.name;
     const auto info = infos.find(topics.name);
-    plan_.to_undo.emplace_back();
-    camera.camera = info == infos.end() ? camera_of_bag(topics, images, &plan_.to_undo.back())
-                                        : camera_of_file(info->second, scratch_ / topics.name);
+    const InfoReading reading =
+        info == infos.end() ? camera_of_bag(topics, images) : camera_of_file(info->second, topics.name, images.name);
+    for (const std::string& text : reading.notes) note(topics.name + ": " + text);
+    plan_.to_undo.push_back(reading.to_undo);
+    camera.camera = reading.camera;
     report.camera_info = info == infos.end() ? topics.camera_info : info->second;
     check_image_size(images, camera.camera);
     take_frames(images, &camera);
@@ -95,12 +100,15 @@ class CameraPlanner {
     plan_.report.cameras.push_back(report);
   }
 
-  Camera camera_of_bag(const CameraTopics& topics, const ImageTopic& images, std::vector<double>* to_undo) {
+  InfoReading camera_of_bag(const CameraTopics& topics, const ImageTopic& images) const {
     const std::string expected = namespace_of(images.name) + "/camera_info";
     const std::string remedy = "; give --topic " + topics.name + ".camera_info=TOPIC, or --camera-info " + topics.name +
                                "=FILE with the YAML that camera_calibration writes";
     if (topics.camera_info.empty())
-      throw Error("there is no CameraInfo for " + images.name + " (looked for " + expected + ")" + remedy);
+      throw Error("there is no CameraInfo for " + images.name + " (" +
+                  (survey_.find_info(expected) == nullptr ? "looked for " + expected
+                                                          : expected + " lies beside several cameras") +
+                  ")" + remedy);
     const InfoTopic& info = *survey_.find_info(topics.camera_info);
     if (info.changes)
       throw Error(info.name +
@@ -108,10 +116,7 @@ class CameraPlanner {
                   "intrinsics, or give --camera-info " +
                   topics.name + "=FILE");
     try {
-      const InfoReading reading = camera_of_info(info.info, is_rectified(images.name));
-      for (const std::string& text : reading.notes) note(topics.name + ": " + text);
-      *to_undo = reading.to_undo;
-      return reading.camera;
+      return camera_of_info(info.info, is_rectified(images.name));
     } catch (const Error& error) {
       throw Error(info.name + ": " + error.what() + remedy);
     }
@@ -168,7 +173,6 @@ class CameraPlanner {
 
   const BagSurvey& survey_;
   const InitOptions& options_;
-  fs::path scratch_;
   const PoseTopic& odometry_;
   std::vector<std::string> without_sensor_;
   ImportPlan plan_;
@@ -188,6 +192,21 @@ Rigid3 find_T_child_robot(const BagSurvey& survey, const PoseTopic& odometry, co
     notes->push_back("/tf_static has no " + robot_frame + ": it stands for the point on the ground below " + child +
                      ", which " + odometry.name + " moves");
   return T.value_or(Rigid3());
+}
+
+// A few poses that are none are a node's hiccup, many a broken one. Empty where there are none.
+std::string note_of_bad_poses(const PoseTopic& topic) {
+  constexpr double kMost = 0.05;
+  const BadPoses& bad = topic.bad;
+  if (bad.count == 0) return "";
+  const std::string text = topic.name + ": " + std::to_string(bad.count) + " of " + std::to_string(bad.of) +
+                           " poses cannot be used, the first at " + fixed_text(seconds(bad.first_stamp_ns), 3) +
+                           " s: " + bad.first;
+  if (static_cast<double>(bad.count) > kMost * static_cast<double>(bad.of))
+    throw Error(text +
+                ". More than one in twenty is too many: record again with that mended, or take another "
+                "odometry: --topic odometry=TOPIC");
+  return text;
 }
 
 GroundTrack track_of(const PoseTopic& topic, const Rigid3& T_child_robot) {
@@ -271,14 +290,17 @@ void keep_frames_of(std::size_t camera, const FrameChoice& kept, ImportPlan* pla
 
 }  // namespace
 
-ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options, const fs::path& scratch) {
+ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options) {
   const TopicChoice choice = choose_topics(survey, topic_rules(options.topics));
   const PoseTopic& odometry = *choice.odometry;
-  ImportPlan plan = CameraPlanner(survey, options, scratch, odometry).run(choice.cameras);
+  ImportPlan plan = CameraPlanner(survey, options, odometry).run(choice.cameras);
   Recording& recording = plan.recording;
   InitReport& report = plan.report;
   recording.rig.name = options.output.filename().string();
   if (options.board) recording.rig.board = *options.board;
+  const std::vector<std::string> of_choice = notes_of_choice(choice, survey);
+  report.notes.insert(report.notes.begin(), of_choice.begin(), of_choice.end());
+  if (const std::string text = note_of_bad_poses(odometry); !text.empty()) report.notes.push_back(text);
   report.robot_frame = options.robot_frame.empty() ? kGroundFrame : options.robot_frame;
   recording.rig.robot_frame = report.robot_frame;
   const Rigid3 T =

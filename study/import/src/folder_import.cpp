@@ -112,6 +112,16 @@ fs::path info_file_of(const CameraFolder& from, const ByCamera& infos) {
   return file;
 }
 
+// Of images that are copied as they are.
+Camera camera_of_copies(const std::string& name, const fs::path& info_file, std::vector<std::string>* notes) {
+  const InfoReading reading = camera_of_file(info_file, name, "");
+  if (!reading.to_undo.empty())
+    throw Error(info_file.string() + ": " + reading.notes.front() +
+                "; of a folder they are copied: give rectified ones, and P as their camera_matrix");
+  for (const std::string& text : reading.notes) notes->push_back(name + ": " + text);
+  return reading.camera;
+}
+
 // What a sensor's depth is like, where the camera has any.
 void take_depth(const CameraFolder& from, const ByCamera& sensors, FoundCamera* camera) {
   const bool any_depth = std::any_of(camera->files.begin(), camera->files.end(),
@@ -126,14 +136,14 @@ void take_depth(const CameraFolder& from, const ByCamera& sensors, FoundCamera* 
 }
 
 FoundCamera describe_camera(const CameraFolder& from, const ByCamera& infos, const ByCamera& sensors,
-                            const fs::path& scratch, Problems* problems) {
+                            std::vector<std::string>* notes, Problems* problems) {
   if (!is_frame_name(from.name))
     throw Error("a camera's name has letters, digits, \"_\", \"-\" and \".\"; rename the folder");
   FoundCamera camera;
   camera.report.name = camera.report.link = from.name;
   camera.rig.name = camera.rig.folder = camera.rig.link = from.name;
   const fs::path info_file = info_file_of(from, infos);
-  camera.rig.camera = camera_of_file(info_file, scratch / from.name);
+  camera.rig.camera = camera_of_copies(from.name, info_file, notes);
   camera.files = list_images(from.folder, problems);
   take_depth(from, sensors, &camera);
   camera.report.images = from.folder.string();
@@ -145,16 +155,16 @@ FoundCamera describe_camera(const CameraFolder& from, const ByCamera& infos, con
 }
 
 std::vector<FoundCamera> describe(const std::vector<CameraFolder>& folders, const InitOptions& options,
-                                  const fs::path& scratch) {
+                                  std::vector<std::string>* notes) {
   std::vector<std::string> names;
   for (const CameraFolder& folder : folders) names.push_back(folder.name);
-  const ByCamera infos = values_by_camera(options.camera_infos, "--camera-info", names, false);
+  const ByCamera infos = intrinsics_files(options.camera_infos, names);
   const ByCamera sensors = values_by_camera(options.sensors, "--sensor", names, true);
   std::vector<FoundCamera> cameras;
   Problems problems;
   for (const CameraFolder& folder : folders) {
     try {
-      cameras.push_back(describe_camera(folder, infos, sensors, scratch, &problems));
+      cameras.push_back(describe_camera(folder, infos, sensors, notes, &problems));
     } catch (const Error& error) {
       if (error.exit_code() == ExitCode::kTryAgain) throw;
       problems.add({"", 0, "camera " + folder.name, "", error.what()});
@@ -245,7 +255,7 @@ fs::path find_trajectory(const InitOptions& options) {
                                    "; say which: --odometry FILE"));
 }
 
-FolderPlan plan_folder_import(const InitOptions& options, const fs::path& scratch) {
+FolderPlan plan_folder_import(const InitOptions& options) {
   FolderPlan plan;
   Rig& rig = plan.recording.rig;
   rig.name = options.output.filename().string();
@@ -255,7 +265,7 @@ FolderPlan plan_folder_import(const InitOptions& options, const fs::path& scratc
   if (folders.empty())
     throw Error(options.source.string() + ": holds no bag, no images, and no folders with images (PNG or JPEG)");
   plan.recording.odometry = read_odometry(find_trajectory(options), &plan.report);
-  const std::vector<FoundCamera> cameras = describe(folders, options, scratch);
+  const std::vector<FoundCamera> cameras = describe(folders, options, &plan.report.notes);
   for (const FoundCamera& camera : cameras) {
     rig.cameras.push_back(camera.rig);
     plan.report.cameras.push_back(camera.report);

@@ -159,6 +159,16 @@ std::string note_of_others(const BoardCoverage& coverage, const std::vector<Init
          "}";
 }
 
+// What is wrong with the images, the first of it, by the name that the recording will have.
+std::string note_of_problem(const std::string& problem, const fs::path& making, const fs::path& output) {
+  const std::size_t end = problem.find('\n');
+  std::string text = problem.substr(0, end) + (end == std::string::npos ? "" : " (and others)");
+  const std::string from = making.string(), to = output.string();
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return "the board could not be looked for: " + text;
+}
+
 void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
   const bool known = options.board.has_value();
   const CoverageProgress progress = [&options](std::uint64_t done, std::uint64_t total) {
@@ -167,7 +177,9 @@ void look_for_board(const InitOptions& options, const Recording& recording, Init
   InitReport& report = *to;
   const BoardCoverage coverage = known ? find_board(recording, options.threads, progress) : BoardCoverage();
   const BoardCoverage guess = options.board.has_value() ? coverage : guess_board(recording, progress);
-  if (known)
+  if (!coverage.problem.empty())
+    report.notes.push_back(note_of_problem(coverage.problem, recording.folder, options.output));
+  else if (known)
     for (std::size_t i = 0; i < report.cameras.size(); ++i) report.cameras[i].board_stops = coverage.stops[i];
   if (known && !guess.seen.empty()) report.notes.push_back(note_of_others(guess, report.cameras));
   if (options.board) return;
@@ -213,7 +225,7 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   BagSurvey survey = survey_bag(bag, options.log_stamps);
   if (std::find(options.topics.begin(), options.topics.end(), "tf_static=none") != options.topics.end())
     survey.tf_static = {};
-  ImportPlan plan = plan_import(survey, options, scratch);
+  ImportPlan plan = plan_import(survey, options);
   plan.recording.folder = making;
   plan.report.notes.insert(plan.report.notes.begin(), survey.notes.begin(), survey.notes.end());
   write_pictures(bag, survey, options, &plan);
@@ -223,9 +235,9 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   return {std::move(plan.recording), std::move(plan.report)};
 }
 
-Imported import_folder(const InitOptions& options, const fs::path& making, const fs::path& scratch) {
+Imported import_folder(const InitOptions& options, const fs::path& making) {
   if (!options.topics.empty()) throw Error("--topic: is for bags; cameras of a folder are called as its folders");
-  FolderPlan plan = plan_folder_import(options, scratch);
+  FolderPlan plan = plan_folder_import(options);
   plan.recording.folder = making;
   std::size_t done = 0;
   for (const auto& [from, to] : plan.copies) {
@@ -249,8 +261,7 @@ InitReport init_recording(const InitOptions& options) {
                 ": no bag of ROS 2 (.mcap, .db3, or the folder of one), and no folder of images");
   FolderInMaking making(options.output);
   const fs::path scratch = making.path() / ".scratch";
-  Imported imported =
-      bag ? import_bag(options, making.path(), scratch) : import_folder(options, making.path(), scratch);
+  Imported imported = bag ? import_bag(options, making.path(), scratch) : import_folder(options, making.path());
   save_recording(imported.recording);
   look_for_board(options, imported.recording, &imported.report);
   write_descriptions(options, imported);

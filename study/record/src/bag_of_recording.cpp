@@ -77,7 +77,7 @@ RosOdometry odometry_message(const Recording& recording, std::size_t index) {
 std::vector<RosTransform> transforms_of(const FrameTree& tree, std::int64_t stamp_ns) {
   std::vector<RosTransform> transforms;
   for (const auto& [child, edge] : tree.edges())
-    transforms.push_back({{stamp_ns, edge.parent}, child, edge.T_parent_child});
+    transforms.push_back({{stamp_ns, edge.parent}, child, edge.T_parent_child, ""});
   return transforms;
 }
 
