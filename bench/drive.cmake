@@ -6,7 +6,7 @@ rigproof_apply_rules(bench_drive)
 
 # NEES of the estimator on driven odometry, without pictures.
 add_executable(bench_driven ${CMAKE_CURRENT_LIST_DIR}/driven.cpp)
-target_link_libraries(bench_driven PRIVATE rigproof::generator rigproof::geometric rigproof::calib rigproof::words)
+target_link_libraries(bench_driven PRIVATE CLI11::CLI11 rigproof::generator rigproof::geometric rigproof::calib rigproof::words)
 target_include_directories(bench_driven PRIVATE ${PROJECT_SOURCE_DIR}/generator/src ${PROJECT_SOURCE_DIR}/calib/vision/src
                                                 ${PROJECT_SOURCE_DIR}/tests/support)
 rigproof_apply_rules(bench_driven)

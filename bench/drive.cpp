@@ -6,15 +6,14 @@
 //                                            docs/measurements/driving.md, and what the odometry makes of it
 //
 // Further arguments of `scenes` are lines of a run's configuration, e.g. "scene: indoor_lab" or "seed: 3".
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include "clocks.h"
 #include "driven.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
@@ -26,8 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace rigproof;
-
-double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // Nothing but a floor.
 SceneModel empty_scene(const fs::path& folder) {

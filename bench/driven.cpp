@@ -3,17 +3,18 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bench_main.h"
 #include "calibration_truth.h"
 #include "odometry_track.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/text.h"
 #include "rigproof/geometric/geometric.h"
 #include "rigproof/words/sentences.h"
 #include "scenario.h"
@@ -23,51 +24,13 @@ namespace {
 namespace fs = std::filesystem;
 using namespace rigproof;
 
-constexpr const char* kHelp =
-    R"(bench_driven [--runs 20] [--seed 1] [--poses 30] [--save FOLDER] [--chord] ["key: value" ..]
-  drives of seeds SEED .. SEED + RUNS - 1: errors in standard deviations, NEES. --save keeps the drives, and reads those
-  that are there. --chord: the odometry's rows between the stops are not used. Lines with a colon go to the run's
-  configuration: "scene: corridor", "drive: {friction: 0.3}".
-)";
-
 struct Options {
   int runs = 20, poses = 30;
   std::uint64_t seed = 1;
-  std::string folder, more;
+  std::string folder;
+  std::vector<std::string> lines;
   bool chord = false;
 };
-
-Options parse(int count, char** arguments) {
-  Options options;
-  for (int i = 1; i < count; ++i) {
-    const std::string name = arguments[i];
-    if (name == "--help") {
-      std::fputs(kHelp, stdout);
-      std::exit(0);
-    }
-    if (name.find(':') != std::string::npos) {
-      options.more += name + "\n";
-      continue;
-    }
-    if (name == "--chord") {
-      options.chord = true;
-      continue;
-    }
-    if (i + 1 == count) throw Error(name + " needs a value; see --help");
-    const std::string value = arguments[++i];
-    if (name == "--runs")
-      options.runs = std::atoi(value.c_str());
-    else if (name == "--poses")
-      options.poses = std::atoi(value.c_str());
-    else if (name == "--seed")
-      options.seed = std::strtoull(value.c_str(), nullptr, 10);
-    else if (name == "--save")
-      options.folder = value;
-    else
-      throw Error("unknown option " + name + "; see --help");
-  }
-  return options;
-}
 
 // What observe() would make of the odometry.
 std::vector<Stop> stops_of(const std::vector<TrueStop>& truth, const std::vector<OdometrySample>& odometry) {
@@ -85,8 +48,8 @@ std::vector<Stop> stops_of(const std::vector<TrueStop>& truth, const std::vector
 }
 
 GeometricRun drive(const Options& options, std::uint64_t seed) {
-  GenerateConfig config =
-      parse_generate_config("motion: drive\nseed: " + std::to_string(seed) + "\n" + options.more, "arguments");
+  GenerateConfig config = parse_generate_config(
+      "motion: drive\nseed: " + std::to_string(seed) + "\n" + joined(options.lines, "\n"), "arguments");
   config.poses = options.poses;
   const Scenario scenario = resolve_scenario(config);
   GeometricConfig geometric;
@@ -166,8 +129,17 @@ void report(const Sums& sums, const Options& options) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  try {
-    const Options options = parse(count, arguments);
+  Options options;
+  const auto declare = [&](CLI::App& app) {
+    add_count(app, "--runs", options.runs);
+    add_count(app, "--poses", options.poses);
+    app.add_option("--seed", options.seed, "of the first drive");
+    app.add_option("--save", options.folder, "keeps the drives, and reads those that are there");
+    app.add_flag("--chord", options.chord, "the odometry's rows between the stops are not used");
+    app.add_option("lines", options.lines,
+                   "of the run's configuration: \"scene: corridor\", \"drive: {friction: 0.3}\"");
+  };
+  return bench_main(count, arguments, "Drives of physics: errors in standard deviations, NEES", declare, [&] {
     Sums sums;
     for (int i = 0; i < options.runs; ++i) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
@@ -178,9 +150,6 @@ int main(int count, char** arguments) {
       std::fflush(stdout);
     }
     report(sums, options);
-  } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  }
-  return 0;
+    return 0;
+  });
 }

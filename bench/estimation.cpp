@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "bench_main.h"
 #include "estimation_cells.h"
 #include "estimation_report.h"
 #include "rigproof/core/error.h"
@@ -44,83 +44,6 @@ struct Options {
   std::vector<std::string> sheets;
   int convergence = 0;
 };
-
-std::vector<std::string> items(const std::string& text) {
-  std::vector<std::string> values;
-  std::stringstream stream(text);
-  for (std::string item; std::getline(stream, item, ',');) values.push_back(item);
-  return values;
-}
-
-std::vector<double> numbers(const std::string& text) {
-  std::vector<double> values;
-  for (const std::string& item : items(text)) {
-    char* end = nullptr;
-    values.push_back(std::strtod(item.c_str(), &end));
-    if (item.empty() || *end != '\0') throw Error("\"" + item + "\" is not a number");
-  }
-  return values;
-}
-
-// Switches of a sheet; false for an option that is none of them.
-bool parse_switch(const std::string& name, Sheet* sheet) {
-  const std::vector<std::pair<std::string, bool Sheet::*>> switches = {{"--systematics", &Sheet::systematics},
-                                                                       {"--suspension", &Sheet::suspension},
-                                                                       {"--outliers", &Sheet::outliers},
-                                                                       {"--choose-model", &Sheet::choose_model},
-                                                                       {"--estimate-sigmas", &Sheet::estimate_sigmas},
-                                                                       {"--known-odometry", &Sheet::known_odometry}};
-  for (const auto& [known, member] : switches) {
-    if (name != known) continue;
-    sheet->*member = true;
-    return true;
-  }
-  return false;
-}
-
-void parse_value(const std::string& name, const std::string& value, Options* options) {
-  if (name == "--trials")
-    options->trials = static_cast<int>(numbers(value).at(0));
-  else if (name == "--seed")
-    options->seed = static_cast<std::uint64_t>(std::strtoull(value.c_str(), nullptr, 10));
-  else if (name == "--stops")
-    options->stops = numbers(value);
-  else if (name == "--lambda")
-    options->lambdas = numbers(value);
-  else if (name == "--model")
-    options->sheet.per_pose = value == "per_pose";
-  else if (name == "--drive")
-    options->sheet.steps = value == "steps";
-  else if (name == "--cameras")
-    options->sheet.random_cameras = static_cast<int>(numbers(value).at(0));
-  else if (name == "--corner-sigma")
-    options->sheet.corner_sigma_px = numbers(value).at(0);
-  else if (name == "--method")
-    options->sheet.method = value;
-  else if (name == "--suite")
-    options->suite = value;
-  else if (name == "--sheets")
-    options->sheets = items(value);
-  else if (name == "--convergence")
-    options->convergence = static_cast<int>(numbers(value).at(0));
-  else
-    throw Error("unknown option " + name + "; see --help");
-}
-
-Options parse(int count, char** arguments) {
-  Options options;
-  for (int i = 1; i < count; ++i) {
-    const std::string name = arguments[i];
-    if (name == "--help") {
-      std::fputs(kHelp, stdout);
-      std::exit(0);
-    }
-    if (parse_switch(name, &options.sheet)) continue;
-    if (i + 1 == count) throw Error(name + " needs a value; see --help");
-    parse_value(name, arguments[++i], &options);
-  }
-  return options;
-}
 
 Sheet sheet(const char* name, const char* title, std::initializer_list<bool Sheet::*> switches) {
   Sheet result;
@@ -266,17 +189,42 @@ int run_convergence(const Options& options) {
   return converged == options.convergence ? 0 : 1;
 }
 
+void declare_options(CLI::App& app, Options& options) {
+  Sheet& sheet = options.sheet;
+  app.add_option("--trials", options.trials)->check(CLI::Range(0, 100000000));
+  app.add_option("--seed", options.seed);
+  app.add_option("--stops", options.stops)->delimiter(',');
+  app.add_option("--lambda", options.lambdas)->delimiter(',');
+  const auto choose = [&app](const char* name, bool* second, const std::vector<std::string>& names) {
+    const auto take = [second, names](const std::string& value) { *second = value == names[1]; };
+    app.add_option_function<std::string>(name, take)->check(CLI::IsMember(names));
+  };
+  choose("--model", &sheet.per_pose, {"per_increment", "per_pose"});
+  choose("--drive", &sheet.steps, {"random", "steps"});
+  add_count(app, "--cameras", sheet.random_cameras);
+  app.add_option("--corner-sigma", sheet.corner_sigma_px);
+  app.add_option("--method", sheet.method);
+  app.add_option("--suite", options.suite);
+  app.add_option("--sheets", options.sheets)->delimiter(',');
+  add_count(app, "--convergence", options.convergence);
+  app.add_flag("--systematics", sheet.systematics);
+  app.add_flag("--suspension", sheet.suspension);
+  app.add_flag("--outliers", sheet.outliers);
+  app.add_flag("--choose-model", sheet.choose_model);
+  app.add_flag("--estimate-sigmas", sheet.estimate_sigmas);
+  app.add_flag("--known-odometry", sheet.known_odometry);
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
-  try {
-    const Options options = parse(count, arguments);
-    if (options.convergence > 0) return run_convergence(options);
-    if (options.suite) return run_suite(options);
-    run_cells(options);
-  } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.exit_code());
-  }
-  return 0;
+  Options options;
+  return bench_main(
+      count, arguments, kHelp, [&](CLI::App& app) { declare_options(app, options); },
+      [&] {
+        if (options.convergence > 0) return run_convergence(options);
+        if (options.suite) return run_suite(options);
+        run_cells(options);
+        return 0;
+      });
 }

@@ -8,6 +8,6 @@ add_executable(bench_faults
   ${CMAKE_CURRENT_LIST_DIR}/faults_verdict.cpp
   ${fault_sources})
 target_include_directories(bench_faults PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
-target_link_libraries(bench_faults PRIVATE rigproof::generator rigproof::study_workflow rigproof::words
+target_link_libraries(bench_faults PRIVATE CLI11::CLI11 rigproof::generator rigproof::study_workflow rigproof::words
                       opencv_core opencv_imgcodecs opencv_imgproc Threads::Threads)
 rigproof_apply_rules(bench_faults)

@@ -22,6 +22,7 @@
 #include <sstream>
 #include <thread>
 
+#include "bench_main.h"
 #include "faults/recording_faults.h"
 #include "faults_data.h"
 #include "faults_verdict.h"
@@ -45,35 +46,6 @@ struct Options {
   bool list = false;
   bench::DriveSize size;
 };
-
-int whole_number(const std::string& name, const std::string& text) {
-  const std::optional<std::int64_t> number = parse_integer(text);
-  if (!number || *number < 0 || *number > 1000000) throw Error(name + ": " + text + ": must be a whole number from 0");
-  return static_cast<int>(*number);
-}
-
-Options parse(int count, char** arguments) {
-  Options options;
-  std::map<std::string, std::string*> texts = {
-      {"--data", &options.data}, {"--csv", &options.csv}, {"--faults", &options.faults}, {"--rigs", &options.rigs}};
-  std::map<std::string, int*> numbers = {
-      {"--seeds", &options.seeds}, {"--healthy", &options.healthy}, {"--jobs", &options.jobs}};
-  for (int i = 1; i < count; ++i) {
-    const std::string name = arguments[i];
-    const auto value = [&]() -> std::string { return i + 1 < count ? arguments[++i] : ""; };
-    if (texts.count(name) > 0)
-      *texts.at(name) = value();
-    else if (numbers.count(name) > 0)
-      *numbers.at(name) = whole_number(name, value());
-    else if (name == "--full")
-      options.size = {"-full", 1.0, 40};
-    else if (name == "--list")
-      options.list = true;
-    else
-      throw Error("unknown option " + name);
-  }
-  return options;
-}
 
 std::vector<std::string> listed(const std::string& text) {
   std::vector<std::string> words;
@@ -328,12 +300,22 @@ int measure(const Options& options, const std::vector<RecordingFault>& faults) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  try {
-    const Options options = parse(count, arguments);
+  Options options;
+  bool full = false;
+  const auto declare = [&](CLI::App& app) {
+    app.add_option("--data", options.data, "where drives are rendered and stay; without it a temporary folder");
+    app.add_option("--faults", options.faults, "regular expression of parts or faults");
+    app.add_option("--rigs", options.rigs, "husky,cart,single");
+    app.add_option("--csv", options.csv, "a line for each run");
+    add_count(app, "--seeds", options.seeds);
+    add_count(app, "--healthy", options.healthy);
+    add_count(app, "--jobs", options.jobs);
+    app.add_flag("--full", full, "images of full size, 40 stops");
+    app.add_flag("--list", options.list, "only names the faults");
+  };
+  return bench_main(count, arguments, "What calibration says of recordings that are broken in files", declare, [&] {
+    if (full) options.size = {"-full", 1.0, 40};
     const std::vector<RecordingFault> faults = faults_wanted(options);
     return options.list ? list(faults) : measure(options, faults);
-  } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.exit_code());
-  }
+  });
 }

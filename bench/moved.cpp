@@ -1,7 +1,7 @@
 // How often `moved` raises a false alarm, and how often it finds shifts of a given size: the tables of
 // docs/measurements/moved.md.
-//   bench_moved [trials, default 2000] [alarms | detections] [strangers] [--verbose]
-// The reference rig in geometric mode (0.1 px, odometry lambda 1), previous calibrations of 20 stops. With `strangers`
+//   bench_moved [trials, default 2000] [alarms | detections] [--strangers] [--verbose]
+// The reference rig in geometric mode (0.1 px, odometry lambda 1), previous calibrations of 20 stops. With --strangers
 // each robot's lenses, board and depth differ from what is stated by errors drawn from the usual priors.
 #include "rigproof/calib/plan/moved.h"
 
@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench_main.h"
 #include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
@@ -135,14 +136,20 @@ void detections(const std::vector<Calibrated>& previous, int trials) {
 }  // namespace
 }  // namespace rigproof
 
-int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
-  const auto given = [&arguments](const char* word) {
-    return std::find(arguments.begin(), arguments.end(), word) != arguments.end();
+int main(int count, char** arguments) {
+  int trials = 2000;
+  std::string only;
+  bool verbose = false, strangers = false;
+  const auto declare = [&](CLI::App& app) {
+    app.add_option("trials", trials)->check(CLI::Range(1, 1000000));
+    app.add_option("only", only)->check(CLI::IsMember({"alarms", "detections"}));
+    app.add_flag("--strangers", strangers);
+    app.add_flag("--verbose", verbose);
   };
-  const int trials = arguments.empty() ? 2000 : std::max(1, std::atoi(arguments.front().c_str()));
-  const std::vector<rigproof::Calibrated> previous = rigproof::calibrated_robots(given("strangers"));
-  if (!given("detections")) rigproof::false_alarms(previous, trials, given("--verbose"));
-  if (!given("alarms")) rigproof::detections(previous, std::max(1, trials / 20));
-  return 0;
+  return rigproof::bench_main(count, arguments, "False alarms of `moved`, and shifts that it finds", declare, [&] {
+    const std::vector<rigproof::Calibrated> previous = rigproof::calibrated_robots(strangers);
+    if (only != "detections") rigproof::false_alarms(previous, trials, verbose);
+    if (only != "alarms") rigproof::detections(previous, std::max(1, trials / 20));
+    return 0;
+  });
 }

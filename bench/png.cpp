@@ -8,7 +8,6 @@
 // Times are of the processor, the least of the rounds, which alternate; sizes are of the compressed files.
 #include <libdeflate.h>
 #include <spng.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -21,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "clocks.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/image.h"
 #include "rigproof/png/png_encoder.h"
@@ -161,16 +161,10 @@ struct Way {
   std::size_t size = 0;
 };
 
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double seconds_of(const std::function<void()>& work) {
-  const double start = cpu_seconds();
+double cpu_s_of(const std::function<void()>& work) {
+  const double start = cpu_s();
   work();
-  return cpu_seconds() - start;
+  return cpu_s() - start;
 }
 
 void measure(const std::vector<Picture>& pictures, int rounds, const char* name) {
@@ -181,10 +175,10 @@ void measure(const std::vector<Picture>& pictures, int rounds, const char* name)
   for (int round = 0; round < rounds; ++round) {
     for (Way& way : ways) {
       std::vector<Bytes> files(pictures.size());
-      way.write_s = std::min(way.write_s, seconds_of([&] {
+      way.write_s = std::min(way.write_s, cpu_s_of([&] {
                                for (std::size_t i = 0; i < files.size(); ++i) files[i] = way.write(pictures[i]);
                              }));
-      way.read_s = std::min(way.read_s, seconds_of([&] {
+      way.read_s = std::min(way.read_s, cpu_s_of([&] {
                               for (std::size_t i = 0; i < files.size(); ++i) way.read(files[i], pictures[i]);
                             }));
       way.size = 0;

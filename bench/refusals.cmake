@@ -3,5 +3,5 @@ add_executable(bench_refusals
   ${CMAKE_CURRENT_LIST_DIR}/refusals.cpp
   ${PROJECT_SOURCE_DIR}/tests/support/broken_runs.cpp)
 target_include_directories(bench_refusals PRIVATE ${PROJECT_SOURCE_DIR}/tests/support ${PROJECT_SOURCE_DIR}/calib/diagnose/src)
-target_link_libraries(bench_refusals PRIVATE rigproof::calib rigproof::geometric rigproof::words)
+target_link_libraries(bench_refusals PRIVATE CLI11::CLI11 rigproof::calib rigproof::geometric rigproof::words)
 rigproof_apply_rules(bench_refusals)

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <string>
 
+#include "bench_main.h"
 #include "broken_runs.h"
 #include "calibration_truth.h"
 #include "lens_check.h"
@@ -29,29 +29,6 @@ struct Options {
   std::string only;
   bool verbose = false;
 };
-
-Options parse(int count, char** arguments) {
-  Options options;
-  for (int i = 1; i < count; ++i) {
-    const std::string name = arguments[i];
-    const auto value = [&]() -> const char* { return i + 1 < count ? arguments[++i] : ""; };
-    if (name == "--broken")
-      options.broken = std::atoi(value());
-    else if (name == "--degenerate")
-      options.degenerate = std::atoi(value());
-    else if (name == "--healthy")
-      options.healthy = std::atoi(value());
-    else if (name == "--seed")
-      options.seed = static_cast<std::uint64_t>(std::atoll(value()));
-    else if (name == "--only")
-      options.only = value();
-    else if (name == "--verbose")
-      options.verbose = true;
-    else
-      throw Error("unknown option " + name);
-  }
-  return options;
-}
 
 bool wanted(const Options& options, const std::string& name) {
   return options.only.empty() || name.find(options.only) != std::string::npos;
@@ -330,14 +307,19 @@ void bench_healthy(const Options& options) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  try {
-    const Options options = parse(count, arguments);
+  Options options;
+  const auto declare = [&](CLI::App& app) {
+    add_count(app, "--broken", options.broken);
+    add_count(app, "--degenerate", options.degenerate);
+    add_count(app, "--healthy", options.healthy);
+    app.add_option("--seed", options.seed);
+    app.add_option("--only", options.only, "rows whose name has this");
+    app.add_flag("--verbose", options.verbose);
+  };
+  return bench_main(count, arguments, "What is refused, and how rightly", declare, [&] {
     if (options.broken > 0) bench_broken(options);
     if (options.degenerate > 0) bench_degenerate(options);
     if (options.healthy > 0) bench_healthy(options);
-  } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.exit_code());
-  }
-  return 0;
+    return 0;
+  });
 }

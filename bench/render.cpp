@@ -2,9 +2,9 @@
 // milliseconds per frame against the bare passes.   bench_render [views]
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 
+#include "clocks.h"
 #include "render_truth.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/random.h"
@@ -14,7 +14,7 @@ namespace rigproof {
 namespace {
 
 // Of the process, driver threads included: other people's work on the machine does not count.
-double cpu_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+double cpu_ms() { return 1e3 * cpu_s(); }
 
 struct Mode {
   const char* name;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bench_main.h"
 #include "moved_during.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/calib/estimate/odometry_choice.h"
@@ -161,21 +162,21 @@ void detections(int trials, bool verbose) {
   }
 }
 
-int measure(int count, char** arguments) {
-  int numbers[] = {1000, 40}, given = 0;
-  bool verbose = false;
-  for (int i = 1; i < count; ++i) {
-    if (std::string(arguments[i]) == "--verbose")
-      verbose = true;
-    else if (given < 2)
-      numbers[given++] = std::atoi(arguments[i]);
-  }
-  if (numbers[0] > 0) healthy(numbers[0], verbose);
-  if (numbers[1] > 0) detections(numbers[1], verbose);
-  return 0;
-}
-
 }  // namespace
 }  // namespace rigproof
 
-int main(int count, char** arguments) { return rigproof::measure(count, arguments); }
+int main(int count, char** arguments) {
+  int drives = 1000, trials = 40;
+  bool verbose = false;
+  const auto declare = [&](CLI::App& app) {
+    rigproof::add_count(app, "drives", drives)->description("healthy ones");
+    rigproof::add_count(app, "trials", trials)->description("of each size");
+    app.add_flag("--verbose", verbose);
+  };
+  return rigproof::bench_main(count, arguments, "Cameras, or the board, that were moved during the drive", declare,
+                              [&] {
+                                if (drives > 0) rigproof::healthy(drives, verbose);
+                                if (trials > 0) rigproof::detections(trials, verbose);
+                                return 0;
+                              });
+}

@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "bench_main.h"
 #include "rigproof/calib/methods/registry.h"
 #include "rigproof/core/chi_square.h"
 #include "rigproof/core/conventions.h"
@@ -40,34 +41,6 @@ struct Options {
   int robots = 60, first = 0, stops = 24, jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   double image_scale = 0.5;
 };
-
-double number_of(const std::string& name, const std::string& text) {
-  const std::optional<double> number = parse_number(text);
-  if (!number || *number < 0.0 || *number > 1e6) throw Error(name + ": " + text + ": must be a number from 0");
-  return *number;
-}
-
-Options parse(int count, char** arguments) {
-  Options options;
-  std::map<std::string, int*> numbers = {{"--robots", &options.robots},
-                                         {"--first", &options.first},
-                                         {"--stops", &options.stops},
-                                         {"--jobs", &options.jobs}};
-  for (int i = 1; i < count; ++i) {
-    const std::string name = arguments[i];
-    if (i + 1 == count) throw Error(name + ": needs a value");
-    const std::string value = arguments[++i];
-    if (name == "--data")
-      options.data = value;
-    else if (name == "--image-scale")
-      options.image_scale = number_of(name, value);
-    else if (numbers.count(name) > 0)
-      *numbers.at(name) = static_cast<int>(number_of(name, value));
-    else
-      throw Error("unknown option " + name);
-  }
-  return options;
-}
 
 /// What came out of one robot.
 struct Row {
@@ -240,10 +213,15 @@ int measure(const Options& options) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  try {
-    return measure(parse(count, arguments));
-  } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.exit_code());
-  }
+  Options options;
+  const auto declare = [&](CLI::App& app) {
+    app.add_option("--data", options.data, "where drives are rendered and stay; without it a temporary folder");
+    add_count(app, "--robots", options.robots);
+    add_count(app, "--first", options.first);
+    add_count(app, "--stops", options.stops);
+    add_count(app, "--jobs", options.jobs);
+    app.add_option("--image-scale", options.image_scale)->check(CLI::NonNegativeNumber);
+  };
+  return bench_main(count, arguments, "Rendered robots that nobody here built, compared with their truth", declare,
+                    [&] { return measure(options); });
 }

@@ -4,14 +4,12 @@
 // and with two workers, in folders of their own. Processor time is what counts on a machine that is not quiet.
 #include "rigproof/study/sweep/sweep.h"
 
-#include <sys/resource.h>
-
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "clocks.h"
 #include "rigproof/core/child_process.h"
 #include "rigproof/study/workflow/external.h"
 #include "temp_folder.h"
@@ -24,26 +22,17 @@ struct Times {
   double wall_s = 0.0, cpu_s = 0.0;
 };
 
-double cpu_seconds(int who) {
-  rusage usage{};
-  getrusage(who, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
 template <typename Work>
 Times measured(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  const double cpu = cpu_seconds(RUSAGE_CHILDREN);
-  ChildProcess child([&work] {
-    work();
-    return 0;
+  const double cpu = cpu_s();
+  const double wall_s = seconds_of([&work] {
+    ChildProcess child([&work] {
+      work();
+      return 0;
+    });
+    if (!child.wait().is_good()) std::abort();
   });
-  if (!child.wait().is_good()) std::abort();
-  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-          cpu_seconds(RUSAGE_CHILDREN) - cpu};
+  return {wall_s, cpu_s() - cpu};
 }
 
 void bare_loop(const SweepConfig& config, const std::vector<SweepTask>& tasks, const SweepCache& none) {

@@ -266,86 +266,199 @@ Lines record_check_keys() {
                   {"next[].text", "text", "in words"}}});
 }
 
+Lines observe_keys() {
+  return {{"observations", "text", "the file that was written"},
+          {"stops", "integer", "how many"},
+          {"board_views", "integer", "how many"},
+          {"ground_planes", "integer", "how many"},
+          {"left_out", "integer", "how many"}};
+}
+
+Lines generate_keys() {
+  return {{"run", "text", "the folder"},
+          {"images", "integer", "how many it has"},
+          {"images_rendered", "integer", "how many were not there before"},
+          {"bytes", "integer", "of all files"},
+          {"seconds", "number", "that it took"},
+          {"gl_renderer", "text", "what drew"},
+          {"coverage", "text", "what the viewpoints cover, in words"}};
+}
+
+Lines generate_dry_run_keys() {
+  return {{"stops", "integer", "of the robot"},
+          {"images", "integer", "that would be written"},
+          {"pictures", "integer", "that would be drawn for them"},
+          {"expected_mb", "number", "of all files"},
+          {"expected_minutes", "number", "that it would take"},
+          {"output", "text", "the folder"},
+          {"coverage", "text", "what the viewpoints cover, in words"},
+          {"cameras[].name", "text", "the camera"},
+          {"cameras[].board_stops", "integer", "stops with the whole board in its image"},
+          {"cameras[].cells", "integer", "parts of its image with a corner of the board, of 8 x 6"},
+          {"cameras[].possible_cells", "integer", "parts that this or any other drive could show it"},
+          {"cameras[].top_row_px", "number", "row of the uppermost corner; 0: none"},
+          {"cameras[].bottom_row_px", "number", "row of the lowest corner; 0: none"}};
+}
+
+Lines sense_keys() {
+  return {{"run", "text", "the folder"},
+          {"images", "integer", "how many it has"},
+          {"bytes", "integer", "of all files"},
+          {"seconds", "number", "that it took"},
+          {"seed", "integer", "of the sensors' noise"}};
+}
+
+Lines doctor_keys() {
+  return {{"version", "text", "of the program"},
+          {"mujoco", "text", "its version"},
+          {"data", "text", "folder of models and scenes"},
+          {"cores", "integer", "of this machine"},
+          {"gl_renderer", "text", "what drew"},
+          {"gl_version", "text", "of OpenGL"},
+          {"problem", "text", "why nothing can be drawn; else empty"},
+          {"devices[].device", "integer", "as --device takes it"},
+          {"devices[].name", "text", "of the device"},
+          {"devices[].drm_file", "text", "its file"},
+          {"devices[].software", "boolean", "whether the processor draws"}};
+}
+
+Lines doctor_of_run_keys() {
+  return {{"good", "boolean", "whether all is as it should be"},
+          {"files", "integer", "that were compared with the manifest"},
+          {"integrity_problems", "texts", "files that are not as they were written"},
+          {"convention_problems", "texts", "what contradicts the truth"}};
+}
+
+Lines convert_keys() {
+  return {{"output", "text", "the folder, or the bag"},
+          {"layout", "text", "that it has"},
+          {"images", "integer", "how many"},
+          {"clouds", "integer", "how many"},
+          {"notes", "texts", "what could not be said in that layout"}};
+}
+
+Lines bench_export_keys() {
+  return {{"output", "text", "the folder of the layout"},
+          {"layout", "text", "that it has"},
+          {"images", "integer", "how many"},
+          {"bytes", "integer", "of all files"},
+          {"truth", "text", "the file to judge by"}};
+}
+
+Lines scenes_of_one_keys() {
+  return {{"[].name", "text", "of the scene"},
+          {"[].planned_board_whole_share", "number", "of views that have the whole board, as planned"},
+          {"[].planned_board_at_every_stop", "boolean", "whether a camera has it at each"},
+          {"[].boards_visible", "integer", "how many"},
+          {"[].boards_found", "integer", "how many of them"},
+          {"[].depth_images", "integer", "how many"},
+          {"[].grounds_found", "integer", "in how many of them"},
+          {"[].worst_normal_deg", "number", "error of the ground's normal"},
+          {"[].worst_height_mm", "number", "error of its distance"},
+          {"[].least_floor_share", "number", "of the points of a depth image"},
+          {"[].keypoints", "number", "in an image, on average"},
+          {"[].good", "boolean", "whether board and ground are found"}};
+}
+
+Lines sensors_plot_keys() {
+  return {{"sensor", "text", "its name"},
+          {"picture", "text", "the file"},
+          {"points[].z_m", "number", "distance"},
+          {"points[].law_mm", "number", "noise by the preset"},
+          {"points[].recorded_mm", "number", "with rounding"},
+          {"points[].realised_mm", "number", "of the simulated sensor"},
+          {"points[].mean_error_mm", "number", "of the simulated sensor"}};
+}
+
+Lines sweep_start_keys() {
+  return all_of({kSummary,
+                 {{"folder?", "text", "of the tables"},
+                  {"seconds?", "number", "that it took"},
+                  {"counters.NAME", "integer", "what was done in this start"}},
+                 kFailures});
+}
+
+Lines sweep_start_dry_run_keys() {
+  return {{"folder", "text", "of the tables"},
+          {"points", "integer", "combinations of levels"},
+          {"tasks", "integer", "runs"},
+          {"answers", "integer", "of all methods"},
+          {"answers_there", "integer", "of them"},
+          {"picture_sets", "integer", "sets of clean renders"},
+          {"picture_sets_there", "integer", "of them"},
+          {"images_to_render", "integer", "how many"},
+          {"expected_mb", "number", "on disk"},
+          {"expected_minutes", "number", "that it would take"},
+          {"task_lines", "texts", "each task in words"},
+          {"cannot_run", "texts", "methods that cannot run, and why"}};
+}
+
+Lines sweep_run_keys() {
+  return {{"folder", "text", "of the sweep"},
+          {"shard", "text", "INDEX/COUNT"},
+          {"answers", "integer", "of the shard"},
+          {"seconds", "number", "that it took"},
+          {"counters.NAME", "integer", "what was done in this start"}};
+}
+
+Lines sweep_slurm_keys() {
+  return {{"run", "text", "script of the job array"},
+          {"merge", "text", "script of the merge"},
+          {"submit", "text", "script that submits both"},
+          {"array", "integer", "array tasks"}};
+}
+
+Lines sweep_status_keys() {
+  return all_of({{{"name", "text", "of the sweep"},
+                  {"tasks", "integer", "runs"},
+                  {"answers", "integer", "of all methods"},
+                  {"answers_there", "integer", "of them"},
+                  {"running", "boolean", "whether a process works on it"},
+                  {"counters.NAME", "integer", "what was done in all starts"}},
+                 kMachines,
+                 kFailures});
+}
+
+Lines paper_keys() {
+  return {{"[].name", "text", "of the experiment"},
+          {"[].title", "text", "of the experiment"},
+          {"[].config", "text", "the sweep that it is"}};
+}
+
+Lines paper_of_one_keys() {
+  return {{"tables[].title", "text", "of the table"},
+          {"tables[].head", "texts", "names of the columns"},
+          {"tables[].rows[]", "texts", "a row"},
+          {"tables[].notes", "texts", "below the table"},
+          {"files", "texts", "that were written"}};
+}
+
+Lines paper_dry_run_keys() {
+  return {{"tasks", "integer", "runs"},
+          {"answers", "integer", "of all methods"},
+          {"answers_there", "integer", "of them"},
+          {"images_to_render", "integer", "how many"},
+          {"megabytes", "number", "on disk"},
+          {"minutes", "number", "that it would take"}};
+}
+
 }  // namespace
 
 std::vector<OutputSchema> output_schemas() {
   return {{"calibrate", "", calibrate_keys()},
           {"validate", "; `run --json` is the same", validate_keys()},
-          {"observe",
-           "",
-           {{"observations", "text", "the file that was written"},
-            {"stops", "integer", "how many"},
-            {"board_views", "integer", "how many"},
-            {"ground_planes", "integer", "how many"},
-            {"left_out", "integer", "how many"}}},
+          {"observe", "", observe_keys()},
           {"init", "", init_keys()},
           {"record-check", "; with --follow one a line for each change", record_check_keys()},
           {"moved", "", moved_keys()},
           {"suggest", "", suggest_keys()},
-          {"generate",
-           "; of several runs a list of these",
-           {{"run", "text", "the folder"},
-            {"images", "integer", "how many it has"},
-            {"images_rendered", "integer", "how many were not there before"},
-            {"bytes", "integer", "of all files"},
-            {"seconds", "number", "that it took"},
-            {"gl_renderer", "text", "what drew"},
-            {"coverage", "text", "what the viewpoints cover, in words"}}},
-          {"generate --dry-run",
-           "; of several runs a list of these",
-           {{"stops", "integer", "of the robot"},
-            {"images", "integer", "that would be written"},
-            {"pictures", "integer", "that would be drawn for them"},
-            {"expected_mb", "number", "of all files"},
-            {"expected_minutes", "number", "that it would take"},
-            {"output", "text", "the folder"},
-            {"coverage", "text", "what the viewpoints cover, in words"},
-            {"cameras[].name", "text", "the camera"},
-            {"cameras[].board_stops", "integer", "stops with the whole board in its image"},
-            {"cameras[].cells", "integer", "parts of its image with a corner of the board, of 8 x 6"},
-            {"cameras[].possible_cells", "integer", "parts that this or any other drive could show it"},
-            {"cameras[].top_row_px", "number", "row of the uppermost corner; 0: none"},
-            {"cameras[].bottom_row_px", "number", "row of the lowest corner; 0: none"}}},
-          {"sense",
-           "",
-           {{"run", "text", "the folder"},
-            {"images", "integer", "how many it has"},
-            {"bytes", "integer", "of all files"},
-            {"seconds", "number", "that it took"},
-            {"seed", "integer", "of the sensors' noise"}}},
-          {"doctor",
-           "",
-           {{"version", "text", "of the program"},
-            {"mujoco", "text", "its version"},
-            {"data", "text", "folder of models and scenes"},
-            {"cores", "integer", "of this machine"},
-            {"gl_renderer", "text", "what drew"},
-            {"gl_version", "text", "of OpenGL"},
-            {"problem", "text", "why nothing can be drawn; else empty"},
-            {"devices[].device", "integer", "as --device takes it"},
-            {"devices[].name", "text", "of the device"},
-            {"devices[].drm_file", "text", "its file"},
-            {"devices[].software", "boolean", "whether the processor draws"}}},
-          {"doctor RUN",
-           "",
-           {{"good", "boolean", "whether all is as it should be"},
-            {"files", "integer", "that were compared with the manifest"},
-            {"integrity_problems", "texts", "files that are not as they were written"},
-            {"convention_problems", "texts", "what contradicts the truth"}}},
-          {"convert",
-           "",
-           {{"output", "text", "the folder, or the bag"},
-            {"layout", "text", "that it has"},
-            {"images", "integer", "how many"},
-            {"clouds", "integer", "how many"},
-            {"notes", "texts", "what could not be said in that layout"}}},
-          {"bench export",
-           "",
-           {{"output", "text", "the folder of the layout"},
-            {"layout", "text", "that it has"},
-            {"images", "integer", "how many"},
-            {"bytes", "integer", "of all files"},
-            {"truth", "text", "the file to judge by"}}},
+          {"generate", "; of several runs a list of these", generate_keys()},
+          {"generate --dry-run", "; of several runs a list of these", generate_dry_run_keys()},
+          {"sense", "", sense_keys()},
+          {"doctor", "", doctor_keys()},
+          {"doctor RUN", "", doctor_of_run_keys()},
+          {"convert", "", convert_keys()},
+          {"bench export", "", bench_export_keys()},
           {"export", "", export_keys()},
           {"inspect", "", {{"[]", "text", "a picture that was written"}}},
           {"report", "", {{"report", "text", "the file that was written"}}},
@@ -353,94 +466,19 @@ std::vector<OutputSchema> output_schemas() {
           {"methods",
            "; scenes, rigs, robots, sensors and boards likewise, each with facts of its own",
            {{"[].name", "text", "what it is called"}, {"[].NAME", "text", "a fact, in words"}}},
-          {"scenes SCENE",
-           "",
-           {{"[].name", "text", "of the scene"},
-            {"[].planned_board_whole_share", "number", "of views that have the whole board, as planned"},
-            {"[].planned_board_at_every_stop", "boolean", "whether a camera has it at each"},
-            {"[].boards_visible", "integer", "how many"},
-            {"[].boards_found", "integer", "how many of them"},
-            {"[].depth_images", "integer", "how many"},
-            {"[].grounds_found", "integer", "in how many of them"},
-            {"[].worst_normal_deg", "number", "error of the ground's normal"},
-            {"[].worst_height_mm", "number", "error of its distance"},
-            {"[].least_floor_share", "number", "of the points of a depth image"},
-            {"[].keypoints", "number", "in an image, on average"},
-            {"[].good", "boolean", "whether board and ground are found"}}},
-          {"sensors --plot NAME",
-           "",
-           {{"sensor", "text", "its name"},
-            {"picture", "text", "the file"},
-            {"points[].z_m", "number", "distance"},
-            {"points[].law_mm", "number", "noise by the preset"},
-            {"points[].recorded_mm", "number", "with rounding"},
-            {"points[].realised_mm", "number", "of the simulated sensor"},
-            {"points[].mean_error_mm", "number", "of the simulated sensor"}}},
-          {"sweep start", "",
-           all_of({kSummary,
-                   {{"folder?", "text", "of the tables"},
-                    {"seconds?", "number", "that it took"},
-                    {"counters.NAME", "integer", "what was done in this start"}},
-                   kFailures})},
-          {"sweep start --dry-run",
-           "",
-           {{"folder", "text", "of the tables"},
-            {"points", "integer", "combinations of levels"},
-            {"tasks", "integer", "runs"},
-            {"answers", "integer", "of all methods"},
-            {"answers_there", "integer", "of them"},
-            {"picture_sets", "integer", "sets of clean renders"},
-            {"picture_sets_there", "integer", "of them"},
-            {"images_to_render", "integer", "how many"},
-            {"expected_mb", "number", "on disk"},
-            {"expected_minutes", "number", "that it would take"},
-            {"task_lines", "texts", "each task in words"},
-            {"cannot_run", "texts", "methods that cannot run, and why"}}},
+          {"scenes SCENE", "", scenes_of_one_keys()},
+          {"sensors --plot NAME", "", sensors_plot_keys()},
+          {"sweep start", "", sweep_start_keys()},
+          {"sweep start --dry-run", "", sweep_start_dry_run_keys()},
           {"sweep plan", "", {{"folder", "text", "of the sweep"}, {"tasks", "integer", "distinct ones"}}},
-          {"sweep run",
-           "",
-           {{"folder", "text", "of the sweep"},
-            {"shard", "text", "INDEX/COUNT"},
-            {"answers", "integer", "of the shard"},
-            {"seconds", "number", "that it took"},
-            {"counters.NAME", "integer", "what was done in this start"}}},
+          {"sweep run", "", sweep_run_keys()},
           {"sweep merge", "",
            all_of({kSummary, {{"missing[]", "text", "an answer that is not there"}}, kMachines, kFailures})},
-          {"sweep slurm",
-           "",
-           {{"run", "text", "script of the job array"},
-            {"merge", "text", "script of the merge"},
-            {"submit", "text", "script that submits both"},
-            {"array", "integer", "array tasks"}}},
-          {"sweep status", "",
-           all_of({{{"name", "text", "of the sweep"},
-                    {"tasks", "integer", "runs"},
-                    {"answers", "integer", "of all methods"},
-                    {"answers_there", "integer", "of them"},
-                    {"running", "boolean", "whether a process works on it"},
-                    {"counters.NAME", "integer", "what was done in all starts"}},
-                   kMachines,
-                   kFailures})},
-          {"paper",
-           "",
-           {{"[].name", "text", "of the experiment"},
-            {"[].title", "text", "of the experiment"},
-            {"[].config", "text", "the sweep that it is"}}},
-          {"paper NAME",
-           "",
-           {{"tables[].title", "text", "of the table"},
-            {"tables[].head", "texts", "names of the columns"},
-            {"tables[].rows[]", "texts", "a row"},
-            {"tables[].notes", "texts", "below the table"},
-            {"files", "texts", "that were written"}}},
-          {"paper NAME --dry-run",
-           "",
-           {{"tasks", "integer", "runs"},
-            {"answers", "integer", "of all methods"},
-            {"answers_there", "integer", "of them"},
-            {"images_to_render", "integer", "how many"},
-            {"megabytes", "number", "on disk"},
-            {"minutes", "number", "that it would take"}}}};
+          {"sweep slurm", "", sweep_slurm_keys()},
+          {"sweep status", "", sweep_status_keys()},
+          {"paper", "", paper_keys()},
+          {"paper NAME", "", paper_of_one_keys()},
+          {"paper NAME --dry-run", "", paper_dry_run_keys()}};
 }
 
 std::string name_of(const OutputSchema& output) {

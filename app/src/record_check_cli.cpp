@@ -31,8 +31,9 @@ void add_record_check_command(CLI::App& app, Action& action) {
       ->type_name("NAME=TOPIC");
   command
       ->add_option("--camera-info", arguments.camera_infos,
-                   "Intrinsics from a file of camera_calibration in place of the bag's CameraInfo; may be repeated")
-      ->type_name("CAMERA=FILE");
+                   "Intrinsics from a file of camera_calibration, OpenCV or Kalibr (its camchain alone: of all "
+                   "cameras); may be repeated")
+      ->type_name("[CAMERA=]FILE");
   command
       ->add_option("--stamps", arguments.stamps,
                    "header: when images and poses were taken; log: when they were recorded, for clocks that differ")

@@ -14,6 +14,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/sweep/slurm.h"
+#include "rigproof/words/sentences.h"
 #include "terminal.h"
 
 namespace rigproof {
@@ -135,7 +136,8 @@ void print_state(const SweepState& state, const Terminal& terminal) {
                 " answers of " + std::to_string(state.tasks) + " tasks" + (state.running ? ", running" : ""));
   for (const FailureCount& failure : state.failures)
     terminal.line(" " + std::to_string(failure.tasks) + " x " + failure.method + " " +
-                  sweep_status_name(failure.status) + ": " + for_message(failure.reason, kShownReason));
+                  sweep_status_name(failure.status) + ": " +
+                  for_message(words::text_of(failure.reasons), kShownReason));
   print_machines(state.machines, terminal);
   if (!state.counters.empty()) terminal.line("all starts: " + counters_text(state.counters));
 }
@@ -145,8 +147,8 @@ nlohmann::json state_json(const SweepState& state) {
   for (const FailureCount& failure : state.failures)
     failures.push_back({{"method", failure.method},
                         {"status", sweep_status_name(failure.status)},
-                        {"code", failure.code},
-                        {"reason", failure.reason},
+                        {"code", code_of(failure.reasons)},
+                        {"reason", words::text_of(failure.reasons)},
                         {"tasks", failure.tasks}});
   return {{"name", state.name},
           {"tasks", state.tasks},

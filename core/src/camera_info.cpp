@@ -1,91 +1,162 @@
-#include "camera_info.h"
+#include "rigproof/core/camera_info.h"
 
 #include <algorithm>
+#include <map>
+#include <sstream>
+
+#include "rigproof/core/files.h"
+#include "rigproof/core/yaml.h"
 
 namespace rigproof {
 namespace {
 
-constexpr double kMaxSize = 32768.0;
+namespace fs = std::filesystem;
 
-// The first of the spellings that the file has: camera_calibration's, then those of ROS 1 and ROS 2 messages.
-std::string present_key(MapReader& map, const std::vector<std::string>& spellings) {
-  for (const std::string& key : spellings)
-    if (map.has(key)) return key;
-  return spellings.front();
+constexpr double kMaxSize = 32768.0;
+constexpr double kMaxBinning = 64.0;
+constexpr const char* kWhatIsRead =
+    "; a file of intrinsics is YAML of camera_calibration, of `ros2 topic echo`, or OpenCV's FileStorage with "
+    "image_width, image_height, camera_matrix and distortion_coefficients";
+
+// camera_calibration's, those of ROS 1 and ROS 2 messages, and OpenCV's, by the names of CameraInfo.
+const std::vector<std::string>& spellings(const std::string& field) {
+  static const std::map<std::string, std::vector<std::string>> all = {
+      {"width", {"image_width", "width", "image_Width"}},
+      {"height", {"image_height", "height", "image_Height"}},
+      {"k", {"camera_matrix", "K", "k", "Camera_Matrix"}},
+      {"d", {"distortion_coefficients", "D", "d", "Distortion_Coefficients"}},
+      {"r", {"rectification_matrix", "R", "r"}},
+      {"p", {"projection_matrix", "P", "p"}},
+      {"distortion_model", {"distortion_model"}},
+      {"roi", {"roi"}}};
+  return all.at(field);
 }
 
-int read_size(MapReader& map, const std::vector<std::string>& spellings) {
-  const std::string key = present_key(map, spellings);
+// The first of the spellings that the file has.
+std::string present_key(const YamlTree& tree, const std::string& field) {
+  for (const std::string& key : spellings(field))
+    if (tree.find(key) != nullptr) return key;
+  return spellings(field).front();
+}
+
+bool has(const YamlTree& tree, const std::string& field) { return tree.find(present_key(tree, field)) != nullptr; }
+
+std::uint32_t read_count(MapReader& map, const std::string& key, const NumberRange& range) {
+  return static_cast<std::uint32_t>(map.integer(key, range).value_or(0));
+}
+
+std::uint32_t read_side(MapReader& map, const std::string& field) {
+  const std::string key = present_key(map.tree(), field);
   map.require(key, "the image size in pixels");
-  return static_cast<int>(map.integer(key, {1.0, kMaxSize}).value_or(0));
+  return read_count(map, key, {1.0, kMaxSize});
+}
+
+void read_size(MapReader& map, CameraInfo* info) {
+  if (map.has("imageSize")) {
+    const auto size = map.numbers("imageSize", 2, 2, {1.0, kMaxSize});
+    if (size) info->width = static_cast<std::uint32_t>((*size)[0]);
+    if (size) info->height = static_cast<std::uint32_t>((*size)[1]);
+    return;
+  }
+  info->width = read_side(map, "width");
+  info->height = read_side(map, "height");
 }
 
 // {rows, cols, data: [..]} or a plain list.
-std::optional<std::vector<double>> read_array(MapReader& map, const std::vector<std::string>& spellings,
-                                              std::size_t size_min, std::size_t size_max) {
-  const std::string key = present_key(map, spellings);
+std::vector<double> read_array(MapReader& map, const std::string& field, std::size_t size_min, std::size_t size_max) {
+  const std::string key = present_key(map.tree(), field);
+  map.require(key, "a list of numbers");
   const YamlTree* value = map.find(key);
-  if (value == nullptr || !value->is_map()) {
-    map.require(key, "a list of numbers");
-    return map.numbers(key, size_min, size_max, {});
-  }
+  if (value == nullptr || !value->is_map())
+    return map.numbers(key, size_min, size_max, {}).value_or(std::vector<double>());
   MapReader block(*value, map.path_of(key), &map.problems());
   block.require("data", "a list of numbers");
-  return block.numbers("data", size_min, size_max, {});
+  return block.numbers("data", size_min, size_max, {}).value_or(std::vector<double>());
 }
 
-void read_matrix(MapReader& map, Camera* camera) {
-  const std::vector<std::string> spellings = {"camera_matrix", "K", "k"};
-  const auto K = read_array(map, spellings, 9, 9);
-  if (!K) return;
-  camera->fx_px = (*K)[0];
-  camera->cx_px = (*K)[2];
-  camera->fy_px = (*K)[4];
-  camera->cy_px = (*K)[5];
-  const bool upper = (*K)[1] == 0.0 && (*K)[3] == 0.0 && (*K)[6] == 0.0 && (*K)[7] == 0.0 && (*K)[8] == 1.0;
-  if (!upper || !(camera->fx_px > 0.0) || !(camera->fy_px > 0.0))
-    map.problem(present_key(map, spellings), "must be fx 0 cx 0 fy cy 0 0 1 with fx, fy > 0; skew is not supported");
+template <std::size_t kSize>
+void read_matrix(MapReader& map, const std::string& field, bool is_needed, std::array<double, kSize>* to) {
+  if (!is_needed && !has(map.tree(), field)) return;
+  const std::vector<double> values = read_array(map, field, kSize, kSize);
+  std::copy(values.begin(), values.end(), to->begin());
 }
 
-bool all_zero(const std::vector<double>& values, std::size_t from) {
-  return std::all_of(values.begin() + static_cast<std::ptrdiff_t>(std::min(from, values.size())), values.end(),
-                     [](double value) { return value == 0.0; });
+// OpenCV's calibration sample has a flag in place of the model's name.
+std::string read_model(MapReader& map) {
+  const std::string flag = map.text("fisheye_model").value_or("0");
+  const bool fisheye = flag == "1" || flag == "true";
+  return map.text("distortion_model").value_or(fisheye ? "equidistant" : "plumb_bob");
 }
 
-void read_distortion(MapReader& map, Camera* camera) {
-  const std::string model = map.text("distortion_model").value_or("plumb_bob");
-  const std::vector<std::string> spellings = {"distortion_coefficients", "D", "d"};
-  const auto coefficients = read_array(map, spellings, 0, 14);
-  if (!coefficients) return;
-  const bool fisheye = model == "equidistant" || model == "fisheye";
-  if (!fisheye && model != "plumb_bob" && model != "rational_polynomial") {
-    map.problem("distortion_model",
-                "is not supported; allowed are plumb_bob (k1 k2 p1 p2 k3) and equidistant (k1..k4)");
-    return;
-  }
-  const std::size_t used = fisheye ? 4 : 5;
-  if (!all_zero(*coefficients, used)) {
-    map.problem(present_key(map, spellings), "only the first " + std::to_string(used) +
-                                                 " coefficients of this model are supported; the others must be 0");
-    return;
-  }
-  std::copy_n(coefficients->begin(), std::min(used, coefficients->size()), camera->distortion.begin());
-  if (fisheye)
-    camera->lens = Lens::kKannalaBrandt;
+void read_region(MapReader& map, CameraInfo* info) {
+  info->binning_x = read_count(map, "binning_x", {0.0, kMaxBinning});
+  info->binning_y = read_count(map, "binning_y", {0.0, kMaxBinning});
+  const YamlTree* tree = map.find("roi");
+  if (tree == nullptr) return;
+  MapReader block(*tree, map.path_of("roi"), &map.problems());
+  info->roi.x_offset = read_count(block, "x_offset", {0.0, kMaxSize});
+  info->roi.y_offset = read_count(block, "y_offset", {0.0, kMaxSize});
+  info->roi.height = read_count(block, "height", {0.0, kMaxSize});
+  info->roi.width = read_count(block, "width", {0.0, kMaxSize});
+}
+
+CameraInfo read_fields(MapReader& map, bool rectified) {
+  CameraInfo info;
+  read_size(map, &info);
+  read_matrix(map, "k", true, &info.k);
+  info.d = read_array(map, "d", 0, 14);
+  info.distortion_model = read_model(map);
+  read_matrix(map, "r", false, &info.r);
+  if (rectified && !has(map.tree(), "p"))
+    map.problem("",
+                "has no projection_matrix (P), with which images of a topic image_rect* go: "
+                "they are rectified, and camera_matrix and distortion are of the raw ones");
   else
-    camera->lens = all_zero(*coefficients, 0) ? Lens::kPinhole : Lens::kBrownConrady;
+    read_matrix(map, "p", rectified, &info.p);
+  read_region(map, &info);
+  return info;
+}
+
+// `ros2 topic echo` ends each message with ---, of which the first one counts.
+std::string first_message(const std::string& text) {
+  std::istringstream lines(text);
+  std::string message, line;
+  for (bool begun = false; std::getline(lines, line);) {
+    if (begun && line.rfind("---", 0) == 0) break;
+    begun = begun || (!line.empty() && line[0] != '%' && line[0] != '#' && line.rfind("---", 0) != 0);
+    message += line + "\n";
+  }
+  return message;
+}
+
+YamlTree parse_info(const fs::path& file) {
+  constexpr std::uintmax_t kMaxBytes = 4U << 20U;
+  const std::string text = read_text_file(file, kMaxBytes);
+  try {
+    return parse_yaml(first_message(text), file);
+  } catch (const Error& error) {
+    throw Error(error.what() + std::string(kWhatIsRead));
+  }
 }
 
 }  // namespace
 
-Camera read_camera_info(const YamlTree& tree, Problems* problems) {
-  Camera camera;
+std::optional<InfoReading> read_camera_info(const fs::path& file, bool rectified, Problems* problems) {
+  const YamlTree tree = parse_info(file);
+  if (!has(tree, "k") && !has(tree, "d")) {
+    problems->add({file.string(), 0, "", "", std::string("holds no intrinsics that can be read") + kWhatIsRead});
+    return std::nullopt;
+  }
   MapReader map(tree, "", problems);
-  camera.width_px = read_size(map, {"image_width", "width"});
-  camera.height_px = read_size(map, {"image_height", "height"});
-  read_matrix(map, &camera);
-  read_distortion(map, &camera);
-  return camera;
+  const std::size_t before = problems->all().size();
+  const CameraInfo info = read_fields(map, rectified);
+  if (problems->all().size() > before) return std::nullopt;
+  try {
+    return camera_of_info(info, rectified);
+  } catch (const CameraInfoError& error) {
+    map.problem(present_key(tree, error.field()), error.what());
+    return std::nullopt;
+  }
 }
 
 }  // namespace rigproof

@@ -134,6 +134,13 @@ std::string findings_json(const std::vector<Finding>& findings, const Wording& w
   return emit_json(tree_of(findings, wording), -1);
 }
 
+std::vector<Finding> findings_of_json(const std::string& json) {
+  Problems problems;
+  std::vector<Finding> findings = read_findings(parse_yaml(json, "findings"), "findings", Severity::kNote, &problems);
+  problems.throw_if_any();
+  return findings;
+}
+
 void visit_findings(FieldVisitor& visitor, const char* key, std::vector<Finding>& findings, Severity severity,
                     const Wording& wording, const char* description) {
   const auto schema = [] {

@@ -5,8 +5,8 @@
 #include <initializer_list>
 #include <limits>
 
-#include "camera_info.h"
 #include "rigproof/core/board_markers.h"
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/files.h"
@@ -139,7 +139,11 @@ std::optional<SensorPreset> read_sensor(FieldVisitor& visitor, const std::string
 
 void read_camera_info_file(FieldVisitor& visitor, const fs::path& file, Camera* camera) {
   try {
-    *camera = read_camera_info(read_yaml_file(file), visitor.problems());
+    const std::optional<InfoReading> reading = read_camera_info(file, false, visitor.problems());
+    if (!reading) return;
+    if (!reading->to_undo.empty())
+      throw Error(file.string() + ": " + reading->notes.front() + ", which `rigproof init` does");
+    *camera = reading->camera;
   } catch (const Error& error) {
     visitor.check(false, "", error.what());
   }

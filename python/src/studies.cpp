@@ -9,6 +9,7 @@
 #include "rigproof/study/sweep/run_config.h"
 #include "rigproof/study/sweep/sweep.h"
 #include "rigproof/study/workflow/external.h"
+#include "rigproof/words/sentences.h"
 #include "watch.h"
 
 namespace rigproof::python {
@@ -170,8 +171,8 @@ py::dict sweep_rows(const std::filesystem::path& folder) {
   table["subject"] = strings_of(rows, [](const SweepRow& row) { return sweep_subject_name(row.subject); });
   table["camera"] = strings_of(rows, [](const SweepRow& row) { return row.camera; });
   table["status"] = strings_of(rows, [](const SweepRow& row) { return sweep_status_name(row.status); });
-  table["code"] = strings_of(rows, [](const SweepRow& row) { return row.code; });
-  table["reason"] = strings_of(rows, [](const SweepRow& row) { return row.reason; });
+  table["code"] = strings_of(rows, [](const SweepRow& row) { return code_of(row.reasons); });
+  table["reason"] = strings_of(rows, [](const SweepRow& row) { return words::text_of(row.reasons); });
   table["error_cm_deg"] = figures_of(rows, &SweepRow::error);
   table["sigma_cm_deg"] = figures_of(rows, &SweepRow::sigma);
   table["bound_cm_deg"] = figures_of(rows, &SweepRow::bound);

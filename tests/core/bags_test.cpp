@@ -410,14 +410,14 @@ TEST(BagMessages, AreWrittenAsOthersWriteThem) {
   image.data = "abc";
   ImageFields pixels{1700000000.25, "eye", 3, 1, 3, "mono8", false, "abc"};
   EXPECT_EQ(message_bytes(image), image_message(pixels));
-  RosOdometry odometry{{0, "odom"}, "base_link", Rigid3({0.5, 0.5, 0.5, 0.5}, {1, 2, 3})};
+  RosOdometry odometry{{0, "odom"}, "base_link", Rigid3({0.5, 0.5, 0.5, 0.5}, {1, 2, 3}), ""};
   EXPECT_EQ(message_bytes(odometry), odometry_message(0.0, {1, 2, 3, 0.5, 0.5, 0.5, 0.5}));
   odometry.velocity.x() = 0.3;
   odometry.angular_velocity.z() = -0.2;
   const RosOdometry again = read_odometry_message(message_bytes(odometry));
   EXPECT_EQ(again.velocity.x(), 0.3);
   EXPECT_EQ(again.angular_velocity.z(), -0.2);
-  const std::vector<RosTransform> transforms = {{{0, "a"}, "b", odometry.T_odom_child}};
+  const std::vector<RosTransform> transforms = {{{0, "a"}, "b", odometry.T_odom_child, ""}};
   EXPECT_EQ(message_bytes(transforms), tf_message(0.0, {{"a", "b", {1, 2, 3, 0.5, 0.5, 0.5, 0.5}}}));
 }
 
@@ -480,14 +480,16 @@ TEST(BagMessages, TruncatedAndHostileOnesAreErrors) {
   EXPECT_THAT(error_text([] { read_header(CdrBytes().number(1).number(2).number(std::uint32_t{0xFFFFFFFF}).str()); }),
               HasSubstr("a list of"));
   EXPECT_THAT(error_text([] { read_header("PL_CDR"); }), HasSubstr("no plain CDR"));
-  EXPECT_THAT(error_text([] {
-                read_odometry_message(odometry_message(1.0, {0, 0, 0, 0, 0, 0, 0}));
-              }),
-              HasSubstr("norm"));
-  EXPECT_THAT(error_text([] {
-                read_odometry_message(odometry_message(1.0, {NAN, 0, 0, 0, 0, 0, 1}));
-              }),
-              HasSubstr("finite"));
+}
+
+TEST(BagMessages, WhatIsNoPoseIsToldBesideTheGoodOnes) {
+  EXPECT_THAT(read_odometry_message(odometry_message(1.0, {0, 0, 0, 0, 0, 0, 0})).no_pose, HasSubstr("norm 0"));
+  const auto transforms =
+      read_tf_message(tf_message(1.0, {{"a", "b", {NAN, 0, 0, 0, 0, 0, 1}}, {"b", "c", {1, 2, 3, 0, 0, 0, 1}}}));
+  ASSERT_EQ(transforms.size(), 2U);
+  EXPECT_THAT(transforms[0].no_pose, HasSubstr("finite numbers"));
+  EXPECT_EQ(transforms[1].no_pose, "");
+  EXPECT_EQ(transforms[1].T_parent_child.translation, Eigen::Vector3d(1, 2, 3));
 }
 
 }  // namespace

@@ -57,6 +57,13 @@ TEST(Text, SentencesStandApart) {
             "It has no depth. left: no board; Turn more!");
 }
 
+TEST(Text, WordsAreQuotedForAShellWhereTheyMustBe) {
+  EXPECT_EQ(shell_word("a/b_1.5-c"), "a/b_1.5-c");
+  EXPECT_EQ(shell_word(""), "''");
+  EXPECT_EQ(shell_word("my robot; $HOME"), "'my robot; $HOME'");
+  EXPECT_EQ(shell_word("robot's"), "'robot'\\''s'");
+}
+
 TEST(Text, SizesAreForPeople) {
   EXPECT_EQ(megabytes(2.46e9), "2.5 GB");
   EXPECT_EQ(megabytes(12.4e6), "12 MB");

@@ -1,6 +1,5 @@
 #include "readers.h"
 
-#include "camera_of_info.h"
 #include "external_matrices.h"
 #include "memroc_sample.h"
 #include "rig_files.h"
@@ -131,7 +130,9 @@ std::vector<Reader> readers_of_other_files() {
        ""},
       {"cloud", [](const auto& bytes, const auto&) { require_readable(decode_point_cloud(as_bytes(bytes))); }, ""},
       {"camera_info",
-       [](const auto&, const auto& file) { camera_of_file(file, file.parent_path() / "camera_info_scratch"); },
+       [](const auto&, const auto& file) {
+         for (const char* topic : {"/left/image_raw", "/left/image_rect"}) camera_of_file(file, "cam0", topic);
+       },
        "camera.yaml"},
       {"urdf", read_urdf, ""},
       {"bag", read_bag},

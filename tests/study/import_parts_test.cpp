@@ -5,13 +5,13 @@
 #include <opencv2/calib3d.hpp>
 
 #include "bag_bytes.h"
-#include "camera_of_info.h"
 #include "error_text.h"
 #include "frame_choice.h"
 #include "ground_track.h"
 #include "rectifier.h"
 #include "rigproof/bags/messages.h"
 #include "rigproof/calib/vision/image_io.h"
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/formats/frame_tree.h"
 #include "ros_cloud.h"
@@ -34,6 +34,9 @@ TEST(TopicNames, CamerasAreCalledByWhatTellsThemApart) {
   EXPECT_THAT(camera_names({"/image", "/camera/image"}), ElementsAre("camera", "camera_image"));
   EXPECT_EQ(namespace_of("/left/image_raw/compressed"), "/left");
   EXPECT_EQ(namespace_of("/image_raw"), "");
+  EXPECT_EQ(place_in("/cams/left_image_rect/compressed"), "left");
+  EXPECT_EQ(place_in("/cams/camera_info_rear_2"), "rear_2");
+  EXPECT_EQ(place_in("/left/image_rect_color"), "");
   EXPECT_TRUE(is_rectified("/left/image_rect_color/compressed"));
   EXPECT_FALSE(is_rectified("/rect/image_raw"));
   EXPECT_TRUE(is_side_product("/camera/infra1/image_rect_raw"));

@@ -55,6 +55,16 @@ class InitFolder : public testing::Test {
     return text;
   }
 
+  /// Intrinsics of what picture_of() makes.
+  void write_infos_of_pictures() {
+    for (const char* camera : {"left", "right"})
+      scratch_.write(
+          std::string("in/") + camera + "/camera_info.yaml",
+          "image_width: 320\nimage_height: 240\ncamera_matrix: {rows: 3, cols: 3, data: [300, 0, 159.5, 0, 300, "
+          "119.5, 0, 0, 1]}\ndistortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: [0, "
+          "0, 0, 0, 0]}\n");
+  }
+
   TempFolder scratch_;
   InitOptions options_;
 };
@@ -91,12 +101,7 @@ TEST_F(InitFolder, BoardsBesideTheFirstAreNamed) {
       scratch_.write("in/left/" + entry.path().filename().string(), picture_of(ahead));
   for (int i = 0; i < 4; ++i)
     scratch_.write("in/right/image/" + std::to_string(i) + ".png", picture_of(i == 0 ? ahead : behind, 170.0));
-  for (const char* camera : {"left", "right"})
-    scratch_.write(
-        std::string("in/") + camera + "/camera_info.yaml",
-        "image_width: 320\nimage_height: 240\ncamera_matrix: {rows: 3, cols: 3, data: [300, 0, 159.5, 0, 300, "
-        "119.5, 0, 0, 1]}\ndistortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: [0, "
-        "0, 0, 0, 0]}\n");
+  write_infos_of_pictures();
   const auto names_second =
       AllOf(HasSubstr("more_boards: [{type: charuco, squares: [5, 4], square_mm: 100, marker_mm: 7"),
             HasSubstr("dictionary: DICT_4X4_50}]"));
@@ -112,6 +117,38 @@ TEST_F(InitFolder, BoardsBesideTheFirstAreNamed) {
   options_.output = scratch_ / "blind";
   EXPECT_THAT(init_recording(options_).notes,
               Contains(AllOf(HasSubstr("where right never sees the board another one seems to be"), names_second)));
+}
+
+// That is not the same as a board that is in no image.
+TEST_F(InitFolder, WhyImagesCannotBeLookedAtIsSaid) {
+  Board board;
+  board.type = "charuco";
+  board.dictionary = "DICT_5X5_50";
+  fs::remove_all(scratch_ / "in/left/depth");
+  for (int i = 0; i < 4; ++i) {
+    scratch_.write("in/left/" + std::to_string(1700000000 + i) + ".25.png", picture_of(board));
+    scratch_.write("in/right/image/" + std::to_string(i) + ".png", picture_of(board));
+  }
+  write_infos_of_pictures();
+  options_.board = board;
+  const InitReport report = init_recording(options_);
+  EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("the board could not be looked for: " + options_.output.string()),
+                                           HasSubstr("is the same image as left/color/"), Not(HasSubstr(".partial")))));
+  EXPECT_THAT(report.notes, Not(Contains(HasSubstr("the board is in no image"))));
+  EXPECT_FALSE(report.cameras[0].board_stops);
+  EXPECT_EQ(load_recording(options_.output).frames[1].size(), 4U);
+}
+
+// Images of a folder are copied as they are.
+TEST_F(InitFolder, ALensThatNobodyFollowsIsRefusedAndOneThatIsMetIsSaid) {
+  const auto write = [&](const std::string& size_and_matrix, const std::string& d) {
+    scratch_.write("in/left/camera_info.yaml",
+                   size_and_matrix + "\ndistortion_model: rational_polynomial\nd: " + d + "\n");
+  };
+  write("width: 640\nheight: 480\nk: [500, 0, 320, 0, 500, 240, 0, 0, 1]", "[4, 0, 0, 0, 0, 8, 0, 0]");
+  EXPECT_THAT(failure(), AllOf(HasSubstr("camera left"), HasSubstr("of a folder they are copied")));
+  write("width: 16\nheight: 12\nk: [20, 0, 7.5, 0, 20, 5.5, 0, 0, 1]", "[0, 0, 0, 0, 0, 0.1, 0, 0]");
+  EXPECT_THAT(init_recording(options_).notes, Contains(HasSubstr("left: rational_polynomial is written as")));
 }
 
 TEST_F(InitFolder, EveryMissingPieceIsSaid) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 
 #include "bag_bytes.h"
 #include "error_text.h"
@@ -102,6 +103,13 @@ std::vector<Recorded> messages_of(const Robot& robot) {
   return messages;
 }
 
+// The same bag with other names of topics.
+std::vector<Recorded> renamed(std::vector<Recorded> messages, const std::map<std::string, std::string>& names) {
+  for (Recorded& message : messages)
+    if (const auto name = names.find(message.topic); name != names.end()) message.topic = name->second;
+  return messages;
+}
+
 class Init : public testing::Test {
  protected:
   InitOptions options_for(const Robot& robot) {
@@ -196,6 +204,83 @@ TEST_F(Init, TopicsAreRenamedLeftOutAndRefusedTwice) {
   EXPECT_THAT(failure(wrong), HasSubstr("NAME=TOPIC"));
 }
 
+TEST_F(Init, TwoCamerasInOneNamespaceAreTwo) {
+  Robot robot;
+  robot.depth = false;
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(renamed(messages_of(robot), {{"/left/image_raw", "/left_image"},
+                                                                     {"/left/camera_info", "/left_info"},
+                                                                     {"/right/image_raw", "/right_image"},
+                                                                     {"/right/camera_info", "/right_info"}})));
+  const InitReport guessed = init_recording(options);
+  ASSERT_EQ(guessed.cameras.size(), 2U);
+  EXPECT_EQ(guessed.cameras[0].images, "/left_image");
+  EXPECT_EQ(guessed.cameras[0].camera_info, "/left_info");
+  EXPECT_EQ(guessed.cameras[1].camera_info, "/right_info");
+  EXPECT_THAT(guessed.notes, Not(Contains(HasSubstr("not taken"))));
+  options.output = scratch_ / "named";
+  options.topics = {"left=/left_image", "right=/right_image"};
+  const InitReport named = init_recording(options);
+  ASSERT_EQ(named.cameras.size(), 2U);
+  EXPECT_EQ(named.cameras[0].name, "left");
+  EXPECT_EQ(named.cameras[0].images, "/left_image");
+  EXPECT_EQ(named.cameras[1].name, "right");
+  EXPECT_EQ(named.cameras[1].images, "/right_image");
+  options.output = scratch_ / "shared";
+  options.topics.clear();
+  scratch_.write("bag.mcap", mcap_bytes(renamed(messages_of(robot), {{"/left/image_raw", "/cams/left_image"},
+                                                                     {"/left/camera_info", "/cams/camera_info"},
+                                                                     {"/right/image_raw", "/cams/right_image"}})));
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("camera right_image: there is no CameraInfo"),
+                                      HasSubstr("lies beside several cameras"), Not(HasSubstr("camera left_image"))));
+}
+
+TEST_F(Init, WithoutFramesNamesTellCamerasApart) {
+  Robot robot;
+  robot.depth = false;
+  std::vector<Recorded> messages;
+  for (Recorded& message : renamed(messages_of(robot), {{"/left/image_raw", "/left_image_raw"},
+                                                        {"/left/camera_info", "/left_camera_info"},
+                                                        {"/right/image_raw", "/right_image_raw"},
+                                                        {"/right/camera_info", "/right_camera_info"}})) {
+    if (message.type == kImageType) {
+      RosImage image = read_image(message.data);
+      image.header.frame_id.clear();
+      message.data = message_bytes(image);
+      if (message.topic == "/left_image_raw")
+        messages.push_back({"/left_image_rect", kImageType, message.log_s, message.data});
+    }
+    messages.push_back(message);
+  }
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  const InitReport report = init_recording(options);
+  ASSERT_EQ(report.cameras.size(), 2U);
+  EXPECT_EQ(report.cameras[0].images, "/left_image_raw");
+  EXPECT_EQ(report.cameras[0].camera_info, "/left_camera_info");
+  EXPECT_EQ(report.cameras[1].camera_info, "/right_camera_info");
+  EXPECT_THAT(report.notes, Contains(HasSubstr("=/left_image_rect in place of /left_image_raw")));
+}
+
+TEST_F(Init, OtherPicturesOfACameraAreNoCamerasAndSaid) {
+  Robot robot;
+  robot.depth = false;
+  std::vector<Recorded> messages = messages_of(robot);
+  for (const std::string other : {"/left/image_rect", "/left/infra1/image_raw", "/right/image_color"})
+    for (const Recorded& message : messages_of(robot))
+      if (message.topic == other.substr(0, other.find('/', 1)) + "/image_raw")
+        messages.push_back({other, message.type, message.log_s, message.data});
+  InitOptions options = options_for(robot);
+  options.topics = {"right=none"};
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  const InitReport report = init_recording(options);
+  ASSERT_EQ(report.cameras.size(), 1U);
+  EXPECT_EQ(report.cameras[0].images, "/left/image_raw");
+  EXPECT_THAT(report.notes,
+              Contains(AllOf(HasSubstr("--topic left=/left/image_rect in place of /left/image_raw"),
+                             HasSubstr("--topic left_infra1=/left/infra1/image_raw"), Not(HasSubstr("/right")))));
+}
+
 TEST_F(Init, MissingCalibrationIsSaidForEveryCameraAndGivenByAFile) {
   Robot robot;
   robot.info = false;
@@ -212,6 +297,76 @@ TEST_F(Init, MissingCalibrationIsSaidForEveryCameraAndGivenByAFile) {
   options.camera_infos = {"left=" + file, "right=" + file};
   init_recording(options);
   EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[0].camera.fy_px, 71.0);
+}
+
+// K and D of a file are of the raw images.
+TEST_F(Init, AFileForRectifiedImagesGivesP) {
+  Robot robot;
+  robot.cameras = {"left"};
+  robot.depth = false;
+  InitOptions options = options_for(robot);
+  scratch_.write("bag.mcap", mcap_bytes(renamed(messages_of(robot), {{"/left/image_raw", "/left/image_rect"}})));
+  const std::string raw =
+      "image_width: 64\nimage_height: 48\ncamera_matrix: {rows: 3, cols: 3, data: [70, 0, 31, 0, 71, 23, 0, 0, 1]}\n"
+      "distortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: [-0.3, 0.1, 0, 0, 0]}\n";
+  options.camera_infos = {"left=" + scratch_.write("info.yaml", raw).string()};
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("info.yaml"), HasSubstr("has no projection_matrix (P)")));
+  scratch_.write("info.yaml",
+                 raw + "projection_matrix: {rows: 3, cols: 4, data: [55, 0, 30, 0, 0, 56, 22, 0, 0, 0, 1, 0]}\n");
+  EXPECT_THAT(init_recording(options).notes, Contains(HasSubstr("left: images are rectified: the matrix P")));
+  const Camera camera = load_recording(scratch_ / "monday").rig.cameras[0].camera;
+  EXPECT_EQ(camera.lens, Lens::kPinhole);
+  EXPECT_EQ(camera.fx_px, 55.0);
+  EXPECT_EQ(camera.cy_px, 22.0);
+}
+
+// Its images are rectified like those of a bag's own CameraInfo.
+TEST_F(Init, AFileOfARationalLensServesLikeAMessage) {
+  Robot robot;
+  robot.cameras = {"left"};
+  InitOptions options = options_for(robot);
+  options.camera_infos = {"left=" + scratch_
+                                        .write("info.yaml",
+                                               "width: 64\nheight: 48\nk: [60, 0, 31.5, 0, 60, 23.5, 0, 0, 1]\n"
+                                               "distortion_model: rational_polynomial\nd: [4, 0, 0, 0, 0, 8, 0, 0]\n")
+                                        .string()};
+  EXPECT_THAT(init_recording(options).notes, Contains(HasSubstr("images are rectified as they are read")));
+  EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[0].camera.lens, Lens::kPinhole);
+}
+
+TEST_F(Init, ACamchainOfKalibrIsForAllCameras) {
+  const auto camera = [](const std::string& name, const std::string& focal, const std::string& end) {
+    return name + ":\n  camera_model: pinhole\n  cam_overlaps: []\n  resolution: [64, 48]\n  intrinsics: [" + focal +
+           ", 71, 31, 23]\n" + end;
+  };
+  const std::string left =
+                        camera("cam0", "70",
+                               "  distortion_model: radtan\n  distortion_coeffs: [-0.1, 0.02, 0.001, 0]\n  rostopic: "
+                               "/left/image_raw/compressed\n"),
+                    right = camera("cam1", "80",
+                                   "  distortion_model: equidistant\n  distortion_coeffs: [0.1, 0, 0, 0]\n  T_cn_cnm1: "
+                                   "[[1, 0, 0, 0]]\n");
+  InitOptions options = options_for(Robot());
+  const std::string file = scratch_.write("camchain.yaml", left + right).string();
+  options.camera_infos = {file};
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("camera right: " + file +
+                                                ": which of its cameras is right? It has cam0 "
+                                                "(/left/image_raw/compressed), cam1"),
+                                      HasSubstr("--topic camN=/right/image_raw"), Not(HasSubstr("camera left"))));
+  options.topics = {"cam1=/right/image_raw"};
+  init_recording(options);
+  const Recording recording = load_recording(scratch_ / "monday");
+  EXPECT_EQ(recording.rig.cameras[0].camera.fx_px, 70.0);
+  EXPECT_EQ(recording.rig.cameras[0].camera.lens, Lens::kBrownConrady);
+  EXPECT_EQ(recording.rig.cameras[1].camera.fx_px, 80.0);
+  EXPECT_EQ(recording.rig.cameras[1].camera.cy_px, 23.0);
+  EXPECT_EQ(recording.rig.cameras[1].camera.lens, Lens::kKannalaBrandt);
+  options.output = scratch_ / "tuesday";
+  scratch_.write("camchain.yaml", left + "cam1: {camera_model: omni, intrinsics: [1], distortion_model: radtan}\n");
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("camchain.yaml:9: cam1.camera_model: omni: must be one of pinhole"),
+                                      HasSubstr("cam1.resolution"), HasSubstr("cam1.distortion_coeffs")));
+  scratch_.write("camchain.yaml", "image_width: 64\nimage_height: 48\n");
+  EXPECT_THAT(failure(options), HasSubstr("must be CAMERA=FILE"));
 }
 
 TEST_F(Init, IntrinsicsOfAnotherSizeAreRefused) {
@@ -422,6 +577,44 @@ TEST_F(Init, DamagedMessagesNameTheirTopic) {
   EXPECT_THAT(failure(options), AllOf(HasSubstr("topic /odom"), HasSubstr("no plain CDR")));
   options.source = scratch_.write("text.txt", "hello");
   EXPECT_THAT(failure(options), HasSubstr("no bag"));
+}
+
+TEST_F(Init, AFewPosesThatAreNoneAreLeftOutAndManyAreRefused) {
+  InitOptions options = options_for(Robot());
+  std::vector<Recorded> messages = messages_of(Robot());
+  const PoseFields none = {NAN, 0, 0, 0, 0, 0, 1};
+  const auto add = [&](const char* topic, const char* type, const std::string& data) {
+    messages.push_back({topic, type, 1700000001.0, data});
+  };
+  add("/odom", kOdometryType, odometry_message(1700000001.001, {0, 0, 0, 0, 0, 0, 0}));
+  add("/tf", kTfType, tf_message(1700000001.0, {{"base_link", "wheel", none}}));
+  add("/tf_static", kTfType, tf_message(1700000001.0, {{"base_link", "arm", none}, {"base_link", "mast", {}}}));
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  const InitReport report = init_recording(options);
+  EXPECT_EQ(report.odometry_rows, 1000U);
+  EXPECT_THAT(report.notes,
+              Contains(AllOf(HasSubstr("/odom: 1 of 1001 poses"), HasSubstr("1700000001.001 s"), HasSubstr("norm 0"))));
+  EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("/tf_static: left out is arm"), HasSubstr("nan"))));
+  EXPECT_THAT(report.notes, Not(Contains(HasSubstr("wheel"))));
+  EXPECT_TRUE(load_frame_tree(scratch_ / "monday/tf_static.json").has("mast"));
+  fs::remove_all(scratch_ / "monday");
+  for (int i = 0; i < 60; ++i) add("/odom", kOdometryType, odometry_message(1700000001.0 + 0.001 * i, none));
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("/odom: 61 of 1061 poses"), HasSubstr("--topic odometry=TOPIC")));
+}
+
+TEST_F(Init, AFrameOfACameraWhosePoseIsNoneIsRefused) {
+  InitOptions options = options_for(Robot());
+  const PoseFields none = {0, 0, 0, 0, 0, 0, 0};
+  const std::vector<TransformFields> bad = {{"base_link", "left_link", none}, {"left_link", "left_optical", {}}};
+  scratch_.write("bag.mcap", WithFrames{bad}.bytes());
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("camera left: /tf_static: left_link: a pose"),
+                                      HasSubstr("--topic tf_static=none"), Not(HasSubstr("camera right"))));
+  // One that comes again whole is good.
+  std::vector<TransformFields> mended = bad;
+  mended.push_back({"base_link", "left_link", {}});
+  scratch_.write("bag.mcap", WithFrames{mended}.bytes());
+  EXPECT_THAT(init_recording(options).notes, Not(Contains(HasSubstr("left out is"))));
 }
 
 // What is told of a bag that grows is what is told of it as it lies there.

@@ -371,7 +371,7 @@ SweepRows two_answers() {
   row.subject = SweepSubject::kRig;
   row.camera = "all";
   row.error = {};
-  row.code = "motion.straight";
+  row.reasons = {Finding("motion.straight")};
   rows.rows.push_back(row);
   return rows;
 }

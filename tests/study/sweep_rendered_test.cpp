@@ -19,6 +19,7 @@
 #include "rigproof/generator/plan_run.h"
 #include "rigproof/study/sweep/sweep.h"
 #include "rigproof/validate/validate.h"
+#include "rigproof/words/sentences.h"
 #include "temp_folder.h"
 
 namespace rigproof {
@@ -174,7 +175,7 @@ TEST_F(RenderedSweep, PicturesThatCannotBeDrivenToAreAFailedRow) {
                                    [](const auto& failure) { return failure.status == SweepStatus::kFailed; });
   ASSERT_NE(failed, state.failures.end());
   EXPECT_EQ(failed->tasks, 1);
-  EXPECT_THAT(failed->reason, HasSubstr("Nothing to calibrate from: viewpoints: no place found"));
+  EXPECT_THAT(words::text_of(failed->reasons), HasSubstr("Nothing to calibrate from: viewpoints: no place found"));
 }
 
 // The stops, and what the pictures of the first task state of corners and planes, are all that the geometric mode
@@ -209,7 +210,8 @@ TEST_F(RenderedSweep, TheGeometricModeAgreesWithIt) {
   for (std::size_t axis = 0; axis < 6; ++axis) {
     double rendered_bound = 0.0, drawn_bound = 0.0, rendered_squares = 0.0, drawn_squares = 0.0;
     for (std::size_t i = 0; i < rendered.size(); ++i) {
-      ASSERT_TRUE(rendered[i].error[axis] && drawn[i].error[axis]) << rendered[i].reason << drawn[i].reason;
+      ASSERT_TRUE(rendered[i].error[axis] && drawn[i].error[axis])
+          << words::text_of(rendered[i].reasons) << words::text_of(drawn[i].reasons);
       rendered_bound += *rendered[i].bound[axis];
       drawn_bound += *drawn[i].bound[axis];
       rendered_squares += std::pow(*rendered[i].error[axis] / *rendered[i].bound[axis], 2);
@@ -255,7 +257,7 @@ TEST_F(RenderedSweep, AMethodMayTakeItsGroundFromImages) {
   for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows)
     if (row.subject == SweepSubject::kCamera) rows[row.method] = row;
   ASSERT_EQ(rows.size(), 3U);
-  ASSERT_TRUE(rows["memroc"].error[2]) << rows["memroc"].reason;
+  ASSERT_TRUE(rows["memroc"].error[2]) << words::text_of(rows["memroc"].reasons);
   EXPECT_EQ(rows["memroc_auto"].error, rows["memroc"].error) << "depth is trusted here";
   EXPECT_NE(rows["memroc_image_ground"].error, rows["memroc"].error);
   EXPECT_NE(rows["memroc_image_ground"].bound, rows["memroc"].bound);
@@ -346,12 +348,12 @@ TEST_F(RenderedSweep, MethodsLookThroughNetworks) {
   EXPECT_EQ(count(report, "images matched"), 0U) << "by the network, for all that ask it; horizons need none";
   std::map<std::string, SweepRow> cameras;
   for (const SweepRow& row : load_sweep_rows(folder_ / "a").rows) {
-    EXPECT_NE(row.status, SweepStatus::kFailed) << row.method << ": " << row.reason;
-    EXPECT_NE(row.status, SweepStatus::kCouldNotRun) << row.method << ": " << row.reason;
+    EXPECT_NE(row.status, SweepStatus::kFailed) << row.method << ": " << words::text_of(row.reasons);
+    EXPECT_NE(row.status, SweepStatus::kCouldNotRun) << row.method << ": " << words::text_of(row.reasons);
     if (row.subject == SweepSubject::kCamera) cameras[row.method] = row;
   }
-  EXPECT_TRUE(cameras["ground_by_network"].error[0]) << cameras["ground_by_network"].reason;
-  EXPECT_TRUE(cameras["by_horizon"].error[5]) << cameras["by_horizon"].reason;
+  EXPECT_TRUE(cameras["ground_by_network"].error[0]) << words::text_of(cameras["ground_by_network"].reasons);
+  EXPECT_TRUE(cameras["by_horizon"].error[5]) << words::text_of(cameras["by_horizon"].reasons);
 
   // The same networks are known; another one is asked.
   EXPECT_EQ(count(sweep_of("b", run + methods), "answers solved"), 0U);

@@ -11,6 +11,7 @@
 #include "error_text.h"
 #include "rigproof/core/child_process.h"
 #include "rigproof/core/folder_lock.h"
+#include "rigproof/words/sentences.h"
 #include "sweep_folders.h"
 #include "work.h"
 
@@ -56,7 +57,7 @@ TEST_F(SweepRun, GivesOneRowForEachTaskMethodAndCamera) {
       EXPECT_EQ(row.status, SweepStatus::kNotGiven);
       EXPECT_FALSE(row.error[0].has_value());
     } else {
-      EXPECT_EQ(row.status, SweepStatus::kSolved) << row.reason;
+      EXPECT_EQ(row.status, SweepStatus::kSolved) << words::text_of(row.reasons);
       ASSERT_TRUE(row.z(0).has_value());
       EXPECT_LT(std::abs(*row.z(0)), 6.0);
     }
@@ -153,8 +154,8 @@ TEST_F(SweepRun, WhatBreaksIsAFailedRowWithItsReason) {
     const std::vector<SweepRow> rows = rig_rows("a", method);
     ASSERT_EQ(rows.size(), 1U) << method;
     EXPECT_EQ(rows[0].status, status) << method;
-    EXPECT_EQ(rows[0].code, code) << method;
-    EXPECT_THAT(rows[0].reason, HasSubstr(reason)) << method;
+    EXPECT_EQ(code_of(rows[0].reasons), code) << method;
+    EXPECT_THAT(words::text_of(rows[0].reasons), HasSubstr(reason)) << method;
   };
   is("gone", SweepStatus::kFailed, "program.failed", "cannot be started: /no/such/program");
   is("crash", SweepStatus::kFailed, "program.failed", "signal 11");
@@ -179,8 +180,8 @@ methods: [ml]
   const std::vector<SweepRow> rows = rig_rows("blind", "ml");
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].status, SweepStatus::kFailed);
-  EXPECT_EQ(rows[0].code, "task.nothing_to_calibrate");
-  EXPECT_THAT(rows[0].reason, HasSubstr("Nothing to calibrate from"));
+  EXPECT_EQ(code_of(rows[0].reasons), "task.nothing_to_calibrate");
+  EXPECT_THAT(words::text_of(rows[0].reasons), HasSubstr("Nothing to calibrate from"));
 }
 
 TEST_F(SweepRun, DegenerateDrivesAreRefusedNotFailed) {
@@ -188,7 +189,7 @@ TEST_F(SweepRun, DegenerateDrivesAreRefusedNotFailed) {
   const std::vector<SweepRow> rows = rig_rows("a", "ml");
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_TRUE(rows[0].status == SweepStatus::kPartial || rows[0].status == SweepStatus::kRefused);
-  EXPECT_THAT(rows[0].reason, HasSubstr("straight"));
+  EXPECT_THAT(words::text_of(rows[0].reasons), HasSubstr("straight"));
 }
 
 TEST_F(SweepRun, AnInterruptedSweepGoesOn) {

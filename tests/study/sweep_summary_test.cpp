@@ -60,7 +60,7 @@ class MadeUpSweep {
     row.subject = subject;
     row.camera = camera;
     row.status = status;
-    row.reason = reason;
+    if (!reason.empty()) row.reasons = {stated(reason, Severity::kRefusal)};
     if (tx) {
       row.error.fill(0.1 * *tx);
       row.error[0] = tx;
@@ -167,19 +167,20 @@ TEST(SweepSummary, AnAxisOfOneCameraIsAskedOfAll) {
   EXPECT_THAT(format_summary(sweep.summary()), HasSubstr("2/2")) << "an axis that is never given is not asked";
 }
 
-TEST(SweepSummary, FailuresOfOneFindingAreOneKindWhateverTheirWords) {
+TEST(SweepSummary, FailuresOfOneFindingAreOneKindWhateverTheirValues) {
   MadeUpSweep sweep(1, 3, {"ml"});
   for (std::size_t seed = 0; seed < 3; ++seed)
     sweep.fail(0, seed, "ml", SweepStatus::kRefused, std::string(seed + 1, 'x') + " views");
   std::vector<SweepRow>& rows = sweep.rows().rows;
-  for (SweepRow& row : rows) row.code = "method.too_few_views";
+  EXPECT_EQ(count_failures(rows).size(), 3U) << "somebody else's sentences are all that is known";
+  for (SweepRow& row : rows) row.reasons = {row.reasons.front().with({{"code", "image.dark"}})};
+  EXPECT_EQ(count_failures(rows).size(), 1U) << "of a folder of before";
+  for (SweepRow& row : rows) row.reasons = {Finding("method.one_board", {{"boards", row.seed + 2}})};
   const std::vector<FailureCount> failures = count_failures(rows);
   ASSERT_EQ(failures.size(), 1U);
   EXPECT_EQ(failures[0].tasks, 3);
-  EXPECT_EQ(failures[0].code, "method.too_few_views");
-  EXPECT_EQ(failures[0].reason, "x views");
-  for (SweepRow& row : rows) row.code = "stated";
-  EXPECT_EQ(count_failures(rows).size(), 3U) << "somebody else's sentences are all that is known";
+  EXPECT_EQ(code_of(failures[0].reasons), "method.one_board");
+  EXPECT_THAT(format_summary(sweep.summary()), HasSubstr("3 x ml refused: The recording has 2 boards"));
 }
 
 TEST(SweepSummary, AMethodThatNeverAnswersAnAxisDoesNotEmptyTheCommonTasks) {

@@ -69,6 +69,82 @@ class Waves {
   double scale_ = 1.0;
 };
 
+// Lenses and depth of the true cameras.
+void draw_cameras(const Worse& worse, RandomStream* random, GeometricConfig* config, Stranger* made) {
+  RandomStream shifts(config->seed, "shifts of depth images"),
+      left(config->seed, "what lenses leave in planes of depth");
+  const IntrinsicsSigma sigma;
+  const DepthNoise depth;
+  const double common_depth = random->normal(0.0, depth.common_scale_sigma);
+  for (RigCamera& camera : config->rig.cameras) {
+    made->lens.emplace_back();
+    made->lens.back() << random->normal(0.0, sigma.focal_relative), random->normal(0.0, sigma.principal_point_px),
+        random->normal(0.0, sigma.principal_point_px), random->normal(0.0, sigma.focal_ratio),
+        random->normal(0.0, sigma.distortion_px);
+    camera.camera = ml::Lenses(camera.camera).changed(made->lens.back());
+    camera.depth->noise.scale_sigma = depth.scale_sigma;
+    config->depth_scales.push_back(1.0 + common_depth + random->normal(0.0, depth.scale_sigma));
+    made->depth.emplace_back(random->normal(0.0, depth.offset_sigma_m), random->normal(0.0, depth.tilt_sigma_rad),
+                             random->normal(0.0, depth.tilt_sigma_rad));
+    const double shift_sigma = depth.shift_sigma_px / camera.camera.fx_px;
+    const double left_sigma = 0.1 * sigma.distortion_px / camera.camera.fx_px;
+    made->shape.emplace_back();
+    made->shape.back() << draw_vector<2>([&] { return shifts.normal(0.0, shift_sigma); }),
+        draw_vector<4>([&] { return left.normal(0.0, left_sigma); });
+    if (made->depth.size() == 2) made->depth.back()[0] += worse.depth_offset_m;
+  }
+}
+
+// Size, ratio and bow of the true board, and where print puts its corners.
+Eigen::Vector4d draw_board(const Worse& worse, RandomStream* random, GeometricRig* rig) {
+  Board& board = rig->board;
+  board.doubt();
+  const double side = board.square_sigma_relative();
+  Eigen::Vector4d shape;
+  shape << random->normal(0.0, side), random->normal(0.0, 0.2 * side), random->normal(0.0, board.bow_sigma()),
+      random->normal(0.0, board.bow_sigma());
+  for (const Eigen::Vector3d& corner : board.corners()) {
+    const Eigen::Vector3d p = corner - board.centre();
+    const double u = 2.0 * p.x() / (board.square_m * board.squares_x),
+                 v = 2.0 * p.y() / (board.square_m * board.squares_y);
+    rig->print_errors_m.emplace_back((shape[0] + 0.5 * shape[1]) * p.x(), (shape[0] - 0.5 * shape[1]) * p.y(),
+                                     shape[2] * u * u + shape[3] * v * v);
+    for (int axis = 0; axis < 3; ++axis)
+      rig->print_errors_m.back()[axis] += random->normal(0.0, worse.print * board.print_sigma());
+  }
+  return shape;
+}
+
+// What no distortion model follows, of each camera.
+std::vector<Stranger::Field> draw_fields(const GeometricConfig& config, const Worse& worse, RandomStream* random) {
+  std::vector<Stranger::Field> fields;
+  for (const RigCamera& camera : config.rig.cameras) {
+    const double rms_px = IntrinsicsSigma().residual_px * (fields.size() == 1 ? worse.field : 1.0);
+    if (worse.cells > 0.0) {
+      const std::string purpose = "field " + std::to_string(fields.size());
+      fields.emplace_back(
+          [field = draw_lens_residual(camera.camera, rms_px, worse.cells, RandomStream(config.seed, purpose))](
+              const Eigen::Vector2d& pixel) { return field.at(pixel); });
+    } else {
+      fields.emplace_back(
+          [field = Waves(camera.camera, rms_px, random)](const Eigen::Vector2d& pixel) { return field.at(pixel); });
+    }
+  }
+  return fields;
+}
+
+// Registered depth sees through the stated lens: what it shows of a plane errs with it.
+void bend_planes(const Stranger& made, std::size_t camera, const Camera& told, std::vector<PlaneObservation>* planes) {
+  for (PlaneObservation& plane : *planes) {
+    if (plane.camera != static_cast<int>(camera)) continue;
+    plane.file = "depth/000000.png";
+    plane.inverse_depth_plane -=
+        ml::Lenses(told).plane_by(plane.inverse_depth_plane) * made.lens[camera] +
+        plane_by_depth_offset(plane.inverse_depth_plane, mean_inverse_depth(plane)) * made.depth[camera] +
+        plane_by_depth_shape(plane.inverse_depth_plane) * made.shape[camera];
+  }
+}
+
 }  // namespace
 
 Stranger draw_stranger(int seed, double corner_sigma_px, const Worse& worse) {
@@ -78,55 +154,10 @@ Stranger draw_stranger(int seed, double corner_sigma_px, const Worse& worse) {
   config.seed = static_cast<std::uint64_t>(seed);
   config.board_planes = true;
   made.told = config.rig;
-  RandomStream random(config.seed, "strangers"), shifts(config.seed, "shifts of depth images"),
-      left(config.seed, "what lenses leave in planes of depth");
-  const IntrinsicsSigma sigma;
-  const DepthNoise depth;
-  const double common_depth = random.normal(0.0, depth.common_scale_sigma);
-  for (RigCamera& camera : config.rig.cameras) {
-    made.lens.emplace_back();
-    made.lens.back() << random.normal(0.0, sigma.focal_relative), random.normal(0.0, sigma.principal_point_px),
-        random.normal(0.0, sigma.principal_point_px), random.normal(0.0, sigma.focal_ratio),
-        random.normal(0.0, sigma.distortion_px);
-    camera.camera = ml::Lenses(camera.camera).changed(made.lens.back());
-    camera.depth->noise.scale_sigma = depth.scale_sigma;
-    config.depth_scales.push_back(1.0 + common_depth + random.normal(0.0, depth.scale_sigma));
-    made.depth.emplace_back(random.normal(0.0, depth.offset_sigma_m), random.normal(0.0, depth.tilt_sigma_rad),
-                            random.normal(0.0, depth.tilt_sigma_rad));
-    const double shift_sigma = depth.shift_sigma_px / camera.camera.fx_px;
-    const double left_sigma = 0.1 * sigma.distortion_px / camera.camera.fx_px;
-    made.shape.emplace_back();
-    made.shape.back() << draw_vector<2>([&] { return shifts.normal(0.0, shift_sigma); }),
-        draw_vector<4>([&] { return left.normal(0.0, left_sigma); });
-    if (made.depth.size() == 2) made.depth.back()[0] += worse.depth_offset_m;
-  }
-  Board& board = config.rig.board;
-  board.doubt();
-  const double side = board.square_sigma_relative();
-  made.board << random.normal(0.0, side), random.normal(0.0, 0.2 * side), random.normal(0.0, board.bow_sigma()),
-      random.normal(0.0, board.bow_sigma());
-  for (const Eigen::Vector3d& corner : board.corners()) {
-    const Eigen::Vector3d p = corner - board.centre();
-    const double u = 2.0 * p.x() / (board.square_m * board.squares_x),
-                 v = 2.0 * p.y() / (board.square_m * board.squares_y);
-    config.rig.print_errors_m.emplace_back((made.board[0] + 0.5 * made.board[1]) * p.x(),
-                                           (made.board[0] - 0.5 * made.board[1]) * p.y(),
-                                           made.board[2] * u * u + made.board[3] * v * v);
-    for (int axis = 0; axis < 3; ++axis)
-      config.rig.print_errors_m.back()[axis] += random.normal(0.0, worse.print * board.print_sigma());
-  }
-  for (const RigCamera& camera : config.rig.cameras) {
-    const double rms_px = sigma.residual_px * (made.fields.size() == 1 ? worse.field : 1.0);
-    if (worse.cells > 0.0) {
-      const std::string purpose = "field " + std::to_string(made.fields.size());
-      made.fields.emplace_back(
-          [field = draw_lens_residual(camera.camera, rms_px, worse.cells, RandomStream(config.seed, purpose))](
-              const Eigen::Vector2d& pixel) { return field.at(pixel); });
-    } else {
-      made.fields.emplace_back(
-          [field = Waves(camera.camera, rms_px, &random)](const Eigen::Vector2d& pixel) { return field.at(pixel); });
-    }
-  }
+  RandomStream random(config.seed, "strangers");
+  draw_cameras(worse, &random, &config, &made);
+  made.board = draw_board(worse, &random, &config.rig);
+  made.fields = draw_fields(config, worse, &random);
   return made;
 }
 
@@ -145,19 +176,8 @@ GeometricRun drive(const Stranger& robot, std::uint64_t seed, int stops) {
     observations.cameras[c].intrinsics_sigma = IntrinsicsSigma();
     observations.cameras[c].depth->noise = config.rig.cameras[c].depth->noise;
     observations.cameras[c].depth->noise.doubt_place_and_common_scale();
-    // Registered depth sees through the stated lens: what it shows of a plane errs with it.
-    const auto as_registered = [&](std::vector<PlaneObservation>* planes) {
-      for (PlaneObservation& plane : *planes)
-        if (plane.camera == static_cast<int>(c)) {
-          plane.file = "depth/000000.png";
-          plane.inverse_depth_plane -=
-              ml::Lenses(robot.told.cameras[c].camera).plane_by(plane.inverse_depth_plane) * robot.lens[c] +
-              plane_by_depth_offset(plane.inverse_depth_plane, mean_inverse_depth(plane)) * robot.depth[c] +
-              plane_by_depth_shape(plane.inverse_depth_plane) * robot.shape[c];
-        }
-    };
-    as_registered(&observations.ground_planes);
-    as_registered(&observations.board_planes);
+    bend_planes(robot, c, robot.told.cameras[c].camera, &observations.ground_planes);
+    bend_planes(robot, c, robot.told.cameras[c].camera, &observations.board_planes);
   }
   return run;
 }

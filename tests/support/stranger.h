@@ -25,8 +25,8 @@ struct Stranger {
   Eigen::Vector4d board;
   std::vector<Eigen::Vector3d> depth;  ///< of each camera: offset, tilt about x and y
   std::vector<Vector6d> shape;         ///< of each depth image: its shift along x and y [tan], and what lenses leave
-  /// What no coefficients of a lens follow, by the pixel [px].
-  std::vector<std::function<Eigen::Vector2d(const Eigen::Vector2d&)>> fields;
+  using Field = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
+  std::vector<Field> fields;  ///< what no coefficients of a lens follow, by the pixel [px], of each camera
 };
 
 /// The cameras and the board are other ones than the rig says.

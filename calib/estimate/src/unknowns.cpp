@@ -225,71 +225,55 @@ Covariances of_readout(const PriorSource& source) {
   return covariances;
 }
 
+using Parts = std::vector<NuisanceRow::Part>;
+
+Parts odometry_parts() { return {{"odometry_scale", 1.0}, {"odometry_yaw_factor", 1.0}}; }
+
+Parts depth_offset_parts() {
+  return {{"depth_offset_mm", 1e3}, {"depth_tilt_x_deg", 180.0 / kPi}, {"depth_tilt_y_deg", 180.0 / kPi}};
+}
+
+Parts depth_shape_parts() {
+  return {{"depth_shift_x", 1.0}, {"depth_shift_y", 1.0},      {"depth_slope_x", 1.0},
+          {"depth_slope_y", 1.0}, {"depth_focal_length", 1.0}, {"depth_roll", 1.0}};
+}
+
+Parts lens_parts() {
+  return {{"focal_length_percent", 100.0},
+          {"principal_point_x_px", 1.0},
+          {"principal_point_y_px", 1.0},
+          {"focal_ratio_percent", 100.0},
+          {"distortion_px", 1.0}};
+}
+
+Parts board_parts() {
+  return {
+      {"board_size_percent", 100.0}, {"board_ratio_percent", 100.0}, {"board_bow_x_mm", 1e3}, {"board_bow_y_mm", 1e3}};
+}
+
+Parts ground_offset_parts() {
+  return {{"ground_offset_x_per_m", 1.0}, {"ground_offset_y_per_m", 1.0}, {"ground_offset_z_per_m", 1.0}};
+}
+
 }  // namespace
 
 const std::array<NuisanceRow, kNuisances>& nuisance_table() {
   constexpr Each kRig = Each::kRig, kCamera = Each::kCamera, kBoard = Each::kBoard;
-  constexpr bool kAnyOdometry = false, kIncrements = true, kReported = true;
+  constexpr bool kAny = false, kIncrements = true;  // odometry that knows it
+  constexpr bool kReported = true;
   static const std::array<NuisanceRow, kNuisances> kTable = {{
-      {{{"odometry_scale", 1.0}, {"odometry_yaw_factor", 1.0}},
-       kRig,
-       kIncrements,
-       !kReported,
-       "odometry",
-       &of_odometry},
+      {odometry_parts(), kRig, kIncrements, !kReported, "odometry", &of_odometry},
       {{{"odometry_veer_deg_per_m", 180.0 / kPi}}, kRig, kIncrements, !kReported, "odometry", &of_odometry_veer},
-      {{{"depth_scale_percent", 100.0}}, kCamera, kAnyOdometry, !kReported, "depth scale", &of_depth_scale},
-      {{{"common_depth_scale_percent", 100.0}},
-       kCamera,
-       kAnyOdometry,
-       kReported,
-       "depth scale",
-       &of_common_depth_scale},
-      {{{"depth_offset_mm", 1e3}, {"depth_tilt_x_deg", 180.0 / kPi}, {"depth_tilt_y_deg", 180.0 / kPi}},
-       kCamera,
-       kAnyOdometry,
-       kReported,
-       "depth error",
-       &of_depth_offset},
-      {{{"depth_shift_x", 1.0},
-        {"depth_shift_y", 1.0},
-        {"depth_slope_x", 1.0},
-        {"depth_slope_y", 1.0},
-        {"depth_focal_length", 1.0},
-        {"depth_roll", 1.0}},
-       kCamera,
-       kAnyOdometry,
-       !kReported,
-       "depth error",
-       &of_depth_shape},
-      {{{"focal_length_percent", 100.0},
-        {"principal_point_x_px", 1.0},
-        {"principal_point_y_px", 1.0},
-        {"focal_ratio_percent", 100.0},
-        {"distortion_px", 1.0}},
-       kCamera,
-       kAnyOdometry,
-       kReported,
-       "lens",
-       &of_lens},
-      {{{"board_size_percent", 100.0},
-        {"board_ratio_percent", 100.0},
-        {"board_bow_x_mm", 1e3},
-        {"board_bow_y_mm", 1e3}},
-       kBoard,
-       kAnyOdometry,
-       kReported,
-       "board",
-       &of_board_shape},
-      {{{"ground_offset_x_per_m", 1.0}, {"ground_offset_y_per_m", 1.0}, {"ground_offset_z_per_m", 1.0}},
-       kCamera,
-       kAnyOdometry,
-       !kReported,
-       "depth error",
-       &of_ground_offset},
-      {{{"clock_offset_ms", 1e3}}, kCamera, kAnyOdometry, kReported, "clock", &of_clock_offset},
-      {{{"turn_lag_ms", 1e3}}, kRig, kAnyOdometry, !kReported, "turn lag", &of_turn_lag},
-      {{{"readout_ms", 1e3}}, kCamera, kAnyOdometry, kReported, "rolling shutter", &of_readout},
+      {{{"depth_scale_percent", 100.0}}, kCamera, kAny, !kReported, "depth scale", &of_depth_scale},
+      {{{"common_depth_scale_percent", 100.0}}, kCamera, kAny, kReported, "depth scale", &of_common_depth_scale},
+      {depth_offset_parts(), kCamera, kAny, kReported, "depth error", &of_depth_offset},
+      {depth_shape_parts(), kCamera, kAny, !kReported, "depth error", &of_depth_shape},
+      {lens_parts(), kCamera, kAny, kReported, "lens", &of_lens},
+      {board_parts(), kBoard, kAny, kReported, "board", &of_board_shape},
+      {ground_offset_parts(), kCamera, kAny, !kReported, "depth error", &of_ground_offset},
+      {{{"clock_offset_ms", 1e3}}, kCamera, kAny, kReported, "clock", &of_clock_offset},
+      {{{"turn_lag_ms", 1e3}}, kRig, kAny, !kReported, "turn lag", &of_turn_lag},
+      {{{"readout_ms", 1e3}}, kCamera, kAny, kReported, "rolling shutter", &of_readout},
   }};
   return kTable;
 }

@@ -29,7 +29,7 @@ class Holder {
  public:
   Holder(const KnownPoses& before, const Eigen::MatrixXd& moved, const ml::Problem& problem)
       : before_(before), problem_(problem) {
-    // Of standard deviations: decides where the observations know thirty times less, and nothing elsewhere.
+    // Factor on standard deviations: the prior decides where the observations know so much less, and nothing elsewhere.
     constexpr double kLoose = 30.0;
     constexpr double kLeastVariance = 1e-14;  // files round
     Eigen::MatrixXd open(moved.rows(), before.free_directions.cols() + moved.cols());

@@ -13,9 +13,9 @@ namespace rigproof::moved {
 ///
 /// Few stops determine some directions poorly: the place of the rig on the robot or, from one view, the place of a
 /// camera on a circle about the board. Along these, the optimum lies decimetres from the truth, too far for a
-/// linearisation there to hold at the truth. The previous result knows such directions hundreds of times better. It
-/// therefore enters as a prior, with thirty times its standard deviations, while the state is found: it decides only
-/// what the observations leave open. The estimate without the prior is one step from there.
+/// linearisation there to hold at the truth. The previous result knows such directions hundreds of times better. While
+/// the state is found it is therefore a prior, whose standard deviations are those of the previous result times thirty:
+/// it decides only what the observations leave open. The estimate without the prior is one step from there.
 ///
 /// `moved`: columns along which the cameras may have moved, about which the prior then says nothing.
 ///

@@ -32,16 +32,17 @@ RosHeader header_of(CdrReader& cdr) {
   return header;
 }
 
-Rigid3 pose_of(CdrReader& cdr) {
+// One that is none is the sender's mistake, not damage: the rest of the message is good.
+Rigid3 pose_of(CdrReader& cdr, std::string* no_pose) {
   const std::array<double, 3> t = cdr.array<3>();
   const std::array<double, 4> q = cdr.array<4>();
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
   const Eigen::Vector3d translation(t[0], t[1], t[2]);
-  if (!translation.allFinite() || !(std::abs(rotation.norm() - 1.0) <= 0.01))
-    throw Error("a pose with the translation (" + short_text(t[0], 4) + ", " + short_text(t[1], 4) + ", " +
-                short_text(t[2], 4) + ") and a quaternion of norm " + short_text(rotation.norm(), 4) +
-                "; finite numbers and norm 1 are needed");
-  return {rotation, translation};
+  if (translation.allFinite() && std::abs(rotation.norm() - 1.0) <= 0.01) return {rotation, translation};
+  *no_pose = "a pose with the translation (" + short_text(t[0], 4) + ", " + short_text(t[1], 4) + ", " +
+             short_text(t[2], 4) + ") and a quaternion of norm " + short_text(rotation.norm(), 4) +
+             "; finite numbers and norm 1 are needed";
+  return {};
 }
 
 }  // namespace
@@ -98,7 +99,7 @@ RosOdometry read_odometry_message(std::string_view message) {
     RosOdometry odometry;
     odometry.header = header_of(cdr);
     odometry.child_frame_id = cdr.text();
-    odometry.T_odom_child = pose_of(cdr);
+    odometry.T_odom_child = pose_of(cdr, &odometry.no_pose);
     cdr.array<36>();  // covariance
     const std::array<double, 3> linear = cdr.array<3>(), angular = cdr.array<3>();
     odometry.velocity = {linear[0], linear[1], linear[2]};
@@ -114,7 +115,7 @@ std::vector<RosTransform> read_tf_message(std::string_view message) {
     for (RosTransform& transform : transforms) {
       transform.header = header_of(cdr);
       transform.child_frame_id = cdr.text();
-      transform.T_parent_child = pose_of(cdr);
+      transform.T_parent_child = pose_of(cdr, &transform.no_pose);
     }
     return transforms;
   });

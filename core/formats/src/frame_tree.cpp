@@ -48,6 +48,15 @@ void FrameTree::add(const std::string& parent, const std::string& child, const R
     place->second.other_parent = bare(parent);
 }
 
+void FrameTree::leave_out(const std::string& child, const std::string& why) { left_out_.emplace(bare(child), why); }
+
+std::vector<std::string> FrameTree::left_out() const {
+  std::vector<std::string> texts;
+  for (const auto& [child, why] : left_out_)
+    if (edges_.count(child) == 0) texts.push_back(for_message(child) + ": " + why);
+  return texts;
+}
+
 bool FrameTree::has(const std::string& frame) const {
   const std::string name = bare(frame);
   return edges_.count(name) > 0 ||
@@ -68,6 +77,9 @@ std::vector<std::string> FrameTree::way_up(const std::string& frame) const {
       throw Error("/tf_static: frames go in a circle: " + for_message(joined(way, " -> "), 200) +
                   ". Record again without the node that closes it, or do without the frames: " + kWithout);
   }
+  if (const auto bad = left_out_.find(way.back()); bad != left_out_.end())
+    throw Error("/tf_static: " + for_message(bad->first) + ": " + bad->second +
+                ". Record again with that mended, or do without the frames: " + kWithout);
   return way;
 }
 

@@ -1,6 +1,7 @@
 // Command lines of tf2_ros, which together are a shell script.
 #include "comments.h"
 #include "numbers.h"
+#include "rigproof/core/text.h"
 #include "static_tf_arguments.h"
 
 namespace rigproof {
@@ -18,18 +19,10 @@ std::vector<std::pair<std::string, std::string>> static_tf_arguments(const TreeT
 
 namespace {
 
-// A word as the shell takes it whole.
-std::string quoted(const std::string& word) {
-  const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
-  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 std::string command_line(const TreeTransform& transform) {
   std::string line = "ros2 run tf2_ros static_transform_publisher";
-  for (const auto& [name, value] : exporting::static_tf_arguments(transform)) line += " " + name + " " + quoted(value);
+  for (const auto& [name, value] : exporting::static_tf_arguments(transform))
+    line += " " + name + " " + shell_word(value);
   return line;
 }
 

@@ -1,10 +1,9 @@
 #include "bag_import.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
-#include "camera_of_info.h"
+#include "clock_check.h"
 #include "depth_of_bag.h"
 #include "ground_track.h"
 #include "import_words.h"
@@ -17,44 +16,38 @@
 namespace rigproof {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kGroundFrame = "base_footprint";
 
-// Whole seconds apart: nanoseconds since 1970 are more digits than a double has.
-double seconds(std::int64_t ns) {
-  constexpr std::int64_t kNsPerS = 1000000000;
-  return static_cast<double>(ns / kNsPerS) + 1e-9 * static_cast<double>(ns % kNsPerS);
+void append(const std::vector<std::string>& notes, std::vector<std::string>* to) {
+  to->insert(to->end(), notes.begin(), notes.end());
 }
 
-class Planner {
+std::vector<std::string> notes_of_choice(const TopicChoice& choice, const BagSurvey& survey) {
+  std::vector<std::string> notes = choice.notes;
+  for (const std::string& text : survey.tf_static.left_out()) notes.push_back("/tf_static: left out is " + text);
+  return notes;
+}
+
+// --------------------------------------------------------------------------------------------------------- cameras
+
+void check_image_size(const ImageTopic& images, const Camera& camera) {
+  if (images.width == 0 || (images.width == camera.width_px && images.height == camera.height_px)) return;
+  throw Error("images of " + images.name + " are " + std::to_string(images.width) + "x" +
+              std::to_string(images.height) + ", the intrinsics are of " + std::to_string(camera.width_px) + "x" +
+              std::to_string(camera.height_px) + "; record the topic that they belong to");
+}
+
+// The cameras of a plan, one after the other.
+class CameraPlanner {
  public:
-  Planner(const BagSurvey& survey, const InitOptions& options, fs::path scratch)
-      : survey_(survey), options_(options), scratch_(std::move(scratch)) {}
+  CameraPlanner(const BagSurvey& survey, const InitOptions& options, const PoseTopic& odometry)
+      : survey_(survey), options_(options), odometry_(odometry) {}
 
-  ImportPlan run() {
-    choice_ = choose_topics(survey_, topic_rules(options_.topics));
-    plan_.recording.rig.name = options_.output.filename().string();
-    if (options_.board) plan_.recording.rig.board = *options_.board;
-    describe(choice_.cameras);
-    take_odometry(*choice_.odometry);
-    add_notes(notes_of_clocks());
-    keep_frames(stamps_of(plan_.images));
-    return std::move(plan_);
-  }
-
- private:
-  void note(const std::string& text) { plan_.report.notes.push_back(text); }
-  void add_notes(const std::vector<std::string>& texts) {
-    plan_.report.notes.insert(plan_.report.notes.end(), texts.begin(), texts.end());
-  }
-
-  // ------------------------------------------------------------------------------------------------------ cameras
-
-  void describe(const std::vector<CameraTopics>& cameras) {
+  // Images, depth and what to undo of each camera, its entry in rig and report, and notes.
+  ImportPlan run(const std::vector<CameraTopics>& cameras) {
     std::vector<std::string> names;
     for (const CameraTopics& camera : cameras) names.push_back(camera.name);
-    const auto infos = values_by_camera(options_.camera_infos, "--camera-info", names, false);
+    const auto infos = intrinsics_files(options_.camera_infos, names);
     const auto sensors = values_by_camera(options_.sensors, "--sensor", names, true);
     Problems problems;
     for (const CameraTopics& topics : cameras) {
@@ -70,7 +63,11 @@ class Planner {
       note("depth of " + joined(without_sensor_) +
            " is taken for that of a common stereo camera; say what it is: --sensor d455, or `sensor: d455` "
            "below each in rig.yaml (`rigproof sensors` lists them)");
+    return std::move(plan_);
   }
+
+ private:
+  void note(const std::string& text) { plan_.report.notes.push_back(text); }
 
   void describe_camera(const CameraTopics& topics, const std::map<std::string, std::string>& infos,
                        const std::map<std::string, std::string>& sensors) {
@@ -86,9 +83,11 @@ class Planner {
     RigCamera camera;
     camera.name = camera.folder = topics.name;
     const auto info = infos.find(topics.name);
-    plan_.to_undo.emplace_back();
-    camera.camera = info == infos.end() ? camera_of_bag(topics, images, &plan_.to_undo.back())
-                                        : camera_of_file(info->second, scratch_ / topics.name);
+    const InfoReading reading =
+        info == infos.end() ? camera_of_bag(topics, images) : camera_of_file(info->second, topics.name, images.name);
+    for (const std::string& text : reading.notes) note(topics.name + ": " + text);
+    plan_.to_undo.push_back(reading.to_undo);
+    camera.camera = reading.camera;
     report.camera_info = info == infos.end() ? topics.camera_info : info->second;
     check_image_size(images, camera.camera);
     take_frames(images, &camera);
@@ -101,12 +100,15 @@ class Planner {
     plan_.report.cameras.push_back(report);
   }
 
-  Camera camera_of_bag(const CameraTopics& topics, const ImageTopic& images, std::vector<double>* to_undo) {
+  InfoReading camera_of_bag(const CameraTopics& topics, const ImageTopic& images) const {
     const std::string expected = namespace_of(images.name) + "/camera_info";
     const std::string remedy = "; give --topic " + topics.name + ".camera_info=TOPIC, or --camera-info " + topics.name +
                                "=FILE with the YAML that camera_calibration writes";
     if (topics.camera_info.empty())
-      throw Error("there is no CameraInfo for " + images.name + " (looked for " + expected + ")" + remedy);
+      throw Error("there is no CameraInfo for " + images.name + " (" +
+                  (survey_.find_info(expected) == nullptr ? "looked for " + expected
+                                                          : expected + " lies beside several cameras") +
+                  ")" + remedy);
     const InfoTopic& info = *survey_.find_info(topics.camera_info);
     if (info.changes)
       throw Error(info.name +
@@ -114,25 +116,14 @@ class Planner {
                   "intrinsics, or give --camera-info " +
                   topics.name + "=FILE");
     try {
-      const InfoReading reading = camera_of_info(info.info, is_rectified(images.name));
-      for (const std::string& text : reading.notes) note(topics.name + ": " + text);
-      *to_undo = reading.to_undo;
-      return reading.camera;
+      return camera_of_info(info.info, is_rectified(images.name));
     } catch (const Error& error) {
       throw Error(info.name + ": " + error.what() + remedy);
     }
   }
 
-  static void check_image_size(const ImageTopic& images, const Camera& camera) {
-    if (images.width == 0 || (images.width == camera.width_px && images.height == camera.height_px)) return;
-    throw Error("images of " + images.name + " are " + std::to_string(images.width) + "x" +
-                std::to_string(images.height) + ", the intrinsics are of " + std::to_string(camera.width_px) + "x" +
-                std::to_string(camera.height_px) + "; record the topic that they belong to");
-  }
-
   std::vector<std::string> robot_frames() const {
-    std::vector<std::string> frames = {kGroundFrame, "base_link"};
-    if (choice_.odometry != nullptr) frames.push_back(choice_.odometry->child_frame_id);
+    std::vector<std::string> frames = {kGroundFrame, "base_link", odometry_.child_frame_id};
     if (!options_.robot_frame.empty()) frames.push_back(options_.robot_frame);
     return frames;
   }
@@ -152,14 +143,12 @@ class Planner {
       camera->link = tree.mount_link(images.frame_id(), robot_frames());
       if (camera->link != camera->optical_frame)
         camera->T_link_camera = tree.between(camera->link, camera->optical_frame);
-      const std::string& moved = choice_.odometry->child_frame_id;
+      const std::string& moved = odometry_.child_frame_id;
       if (!tree.between(moved, camera->optical_frame))
         note("/tf_static does not join " + camera->optical_frame + " with " + for_message(moved) + ", which " +
-             choice_.odometry->name + " moves: `export` hangs " + camera->link + " on the robot frame itself");
+             odometry_.name + " moves: `export` hangs " + camera->link + " on the robot frame itself");
     }
   }
-
-  // -------------------------------------------------------------------------------------------------------- depth
 
   void take_depth(const CameraTopics& topics, const ImageTopic& images,
                   const std::map<std::string, std::string>& sensors, RigCamera* camera, InitCamera* report) {
@@ -182,168 +171,149 @@ class Planner {
     if (depth != nullptr && !preset) without_sensor_.push_back(topics.name);
   }
 
-  // ----------------------------------------------------------------------------------------------------- odometry
-
-  // The robot frame lies on the ground below the frame that odometry moves.
-  Rigid3 T_child_robot(const PoseTopic& odometry, const std::string& robot_frame) {
-    const std::string& child = odometry.child_frame_id;
-    const std::optional<Rigid3> T = survey_.tf_static.between(child, robot_frame);
-    if (!T && !options_.robot_frame.empty() && robot_frame != child && survey_.tf_static.has(robot_frame))
-      throw Error("--robot-frame " + for_message(robot_frame) + ": /tf_static does not join it with " + child +
-                  ", which " + odometry.name + " moves");
-    if (!T)
-      note("/tf_static has no " + robot_frame + ": it stands for the point on the ground below " + child + ", which " +
-           odometry.name + " moves");
-    return T.value_or(Rigid3());
-  }
-
-  void take_odometry(const PoseTopic& topic) {
-    InitReport& report = plan_.report;
-    report.robot_frame = options_.robot_frame.empty() ? kGroundFrame : options_.robot_frame;
-    plan_.recording.rig.robot_frame = report.robot_frame;
-    const Rigid3 T = T_child_robot(topic, report.robot_frame);
-    std::vector<TimedPose> poses;
-    for (const StampedPose& pose : topic.poses) poses.push_back({seconds(pose.stamp_ns), pose.T_odom_child * T});
-    GroundTrack track = ground_track(poses);
-    report.odometry = topic.name;
-    report.odometry_rows = track.odometry.size();
-    report.duration_s = track.odometry.back().stamp_s - track.odometry.front().stamp_s;
-    report.tilt_deg = track.tilt_deg;
-    report.rise_m = track.rise_m;
-    if (const std::string text = level_note(topic.name, track); !text.empty()) note(text);
-    plan_.recording.odometry = std::move(track.odometry);
-  }
-
-  // ------------------------------------------------------------------------------------------------------- clocks
-
-  struct Span {
-    double first_s = 0.0, last_s = 0.0;
-    bool meets(const Span& other) const { return first_s <= other.last_s && other.first_s <= last_s; }
-    std::string text() const { return fixed_text(first_s, 3) + " to " + fixed_text(last_s, 3) + " s"; }
-  };
-
-  static Span span_of(const ImageTopic& images) {
-    return {seconds(images.images.front().stamp_ns), seconds(images.images.back().stamp_ns)};
-  }
-
-  // Throws Error where a camera's stamps never meet those of the odometry.
-  std::vector<std::string> notes_of_clocks() const {
-    std::vector<std::string> notes;
-    const auto& odometry = plan_.recording.odometry;
-    const Span driven{odometry.front().stamp_s, odometry.back().stamp_s};
-    Problems problems;
-    for (std::size_t i = 0; i < plan_.images.size(); ++i) {
-      const Span seen = span_of(*plan_.images[i]);
-      if (!seen.meets(driven))
-        problems.add({"", 0, "camera " + plan_.report.cameras[i].name, "",
-                      plan_.images[i]->name + " has stamps from " + seen.text() + ", " + choice_.odometry->name +
-                          " from " + driven.text() + clock_remedy(*plan_.images[i])});
-      else if (const std::string text = note_of_lag(*plan_.images[i]); !text.empty())
-        notes.push_back(text);
-    }
-    problems.throw_if_any();
-    return notes;
-  }
-
-  const Clocks* clocks_of(const std::string& topic) const {
-    const auto found = survey_.clocks.find(topic);
-    return found == survey_.clocks.end() ? nullptr : &found->second;
-  }
-
-  std::string clock_remedy(const ImageTopic& images) const {
-    const Clocks* camera = clocks_of(images.name);
-    const Clocks* wheels = clocks_of(choice_.odometry->name);
-    const bool logs_meet = camera != nullptr && wheels != nullptr && camera->first_log_ns <= wheels->last_log_ns &&
-                           wheels->first_log_ns <= camera->last_log_ns;
-    if (options_.log_stamps || !logs_meet) return ": they never meet; are both of one drive?";
-    return ": their headers are of different clocks. Both were recorded at the same time: `--stamps log` takes the "
-           "times of "
-           "recording instead, late by what messages travel, which does no harm while the robot stands; better set the "
-           "driver to the computer's clock";
-  }
-
-  // Headers of one clock lag behind the log alike.
-  std::string note_of_lag(const ImageTopic& images) const {
-    const Clocks* camera = clocks_of(images.name);
-    const Clocks* wheels = clocks_of(choice_.odometry->name);
-    constexpr double kAlike_s = 0.5;
-    if (options_.log_stamps || camera == nullptr || wheels == nullptr) return "";
-    const double lag =
-        seconds(camera->last_log_ns - camera->last_stamp_ns) - seconds(wheels->last_log_ns - wheels->last_stamp_ns);
-    if (std::abs(lag) <= kAlike_s) return "";
-    return images.name + ": its headers are " + fixed_text(lag, 2) +
-           " s further behind the time of recording than those of " + choice_.odometry->name +
-           "; if their clocks differ, `--stamps log` takes the times of recording";
-  }
-
-  // ------------------------------------------------------------------------------------------------------- frames
-
-  static std::vector<std::vector<double>> stamps_of(const std::vector<const ImageTopic*>& topics) {
-    std::vector<std::vector<double>> stamps_s;
-    for (const ImageTopic* images : topics) {
-      stamps_s.emplace_back();
-      for (const StampedPlace& image : images->images) stamps_s.back().push_back(seconds(image.stamp_ns));
-    }
-    return stamps_s;
-  }
-
-  void keep_frames(const std::vector<std::vector<double>>& stamps_s) {
-    const FrameChoice kept =
-        choose_frames(stamps_s, plan_.recording.odometry, {options_.every_image, options_.images_per_stop});
-    plan_.report.stops = kept.stops;
-    plan_.report.moving_images = kept.moving;
-    add_notes(choice_notes(kept, options_.images_per_stop));
-    for (std::size_t camera = 0; camera < plan_.images.size(); ++camera) keep_frames_of(camera, kept);
-  }
-
-  void keep_frames_of(std::size_t camera, const FrameChoice& kept) {
-    const ImageTopic& images = *plan_.images[camera];
-    InitCamera& report = plan_.report.cameras[camera];
-    report.stops = kept.on_the_move ? kept.kept[camera].size() : kept.stops_of_camera[camera];
-    const ImageTopic* depth = plan_.depth[camera];
-    const DepthPairs pairs = depth == nullptr ? DepthPairs() : pair_depth(images.images, depth->images);
-    if (depth != nullptr) note_depth_gap(pairs, *depth, report.name);
-    std::vector<CameraFrame> frames;
-    for (const std::size_t index : kept.kept[camera]) {
-      CameraFrame frame;
-      const std::string number = file_number(frames.size());
-      frame.stamp_s = seconds(images.images[index].stamp_ns);
-      frame.color_file = report.name + "/color/" + number;
-      plan_.pictures.push_back({camera, frames.size(), false, images.images[index].place});
-      if (depth != nullptr && pairs.nearest[index]) {
-        (depth->is_cloud() ? frame.cloud_file : frame.depth_file) =
-            report.name + (depth->is_cloud() ? "/cloud/" : "/depth/") + number;
-        plan_.pictures.push_back({camera, frames.size(), true, depth->images[*pairs.nearest[index]].place});
-      }
-      frames.push_back(frame);
-    }
-    plan_.recording.frames.push_back(std::move(frames));
-  }
-
-  void note_depth_gap(const DepthPairs& pairs, const ImageTopic& depth, const std::string& camera) {
-    const auto ms = [](double s) { return fixed_text(1e3 * s, 1) + " ms"; };
-    const bool any =
-        std::any_of(pairs.nearest.begin(), pairs.nearest.end(), [](const auto& one) { return one.has_value(); });
-    if (!any)
-      note(camera + ": " + depth.name + " is left out: its stamps are " + ms(pairs.least_gap_s) +
-           " and more beside those of the images; 20 ms are allowed");
-    else if (pairs.largest_gap_s > 1e-3)
-      note(camera + ": depth is up to " + ms(pairs.largest_gap_s) +
-           " beside its image; each image has the nearest one, which is right while the robot stands");
-  }
-
   const BagSurvey& survey_;
   const InitOptions& options_;
-  fs::path scratch_;
-  TopicChoice choice_;
+  const PoseTopic& odometry_;
   std::vector<std::string> without_sensor_;
   ImportPlan plan_;
 };
 
+// -------------------------------------------------------------------------------------------------------- odometry
+
+// The robot frame lies on the ground below the frame that odometry moves.
+Rigid3 find_T_child_robot(const BagSurvey& survey, const PoseTopic& odometry, const std::string& robot_frame,
+                          bool is_given, std::vector<std::string>* notes) {
+  const std::string& child = odometry.child_frame_id;
+  const std::optional<Rigid3> T = survey.tf_static.between(child, robot_frame);
+  if (!T && is_given && robot_frame != child && survey.tf_static.has(robot_frame))
+    throw Error("--robot-frame " + for_message(robot_frame) + ": /tf_static does not join it with " + child +
+                ", which " + odometry.name + " moves");
+  if (!T)
+    notes->push_back("/tf_static has no " + robot_frame + ": it stands for the point on the ground below " + child +
+                     ", which " + odometry.name + " moves");
+  return T.value_or(Rigid3());
+}
+
+// A few poses that are none are a node's hiccup, many a broken one. Empty where there are none.
+std::string note_of_bad_poses(const PoseTopic& topic) {
+  constexpr double kMost = 0.05;
+  const BadPoses& bad = topic.bad;
+  if (bad.count == 0) return "";
+  const std::string text = topic.name + ": " + std::to_string(bad.count) + " of " + std::to_string(bad.of) +
+                           " poses cannot be used, the first at " + fixed_text(seconds(bad.first_stamp_ns), 3) +
+                           " s: " + bad.first;
+  if (static_cast<double>(bad.count) > kMost * static_cast<double>(bad.of))
+    throw Error(text +
+                ". More than one in twenty is too many: record again with that mended, or take another "
+                "odometry: --topic odometry=TOPIC");
+  return text;
+}
+
+GroundTrack track_of(const PoseTopic& topic, const Rigid3& T_child_robot) {
+  std::vector<TimedPose> poses;
+  for (const StampedPose& pose : topic.poses)
+    poses.push_back({seconds(pose.stamp_ns), pose.T_odom_child * T_child_robot});
+  return ground_track(poses);
+}
+
+// Says in the report what was read.
+std::vector<OdometrySample> odometry_of(const PoseTopic& topic, const Rigid3& T_child_robot, InitReport* report) {
+  const GroundTrack track = track_of(topic, T_child_robot);
+  report->odometry = topic.name;
+  report->odometry_rows = track.odometry.size();
+  report->duration_s = track.odometry.back().stamp_s - track.odometry.front().stamp_s;
+  report->tilt_deg = track.tilt_deg;
+  report->rise_m = track.rise_m;
+  if (const std::string text = level_note(topic.name, track); !text.empty()) report->notes.push_back(text);
+  return track.odometry;
+}
+
+// ---------------------------------------------------------------------------------------------------------- frames
+
+std::vector<std::vector<double>> stamps_of(const std::vector<const ImageTopic*>& topics) {
+  std::vector<std::vector<double>> stamps_s;
+  for (const ImageTopic* images : topics) {
+    stamps_s.emplace_back();
+    for (const StampedPlace& image : images->images) stamps_s.back().push_back(seconds(image.stamp_ns));
+  }
+  return stamps_s;
+}
+
+// Empty where depth lies well beside its images.
+std::string depth_gap_note(const DepthPairs& pairs, const std::string& depth, const std::string& camera) {
+  const auto ms = [](double s) { return fixed_text(1e3 * s, 1) + " ms"; };
+  const bool any =
+      std::any_of(pairs.nearest.begin(), pairs.nearest.end(), [](const auto& one) { return one.has_value(); });
+  if (!any)
+    return camera + ": " + depth + " is left out: its stamps are " + ms(pairs.least_gap_s) +
+           " and more beside those of the images; 20 ms are allowed";
+  if (pairs.largest_gap_s > 1e-3)
+    return camera + ": depth is up to " + ms(pairs.largest_gap_s) +
+           " beside its image; each image has the nearest one, which is right while the robot stands";
+  return "";
+}
+
+// The frames of one camera, and its pictures in the plan.
+std::vector<CameraFrame> frames_of(std::size_t camera, const std::vector<std::size_t>& kept, const DepthPairs& pairs,
+                                   ImportPlan* plan) {
+  const ImageTopic& images = *plan->images[camera];
+  const ImageTopic* depth = plan->depth[camera];
+  const std::string& folder = plan->recording.rig.cameras[camera].folder;
+  std::vector<CameraFrame> frames;
+  for (const std::size_t index : kept) {
+    CameraFrame frame;
+    const std::string number = file_number(frames.size());
+    frame.stamp_s = seconds(images.images[index].stamp_ns);
+    frame.color_file = folder + "/color/" + number;
+    plan->pictures.push_back({camera, frames.size(), false, images.images[index].place});
+    if (depth != nullptr && pairs.nearest[index]) {
+      (depth->is_cloud() ? frame.cloud_file : frame.depth_file) =
+          folder + (depth->is_cloud() ? "/cloud/" : "/depth/") + number;
+      plan->pictures.push_back({camera, frames.size(), true, depth->images[*pairs.nearest[index]].place});
+    }
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+void keep_frames_of(std::size_t camera, const FrameChoice& kept, ImportPlan* plan) {
+  InitCamera& report = plan->report.cameras[camera];
+  report.stops = kept.on_the_move ? kept.kept[camera].size() : kept.stops_of_camera[camera];
+  DepthPairs pairs;
+  if (const ImageTopic* depth = plan->depth[camera]; depth != nullptr) {
+    pairs = pair_depth(plan->images[camera]->images, depth->images);
+    if (const std::string text = depth_gap_note(pairs, depth->name, report.name); !text.empty())
+      plan->report.notes.push_back(text);
+  }
+  plan->recording.frames.push_back(frames_of(camera, kept.kept[camera], pairs, plan));
+}
+
 }  // namespace
 
-ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options, const fs::path& scratch) {
-  return Planner(survey, options, scratch).run();
+ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options) {
+  const TopicChoice choice = choose_topics(survey, topic_rules(options.topics));
+  const PoseTopic& odometry = *choice.odometry;
+  ImportPlan plan = CameraPlanner(survey, options, odometry).run(choice.cameras);
+  Recording& recording = plan.recording;
+  InitReport& report = plan.report;
+  recording.rig.name = options.output.filename().string();
+  if (options.board) recording.rig.board = *options.board;
+  const std::vector<std::string> of_choice = notes_of_choice(choice, survey);
+  report.notes.insert(report.notes.begin(), of_choice.begin(), of_choice.end());
+  if (const std::string text = note_of_bad_poses(odometry); !text.empty()) report.notes.push_back(text);
+  report.robot_frame = options.robot_frame.empty() ? kGroundFrame : options.robot_frame;
+  recording.rig.robot_frame = report.robot_frame;
+  const Rigid3 T =
+      find_T_child_robot(survey, odometry, report.robot_frame, !options.robot_frame.empty(), &report.notes);
+  recording.odometry = odometry_of(odometry, T, &report);
+  append(notes_of_clocks(survey, options.log_stamps, odometry.name, plan), &report.notes);
+  const FrameChoice kept =
+      choose_frames(stamps_of(plan.images), recording.odometry, {options.every_image, options.images_per_stop});
+  report.stops = kept.stops;
+  report.moving_images = kept.moving;
+  append(choice_notes(kept, options.images_per_stop), &report.notes);
+  for (std::size_t camera = 0; camera < plan.images.size(); ++camera) keep_frames_of(camera, kept, &plan);
+  return plan;
 }
 
 }  // namespace rigproof

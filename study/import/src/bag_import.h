@@ -1,7 +1,6 @@
 // A bag as a recording that is about to be written: who is who, and which pictures to keep.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -30,7 +29,6 @@ struct ImportPlan {
 };
 
 /// Throws Error with every problem.
-/// @param scratch an empty folder for what is only needed meanwhile
-ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options, const std::filesystem::path& scratch);
+ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options);
 
 }  // namespace rigproof

@@ -129,13 +129,22 @@ class BagSurveyor::Impl {
     PoseTopic& topic = topic_named(survey_.odometry, name);
     topic.frame_id = odometry.header.frame_id;
     topic.child_frame_id = odometry.child_frame_id;
-    topic.poses.push_back({stamp_of(odometry.header, message), odometry.T_odom_child});
+    take_pose({stamp_of(odometry.header, message), odometry.T_odom_child}, odometry.no_pose, &topic);
+  }
+
+  static void take_pose(const StampedPose& pose, const std::string& no_pose, PoseTopic* topic) {
+    BadPoses& bad = topic->bad;
+    ++bad.of;
+    if (no_pose.empty()) return topic->poses.push_back(pose);
+    if (bad.count++ > 0) return;
+    bad.first_stamp_ns = pose.stamp_ns;
+    bad.first = no_pose;
   }
 
   void take_transforms(const BagTopic& from, const BagMessage& message) {
     for (const RosTransform& transform : read_tf_message(message.data)) {
       if (is_static(from)) {
-        survey_.tf_static.add(transform.header.frame_id, transform.child_frame_id, transform.T_parent_child);
+        take_static(transform);
         continue;
       }
       if (!may_be_odometry(transform)) continue;
@@ -143,8 +152,15 @@ class BagSurveyor::Impl {
           topic_named(survey_.tf, from.name + " " + transform.header.frame_id + " -> " + transform.child_frame_id);
       topic.frame_id = transform.header.frame_id;
       topic.child_frame_id = transform.child_frame_id;
-      topic.poses.push_back({stamp_of(transform.header, message), transform.T_parent_child});
+      take_pose({stamp_of(transform.header, message), transform.T_parent_child}, transform.no_pose, &topic);
     }
+  }
+
+  void take_static(const RosTransform& transform) {
+    if (transform.no_pose.empty())
+      survey_.tf_static.add(transform.header.frame_id, transform.child_frame_id, transform.T_parent_child);
+    else
+      survey_.tf_static.leave_out(transform.child_frame_id, transform.no_pose);
   }
 
   static void sort_images(ImageTopic& topic) {

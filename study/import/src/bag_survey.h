@@ -44,10 +44,19 @@ struct StampedPose {
   Rigid3 T_odom_child;
 };
 
+/// Poses of a topic that are none.
+struct BadPoses {
+  std::size_t count = 0;
+  std::size_t of = 0;  ///< messages of the topic
+  std::int64_t first_stamp_ns = 0;
+  std::string first;  ///< why it is none
+};
+
 struct PoseTopic {
   std::string name;  ///< "/odom", or "/tf odom -> base_link"
   std::string frame_id, child_frame_id;
   std::vector<StampedPose> poses;  ///< by stamp, each once
+  BadPoses bad;                    ///< left out of them
 };
 
 /// Header against log of one topic [s].

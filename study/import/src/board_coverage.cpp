@@ -11,6 +11,7 @@
 #include "rigproof/core/board_markers.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/finding.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -138,10 +139,14 @@ BoardCoverage find_board(const Recording& recording, int threads, const Coverage
     const Observations observations = observe(recording, options);
     coverage.stops = stops_with(observations.board_views, cameras);
     coverage.looked_at.assign(cameras, observations.stops.size());
-  } catch (const Error& error) {
-    if (error.exit_code() == ExitCode::kTryAgain) throw;
+  } catch (const FindingError& error) {
+    if (!error.finding().is("board.nowhere")) throw;
     coverage = guess_board(recording, progress);  // in no image: it may be another one
     coverage.stops.assign(cameras, 0);
+    return coverage;
+  } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain) throw;
+    coverage.problem = error.what();
     return coverage;
   }
   std::vector<bool> blind(cameras);

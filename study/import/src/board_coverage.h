@@ -18,6 +18,7 @@ struct BoardCoverage {
   /// The board that most images show, "type: checkerboard, squares: [5, 4], square_mm: 100", and others beside it that
   /// images tell from it, by their markers.
   std::vector<std::string> seen;
+  std::string problem;  ///< why it could not be looked for, and the rest is empty
 };
 
 /// Called with images looked at and in all; false interrupts.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "camera_of_info.h"
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/error.h"
 #include "ros_pictures.h"
 #include "topic_names.h"

@@ -92,137 +92,152 @@ std::vector<OdometrySample> read_odometry(const fs::path& file, InitReport* repo
   return track.odometry;
 }
 
+using ByCamera = std::map<std::string, std::string>;
+
+// A camera of the recording and the images that are there of it.
+struct FoundCamera {
+  RigCamera rig;
+  InitCamera report;
+  std::vector<StampedFile> files;
+};
+
+fs::path info_file_of(const CameraFolder& from, const ByCamera& infos) {
+  const auto info = infos.find(from.name);
+  const fs::path file = info == infos.end() ? from.folder / "camera_info.yaml" : fs::path(info->second);
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored))
+    throw Error("there are no intrinsics: " + file.string() +
+                " is missing, as camera_calibration writes it; put it there or give --camera-info " + from.name +
+                "=FILE");
+  return file;
+}
+
+// Of images that are copied as they are.
+Camera camera_of_copies(const std::string& name, const fs::path& info_file, std::vector<std::string>* notes) {
+  const InfoReading reading = camera_of_file(info_file, name, "");
+  if (!reading.to_undo.empty())
+    throw Error(info_file.string() + ": " + reading.notes.front() +
+                "; of a folder they are copied: give rectified ones, and P as their camera_matrix");
+  for (const std::string& text : reading.notes) notes->push_back(name + ": " + text);
+  return reading.camera;
+}
+
+// What a sensor's depth is like, where the camera has any.
+void take_depth(const CameraFolder& from, const ByCamera& sensors, FoundCamera* camera) {
+  const bool any_depth = std::any_of(camera->files.begin(), camera->files.end(),
+                                     [](const StampedFile& file) { return !file.depth.empty(); });
+  if (const auto sensor = sensors.find(from.name); sensor != sensors.end()) {
+    camera->rig.sensor = sensor->second;
+    if (any_depth) camera->rig.depth = load_sensor_preset(sensor->second).depth;
+  }
+  if (!any_depth) return;
+  if (!camera->rig.depth) camera->rig.depth = DepthStream();
+  camera->report.depth = (from.folder / "depth").string();
+}
+
+FoundCamera describe_camera(const CameraFolder& from, const ByCamera& infos, const ByCamera& sensors,
+                            std::vector<std::string>* notes, Problems* problems) {
+  if (!is_frame_name(from.name))
+    throw Error("a camera's name has letters, digits, \"_\", \"-\" and \".\"; rename the folder");
+  FoundCamera camera;
+  camera.report.name = camera.report.link = from.name;
+  camera.rig.name = camera.rig.folder = camera.rig.link = from.name;
+  const fs::path info_file = info_file_of(from, infos);
+  camera.rig.camera = camera_of_copies(from.name, info_file, notes);
+  camera.files = list_images(from.folder, problems);
+  take_depth(from, sensors, &camera);
+  camera.report.images = from.folder.string();
+  camera.report.camera_info = info_file.string();
+  camera.report.width_px = camera.rig.camera.width_px;
+  camera.report.height_px = camera.rig.camera.height_px;
+  camera.report.images_in_source = camera.files.size();
+  return camera;
+}
+
+std::vector<FoundCamera> describe(const std::vector<CameraFolder>& folders, const InitOptions& options,
+                                  std::vector<std::string>* notes) {
+  std::vector<std::string> names;
+  for (const CameraFolder& folder : folders) names.push_back(folder.name);
+  const ByCamera infos = intrinsics_files(options.camera_infos, names);
+  const ByCamera sensors = values_by_camera(options.sensors, "--sensor", names, true);
+  std::vector<FoundCamera> cameras;
+  Problems problems;
+  for (const CameraFolder& folder : folders) {
+    try {
+      cameras.push_back(describe_camera(folder, infos, sensors, notes, &problems));
+    } catch (const Error& error) {
+      if (error.exit_code() == ExitCode::kTryAgain) throw;
+      problems.add({"", 0, "camera " + folder.name, "", error.what()});
+    }
+  }
+  problems.throw_if_any();
+  return cameras;
+}
+
 // Of each camera.
-std::vector<std::vector<double>> stamps_of(const std::vector<std::vector<StampedFile>>& files) {
+std::vector<std::vector<double>> stamps_of(const std::vector<FoundCamera>& cameras) {
   std::vector<std::vector<double>> stamps_s;
-  for (const std::vector<StampedFile>& of_camera : files) {
+  for (const FoundCamera& camera : cameras) {
     stamps_s.emplace_back();
-    for (const StampedFile& file : of_camera) stamps_s.back().push_back(file.stamp_s);
+    for (const StampedFile& file : camera.files) stamps_s.back().push_back(file.stamp_s);
   }
   return stamps_s;
 }
 
-class FolderPlanner {
- public:
-  FolderPlanner(const InitOptions& options, fs::path scratch) : options_(options), scratch_(std::move(scratch)) {}
+std::string clock_text(const std::vector<double>& stamps_s, const std::vector<OdometrySample>& odometry) {
+  if (stamps_s.empty()) return "";
+  return ": images from " + fixed_text(stamps_s.front(), 3) + " to " + fixed_text(stamps_s.back(), 3) +
+         " s, poses from " + fixed_text(odometry.front().stamp_s, 3) + " to " + fixed_text(odometry.back().stamp_s, 3) +
+         " s; both need one clock";
+}
 
-  FolderPlan run() {
-    plan_.recording.rig.name = options_.output.filename().string();
-    plan_.recording.rig.robot_frame = options_.robot_frame.empty() ? "base_footprint" : options_.robot_frame;
-    plan_.report.robot_frame = plan_.recording.rig.robot_frame;
-    if (options_.board) plan_.recording.rig.board = *options_.board;
-    const std::vector<CameraFolder> cameras = find_cameras(options_.source);
-    if (cameras.empty())
-      throw Error(options_.source.string() + ": holds no bag, no images, and no folders with images (PNG or JPEG)");
-    plan_.recording.odometry = read_odometry(find_trajectory(options_), &plan_.report);
-    describe(cameras);
-    keep_frames(stamps_of(files_));
-    return std::move(plan_);
-  }
+// Throws Error with every camera of which none is kept.
+void check_kept(const FrameChoice& kept, const std::vector<std::vector<double>>& stamps_s, const FolderPlan& plan) {
+  Problems problems;
+  for (std::size_t camera = 0; camera < stamps_s.size(); ++camera)
+    if (kept.kept[camera].empty())
+      problems.add({"", 0, "camera " + plan.report.cameras[camera].name, "",
+                    "no image lies within the time of " + plan.report.odometry +
+                        clock_text(stamps_s[camera], plan.recording.odometry)});
+  problems.throw_if_any();
+}
 
- private:
-  void describe(const std::vector<CameraFolder>& cameras) {
-    std::vector<std::string> names;
-    for (const CameraFolder& camera : cameras) names.push_back(camera.name);
-    const auto infos = values_by_camera(options_.camera_infos, "--camera-info", names, false);
-    const auto sensors = values_by_camera(options_.sensors, "--sensor", names, true);
-    Problems problems;
-    for (const CameraFolder& camera : cameras) {
-      try {
-        describe_camera(camera, infos, sensors, &problems);
-      } catch (const Error& error) {
-        if (error.exit_code() == ExitCode::kTryAgain) throw;
-        problems.add({"", 0, "camera " + camera.name, "", error.what()});
-      }
+// The frames of one camera, and its files in the plan.
+std::vector<CameraFrame> frames_of(const std::vector<StampedFile>& files, const std::vector<std::size_t>& kept,
+                                   InitCamera* report, FolderPlan* plan) {
+  std::vector<CameraFrame> frames;
+  for (const std::size_t index : kept) {
+    const StampedFile& file = files[index];
+    CameraFrame frame;
+    frame.stamp_s = file.stamp_s;
+    const std::string number = file_number(frames.size());
+    frame.color_file = report->name + "/color/" + number + file.color.extension().string();
+    plan->copies.emplace_back(file.color, frame.color_file);
+    ++report->images_kept;
+    if (!file.depth.empty()) {
+      frame.depth_file = report->name + "/depth/" + number + ".png";
+      plan->copies.emplace_back(file.depth, frame.depth_file);
+      ++report->depth_kept;
     }
-    problems.throw_if_any();
+    frames.push_back(std::move(frame));
   }
+  return frames;
+}
 
-  void describe_camera(const CameraFolder& from, const std::map<std::string, std::string>& infos,
-                       const std::map<std::string, std::string>& sensors, Problems* problems) {
-    if (!is_frame_name(from.name))
-      throw Error("a camera's name has letters, digits, \"_\", \"-\" and \".\"; rename the folder");
-    InitCamera report;
-    report.name = from.name;
-    report.images = from.folder.string();
-    const auto info = infos.find(from.name);
-    const fs::path info_file = info == infos.end() ? from.folder / "camera_info.yaml" : fs::path(info->second);
-    std::error_code ignored;
-    if (!fs::is_regular_file(info_file, ignored))
-      throw Error("there are no intrinsics: " + info_file.string() +
-                  " is missing, as camera_calibration writes it; put it there or give --camera-info " + from.name +
-                  "=FILE");
-    RigCamera camera;
-    camera.name = camera.folder = camera.link = report.link = from.name;
-    camera.camera = camera_of_file(info_file, scratch_ / from.name);
-    report.camera_info = info_file.string();
-    report.width_px = camera.camera.width_px;
-    report.height_px = camera.camera.height_px;
-    files_.push_back(list_images(from.folder, problems));
-    const bool any_depth = std::any_of(files_.back().begin(), files_.back().end(),
-                                       [](const StampedFile& file) { return !file.depth.empty(); });
-    if (const auto sensor = sensors.find(from.name); sensor != sensors.end()) {
-      camera.sensor = sensor->second;
-      if (any_depth) camera.depth = load_sensor_preset(sensor->second).depth;
-    }
-    if (any_depth && !camera.depth) camera.depth = DepthStream();
-    if (any_depth) report.depth = (from.folder / "depth").string();
-    report.images_in_source = files_.back().size();
-    plan_.recording.rig.cameras.push_back(camera);
-    plan_.report.cameras.push_back(report);
+void keep_frames(const std::vector<FoundCamera>& cameras, const InitOptions& options, FolderPlan* plan) {
+  InitReport& report = plan->report;
+  const std::vector<std::vector<double>> stamps_s = stamps_of(cameras);
+  const FrameChoice kept =
+      choose_frames(stamps_s, plan->recording.odometry, {options.every_image, options.images_per_stop});
+  check_kept(kept, stamps_s, *plan);
+  report.stops = kept.stops;
+  report.moving_images = kept.moving;
+  for (const std::string& note : choice_notes(kept, options.images_per_stop)) report.notes.push_back(note);
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    report.cameras[c].stops = kept.on_the_move ? kept.kept[c].size() : kept.stops_of_camera[c];
+    plan->recording.frames.push_back(frames_of(cameras[c].files, kept.kept[c], &report.cameras[c], plan));
   }
-
-  void keep_frames(const std::vector<std::vector<double>>& stamps_s) {
-    const FrameChoice kept =
-        choose_frames(stamps_s, plan_.recording.odometry, {options_.every_image, options_.images_per_stop});
-    plan_.report.stops = kept.stops;
-    plan_.report.moving_images = kept.moving;
-    for (const std::string& note : choice_notes(kept, options_.images_per_stop)) plan_.report.notes.push_back(note);
-    Problems problems;
-    for (std::size_t camera = 0; camera < files_.size(); ++camera) {
-      if (kept.kept[camera].empty())
-        problems.add({"", 0, "camera " + plan_.report.cameras[camera].name, "",
-                      "no image lies within the time of " + plan_.report.odometry + clock_text(stamps_s[camera])});
-      keep_frames_of(camera, kept);
-    }
-    problems.throw_if_any();
-  }
-
-  std::string clock_text(const std::vector<double>& stamps_s) const {
-    if (stamps_s.empty()) return "";
-    const auto& odometry = plan_.recording.odometry;
-    return ": images from " + fixed_text(stamps_s.front(), 3) + " to " + fixed_text(stamps_s.back(), 3) +
-           " s, poses from " + fixed_text(odometry.front().stamp_s, 3) + " to " +
-           fixed_text(odometry.back().stamp_s, 3) + " s; both need one clock";
-  }
-
-  void keep_frames_of(std::size_t camera, const FrameChoice& kept) {
-    InitCamera& report = plan_.report.cameras[camera];
-    report.stops = kept.on_the_move ? kept.kept[camera].size() : kept.stops_of_camera[camera];
-    std::vector<CameraFrame> frames;
-    for (const std::size_t index : kept.kept[camera]) {
-      const StampedFile& file = files_[camera][index];
-      CameraFrame frame;
-      frame.stamp_s = file.stamp_s;
-      const std::string number = file_number(frames.size());
-      frame.color_file = report.name + "/color/" + number + file.color.extension().string();
-      plan_.copies.emplace_back(file.color, frame.color_file);
-      ++report.images_kept;
-      if (!file.depth.empty()) {
-        frame.depth_file = report.name + "/depth/" + number + ".png";
-        plan_.copies.emplace_back(file.depth, frame.depth_file);
-        ++report.depth_kept;
-      }
-      frames.push_back(std::move(frame));
-    }
-    plan_.recording.frames.push_back(std::move(frames));
-  }
-
-  const InitOptions& options_;
-  fs::path scratch_;
-  FolderPlan plan_;
-  std::vector<std::vector<StampedFile>> files_;  // [camera]
-};
+}
 
 }  // namespace
 
@@ -240,8 +255,23 @@ fs::path find_trajectory(const InitOptions& options) {
                                    "; say which: --odometry FILE"));
 }
 
-FolderPlan plan_folder_import(const InitOptions& options, const fs::path& scratch) {
-  return FolderPlanner(options, scratch).run();
+FolderPlan plan_folder_import(const InitOptions& options) {
+  FolderPlan plan;
+  Rig& rig = plan.recording.rig;
+  rig.name = options.output.filename().string();
+  rig.robot_frame = plan.report.robot_frame = options.robot_frame.empty() ? "base_footprint" : options.robot_frame;
+  if (options.board) rig.board = *options.board;
+  const std::vector<CameraFolder> folders = find_cameras(options.source);
+  if (folders.empty())
+    throw Error(options.source.string() + ": holds no bag, no images, and no folders with images (PNG or JPEG)");
+  plan.recording.odometry = read_odometry(find_trajectory(options), &plan.report);
+  const std::vector<FoundCamera> cameras = describe(folders, options, &plan.report.notes);
+  for (const FoundCamera& camera : cameras) {
+    rig.cameras.push_back(camera.rig);
+    plan.report.cameras.push_back(camera.report);
+  }
+  keep_frames(cameras, options, &plan);
+  return plan;
 }
 
 }  // namespace rigproof

@@ -20,7 +20,7 @@ struct FolderPlan {
 /// Cameras are the folders of the source that hold images, or the source itself; stamps are their names, or come from
 /// frames.csv (file,stamp_s), EuRoC's data.csv (stamp_ns,file) or TUM's rgb.txt (stamp_s file). Throws Error with every
 /// problem.
-FolderPlan plan_folder_import(const InitOptions& options, const std::filesystem::path& scratch);
+FolderPlan plan_folder_import(const InitOptions& options);
 
 /// Where the trajectory of a folder is: the one that the options name, or the only one in it. Throws Error.
 std::filesystem::path find_trajectory(const InitOptions& options);

@@ -28,40 +28,27 @@ void step(const InitOptions& options, const char* what, std::uint64_t done, std:
   if (options.progress && !options.progress(what, done, total)) throw Error("interrupted", ExitCode::kTryAgain);
 }
 
-// Reads the pictures where they lie in the bag and writes them.
-class PictureWriter {
+const ImageTopic& topic_of(const PlannedPicture& picture, const ImportPlan& plan) {
+  return picture.is_depth ? *plan.depth[picture.camera] : *plan.images[picture.camera];
+}
+
+// Where its frame names the picture's file.
+std::string& file_name(const PlannedPicture& picture, ImportPlan* plan) {
+  CameraFrame& frame = plan->recording.frames[picture.camera][picture.frame];
+  if (!picture.is_depth) return frame.color_file;
+  return topic_of(picture, *plan).is_cloud() ? frame.cloud_file : frame.depth_file;
+}
+
+// Makes files of messages.
+class PictureReader {
  public:
-  PictureWriter(Bag& bag, const BagSurvey& survey, const InitOptions& options, ImportPlan* plan)
-      : bag_(bag), survey_(survey), options_(options), plan_(*plan) {
-    for (const PlannedPicture& picture : plan_.pictures) targets_[picture.place].push_back(&picture);
-  }
+  PictureReader(const BagSurvey& survey, const ImportPlan& plan) : survey_(survey), plan_(plan) {}
 
-  void write_all() {
-    std::vector<BagPlace> places;
-    for (const auto& [place, targets] : targets_) places.push_back(place);
-    bag_.read_at(places, [this](const BagMessage& message) { write(message); });
-    sync_files(written_);
-    drop_unreadable();
-  }
-
- private:
-  void write(const BagMessage& message) {
-    for (const PlannedPicture* picture : targets_.at(message.place)) {
-      try {
-        write_picture(*picture, message);
-      } catch (const Error& error) {
-        if (error.exit_code() == ExitCode::kTryAgain) throw;
-        note_unreadable(*picture, error.what());
-      }
-      step(options_, "write", ++done_, plan_.pictures.size());
-    }
-  }
-
-  void write_picture(const PlannedPicture& picture, const BagMessage& message) {
+  // Its bytes stay valid until the next call or the end of the message.
+  PictureFile read(const PlannedPicture& picture, const BagMessage& message) {
+    const ImageTopic& topic = topic_of(picture, plan_);
+    if (topic.is_cloud()) return cloud(picture, message);
     const RigCamera& camera = plan_.recording.rig.cameras[picture.camera];
-    CameraFrame& frame = plan_.recording.frames[picture.camera][picture.frame];
-    const ImageTopic& topic = picture.is_depth ? *plan_.depth[picture.camera] : *plan_.images[picture.camera];
-    if (topic.is_cloud()) return write_cloud(picture, message, &frame);
     const bool own = picture.is_depth && camera.depth->own_camera;
     const Rectifier* rectifier = own ? nullptr : rectifier_of(picture.camera);
     const PictureFile file = picture.is_depth ? maker_.depth(topic.type, message.data, camera.depth->unit_m, rectifier)
@@ -71,66 +58,88 @@ class PictureWriter {
       throw Error("an image of " + std::to_string(file.width) + "x" + std::to_string(file.height) +
                   ", the intrinsics are of " + std::to_string(optics.width_px) + "x" +
                   std::to_string(optics.height_px));
-    put(picture, picture.is_depth ? &frame.depth_file : &frame.color_file, file.extension, file.bytes);
+    return file;
   }
 
+ private:
   const Rectifier* rectifier_of(std::size_t camera) {
     const std::vector<double>& d = plan_.to_undo[camera];
     if (d.empty()) return nullptr;
     return &rectifiers_.try_emplace(camera, plan_.recording.rig.cameras[camera].camera, d).first->second;
   }
 
-  void write_cloud(const PlannedPicture& picture, const BagMessage& message, CameraFrame* frame) {
+  PictureFile cloud(const PlannedPicture& picture, const BagMessage& message) {
     const std::optional<Rigid3> T_camera_cloud =
         survey_.tf_static.between(plan_.images[picture.camera]->frame_id(), plan_.depth[picture.camera]->frame_id());
-    put(picture, &frame->cloud_file, ".pcd", encode_pcd(points_of_message(message.data, T_camera_cloud.value())));
+    cloud_ = encode_pcd(points_of_message(message.data, T_camera_cloud.value()));
+    return {".pcd", cloud_};
   }
 
-  void put(const PlannedPicture& picture, std::string* name, const std::string& extension, std::string_view bytes) {
-    *name += extension;
-    written_.push_back(plan_.recording.folder / *name);
-    write_file_atomically_unsynced(written_.back(), bytes);
-    InitCamera& report = plan_.report.cameras[picture.camera];
-    ++(picture.is_depth ? report.depth_kept : report.images_kept);
-  }
-
-  void note_unreadable(const PlannedPicture& picture, const std::string& reason) {
-    const ImageTopic& topic = picture.is_depth ? *plan_.depth[picture.camera] : *plan_.images[picture.camera];
-    auto& [count, first] = unreadable_[topic.name];
-    if (count++ == 0) first = reason;
-    CameraFrame& frame = plan_.recording.frames[picture.camera][picture.frame];
-    (topic.is_cloud() ? frame.cloud_file : picture.is_depth ? frame.depth_file : frame.color_file).clear();
-  }
-
-  void drop_unreadable() {
-    for (const auto& [topic, why] : unreadable_)
-      plan_.report.notes.push_back(topic + ": " + std::to_string(why.first) +
-                                   " images cannot be used, the first: " + why.second);
-    Problems problems;
-    for (std::size_t i = 0; i < plan_.recording.frames.size(); ++i) {
-      std::vector<CameraFrame>& frames = plan_.recording.frames[i];
-      const bool any = !frames.empty();
-      frames.erase(std::remove_if(frames.begin(), frames.end(),
-                                  [](const CameraFrame& frame) { return frame.color_file.empty(); }),
-                   frames.end());
-      if (any && frames.empty())
-        problems.add({"", 0, "topic " + plan_.images[i]->name, "",
-                      "no image can be used: " + unreadable_[plan_.images[i]->name].second});
-    }
-    problems.throw_if_any();
-  }
-
-  Bag& bag_;
   const BagSurvey& survey_;
-  const InitOptions& options_;
-  ImportPlan& plan_;
-  std::map<BagPlace, std::vector<const PlannedPicture*>> targets_;
-  std::map<std::string, std::pair<std::size_t, std::string>> unreadable_;  // by topic: how many, and why the first
-  std::vector<fs::path> written_;
+  const ImportPlan& plan_;
   PictureMaker maker_;
   std::map<std::size_t, Rectifier> rectifiers_;  // by camera
-  std::size_t done_ = 0;
+  std::string cloud_;
 };
+
+fs::path write_picture(const PictureFile& file, const PlannedPicture& picture, ImportPlan* plan) {
+  std::string& name = file_name(picture, plan);
+  name += file.extension;
+  const fs::path path = plan->recording.folder / name;
+  write_file_atomically_unsynced(path, file.bytes);
+  InitCamera& report = plan->report.cameras[picture.camera];
+  ++(picture.is_depth ? report.depth_kept : report.images_kept);
+  return path;
+}
+
+// By topic: how many, and why the first.
+using Unreadable = std::map<std::string, std::pair<std::size_t, std::string>>;
+
+// Frames without an image. Throws Error with every camera that has no other.
+void drop_unreadable(const Unreadable& unreadable, ImportPlan* plan) {
+  for (const auto& [topic, why] : unreadable)
+    plan->report.notes.push_back(topic + ": " + std::to_string(why.first) +
+                                 " images cannot be used, the first: " + why.second);
+  Problems problems;
+  for (std::size_t i = 0; i < plan->recording.frames.size(); ++i) {
+    std::vector<CameraFrame>& frames = plan->recording.frames[i];
+    const bool any = !frames.empty();
+    frames.erase(
+        std::remove_if(frames.begin(), frames.end(), [](const CameraFrame& frame) { return frame.color_file.empty(); }),
+        frames.end());
+    if (any && frames.empty())
+      problems.add({"", 0, "topic " + plan->images[i]->name, "",
+                    "no image can be used: " + unreadable.at(plan->images[i]->name).second});
+  }
+  problems.throw_if_any();
+}
+
+// Reads the pictures where they lie in the bag and writes them.
+void write_pictures(Bag& bag, const BagSurvey& survey, const InitOptions& options, ImportPlan* plan) {
+  std::map<BagPlace, std::vector<const PlannedPicture*>> pictures;
+  for (const PlannedPicture& picture : plan->pictures) pictures[picture.place].push_back(&picture);
+  std::vector<BagPlace> places;
+  for (const auto& [place, of_place] : pictures) places.push_back(place);
+  PictureReader reader(survey, *plan);
+  Unreadable unreadable;
+  std::vector<fs::path> written;
+  std::size_t done = 0;
+  bag.read_at(places, [&](const BagMessage& message) {
+    for (const PlannedPicture* picture : pictures.at(message.place)) {
+      try {
+        written.push_back(write_picture(reader.read(*picture, message), *picture, plan));
+      } catch (const Error& error) {
+        if (error.exit_code() == ExitCode::kTryAgain) throw;
+        auto& [count, first] = unreadable[topic_of(*picture, *plan).name];
+        if (count++ == 0) first = error.what();
+        file_name(*picture, plan).clear();
+      }
+      step(options, "write", ++done, plan->pictures.size());
+    }
+  });
+  sync_files(written);
+  drop_unreadable(unreadable, plan);
+}
 
 // "more_boards: [{type: charuco, ..}, {..}]" of those from one on.
 std::string more_boards_text(const std::vector<std::string>& boards, std::size_t first) {
@@ -150,6 +159,16 @@ std::string note_of_others(const BoardCoverage& coverage, const std::vector<Init
          "}";
 }
 
+// What is wrong with the images, the first of it, by the name that the recording will have.
+std::string note_of_problem(const std::string& problem, const fs::path& making, const fs::path& output) {
+  const std::size_t end = problem.find('\n');
+  std::string text = problem.substr(0, end) + (end == std::string::npos ? "" : " (and others)");
+  const std::string from = making.string(), to = output.string();
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return "the board could not be looked for: " + text;
+}
+
 void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
   const bool known = options.board.has_value();
   const CoverageProgress progress = [&options](std::uint64_t done, std::uint64_t total) {
@@ -158,7 +177,9 @@ void look_for_board(const InitOptions& options, const Recording& recording, Init
   InitReport& report = *to;
   const BoardCoverage coverage = known ? find_board(recording, options.threads, progress) : BoardCoverage();
   const BoardCoverage guess = options.board.has_value() ? coverage : guess_board(recording, progress);
-  if (known)
+  if (!coverage.problem.empty())
+    report.notes.push_back(note_of_problem(coverage.problem, recording.folder, options.output));
+  else if (known)
     for (std::size_t i = 0; i < report.cameras.size(); ++i) report.cameras[i].board_stops = coverage.stops[i];
   if (known && !guess.seen.empty()) report.notes.push_back(note_of_others(guess, report.cameras));
   if (options.board) return;
@@ -204,19 +225,19 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   BagSurvey survey = survey_bag(bag, options.log_stamps);
   if (std::find(options.topics.begin(), options.topics.end(), "tf_static=none") != options.topics.end())
     survey.tf_static = {};
-  ImportPlan plan = plan_import(survey, options, scratch);
+  ImportPlan plan = plan_import(survey, options);
   plan.recording.folder = making;
   plan.report.notes.insert(plan.report.notes.begin(), survey.notes.begin(), survey.notes.end());
-  PictureWriter(bag, survey, options, &plan).write_all();
+  write_pictures(bag, survey, options, &plan);
   if (!survey.tf_static.empty()) write_file_atomically(making / kFrameTreeFile, frame_tree_text(survey.tf_static));
   plan.report.bytes = bag.size_bytes();
   plan.report.unpacked_bytes = bag.unpacked_bytes();
   return {std::move(plan.recording), std::move(plan.report)};
 }
 
-Imported import_folder(const InitOptions& options, const fs::path& making, const fs::path& scratch) {
+Imported import_folder(const InitOptions& options, const fs::path& making) {
   if (!options.topics.empty()) throw Error("--topic: is for bags; cameras of a folder are called as its folders");
-  FolderPlan plan = plan_folder_import(options, scratch);
+  FolderPlan plan = plan_folder_import(options);
   plan.recording.folder = making;
   std::size_t done = 0;
   for (const auto& [from, to] : plan.copies) {
@@ -240,8 +261,7 @@ InitReport init_recording(const InitOptions& options) {
                 ": no bag of ROS 2 (.mcap, .db3, or the folder of one), and no folder of images");
   FolderInMaking making(options.output);
   const fs::path scratch = making.path() / ".scratch";
-  Imported imported =
-      bag ? import_bag(options, making.path(), scratch) : import_folder(options, making.path(), scratch);
+  Imported imported = bag ? import_bag(options, making.path(), scratch) : import_folder(options, making.path());
   save_recording(imported.recording);
   look_for_board(options, imported.recording, &imported.report);
   write_descriptions(options, imported);

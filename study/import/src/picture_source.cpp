@@ -96,7 +96,7 @@ class FolderPictures : public PictureSource {
       options.odometry = scratch_ / trajectory.filename();
       copy_whole_lines(trajectory, options.odometry);
     }
-    FolderPlan plan = plan_folder_import(options, scratch_);
+    FolderPlan plan = plan_folder_import(options);
     files_.clear();
     for (const auto& [from, to] : plan.copies) files_[to] = from;
     chosen_ = std::move(plan.recording);
@@ -126,7 +126,7 @@ class BagPictures : public PictureSource {
 
   Recording choose() override {
     plan_ = {};
-    plan_ = plan_import(survey(), options_, scratch_);
+    plan_ = plan_import(survey(), options_);
     return plan_.recording;
   }
 

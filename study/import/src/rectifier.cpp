@@ -3,8 +3,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "rational_lens.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/rational_lens.h"
 
 namespace rigproof {
 namespace {

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "import_words.h"
 #include "rigproof/core/error.h"
-#include "rigproof/core/files.h"
 #include "rigproof/core/rig_yaml.h"
+#include "rigproof/core/text.h"
 #include "rigproof/core/yaml.h"
-#include "rigproof/formats/format.h"
+#include "rigproof/formats/camchain.h"
+#include "topic_names.h"
 
 namespace rigproof {
 namespace {
@@ -31,6 +33,33 @@ void shorten_depth(const RigCamera& camera, YamlTree& tree) {
   for (const char* key : {"min_m", "max_m", "noise"}) remove_entry(depth, key);
 }
 
+// The one that was calibrated with these images, or that has the camera's name.
+InfoReading camera_of_chain(const fs::path& file, const std::vector<CamchainCamera>& chain, const std::string& name,
+                            const std::string& topic) {
+  const auto same_topic = [&topic](const CamchainCamera& camera) {
+    return !topic.empty() && !camera.rostopic.empty() && without_transport(camera.rostopic) == without_transport(topic);
+  };
+  auto found = std::find_if(chain.begin(), chain.end(), same_topic);
+  const bool by_topic = found != chain.end();
+  if (!by_topic)
+    found = std::find_if(chain.begin(), chain.end(), [&name](const CamchainCamera& some) { return some.name == name; });
+  std::vector<std::string> known;
+  for (const CamchainCamera& camera : chain)
+    known.push_back(camera.name + (camera.rostopic.empty() ? "" : " (" + for_message(camera.rostopic) + ")"));
+  if (found == chain.end())
+    throw Error(file.string() + ": which of its cameras is " + name + "? It has " + joined(known) + "; call it so" +
+                (topic.empty() ? ": rename its folder" : ": --topic camN=" + topic));
+  if (is_rectified(topic) && !by_topic)
+    throw Error(file.string() + ": " + found->name + ": is of other images than " + topic +
+                ", which are rectified; take those that it was calibrated with: --topic " + name + "=" +
+                (found->rostopic.empty() ? "TOPIC" : for_message(found->rostopic)));
+  try {
+    return camera_of_info(found->info, false);
+  } catch (const CameraInfoError& error) {
+    throw Error(file.string() + ": " + found->name + ": " + error.what());
+  }
+}
+
 }  // namespace
 
 std::string rig_yaml_text(const RigText& text) {
@@ -44,25 +73,23 @@ std::string rig_yaml_text(const RigText& text) {
   return comments + emit_yaml(tree);
 }
 
-Camera camera_of_file(const fs::path& file, const fs::path& scratch) {
-  // Read as a recording's: the same words for the same mistakes.
+std::map<std::string, std::string> intrinsics_files(const std::vector<std::string>& texts,
+                                                    const std::vector<std::string>& cameras) {
+  for (const std::string& text : texts)
+    if (text.find('=') == std::string::npos && !read_camchain(text))
+      throw Error("--camera-info: " + for_message(text) +
+                  ": must be CAMERA=FILE; only a camchain of Kalibr is for all cameras at once");
+  return values_by_camera(texts, "--camera-info", cameras, true);
+}
+
+InfoReading camera_of_file(const fs::path& file, const std::string& name, const std::string& topic) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) throw Error(file.string() + ": no such file");
-  copy_file_into(file, scratch / "camera" / "camera_info.yaml");
-  std::vector<RigCamera> cameras;
-  RigReadOptions options;
-  options.folder = scratch;
-  try {
-    read_fields_of_tree(parse_yaml("cameras: {camera: {}}", file),
-                        [&](FieldVisitor& visitor) { visit_rig_cameras(visitor, options, cameras); });
-  } catch (const Error& error) {
-    std::string text = error.what();
-    const std::string copied = (scratch / "camera" / "camera_info.yaml").string();
-    for (std::size_t at = text.find(copied); at != std::string::npos; at = text.find(copied))
-      text.replace(at, copied.size(), file.string());
-    throw Error(text);
-  }
-  return cameras.front().camera;
+  if (const auto chain = read_camchain(file)) return camera_of_chain(file, *chain, name, topic);
+  Problems problems;
+  std::optional<InfoReading> reading = read_camera_info(file, is_rectified(topic), &problems);
+  problems.throw_if_any();
+  return std::move(reading).value();
 }
 
 }  // namespace rigproof

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/recording.h"
 
 namespace rigproof {
@@ -19,8 +20,14 @@ struct RigText {
 /// rig.yaml as a person would write it: the depth block of a camera without a sensor holds only what is known.
 std::string rig_yaml_text(const RigText& text);
 
-/// Intrinsics of a ROS camera_info file. Throws Error.
-/// @param scratch an empty folder
-Camera camera_of_file(const std::filesystem::path& file, const std::filesystem::path& scratch);
+/// Files of --camera-info by camera: CAMERA=FILE, or FILE alone, which is for all and has to be Kalibr's camchain.
+/// Throws Error.
+std::map<std::string, std::string> intrinsics_files(const std::vector<std::string>& texts,
+                                                    const std::vector<std::string>& cameras);
+
+/// Intrinsics of a camera_info file, or of the camera of a camchain that has the topic, or else the name. Throws Error
+/// with every problem.
+/// @param topic of the images; empty: they are files
+InfoReading camera_of_file(const std::filesystem::path& file, const std::string& name, const std::string& topic);
 
 }  // namespace rigproof

@@ -81,7 +81,7 @@ const PoseTopic* choose_odometry(const BagSurvey& survey, const std::vector<Topi
 
 // -------------------------------------------------------------------------------------------------------- cameras
 
-// Of the images in one namespace: what is complete and unchanged first.
+// Of the images of one camera: what is complete and unchanged first.
 int image_rank(const ImageTopic& topic) {
   int rank = 0;
   if (!topic.is_compressed()) rank += 4;
@@ -91,17 +91,28 @@ int image_rank(const ImageTopic& topic) {
   return rank;
 }
 
+// Another transport of it, or raw, rectified and coloured pictures side by side. Frames tell, names where headers have
+// none.
+bool same_camera(const ImageTopic& a, const ImageTopic& b) {
+  if (without_transport(a.name) == without_transport(b.name)) return true;
+  if (namespace_of(a.name) != namespace_of(b.name)) return false;
+  if (!a.frame_id().empty() && !b.frame_id().empty()) return a.frame_id() == b.frame_id();
+  return place_in(a.name) == place_in(b.name);
+}
+
 std::vector<const ImageTopic*> guessed_images(const BagSurvey& survey, bool side_products) {
-  std::map<std::string, const ImageTopic*> best;
+  std::vector<const ImageTopic*> best;
   for (const ImageTopic& topic : survey.images) {
     if (topic.is_depth || is_side_product(topic.name) != side_products) continue;
-    const ImageTopic*& there = best[namespace_of(topic.name)];
-    if (there == nullptr || image_rank(topic) > image_rank(*there)) there = &topic;
+    const auto there = std::find_if(best.begin(), best.end(),
+                                    [&topic](const ImageTopic* other) { return same_camera(*other, topic); });
+    if (there == best.end())
+      best.push_back(&topic);
+    else if (image_rank(topic) > image_rank(**there))
+      *there = &topic;
   }
-  std::vector<const ImageTopic*> images;
-  for (const ImageTopic& topic : survey.images)
-    if (best.count(namespace_of(topic.name)) > 0 && best[namespace_of(topic.name)] == &topic) images.push_back(&topic);
-  return images;
+  std::sort(best.begin(), best.end());  // as they lie in the survey
+  return best;
 }
 
 std::vector<CameraTopics> guessed_cameras(const BagSurvey& survey) {
@@ -111,7 +122,7 @@ std::vector<CameraTopics> guessed_cameras(const BagSurvey& survey) {
   for (const ImageTopic* image : images) topics.push_back(image->name);
   const std::vector<std::string> names = camera_names(topics);
   std::vector<CameraTopics> cameras;
-  for (std::size_t i = 0; i < topics.size(); ++i) cameras.push_back({names[i], topics[i], "", "", false});
+  for (std::size_t i = 0; i < topics.size(); ++i) cameras.push_back({names[i], topics[i], "", "", false, false});
   return cameras;
 }
 
@@ -129,28 +140,80 @@ const ImageTopic* require_image(const BagSurvey& survey, const TopicRule& rule, 
   return topic;
 }
 
+// The camera that was guessed of the topic, or else of another one of the same camera; what other rules gave stays.
+std::vector<CameraTopics>::iterator find_guessed(const BagSurvey& survey, const ImageTopic& topic,
+                                                 std::vector<CameraTopics>* cameras) {
+  const auto exact = std::find_if(cameras->begin(), cameras->end(), [&topic](const CameraTopics& camera) {
+    return !camera.is_given && camera.images == topic.name;
+  });
+  if (exact != cameras->end()) return exact;
+  return std::find_if(cameras->begin(), cameras->end(), [&](const CameraTopics& camera) {
+    return !camera.is_given && same_camera(*survey.find_image(camera.images), topic);
+  });
+}
+
+/// @param left_out gets what a rule says not to take
 void apply_image_rule(const BagSurvey& survey, const TopicRule& rule, std::vector<CameraTopics>* cameras,
-                      Problems* problems) {
+                      std::vector<const ImageTopic*>* left_out, Problems* problems) {
   const auto named = std::find_if(cameras->begin(), cameras->end(),
                                   [&](const CameraTopics& camera) { return camera.name == rule.name; });
   if (rule.topic == "none") {
-    if (named != cameras->end()) cameras->erase(named);
+    if (named == cameras->end()) return;
+    left_out->push_back(survey.find_image(named->images));
+    cameras->erase(named);
     return;
   }
-  if (require_image(survey, rule, false, problems) == nullptr) return;
-  // The topic, or another one of its namespace, may have been guessed under another name.
-  const auto guessed = std::find_if(cameras->begin(), cameras->end(), [&](const CameraTopics& camera) {
-    return camera.images == rule.topic || namespace_of(camera.images) == namespace_of(rule.topic);
-  });
+  const ImageTopic* topic = require_image(survey, rule, false, problems);
+  if (topic == nullptr) return;
+  // It may have been guessed under another name.
+  const auto guessed = find_guessed(survey, *topic, cameras);
   if (named != cameras->end()) {
     named->images = rule.topic;
+    named->is_given = true;
     if (guessed != cameras->end() && guessed != named && guessed->images == rule.topic) cameras->erase(guessed);
   } else if (guessed != cameras->end()) {
     guessed->name = rule.name;
     guessed->images = rule.topic;
+    guessed->is_given = true;
   } else {
-    cameras->push_back({rule.name, rule.topic, "", "", false});
+    cameras->push_back({rule.name, rule.topic, "", "", false, true});
   }
+}
+
+// The rule that takes images: in place of another topic of the same camera, or as one more camera.
+std::string rule_that_takes(const BagSurvey& survey, const ImageTopic& topic,
+                            const std::vector<CameraTopics>& cameras) {
+  std::vector<std::string> topics;
+  for (const CameraTopics& camera : cameras) {
+    if (same_camera(*survey.find_image(camera.images), topic))
+      return "--topic " + camera.name + "=" + topic.name + " in place of " + camera.images;
+    topics.push_back(camera.images);
+  }
+  topics.push_back(topic.name);
+  std::string name = camera_names(topics).back();
+  const std::vector<std::string> taken = names_of(cameras);
+  while (std::find(taken.begin(), taken.end(), name) != taken.end()) name += "_2";
+  return "--topic " + name + "=" + topic.name;
+}
+
+// Empty where all images are taken. Nobody misses other transports, what a rule chose another picture of, and what was
+// to be left out.
+std::string note_of_untaken(const BagSurvey& survey, const std::vector<CameraTopics>& cameras,
+                            const std::vector<const ImageTopic*>& left_out) {
+  std::vector<std::string> rules;
+  for (const ImageTopic& topic : survey.images) {
+    const auto has_it = [&](const CameraTopics& camera) {
+      return without_transport(camera.images) == without_transport(topic.name) ||
+             (camera.is_given && place_in(camera.images) == place_in(topic.name) &&
+              same_camera(*survey.find_image(camera.images), topic));
+    };
+    const auto same = [&topic](const ImageTopic* other) { return same_camera(*other, topic); };
+    if (topic.is_depth || std::any_of(cameras.begin(), cameras.end(), has_it) ||
+        std::any_of(left_out.begin(), left_out.end(), same))
+      continue;
+    rules.push_back(rule_that_takes(survey, topic, cameras));
+  }
+  return rules.empty() ? "" : "images that are not taken, and what takes them: " + for_message(joined(rules), 800);
 }
 
 void check_doubles(const std::vector<TopicRule>& rules, Problems* problems) {
@@ -213,9 +276,24 @@ void guess_depth(const BagSurvey& survey, std::vector<CameraTopics>* cameras) {
 
 // ---------------------------------------------------------------------------------------------------- camera info
 
-std::string info_topic_of(const BagSurvey& survey, const std::string& images) {
-  const std::string name = namespace_of(images) + "/camera_info";
-  return survey.find_info(name) != nullptr ? name : "";
+// Of the CameraInfo beside the images what names the same place, or the one for all. If it could be another camera's,
+// too, frames have to tell.
+std::string info_topic_of(const BagSurvey& survey, const CameraTopics& of, const std::vector<CameraTopics>& cameras) {
+  const std::string beside = namespace_of(of.images), place = place_in(of.images);
+  const auto named = std::find_if(survey.infos.begin(), survey.infos.end(), [&](const InfoTopic& info) {
+    return namespace_of(info.name) == beside && place_in(info.name) == place;
+  });
+  const bool for_all = named == survey.infos.end();
+  const InfoTopic* info = for_all ? survey.find_info(beside + "/camera_info") : &*named;
+  if (info == nullptr) return "";
+  const auto in_frame = [&](const CameraTopics& camera) {
+    return survey.find_image(camera.images)->frame_id() == info->info.header.frame_id;
+  };
+  const bool is_shared = std::any_of(cameras.begin(), cameras.end(), [&](const CameraTopics& other) {
+    return &other != &of && namespace_of(other.images) == beside && (for_all || place_in(other.images) == place) &&
+           (in_frame(other) || !in_frame(of));
+  });
+  return is_shared ? "" : info->name;
 }
 
 void apply_part_rule(const BagSurvey& survey, const TopicRule& rule, std::vector<CameraTopics>* cameras,
@@ -283,8 +361,10 @@ TopicChoice choose_topics(const BagSurvey& survey, const std::vector<TopicRule>&
   choice.odometry = choose_odometry(survey, rules, &problems);
   choice.cameras = guessed_cameras(survey);
   check_doubles(rules, &problems);
+  std::vector<const ImageTopic*> left_out;
   for (const TopicRule& rule : rules)
-    if (rule.name != "odometry" && rule.part.empty()) apply_image_rule(survey, rule, &choice.cameras, &problems);
+    if (rule.name != "odometry" && rule.part.empty())
+      apply_image_rule(survey, rule, &choice.cameras, &left_out, &problems);
   for (const TopicRule& rule : rules)
     if (rule.name != "odometry" && !rule.part.empty()) apply_part_rule(survey, rule, &choice.cameras, &problems);
   if (choice.cameras.empty() && problems.all().size() < 2)
@@ -293,7 +373,9 @@ TopicChoice choose_topics(const BagSurvey& survey, const std::vector<TopicRule>&
   problems.throw_if_any();
   guess_depth(survey, &choice.cameras);
   for (CameraTopics& camera : choice.cameras)
-    if (camera.camera_info.empty()) camera.camera_info = info_topic_of(survey, camera.images);
+    if (camera.camera_info.empty()) camera.camera_info = info_topic_of(survey, camera, choice.cameras);
+  if (const std::string note = note_of_untaken(survey, choice.cameras, left_out); !note.empty())
+    choice.notes.push_back(note);
   return choice;
 }
 

@@ -15,12 +15,13 @@ struct CameraTopics {
   std::string camera_info;  ///< topic; empty: there is none
   std::string depth;        ///< topic; empty: none
   bool depth_is_given = false;
+  bool is_given = false;  ///< by a rule
 };
 
 struct TopicChoice {
   std::vector<CameraTopics> cameras;
   const PoseTopic* odometry = nullptr;
-  std::vector<std::string> notes;
+  std::vector<std::string> notes;  ///< image topics that are not taken
 };
 
 /// What a user says of a topic: "left.depth=/a/b".

@@ -15,6 +15,10 @@ const std::set<std::string> kCommonWords = {"camera",    "color",      "colour",
                                             "image_raw", "image_rect", "image_rect_color", "image_mono", "image_color",
                                             "raw",       "rect",       "sensors",          "zed_node",   "driver"};
 
+// Words, between underscores, that name one picture of a camera among others, and CameraInfo.
+const std::set<std::string> kPictureWords = {"image", "img",  "raw",  "rect", "rectified", "color",  "colour", "rgb",
+                                             "bgr",   "mono", "gray", "grey", "bayer",     "camera", "info"};
+
 std::string joined_path(const std::vector<std::string>& parts) { return "/" + joined(parts, "/"); }
 
 bool contains(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
@@ -38,13 +42,12 @@ std::string name_of(const std::vector<std::string>& parts) {
   return parts.empty() ? "camera" : frame_name(joined(parts, "_"));
 }
 
-}  // namespace
-
-std::vector<std::string> parts_of(const std::string& topic) {
+// Without empty ones.
+std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::string part;
-  for (const char c : topic + "/") {
-    if (c != '/') {
+  for (const char c : text + separator) {
+    if (c != separator) {
       part += c;
     } else if (!part.empty()) {
       parts.push_back(part);
@@ -53,6 +56,10 @@ std::vector<std::string> parts_of(const std::string& topic) {
   }
   return parts;
 }
+
+}  // namespace
+
+std::vector<std::string> parts_of(const std::string& topic) { return split(topic, '/'); }
 
 std::string without_transport(const std::string& topic) {
   std::vector<std::string> parts = parts_of(topic);
@@ -64,6 +71,15 @@ std::string namespace_of(const std::string& topic) {
   std::vector<std::string> parts = parts_of(without_transport(topic));
   if (!parts.empty()) parts.pop_back();
   return parts.empty() ? "" : joined_path(parts);
+}
+
+std::string place_in(const std::string& topic) {
+  const std::vector<std::string> parts = parts_of(without_transport(topic));
+  std::vector<std::string> telling;
+  if (!parts.empty())
+    for (const std::string& word : split(parts.back(), '_'))
+      if (kPictureWords.count(word) == 0) telling.push_back(word);
+  return joined(telling, "_");
 }
 
 std::size_t shared_parts(const std::string& a, const std::string& b) {

@@ -10,6 +10,9 @@ namespace rigproof {
 std::string without_transport(const std::string& topic);
 /// "/left/image_raw/compressed" -> "/left": what image and CameraInfo share.
 std::string namespace_of(const std::string& topic);
+/// What the last part says of the place beside the words for images and their kinds: "/cams/left_image_rect" -> "left",
+/// "/left/image_raw" -> "".
+std::string place_in(const std::string& topic);
 /// "/a/b" -> {"a", "b"}.
 std::vector<std::string> parts_of(const std::string& topic);
 /// How many leading parts two topics share.

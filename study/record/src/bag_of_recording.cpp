@@ -50,24 +50,72 @@ std::vector<Event> events_of(const Recording& recording) {
   return events;
 }
 
+std::size_t pictures_of(const Recording& recording) {
+  std::size_t count = 0;
+  for (const auto& frames : recording.frames)
+    for (const CameraFrame& frame : frames) count += 1 + (frame.depth_file.empty() ? 0 : 1);
+  return count;
+}
+
+void take_velocity(const OdometrySample& before, const OdometrySample& row, RosOdometry* odometry) {
+  const double dt = row.stamp_s - before.stamp_s;
+  const Eigen::Vector3d step(row.x_m - before.x_m, row.y_m - before.y_m, 0.0);
+  odometry->velocity = odometry->T_odom_child.rotation.conjugate() * step / dt;
+  odometry->angular_velocity.z() = wrap_angle(row.yaw_rad - before.yaw_rad) / dt;
+}
+
+RosOdometry odometry_message(const Recording& recording, std::size_t index) {
+  const OdometrySample& row = recording.odometry[index];
+  RosOdometry odometry;
+  odometry.header = {nanoseconds(row.stamp_s), kOdometryFrame};
+  odometry.child_frame_id = recording.rig.robot_frame;
+  odometry.T_odom_child = planar_pose(row.x_m, row.y_m, row.yaw_rad);
+  if (index > 0) take_velocity(recording.odometry[index - 1], row, &odometry);
+  return odometry;
+}
+
+std::vector<RosTransform> transforms_of(const FrameTree& tree, std::int64_t stamp_ns) {
+  std::vector<RosTransform> transforms;
+  for (const auto& [child, edge] : tree.edges())
+    transforms.push_back({{stamp_ns, edge.parent}, child, edge.T_parent_child, ""});
+  return transforms;
+}
+
+std::vector<std::string> notes_of(const Recording& recording, const FrameTree& tree) {
+  std::vector<std::string> unmounted, notes;
+  for (const RigCamera& camera : recording.rig.cameras)
+    if (!tree.between(recording.rig.robot_frame, optical_frame_in_bag(camera))) unmounted.push_back(camera.name);
+  if (!unmounted.empty())
+    notes.push_back("/tf_static does not say where " + joined(unmounted) + (unmounted.size() > 1 ? " are" : " is") +
+                    " mounted: that is sought");
+  if (const Eigen::Vector2d& centre_m = recording.rig.odometry_noise.rotation_centre_m; !centre_m.isZero(0.0))
+    notes.push_back("the odometry is of the point about which the robot turns, [" + fixed_text(1e3 * centre_m.x(), 0) +
+                    ", " + fixed_text(1e3 * centre_m.y(), 0) + "] mm in its frame: a bag has no place for that");
+  if (!recording.segments.empty()) notes.emplace_back("segments.csv is left out: a bag has no place for it");
+  return notes;
+}
+
+// Writes messages and counts them.
 class Writer {
  public:
   Writer(const Recording& recording, const fs::path& file, const BagOptions& options)
-      : recording_(recording), options_(options), bag_(file, packing_of(options.packing)) {
-    for (const auto& frames : recording.frames)
-      for (const CameraFrame& frame : frames) total_ += 1 + (frame.depth_file.empty() ? 0 : 1);
-  }
+      : recording_(recording),
+        options_(options),
+        bag_(file, packing_of(options.packing)),
+        total_(pictures_of(recording)) {}
 
   BagReport run() {
     const std::vector<Event> events = events_of(recording_);
-    write_frames(events.empty() ? 0 : nanoseconds(events.front().stamp_s));
+    const FrameTree tree = frames_of_bag(recording_);
+    const std::int64_t first_ns = events.empty() ? 0 : nanoseconds(events.front().stamp_s);
+    put("/tf_static", kTfType, first_ns, message_bytes(transforms_of(tree, first_ns)));
     for (const Event& event : events)
       if (event.source == recording_.frames.size())
         write_odometry(event.index);
       else
         write_frame(recording_.rig.cameras[event.source], recording_.frames[event.source][event.index]);
     bag_.finish();
-    report_.notes = notes();
+    report_.notes = notes_of(recording_, tree);
     return std::move(report_);
   }
 
@@ -78,32 +126,10 @@ class Writer {
       report_.topics.push_back(topic);
   }
 
-  void write_frames(std::int64_t stamp_ns) {
-    std::vector<RosTransform> transforms;
-    const FrameTree tree = frames_of_bag(recording_);
-    for (const auto& [child, edge] : tree.edges())
-      transforms.push_back({{stamp_ns, edge.parent}, child, edge.T_parent_child});
-    put("/tf_static", kTfType, stamp_ns, message_bytes(transforms));
-    for (const RigCamera& camera : recording_.rig.cameras)
-      if (!tree.between(recording_.rig.robot_frame, optical_frame_in_bag(camera))) unmounted_.push_back(camera.name);
-  }
-
   void write_odometry(std::size_t index) {
-    const OdometrySample& row = recording_.odometry[index];
-    RosOdometry odometry;
-    odometry.header = {nanoseconds(row.stamp_s), kOdometryFrame};
-    odometry.child_frame_id = recording_.rig.robot_frame;
-    odometry.T_odom_child = planar_pose(row.x_m, row.y_m, row.yaw_rad);
-    if (index > 0) take_velocity(recording_.odometry[index - 1], row, &odometry);
+    const RosOdometry odometry = odometry_message(recording_, index);
     put("/odom", kOdometryType, odometry.header.stamp_ns, message_bytes(odometry));
     ++report_.odometry;
-  }
-
-  static void take_velocity(const OdometrySample& before, const OdometrySample& row, RosOdometry* odometry) {
-    const double dt = row.stamp_s - before.stamp_s;
-    const Eigen::Vector3d step(row.x_m - before.x_m, row.y_m - before.y_m, 0.0);
-    odometry->velocity = odometry->T_odom_child.rotation.conjugate() * step / dt;
-    odometry->angular_velocity.z() = wrap_angle(row.yaw_rad - before.yaw_rad) / dt;
   }
 
   void write_frame(const RigCamera& camera, const CameraFrame& frame) {
@@ -142,24 +168,11 @@ class Writer {
       throw Error("interrupted", ExitCode::kTryAgain);
   }
 
-  std::vector<std::string> notes() const {
-    std::vector<std::string> all;
-    if (!unmounted_.empty())
-      all.push_back("/tf_static does not say where " + joined(unmounted_) + (unmounted_.size() > 1 ? " are" : " is") +
-                    " mounted: that is sought");
-    if (const Eigen::Vector2d& centre_m = recording_.rig.odometry_noise.rotation_centre_m; !centre_m.isZero(0.0))
-      all.push_back("the odometry is of the point about which the robot turns, [" + fixed_text(1e3 * centre_m.x(), 0) +
-                    ", " + fixed_text(1e3 * centre_m.y(), 0) + "] mm in its frame: a bag has no place for that");
-    if (!recording_.segments.empty()) all.emplace_back("segments.csv is left out: a bag has no place for it");
-    return all;
-  }
-
   const Recording& recording_;
   const BagOptions& options_;
   BagWriter bag_;
   BagReport report_;
-  std::vector<std::string> unmounted_;
-  std::size_t total_ = 0;
+  std::size_t total_;
 };
 
 }  // namespace

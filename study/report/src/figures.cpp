@@ -6,6 +6,7 @@
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/text.h"
 
 namespace rigproof {
 namespace {
@@ -22,12 +23,9 @@ std::string take_text(const fs::path& file) {
   return text;
 }
 
-// As a shell reads it.
-std::string command_line(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words)
-    text += (text.empty() ? "" : " ") + (word.find(' ') == std::string::npos ? word : "'" + word + "'");
-  return text;
+std::string command_line(std::vector<std::string> words) {
+  for (std::string& word : words) word = shell_word(word);
+  return joined(words, " ");
 }
 
 }  // namespace

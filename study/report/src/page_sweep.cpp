@@ -5,6 +5,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
+#include "rigproof/words/sentences.h"
 
 namespace rigproof::page_detail {
 namespace {
@@ -85,8 +86,8 @@ Json failures_json(const SweepRows& rows) {
   for (const FailureCount& failure : count_failures(rows.rows))
     list.push_back({{"method", failure.method},
                     {"status", sweep_status_name(failure.status)},
-                    {"code", failure.code},
-                    {"reason", failure.reason},
+                    {"code", code_of(failure.reasons)},
+                    {"reason", words::text_of(failure.reasons)},
                     {"tasks", failure.tasks}});
   return list;
 }

@@ -5,6 +5,7 @@
 
 #include "rigproof/validate/figures.h"
 #include "rigproof/validate/published.h"
+#include "rigproof/words/sentences.h"
 
 namespace rigproof::paper {
 namespace {
@@ -16,9 +17,9 @@ bool above(double ours, double published) { return std::round(100.0 * ours) > st
 std::string why_nothing(const SweepRows& rows, const Condition& condition, const std::string& method) {
   std::vector<SweepRow> unsolved;
   for (const SweepRow& row : rows.rows)
-    if (row.method == method && meets(row, condition) && !row.reason.empty()) unsolved.push_back(row);
+    if (row.method == method && meets(row, condition) && !row.reasons.empty()) unsolved.push_back(row);
   const std::vector<FailureCount> failures = count_failures(unsolved);
-  return failures.empty() ? std::string() : ": " + failures.front().reason;
+  return failures.empty() ? std::string() : ": " + words::text_of(failures.front().reasons);
 }
 
 void add_method(const std::string& method, const Sample& sample, const PublishedTable& published, PaperTable* table,

@@ -6,14 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "rigproof/core/text.h"
+#include "rigproof/core/error.h"
 
 namespace rigproof {
 namespace {
 
 using nlohmann::json;
 
-constexpr const char* kFormat = "rigproof-sweep-answer 1";
+constexpr const char* kFormat = "rigproof-sweep-answer 2";
+constexpr const char* kFormatBefore = "rigproof-sweep-answer 1";  // reasons in words, in each row
 
 json json_of(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 
@@ -37,8 +38,6 @@ json json_of(const SweepRow& row) {
   return {{"subject", static_cast<int>(row.subject)},
           {"camera", row.camera},
           {"status", static_cast<int>(row.status)},
-          {"reason", row.reason},
-          {"code", row.code},
           {"error", json_of(row.error)},
           {"sigma", json_of(row.sigma)},
           {"bound", json_of(row.bound)},
@@ -55,8 +54,6 @@ SweepRow row_of(const json& object) {
   row.subject = static_cast<SweepSubject>(subject);
   row.status = sweep_status_of(object.at("status").get<int>());
   row.camera = object.at("camera").get<std::string>();
-  row.reason = object.at("reason").get<std::string>();
-  row.code = object.value("code", "");
   read(object.at("error"), &row.error);
   read(object.at("sigma"), &row.sigma);
   read(object.at("bound"), &row.bound);
@@ -66,6 +63,13 @@ SweepRow row_of(const json& object) {
   // Answers of version 0.1 have none.
   if (object.contains("motions") && !object["motions"].is_null()) row.motions = object["motions"].get<int>();
   return row;
+}
+
+// Those of all rows that are not solved.
+std::vector<Finding> shared_reasons(const SweepAnswer& answer) {
+  for (const SweepRow& row : answer.rows)
+    if (!row.reasons.empty()) return row.reasons;
+  return {};
 }
 
 std::string host_name() {
@@ -95,6 +99,18 @@ SweepMachine machine_of(const json& list) {
   return {list.at(0).get<std::string>(), list.at(1).get<std::string>(), list.at(2).get<std::string>()};
 }
 
+json json_of(const std::vector<Finding>& reasons) { return json::parse(findings_json(reasons)); }
+
+std::vector<Finding> reasons_of(const json& list) {
+  return list.empty() ? std::vector<Finding>() : findings_of_json(list.dump());
+}
+
+std::vector<Finding> reasons_of_before(const std::string& code, const std::string& sentences) {
+  if (sentences.empty()) return {};
+  const Finding told = stated(sentences, Severity::kRefusal);
+  return {code.empty() ? told : told.with({{"code", code}})};
+}
+
 const SweepMachine& this_machine() {
   static const SweepMachine machine = {host_name(), processor_name(), {}};
   return machine;
@@ -106,6 +122,7 @@ std::string text_of(const SweepAnswer& answer) {
   const json object = {
       {"format", kFormat},
       {"method_hash", answer.method_hash},
+      {"reasons", json_of(shared_reasons(answer))},
       {"rows", rows},
       {"times",
        {{"solve_s", answer.times.solve_s}, {"cpu_s", answer.times.cpu_s}, {"observe_s", answer.times.observe_s}}},
@@ -117,10 +134,18 @@ std::string text_of(const SweepAnswer& answer) {
 std::optional<SweepAnswer> read_answer(const std::string& text) {
   try {
     const json object = json::parse(text);
-    if (object.at("format") != kFormat) return std::nullopt;
+    const bool is_before = object.at("format") == kFormatBefore;
+    if (!is_before && object.at("format") != kFormat) return std::nullopt;
     SweepAnswer answer;
     answer.method_hash = object.at("method_hash").get<std::string>();
-    for (const json& row : object.at("rows")) answer.rows.push_back(row_of(row));
+    const std::vector<Finding> reasons = is_before ? std::vector<Finding>() : reasons_of(object.at("reasons"));
+    for (const json& row : object.at("rows")) {
+      answer.rows.push_back(row_of(row));
+      if (is_before)
+        answer.rows.back().reasons = reasons_of_before(row.value("code", ""), row.at("reason"));
+      else if (answer.rows.back().status != SweepStatus::kSolved)
+        answer.rows.back().reasons = reasons;
+    }
     if (answer.rows.empty() || answer.rows.front().subject != SweepSubject::kRig) return std::nullopt;
     const json& times = object.at("times");
     answer.times = {times.at("solve_s").get<double>(), times.at("cpu_s").get<double>(),
@@ -130,6 +155,8 @@ std::optional<SweepAnswer> read_answer(const std::string& text) {
   } catch (const json::exception&) {
     return std::nullopt;
   } catch (const std::out_of_range&) {
+    return std::nullopt;
+  } catch (const Error&) {
     return std::nullopt;
   }
 }

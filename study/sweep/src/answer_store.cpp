@@ -16,7 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kFormat = "rigproof-sweep-pack 1";
+constexpr const char* kFormat = "rigproof-sweep-pack 2";
+constexpr const char* kFormatBefore = "rigproof-sweep-pack 1";  // reasons in words
 constexpr std::size_t kTasksOfPack = 100;
 constexpr std::size_t kNameDigits = 16;
 
@@ -37,16 +38,19 @@ class Numbered {
 
 AnswerBrief brief_of(const SweepAnswer& answer) {
   const SweepRow& rig = answer.rows.front();
-  return {rig.status, rig.code, rig.reason, answer.machine};
+  return {rig.status, rig.reasons, answer.machine};
 }
 
 json json_of(const AnswerBrief& brief) {
-  return {static_cast<int>(brief.status), brief.code, brief.reason, json_of(brief.machine)};
+  return {static_cast<int>(brief.status), json_of(brief.reasons), json_of(brief.machine)};
 }
 
 AnswerBrief brief_of(const json& list) {
-  return {sweep_status_of(list.at(0).get<int>()), list.at(1).get<std::string>(), list.at(2).get<std::string>(),
-          machine_of(list.at(3))};
+  return {sweep_status_of(list.at(0).get<int>()), reasons_of(list.at(1)), machine_of(list.at(2))};
+}
+
+AnswerBrief brief_of_before(const json& list) {
+  return {sweep_status_of(list.at(0).get<int>()), reasons_of_before(list.at(1), list.at(2)), machine_of(list.at(3))};
 }
 
 // Its content decides, so that a changed plan never overwrites a pack of other tasks.
@@ -120,7 +124,8 @@ void AnswerStore::list_pack(const fs::path& file) {
   const std::uintmax_t size = fs::file_size(file, error);
   try {
     const json header = json::parse(line);
-    if (header.at("format") != kFormat) return;
+    const bool is_before = header.at("format") == kFormatBefore;
+    if (!is_before && header.at("format") != kFormat) return;
     std::uint64_t offset = line.size() + 1;
     std::vector<std::optional<std::size_t>> methods;  // of the plan, by the pack's own number
     for (const json& entry : header.at("methods")) {
@@ -130,7 +135,8 @@ void AnswerStore::list_pack(const fs::path& file) {
       methods.push_back(is_planned ? std::optional<std::size_t>(place) : std::nullopt);
     }
     const std::size_t first_brief = briefs_.size();
-    for (const json& entry : header.at("briefs")) briefs_.push_back(brief_of(entry));
+    for (const json& entry : header.at("briefs"))
+      briefs_.push_back(is_before ? brief_of_before(entry) : brief_of(entry));
     std::vector<std::pair<std::size_t, std::pair<std::string, Place>>> found;
     for (const json& entry : header.at("answers")) {
       const Place place{packs_.size(), offset, entry.at(2).get<std::uint64_t>(),

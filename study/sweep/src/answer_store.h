@@ -33,7 +33,7 @@ PackRange pack_of(std::size_t place, const std::vector<WorkItem>& order);
 /// What is known of an answer without its figures.
 struct AnswerBrief {
   SweepStatus status = SweepStatus::kFailed;
-  std::string code, reason;
+  std::vector<Finding> reasons;
   SweepMachine machine;
 };
 

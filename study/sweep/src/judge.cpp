@@ -12,7 +12,6 @@
 #include "rigproof/validate/body_angles.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/validate/validate.h"
-#include "rigproof/words/sentences.h"
 #include "work.h"
 
 namespace rigproof {
@@ -68,9 +67,9 @@ int motions_of(const Observations& observations, std::size_t camera) {
       std::count_if(stops.begin(), stops.end(), [&](int stop) { return stops.count(stop + 1) > 0; }));
 }
 
-void give_reasons(const std::vector<Finding>& reasons, SweepRow* row) {
-  row->reason = words::text_of(reasons);
-  row->code = reasons.empty() ? "" : reasons.front().code;
+Finding finding_of(const Error& error) {
+  const auto* finding = dynamic_cast<const FindingError*>(&error);
+  return finding == nullptr ? stated(error.what(), Severity::kRefusal) : finding->finding();
 }
 
 // Of the whole rig, from which rows of its parts are made.
@@ -78,7 +77,7 @@ SweepRow rig_row(SweepStatus status, const std::vector<Finding>& reasons) {
   SweepRow row;
   row.camera = "all";
   row.status = status;
-  give_reasons(reasons, &row);
+  row.reasons = reasons;
   return row;
 }
 
@@ -123,7 +122,7 @@ std::vector<SweepRow> rows_of(const Result& result, SweepStatus status, const Ta
     }
   }
   for (SweepRow& row : rows)
-    if (row.status == SweepStatus::kSolved) give_reasons({}, &row);
+    if (row.status == SweepStatus::kSolved) row.reasons.clear();
   return rows;
 }
 
@@ -161,7 +160,7 @@ SweepAnswer answer_of(const Method& method, const TaskData& data, const SweepSig
     }
   } catch (const Error& error) {
     if (error.exit_code() == ExitCode::kTryAgain) throw;
-    nothing.reasons = {stated(words::message_of(error), Severity::kRefusal)};
+    nothing.reasons = {finding_of(error)};
     answer.rows = rows_of(nothing, SweepStatus::kFailed, data);
   } catch (const std::exception& error) {
     nothing.reasons = {Finding("method.threw", {{"text", error.what()}})};

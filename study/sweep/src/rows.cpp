@@ -11,6 +11,7 @@
 #include "rigproof/core/growing_file.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/sweep/table_text.h"
+#include "rigproof/words/sentences.h"
 
 namespace rigproof {
 namespace {
@@ -29,7 +30,7 @@ void visit_columns(const SweepRow& row, const Text& text, const Number& number) 
   text("subject", sweep_subject_name(row.subject));
   text("camera", row.camera);
   text("status", sweep_status_name(row.status));
-  text("reason", row.reason);
+  text("reason", words::text_of(row.reasons));
   const auto axes = [&](const std::string& prefix, const auto& value, bool with_unit) {
     for (std::size_t i = 0; i < 6; ++i)
       number(prefix + kDegreeOfFreedomNames[i] + (with_unit ? kUnits[i] : ""), value(i));
@@ -45,7 +46,7 @@ void visit_columns(const SweepRow& row, const Text& text, const Number& number) 
       "bound_", [&row](std::size_t i) { return row.bound[i]; }, true);
   number("nees", row.nees);
   number("nees_dof", row.nees ? std::optional<double>(row.nees_degrees_of_freedom) : std::nullopt);
-  text("code", row.code);
+  text("code", code_of(row.reasons));
   number("motions", row.motions ? std::optional<double>(*row.motions) : std::nullopt);
 }
 
@@ -147,7 +148,7 @@ SweepTables write_rows(const std::filesystem::path& folder, const SweepRows& tab
       times.append(times_line(table, task, method, *answer));
       ++machines[answer->machine];
       const SweepRow& rig = answer->rows.front();
-      failures.add(table.methods[method], rig.status, rig.code, rig.reason);
+      failures.add(table.methods[method], rig.status, rig.reasons);
       for (const SweepRow& row : rows_of(table, task, method, std::move(*answer))) {
         csv.append(csv_line(row));
         lines.append(json_line(table, row));
@@ -222,7 +223,7 @@ SweepState sweep_state(const std::filesystem::path& folder) {
       if (!brief) continue;
       ++state.answers_there;
       ++machines[brief->machine];
-      failures.add(methods[method], brief->status, brief->code, brief->reason);
+      failures.add(methods[method], brief->status, brief->reasons);
     }
   }
   state.running = FolderLock::is_held(folder);

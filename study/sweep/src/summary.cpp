@@ -263,12 +263,27 @@ double stated_length(const AxisFigures& figures, std::size_t first) {
   return std::sqrt(squares);
 }
 
-// What somebody else says has no code of its own.
-const std::string& kind_of(const std::string& code, const std::string& reason) {
-  return code.empty() || code == "stated" ? reason : code;
+// Null where there is none.
+const std::string* text_value(const Finding& finding, const char* name) {
+  const FindingValue* value = finding.find(name);
+  return value == nullptr ? nullptr : std::get_if<std::string>(&value->value);
+}
+
+// Of what somebody else says, which has no code of its own, the text.
+std::string kind_of(const std::vector<Finding>& reasons) {
+  std::string code = code_of(reasons);
+  const std::string* text = code == "stated" ? text_value(reasons.front(), "text") : nullptr;
+  return text == nullptr ? code : *text;
 }
 
 }  // namespace
+
+std::string code_of(const std::vector<Finding>& reasons) {
+  if (reasons.empty()) return "";
+  const Finding& first = reasons.front();
+  const std::string* beside = first.is("stated") ? text_value(first, "code") : nullptr;
+  return beside == nullptr ? first.code : *beside;
+}
 
 std::optional<double> length_of(const AxisFigures& figures, std::size_t first) {
   double squares = 0.0;
@@ -298,11 +313,10 @@ const char* summary_axis_unit(SummaryAxis axis) {
              : "deg";
 }
 
-void FailureCounter::add(const std::string& method, SweepStatus status, const std::string& code,
-                         const std::string& reason) {
+void FailureCounter::add(const std::string& method, SweepStatus status, const std::vector<Finding>& reasons) {
   if (status == SweepStatus::kSolved) return;
-  FailureCount& failure = counts_[{method, status, kind_of(code, reason)}];
-  if (failure.tasks++ == 0) failure = {method, status, code, reason, 1};
+  FailureCount& failure = counts_[{method, status, kind_of(reasons)}];
+  if (failure.tasks++ == 0) failure = {method, status, reasons, 1};
 }
 
 std::vector<FailureCount> FailureCounter::counts() const {
@@ -316,7 +330,7 @@ std::vector<FailureCount> FailureCounter::counts() const {
 std::vector<FailureCount> count_failures(const std::vector<SweepRow>& rows) {
   FailureCounter counter;
   for (const SweepRow& row : rows)
-    if (row.subject == SweepSubject::kRig) counter.add(row.method, row.status, row.code, row.reason);
+    if (row.subject == SweepSubject::kRig) counter.add(row.method, row.status, row.reasons);
   return counter.counts();
 }
 

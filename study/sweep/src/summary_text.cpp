@@ -9,6 +9,7 @@
 #include "rigproof/study/sweep/table_text.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/validate/text_table.h"
+#include "rigproof/words/sentences.h"
 
 namespace rigproof {
 namespace {
@@ -168,7 +169,7 @@ std::vector<std::string> failure_lines(const SweepSummary& summary) {
       break;
     }
     lines.push_back(std::to_string(failure.tasks) + " x " + failure.method + " " + sweep_status_name(failure.status) +
-                    (failure.reason.empty() ? "" : ": " + for_message(failure.reason, kShownReason)));
+                    (failure.reasons.empty() ? "" : ": " + for_message(words::text_of(failure.reasons), kShownReason)));
   }
   return lines;
 }
@@ -277,8 +278,8 @@ std::string summary_as_json(const SweepSummary& summary) {
   for (const FailureCount& failure : summary.failures)
     failures.push_back({{"method", failure.method},
                         {"status", sweep_status_name(failure.status)},
-                        {"code", failure.code},
-                        {"reason", failure.reason},
+                        {"code", code_of(failure.reasons)},
+                        {"reason", words::text_of(failure.reasons)},
                         {"tasks", failure.tasks}});
   const ordered_json object = {{"name", summary.name},           {"axes", summary.axes}, {"methods", summary.methods},
                                {"reference", summary.reference}, {"rows", rows},         {"failures", failures}};

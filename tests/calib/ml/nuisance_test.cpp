@@ -314,8 +314,8 @@ void as_strangers_are(Observations* observations) {
   }
 }
 
-// The gradient of the cost by every global unknown, by central differences, with everything estimated at once.
-void expect_right_derivatives(double clock_sigma_s, bool lenses, int boards = 1) {
+// A run with all that nuisances act on: planes of both kinds, images and clouds, several makes, boards and readouts.
+ClockRun run_of_everything(bool lenses, int boards) {
   ClockRun made = run_with_wrong_clocks(5, true, lenses);
   Observations& observations = made.run.observations;
   if (lenses) as_strangers_are(&observations);
@@ -329,45 +329,50 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses, int boards = 1)
   observations.board_planes.back().file = "left/depth/000000.png";
   for (std::size_t i = 0; i < observations.ground_planes.size(); i += 2)
     observations.ground_planes[i].file = "depth/000000.png";
+  for (int c = 0; c < 3; ++c) observations.cameras[static_cast<std::size_t>(c)].readout_s = 0.002 * c;
+  observations.cameras[2].depth->noise.common_scale_sigma *= 0.5;  // of what depth scales share it has half
+  observations.cameras[0].sensor = "of another make";
+  return made;
+}
+
+ml::Priors priors_of_everything(const Observations& observations, double clock_sigma_s, bool lenses) {
   PriorSigmas sigmas;
   sigmas.odometry_veer_rad_per_m = 0.01;
   sigmas.clock_offset_s = clock_sigma_s;
   sigmas.turn_lag_s = kTurnLag_s;
   sigmas.readout_s = clock_sigma_s > 0.0 || !lenses ? 0.015 : 0.0;
-  for (int c = 0; c < 3; ++c) observations.cameras[static_cast<std::size_t>(c)].readout_s = 0.002 * c;
-  observations.cameras[2].depth->noise.common_scale_sigma *= 0.5;  // of what depth scales share it has half
-  observations.cameras[0].sensor = "of another make";
   ml::Priors priors = ml::Priors::of({observations, sigmas, false});
   for (int c = 0; c < 3; ++c) {
     priors.covariance(ml::Nuisance::kDepthScale, c)(0, 0) = 1e-4;
     priors.covariance(ml::Nuisance::kGroundOffset, c) = 1e-6 * Eigen::Matrix3d::Identity();
     if (lenses) priors.covariance(ml::Nuisance::kDepthShape, c) = 1e-4 * Eigen::MatrixXd::Identity(6, 6);
   }
-  ml::NoiseLevels levels;
-  levels.corner_scale = levels.ground_scale = levels.board_plane_scale = {1.0, 1.0, 1.0};
-  const ml::Problem problem(observations, priors, levels);
-  CalibrationState values = state_of(made.run.truth);
-  values.T_world_more_boards.assign(static_cast<std::size_t>(boards) - 1, values.T_world_board);
-  ml::State state = ml::state_from(values);
-  state.nuisances.of(ml::Nuisance::kOdometryFactors) << 0.02, -0.03;
-  state.nuisances.of(ml::Nuisance::kOdometryVeer)[0] = 0.004;
+  return priors;
+}
+
+// Off zero in everything.
+void move_nuisances(double clock_sigma_s, bool lenses, int boards, ml::NuisanceValues* nuisances) {
+  nuisances->of(ml::Nuisance::kOdometryFactors) << 0.02, -0.03;
+  nuisances->of(ml::Nuisance::kOdometryVeer)[0] = 0.004;
   if (clock_sigma_s > 0.0) {
-    for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kClockOffset, c)[0] = 0.012 - 0.016 * c;
-    state.nuisances.of(ml::Nuisance::kTurnLag)[0] = 0.015;
+    for (int c = 0; c < 3; ++c) nuisances->of(ml::Nuisance::kClockOffset, c)[0] = 0.012 - 0.016 * c;
+    nuisances->of(ml::Nuisance::kTurnLag)[0] = 0.015;
   }
   if (lenses) {
-    for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kLens, c) << 0.002, 0.7 - c, -0.4, 0.0004, 0.2;
+    for (int c = 0; c < 3; ++c) nuisances->of(ml::Nuisance::kLens, c) << 0.002, 0.7 - c, -0.4, 0.0004, 0.2;
     for (int b = 0; b < boards; ++b)
-      state.nuisances.of(ml::Nuisance::kBoardShape, b) << 0.004 - 0.003 * b, -0.001, 0.0003, -0.0002;
-    state.nuisances.of(ml::Nuisance::kCommonDepthScale, 0)[0] = 0.005;
-    state.nuisances.of(ml::Nuisance::kCommonDepthScale, 1)[0] = -0.004;
+      nuisances->of(ml::Nuisance::kBoardShape, b) << 0.004 - 0.003 * b, -0.001, 0.0003, -0.0002;
+    nuisances->of(ml::Nuisance::kCommonDepthScale, 0)[0] = 0.005;
+    nuisances->of(ml::Nuisance::kCommonDepthScale, 1)[0] = -0.004;
     for (int c = 0; c < 3; ++c)
-      state.nuisances.of(ml::Nuisance::kDepthShape, c) << 0.003, -0.002, 0.004, 0.001, -0.003, 0.002;
+      nuisances->of(ml::Nuisance::kDepthShape, c) << 0.003, -0.002, 0.004, 0.001, -0.003, 0.002;
   }
-  for (int c = 0; c < 3; ++c) state.nuisances.of(ml::Nuisance::kReadout, c)[0] = 0.005 + 0.003 * c;
+  for (int c = 0; c < 3; ++c) nuisances->of(ml::Nuisance::kReadout, c)[0] = 0.005 + 0.003 * c;
+}
+
+// Against central differences, unknown by unknown.
+void expect_gradient(const ml::Problem& problem, const ml::State& state) {
   const ml::Layout& layout = problem.layout();
-  for (std::size_t n = 0; clock_sigma_s > 0.0 && lenses && n < ml::kNuisances; ++n)
-    EXPECT_TRUE(layout.has(static_cast<ml::Nuisance>(n))) << n;
   const ml::ArrowSystem system = problem.linearise(state, ml::Weighting::kRobust, nullptr, nullptr);
   const auto cost_at = [&](const Eigen::VectorXd& poses, const Eigen::VectorXd& globals) {
     double cost = 0.0;
@@ -393,6 +398,23 @@ void expect_right_derivatives(double clock_sigma_s, bool lenses, int boards = 1)
     step[i] = kStep;
     expect_slope(step, no_globals, system.pose_gradient[i], -i);
   }
+}
+
+// The gradient of the cost by every global unknown, with everything estimated at once.
+void expect_right_derivatives(double clock_sigma_s, bool lenses, int boards = 1) {
+  const ClockRun made = run_of_everything(lenses, boards);
+  const Observations& observations = made.run.observations;
+  const ml::Priors priors = priors_of_everything(observations, clock_sigma_s, lenses);
+  ml::NoiseLevels levels;
+  levels.corner_scale = levels.ground_scale = levels.board_plane_scale = {1.0, 1.0, 1.0};
+  const ml::Problem problem(observations, priors, levels);
+  CalibrationState values = state_of(made.run.truth);
+  values.T_world_more_boards.assign(static_cast<std::size_t>(boards) - 1, values.T_world_board);
+  ml::State state = ml::state_from(values);
+  move_nuisances(clock_sigma_s, lenses, boards, &state.nuisances);
+  for (std::size_t n = 0; clock_sigma_s > 0.0 && lenses && n < ml::kNuisances; ++n)
+    EXPECT_TRUE(problem.layout().has(static_cast<ml::Nuisance>(n))) << n;
+  expect_gradient(problem, state);
 }
 
 TEST(MlClocks, AndLensesHaveRightDerivatives) {

@@ -71,6 +71,8 @@ using Wording = std::function<std::string(const Finding&)>;
 
 /// A JSON list, as on disk; the sentence of each where somebody words it.
 std::string findings_json(const std::vector<Finding>& findings, const Wording& wording = {});
+/// Reads that list. Throws Error.
+std::vector<Finding> findings_of_json(const std::string& json);
 
 bool has_code(const std::vector<Finding>& findings, const char* code);
 /// Adds it unless the same is there.

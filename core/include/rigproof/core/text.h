@@ -29,6 +29,8 @@ std::optional<std::int64_t> parse_integer(std::string_view text);
 
 /// "a, b, c".
 std::string joined(const std::vector<std::string>& words, const std::string& separator = ", ");
+/// A word as a POSIX shell takes it whole: in single quotes unless it is plain.
+std::string shell_word(const std::string& word);
 /// One after the other, with a semicolon after those that no mark ends: "left: too far; right: no board. Turn more."
 std::string sentences_text(const std::vector<std::string>& sentences);
 /// A size for people: "2.5 GB", "12 MB", "0.3 MB", "4 kB".

@@ -3,12 +3,12 @@
 // message. message_bytes() is the way back, little-endian.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/rigid3.h"
 
 namespace rigproof {
@@ -51,18 +51,8 @@ RosCompressedImage read_compressed_image(std::string_view message);
 std::string message_bytes(const RosCompressedImage& image);
 
 /// sensor_msgs/CameraInfo.
-struct RosCameraInfo {
+struct RosCameraInfo : CameraInfo {
   RosHeader header;
-  std::uint32_t height = 0, width = 0;  ///< of the full sensor, before binning and the region of interest
-  std::string distortion_model;
-  std::vector<double> d;
-  std::array<double, 9> k{};  ///< row-major, of the full sensor
-  std::array<double, 9> r{};
-  std::array<double, 12> p{};                  ///< row-major, of the rectified image
-  std::uint32_t binning_x = 0, binning_y = 0;  ///< 0 and 1: none
-  struct Region {
-    std::uint32_t x_offset = 0, y_offset = 0, height = 0, width = 0;  ///< of the full sensor; size 0: all of it
-  } roi;
 };
 RosCameraInfo read_camera_info_message(std::string_view message);
 std::string message_bytes(const RosCameraInfo& info);
@@ -72,10 +62,11 @@ struct RosOdometry {
   RosHeader header;  ///< frame_id: the odometry frame
   std::string child_frame_id;
   Rigid3 T_odom_child;
+  std::string no_pose;                                         ///< why its numbers are no pose; empty: they are one
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< along the child's axes [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< the same [rad/s]
 };
-/// Throws Error for a quaternion whose norm is not 1 within 1 %.
+/// A pose needs finite numbers and a quaternion whose norm is 1 within 1 %.
 RosOdometry read_odometry_message(std::string_view message);
 /// With covariances of zero: not stated.
 std::string message_bytes(const RosOdometry& odometry);
@@ -85,6 +76,7 @@ struct RosTransform {
   RosHeader header;  ///< frame_id: the parent
   std::string child_frame_id;
   Rigid3 T_parent_child;
+  std::string no_pose;  ///< as above
 };
 /// tf2_msgs/TFMessage.
 std::vector<RosTransform> read_tf_message(std::string_view message);

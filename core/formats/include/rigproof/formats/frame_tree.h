@@ -21,11 +21,16 @@ class FrameTree {
 
   /// A name may begin with a slash, which tf2 does without. The latest word of a parent counts.
   void add(const std::string& parent, const std::string& child, const Rigid3& T_parent_child);
+  /// A transform whose numbers are no pose. Who goes that way gets an Error, unless a good one is added, too.
+  void leave_out(const std::string& child, const std::string& why);
+  /// "mast: why", of those that no good one stands for.
+  std::vector<std::string> left_out() const;
   bool has(const std::string& frame) const;
   bool empty() const { return edges_.empty(); }
   const std::map<std::string, Edge>& edges() const { return edges_; }  ///< by child
 
-  /// The frame, its parent, and so on up to the root. Throws Error for a loop, and for a frame with two parents.
+  /// The frame, its parent, and so on up to the root. Throws Error for a loop, a frame with two parents, and
+  /// one whose transform is left out.
   std::vector<std::string> way_up(const std::string& frame) const;
   /// T_target_source, where both are in one tree.
   std::optional<Rigid3> between(const std::string& target, const std::string& source) const;
@@ -37,6 +42,7 @@ class FrameTree {
   Rigid3 T_above(const std::string& above, const std::string& frame) const;
 
   std::map<std::string, Edge> edges_;
+  std::map<std::string, std::string> left_out_;  // why, by child
 };
 
 /// As ROS names optical frames (REP 103): "camera_color_optical_frame".

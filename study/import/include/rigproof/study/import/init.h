@@ -20,7 +20,7 @@ struct InitOptions {
   /// tf_static=none the robot's static frames.
   std::vector<std::string> topics;
   std::filesystem::path odometry;         ///< trajectory of a folder of images; empty: the only one in it
-  std::vector<std::string> camera_infos;  ///< NAME=FILE in place of the bag's CameraInfo
+  std::vector<std::string> camera_infos;  ///< NAME=FILE in place of the bag's CameraInfo, or FILE of Kalibr for all
   std::vector<std::string> sensors;       ///< NAME=PRESET, or PRESET for all
   std::string robot_frame;                ///< empty: found in the bag's TF, or base_footprint
   bool log_stamps = false;                ///< times of recording in place of the headers' stamps

@@ -11,6 +11,8 @@
 #include <tuple>
 #include <vector>
 
+#include "rigproof/core/finding.h"
+
 namespace rigproof {
 
 /// tx ty tz in centimetres, rx ry rz in degrees; absent where there is no figure.
@@ -32,6 +34,10 @@ const char* sweep_status_name(SweepStatus status);
 enum class SweepSubject { kRig, kCamera, kPair };
 const char* sweep_subject_name(SweepSubject subject);
 
+/// Of the first finding (docs/reference/findings.md); empty where there is none. Of what an older folder has in words
+/// alone, the code that stands beside them.
+std::string code_of(const std::vector<Finding>& reasons);
+
 /// One row of rows.csv. Depends on the configuration and the program alone: no times.
 struct SweepRow {
   std::string task;                 ///< key of the task, 16 hexadecimal digits
@@ -41,11 +47,10 @@ struct SweepRow {
   SweepSubject subject = SweepSubject::kRig;
   std::string camera;  ///< "left", "left-center" (parent-child); "all" for the rig
   SweepStatus status = SweepStatus::kFailed;
-  std::string reason;  ///< why it is not solved, in sentences
-  std::string code;    ///< of the first finding among the reasons (docs/reference/findings.md)
-  AxisFigures error;   ///< chart of transform_error(): estimate minus truth, along the parent's axes
-  AxisFigures sigma;   ///< stated standard deviation
-  AxisFigures bound;   ///< Cramer-Rao bound of these data at the truth, one standard deviation
+  std::vector<Finding> reasons;  ///< why it is not solved
+  AxisFigures error;             ///< chart of transform_error(): estimate minus truth, along the parent's axes
+  AxisFigures sigma;             ///< stated standard deviation
+  AxisFigures bound;             ///< Cramer-Rao bound of these data at the truth, one standard deviation
   /// Difference of roll, pitch and yaw of the camera's body axes in degrees, as the paper reads rotations.
   std::array<std::optional<double>, 3> roll_pitch_yaw;
   std::optional<double> nees;  ///< of this camera alone; of all cameras together for the rig
@@ -151,15 +156,14 @@ struct SummaryRow {
 struct FailureCount {
   std::string method;
   SweepStatus status = SweepStatus::kFailed;
-  std::string code;    ///< of the finding
-  std::string reason;  ///< of the first such task
+  std::vector<Finding> reasons;  ///< of the first such task
   int tasks = 0;
 };
 
 /// Counts what is not solved by (method, status, code).
 class FailureCounter {
  public:
-  void add(const std::string& method, SweepStatus status, const std::string& code, const std::string& reason);
+  void add(const std::string& method, SweepStatus status, const std::vector<Finding>& reasons);
   /// The most frequent first.
   std::vector<FailureCount> counts() const;
 

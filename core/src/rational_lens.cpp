@@ -1,11 +1,11 @@
-#include "rational_lens.h"
+#include "rigproof/core/rational_lens.h"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "rigproof/core/camera_info.h"
 #include "rigproof/core/conventions.h"
-#include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -108,12 +108,13 @@ RationalFit fit_rational_lens(const std::vector<double>& d, Camera* camera) {
   const bool prism = std::any_of(d.begin() + std::min<std::ptrdiff_t>(8, static_cast<std::ptrdiff_t>(d.size())),
                                  d.end(), [](double value) { return value != 0.0; });
   if (d.size() < 8 || prism)
-    throw Error("D has " + std::to_string(d.size()) +
-                " coefficients; 5 of plumb_bob and 8 of rational_polynomial are supported, others must be 0");
+    throw CameraInfoError(
+        "d", "D has " + std::to_string(d.size()) +
+                 " coefficients; 5 of plumb_bob and 8 of rational_polynomial are supported, others must be 0");
   const Samples along = samples_of(d, *camera);
   const std::vector<Sample>& samples = along.rays;
   if (samples.size() < 100 || along.folded_spokes > kSpokes / 2)
-    throw Error("D folds the image back into itself, as no lens does");
+    throw CameraInfoError("d", "D folds the image back into itself, as no lens does");
   const LensFit brown = fit(Lens::kBrownConrady, samples, *camera),
                 kannala = fit(Lens::kKannalaBrandt, samples, *camera);
   const LensFit& best = kannala.worst_px < brown.worst_px ? kannala : brown;

@@ -14,8 +14,8 @@ struct RationalFit {
 };
 
 /// Sets lens and coefficients of a camera, whose matrix and size are given, to those that come nearest to k1 k2 p1 p2
-/// k3 k4 k5 k6 over the image, if one comes within a quarter of a pixel. Throws Error for what bends the image back
-/// into itself, and for coefficients beyond the eighth that are not zero (thin prism).
+/// k3 k4 k5 k6 over the image, if one comes within a quarter of a pixel. Throws CameraInfoError for what bends the
+/// image back into itself, and for coefficients beyond the eighth that are not zero (thin prism).
 RationalFit fit_rational_lens(const std::vector<double>& d, Camera* camera);
 
 /// Where the lens moves a ray, both at z = 1 (OpenCV's calibrateCamera).
