@@ -1,6 +1,7 @@
 // One function a picture; each returns the file it wrote, or nothing where there was nothing to show.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@ using Written = std::optional<std::filesystem::path>;
 Written draw_mosaic(const InspectInput& input, const InspectOptions& options, const std::filesystem::path& folder);
 Written draw_coverage(const InspectInput& input, const std::filesystem::path& folder);
 Written draw_drive(const InspectInput& input, const std::filesystem::path& folder);
+Written draw_rig_in_space(const InspectInput& input, const std::filesystem::path& folder);
 Written draw_corners(const InspectInput& input, std::size_t camera, const std::filesystem::path& folder);
 Written draw_reprojection(const InspectInput& input, const Result& result, std::size_t camera,
                           const std::filesystem::path& folder);
@@ -46,6 +48,11 @@ double height_at(double width, const Camera& camera);
 cv::Mat draw_image(const InspectInput& input, const std::string& file, const Eigen::Vector2d& corner,
                    const Eigen::Vector2d& size, Canvas* canvas);
 std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string& camera);
+/// Its pose in the robot frame, if the result answers all of it; else null.
+const EstimatedTransform* pose_of_camera(const Result& result, const std::string& camera);
+/// Rays through the image's corners at z = 1: top left, top right, bottom right, bottom left. Of a lens that has no ray
+/// there, those of a pinhole.
+std::array<Eigen::Vector3d, 4> image_corner_rays(const Camera& camera);
 /// Camera pose in the robot frame: the truth's, else the first result's that has it completely.
 std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& camera);
 /// "2.31": metres from the camera to the board's middle, if truth tells.

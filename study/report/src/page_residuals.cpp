@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "inspect_pictures.h"
 #include "page_parts.h"
 #include "rigproof/calib/geometry/pnp.h"
 
@@ -25,12 +26,6 @@ Camera lens_of(const Result& result, const RigCamera& camera) {
   for (const EstimatedLens& lens : result.lenses)
     if (lens.camera == camera.name) return lens.intrinsics;
   return camera.camera;
-}
-
-const EstimatedTransform* pose_of_camera(const Result& result, const std::string& name) {
-  for (const EstimatedTransform& estimate : result.camera_to_robot)
-    if (estimate.child == name && estimate.fully_observable()) return &estimate;
-  return nullptr;
 }
 
 double readout_of(const Result& result, const RigCamera& camera) {
@@ -144,7 +139,7 @@ CornerFit fit_corners(const Observations& observations, const Result& result) {
     const BoardView& view = observations.board_views[i];
     const RigCamera& camera = observations.cameras[static_cast<std::size_t>(view.camera)];
     if (view.corners.size() < 4 || is_left_out(result, camera.name, view)) continue;
-    const EstimatedTransform* pose = pose_of_camera(result, camera.name);
+    const EstimatedTransform* pose = inspect_detail::pose_of_camera(result, camera.name);
     PlacedView placed{&view, i, Rigid3(), lens_of(result, camera), camera.intrinsics_sigma.residual_px};
     if (pose != nullptr) {
       placed.T_robot_camera = pose->T_parent_child;
