@@ -108,9 +108,9 @@ TEST_F(Inspect, WritesEveryPicture) {
 TEST_F(Inspect, ARealRecordingHasNoTruth) {
   input_.truth.reset();
   input_.observations.exclusions.clear();
-  EXPECT_THAT(write(),
-              testing::ElementsAre("mosaic.png", "coverage.png", "drive.png", "rig.png", "reprojection_ml_left.png",
-                                   "reprojection_ml_center.png", "reprojection_ml_right.png"));
+  EXPECT_THAT(write(), testing::ElementsAre("mosaic.png", "coverage.png", "drive.png", "rig.png", "corners_ml_left.png",
+                                            "corners_ml_center.png", "corners_ml_right.png", "reprojection_ml_left.png",
+                                            "reprojection_ml_center.png", "reprojection_ml_right.png"));
 }
 
 TEST_F(Inspect, ObservationsAloneWillDo) {

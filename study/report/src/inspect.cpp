@@ -85,8 +85,14 @@ std::vector<std::filesystem::path> write_pictures(const InspectInput& input, con
   keep(draw_drive(input, folder));
   keep(draw_rig_in_space(input, folder));
   for (std::size_t camera = 0; camera < cameras; ++camera) keep(draw_corners(input, camera, folder));
-  for (const Result& result : input.results)
+  for (const Result& result : input.results) {
+    if (!input.truth) {
+      const CornerFit fit = fit_corners(input.observations, result);
+      for (std::size_t camera = 0; camera < cameras; ++camera)
+        keep(draw_fitted_corners(input, result, fit, camera, folder));
+    }
     for (std::size_t camera = 0; camera < cameras; ++camera) keep(draw_reprojection(input, result, camera, folder));
+  }
   keep(draw_excluded(input, options, folder));
   return files;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "corner_fit.h"
 #include "inspect_canvas.h"
 #include "rigproof/study/report/inspect.h"
 #include "rigproof/truth/stop_at.h"
@@ -20,6 +21,9 @@ Written draw_coverage(const InspectInput& input, const std::filesystem::path& fo
 Written draw_drive(const InspectInput& input, const std::filesystem::path& folder);
 Written draw_rig_in_space(const InspectInput& input, const std::filesystem::path& folder);
 Written draw_corners(const InspectInput& input, std::size_t camera, const std::filesystem::path& folder);
+/// Against the boards that fit best; of a camera that the result has the pose of.
+Written draw_fitted_corners(const InspectInput& input, const Result& result, const CornerFit& fit, std::size_t camera,
+                            const std::filesystem::path& folder);
 Written draw_reprojection(const InspectInput& input, const Result& result, std::size_t camera,
                           const std::filesystem::path& folder);
 Written draw_excluded(const InspectInput& input, const InspectOptions& options, const std::filesystem::path& folder);
@@ -36,9 +40,16 @@ struct ResidualPicture {
   Camera image;
   std::vector<Residual> residuals;
   double stated_sigma_px = 0.0;  ///< drawn as a circle and a curve; 0 = none
+
+  /// Of both axes, rms over the stated sigma, which is not 0.
+  double rms_over_stated() const;
 };
 /// The image plane with magnified arrows, a scatter plot and a histogram of each axis.
 std::filesystem::path draw_residuals(const ResidualPicture& picture, const std::filesystem::path& file);
+
+/// A camera's residuals of the fit with what detector and lens let expect of them.
+ResidualPicture fitted_corners(const Observations& observations, const Result& result, const CornerFit& fit,
+                               std::size_t camera);
 
 std::vector<std::string> camera_names(const Observations& observations);
 /// Height of a camera's images that are drawn so wide.
