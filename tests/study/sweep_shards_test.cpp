@@ -146,6 +146,19 @@ TEST_F(SweepShards, AFolderThatVanishesIsWorthAnotherTry) {
   expect_whole();
 }
 
+TEST_F(SweepShards, AFolderThatIsNotThereYetIsWorthAnotherTry) {
+  plan();
+  fs::rename(folder_ / "a", folder_ / "unmounted");
+  EXPECT_EQ(exit_code_of_run(), ExitCode::kTryAgain);
+  EXPECT_FALSE(fs::exists(folder_ / "a"));
+  fs::create_directory(folder_ / "a");
+  EXPECT_EQ(exit_code_of_run(), ExitCode::kBadInput) << "there, without a plan";
+  fs::remove(folder_ / "a");
+  fs::rename(folder_ / "unmounted", folder_ / "a");
+  EXPECT_EQ(exit_code_of_run(), ExitCode::kGood);
+  expect_whole();
+}
+
 // Where the machine grants no file system of its own, nothing can be tested.
 TEST_F(SweepShards, AFullDiskIsWorthAnotherTry) {
   run_sweep(config(), options("whole"));
