@@ -216,6 +216,8 @@ TEST_F(SweepShards, MachinesAreRecordedAndMixedDriversKnown) {
   EXPECT_EQ(state.machines[0].machine.gl_renderer, "GL of li");
   EXPECT_TRUE(has_mixed_renderers(state.machines));
   EXPECT_FALSE(has_mixed_renderers({state.machines[0], state.machines[2]}));
+  EXPECT_EQ(answers_by_renderer(load_sweep_rows(folder_ / "a").machines),
+            (std::map<std::string, std::size_t>{{"GL of li", 1}, {"GL of ml", 1}}));
   EXPECT_THAT(folder_.read("whole/times.csv"), HasSubstr("observe_s,host,cpu,gl_renderer"));
   expect_whole();
 }

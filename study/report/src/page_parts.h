@@ -14,6 +14,7 @@
 namespace rigproof::page_detail {
 
 using inspect_detail::CornerFit;
+using inspect_detail::fit_corners;
 using Json = nlohmann::ordered_json;
 
 /// Rounded, so that the file stays small; null where it is not finite.

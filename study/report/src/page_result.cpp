@@ -178,7 +178,7 @@ Json result_json(const InspectInput& input, const Result& result, const std::vec
                  const std::vector<TransformBound>& bounds, const PageOptions& options) {
   const std::optional<Comparison> comparison =
       input.truth ? std::optional<Comparison>(compare(result, *input.truth)) : std::nullopt;
-  const CornerFit fit = inspect_detail::fit_corners(input.observations, result);
+  const CornerFit fit = fit_corners(input.observations, result);
   Json json = {{"method", result.method}, {"status", result_status_name(result.status)}};
   json["verdict"] = verdict_json(verdict_of(result, comparison, options.budget, input.observations, fit));
   json["poses"] = Json::array();
