@@ -12,7 +12,7 @@ namespace {
 
 using Point = Eigen::Vector2d;
 
-constexpr double kPanelWidth = 720.0, kPanelHeight = 560.0, kGap = 20.0, kRow = 24.0, kLetters = 9.5;
+constexpr double kPanelWidth = 720.0, kPanelHeight = 560.0, kGap = 20.0, kRow = 24.0, kLetters = 9.5, kSwatch = 30.0;
 
 // What is drawn.
 struct RigDrawing {
@@ -94,27 +94,39 @@ std::string subtitle_of(const RigDrawing& drawing) {
   return joined(parts, "; ");
 }
 
+std::string error_text(const MountedCamera& camera) {
+  if (!camera.T_true || !camera.T_estimate) return camera.T_true ? "true pose; not estimated" : "";
+  const Vector6d error = transform_error(*camera.T_estimate, *camera.T_true);
+  return number(1000.0 * error.head<3>().norm()) + " mm and " + number(rad_to_deg(error.tail<3>().norm())) +
+         " deg from the truth";
+}
+
 // One line a camera: place, direction, and what strikes.
-void draw_row(const RigDrawing& drawing, const MountedCamera& camera, double y, Canvas* canvas) {
-  const Color color = camera_color(camera.index);
+// @param left of what stands after the name
+void draw_row(const RigDrawing& drawing, const MountedCamera& camera, double left, double y, Canvas* canvas) {
   const double middle = y - 0.5 * kLetters;
-  canvas->polygon({{kMargin, middle}, {kMargin + 20.0, middle - 8.0}, {kMargin + 20.0, middle + 8.0}}, color);
-  canvas->text({kMargin + 30.0, y}, drawing.name(camera), kLetters, kInk, Align::kLeft, true);
-  if (!camera.is_known()) return canvas->text({kMargin + 240.0, y}, "pose not answered completely", kLetters, kGrey);
+  canvas->polygon({{kMargin, middle}, {kMargin + 20.0, middle - 8.0}, {kMargin + 20.0, middle + 8.0}},
+                  camera_color(camera.index));
+  canvas->text({kMargin + kSwatch, y}, drawing.name(camera), kLetters, kInk, Align::kLeft, true);
+  if (!camera.is_known()) return canvas->text({left, y}, "pose not answered completely", kLetters, kGrey);
   const Rigid3 T = camera.T_estimate.value_or(camera.best());
   const Eigen::Vector3d& p = T.translation;
-  canvas->text({kMargin + 240.0, y},
+  canvas->text({left, y},
                "x " + fixed_text(p.x(), 3) + "  y " + fixed_text(p.y(), 3) + "  z " + fixed_text(p.z(), 3) + " m",
                kLetters, kInk);
-  canvas->text({kMargin + 520.0, y}, looks(T), kLetters, kInk);
-  canvas->text({kMargin + 790.0, y}, unusual_roll(T), kLetters, kAccent, Align::kLeft, true);
-  if (!camera.T_true || !camera.T_estimate)
-    return canvas->text({kMargin + 940.0, y}, camera.T_true ? "true pose; not estimated" : "", kLetters, kGrey);
-  const Vector6d error = transform_error(*camera.T_estimate, *camera.T_true);
-  canvas->text({kMargin + 940.0, y},
-               number(1000.0 * error.head<3>().norm()) + " mm and " + number(rad_to_deg(error.tail<3>().norm())) +
-                   " deg from the truth",
-               kLetters, is_striking(camera, frustum_length(drawing.rig)) ? kAccent : kGrey);
+  canvas->text({left + 280.0, y}, looks(T), kLetters, kInk);
+  canvas->text({left + 550.0, y}, unusual_roll(T), kLetters, kAccent, Align::kLeft, true);
+  canvas->text({left + 700.0, y}, error_text(camera), kLetters,
+               is_striking(camera, frustum_length(drawing.rig)) ? kAccent : kGrey);
+}
+
+void draw_rows(const RigDrawing& drawing, double top, Canvas* canvas) {
+  double widest = 100.0;
+  for (const MountedCamera& camera : drawing.rig.cameras)
+    widest = std::max(widest, Canvas::text_width(drawing.name(camera), kLetters));
+  double y = top;
+  for (const MountedCamera& camera : drawing.rig.cameras)
+    draw_row(drawing, camera, kMargin + kSwatch + widest + 30.0, y += kRow, canvas);
 }
 
 }  // namespace
@@ -131,11 +143,7 @@ Written draw_rig_in_space(const InspectInput& input, const std::filesystem::path
   draw_title(&canvas, "The cameras on the robot", subtitle_of(drawing));
   draw_view(drawing, {1.0, 0.8, 0.75}, "from ahead, left and above", kMargin, &canvas);
   draw_view(drawing, {-1.0, -0.8, 0.75}, "from behind, right and above", kMargin + kPanelWidth + kGap, &canvas);
-  double y = bottom + 1.5 * kRow;
-  for (const MountedCamera& camera : drawing.rig.cameras) {
-    draw_row(drawing, camera, y, &canvas);
-    y += kRow;
-  }
+  draw_rows(drawing, bottom + 0.5 * kRow, &canvas);
   return canvas.save(folder / "rig.png");
 }
 
