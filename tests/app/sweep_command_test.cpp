@@ -163,8 +163,20 @@ TEST_F(SweepCommand, ShardsAreMergedOrWhatIsMissingIsNamed) {
     EXPECT_EQ(bad.exit_code, 2) << shard;
     EXPECT_THAT(bad.err, HasSubstr("INDEX/COUNT")) << shard;
   }
-  EXPECT_THAT(sweep({"run", "nowhere"}).err, HasSubstr("holds no sweep"));
+}
+
+TEST_F(SweepCommand, OnlyAFolderThatIsNotThereIsWorthAnotherTry) {
+  const ProcessOutput nowhere = sweep({"run", "nowhere"});
+  EXPECT_EQ(nowhere.exit_code, 75);
+  EXPECT_THAT(nowhere.err, HasSubstr("nowhere: is not there"));
   EXPECT_FALSE(fs::exists(folder_ / "nowhere"));
+  fs::create_directory(folder_ / "empty");
+  const ProcessOutput empty = sweep({"run", "empty"});
+  EXPECT_EQ(empty.exit_code, 2);
+  EXPECT_THAT(empty.err, HasSubstr("empty: holds no sweep"));
+  folder_.write("file", "");
+  EXPECT_EQ(sweep({"run", "file"}).exit_code, 2);
+  EXPECT_EQ(sweep({"run", "file/sweep"}).exit_code, 2);
 }
 
 // Slurm in a few lines of shell: an array is a loop.

@@ -98,7 +98,7 @@ class Inspect : public testing::Test {
 };
 
 TEST_F(Inspect, WritesEveryPicture) {
-  EXPECT_THAT(write(), testing::ElementsAre("mosaic.png", "coverage.png", "drive.png", "corners_left.png",
+  EXPECT_THAT(write(), testing::ElementsAre("mosaic.png", "coverage.png", "drive.png", "rig.png", "corners_left.png",
                                             "corners_center.png", "corners_right.png", "reprojection_ml_left.png",
                                             "reprojection_ml_center.png", "reprojection_ml_right.png", "excluded.png"));
   if (const char* keep = std::getenv("RIGPROOF_KEEP_PICTURES"))
@@ -108,7 +108,8 @@ TEST_F(Inspect, WritesEveryPicture) {
 TEST_F(Inspect, ARealRecordingHasNoTruth) {
   input_.truth.reset();
   input_.observations.exclusions.clear();
-  EXPECT_THAT(write(), testing::ElementsAre("mosaic.png", "coverage.png", "drive.png", "reprojection_ml_left.png",
+  EXPECT_THAT(write(), testing::ElementsAre("mosaic.png", "coverage.png", "drive.png", "rig.png", "corners_ml_left.png",
+                                            "corners_ml_center.png", "corners_ml_right.png", "reprojection_ml_left.png",
                                             "reprojection_ml_center.png", "reprojection_ml_right.png"));
 }
 
@@ -129,7 +130,7 @@ TEST_F(Inspect, RefusedResultsAndEmptyDataGiveNoPicture) {
   input_.results[0].camera_to_robot.clear();
   input_.observations.board_views.clear();
   input_.observations.exclusions.clear();
-  EXPECT_THAT(write(), testing::ElementsAre("drive.png"));
+  EXPECT_THAT(write(), testing::ElementsAre("drive.png", "rig.png"));
 }
 
 TEST_F(Inspect, AnUnwritableFolderIsAnError) {

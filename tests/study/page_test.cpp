@@ -390,6 +390,14 @@ TEST(SweepPage, HoldsEveryAnswerInColumns) {
   EXPECT_EQ(page["failures"][0]["code"], "motion.straight");
 }
 
+TEST(SweepPage, TellsWhichDriversDrewThePictures) {
+  SweepRows rows = two_answers();
+  EXPECT_EQ(json::parse(sweep_page_content(rows).data)["gl_renderers"], json::array());
+  rows.machines = {{{"a", "cpu", "llvmpipe"}, 3}, {{"b", "cpu", "llvmpipe"}, 4}, {{"c", "cpu", "card"}, 2}, {{}, 1}};
+  EXPECT_EQ(json::parse(sweep_page_content(rows).data)["gl_renderers"],
+            json({{{"name", "card"}, {"answers", 2}}, {{"name", "llvmpipe"}, {"answers", 7}}}));
+}
+
 TEST(SweepPage, NothingDoneIsAnError) {
   SweepRows rows = two_answers();
   rows.rows.clear();

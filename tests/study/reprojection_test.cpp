@@ -60,5 +60,34 @@ TEST_F(Reprojection, IsEmptyForACameraWithoutAPose) {
   EXPECT_TRUE(carried_over(observations, result, 1).residuals.empty());
 }
 
+// Detected against fitted corners: what a recording without truth can tell of its noise.
+double fitted_over_expected(const Reprojection& r, std::size_t camera) {
+  const inspect_detail::CornerFit fit = inspect_detail::fit_corners(r.observations, r.result);
+  const inspect_detail::ResidualPicture picture = inspect_detail::fitted_corners(r.observations, r.result, fit, camera);
+  EXPECT_GT(picture.residuals.size(), 50U);
+  EXPECT_LT(picture.stated_sigma_px, 0.02) << "the fit takes a part of the noise";
+  return picture.rms_over_stated();
+}
+
+TEST_F(Reprojection, AGoodFitLeavesWhatTheStatedNoiseLetsExpect) {
+  for (std::size_t camera = 0; camera < truth.cameras.size(); ++camera)
+    EXPECT_NEAR(fitted_over_expected(*this, camera), 1.0, 0.1) << camera;
+}
+
+TEST_F(Reprojection, NoiseThatIsTwiceAsLargeAsStatedShowsInTheRatio) {
+  for (BoardView& view : observations.board_views)
+    for (CornerObservation& corner : view.corners) corner.covariance_px2 /= 4.0;
+  for (std::size_t camera = 0; camera < truth.cameras.size(); ++camera)
+    EXPECT_NEAR(fitted_over_expected(*this, camera), 2.0, 0.2) << camera;
+}
+
+TEST_F(Reprojection, AWrongPoseOrBoardShowsInTheRatio) {
+  result.also_estimated.clear();
+  EXPECT_GT(fitted_over_expected(*this, 0), 5.0) << "the board's size was found and is needed";
+  result = exact_result(truth);
+  result.camera_to_robot[2].T_parent_child.translation.z() += 0.01;
+  EXPECT_GT(fitted_over_expected(*this, 2), 5.0);
+}
+
 }  // namespace
 }  // namespace rigproof

@@ -146,6 +146,19 @@ TEST_F(SweepShards, AFolderThatVanishesIsWorthAnotherTry) {
   expect_whole();
 }
 
+TEST_F(SweepShards, AFolderThatIsNotThereYetIsWorthAnotherTry) {
+  plan();
+  fs::rename(folder_ / "a", folder_ / "unmounted");
+  EXPECT_EQ(exit_code_of_run(), ExitCode::kTryAgain);
+  EXPECT_FALSE(fs::exists(folder_ / "a"));
+  fs::create_directory(folder_ / "a");
+  EXPECT_EQ(exit_code_of_run(), ExitCode::kBadInput) << "there, without a plan";
+  fs::remove(folder_ / "a");
+  fs::rename(folder_ / "unmounted", folder_ / "a");
+  EXPECT_EQ(exit_code_of_run(), ExitCode::kGood);
+  expect_whole();
+}
+
 // Where the machine grants no file system of its own, nothing can be tested.
 TEST_F(SweepShards, AFullDiskIsWorthAnotherTry) {
   run_sweep(config(), options("whole"));
@@ -203,6 +216,8 @@ TEST_F(SweepShards, MachinesAreRecordedAndMixedDriversKnown) {
   EXPECT_EQ(state.machines[0].machine.gl_renderer, "GL of li");
   EXPECT_TRUE(has_mixed_renderers(state.machines));
   EXPECT_FALSE(has_mixed_renderers({state.machines[0], state.machines[2]}));
+  EXPECT_EQ(answers_by_renderer(load_sweep_rows(folder_ / "a").machines),
+            (std::map<std::string, std::size_t>{{"GL of li", 1}, {"GL of ml", 1}}));
   EXPECT_THAT(folder_.read("whole/times.csv"), HasSubstr("observe_s,host,cpu,gl_renderer"));
   expect_whole();
 }

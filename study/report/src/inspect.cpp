@@ -33,12 +33,27 @@ std::optional<std::size_t> index_in_truth(const Truth& truth, const std::string&
   return std::nullopt;
 }
 
+const EstimatedTransform* pose_of_camera(const Result& result, const std::string& camera) {
+  for (const EstimatedTransform& estimate : result.camera_to_robot)
+    if (estimate.child == camera && estimate.fully_observable()) return &estimate;
+  return nullptr;
+}
+
+std::array<Eigen::Vector3d, 4> image_corner_rays(const Camera& camera) {
+  const double right = camera.width_px - 1.0, bottom = camera.height_px - 1.0;
+  const auto ray_at = [&camera](double u, double v) {
+    Eigen::Vector3d ray((u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px, 1.0);
+    camera.unproject({u, v}, &ray);
+    return ray;
+  };
+  return {ray_at(0.0, 0.0), ray_at(right, 0.0), ray_at(right, bottom), ray_at(0.0, bottom)};
+}
+
 std::optional<Rigid3> camera_pose(const InspectInput& input, const std::string& camera) {
   if (input.truth)
     if (const auto i = index_in_truth(*input.truth, camera)) return input.truth->cameras[*i].T_robot_camera;
   for (const Result& result : input.results)
-    for (const EstimatedTransform& estimate : result.camera_to_robot)
-      if (estimate.child == camera && estimate.fully_observable()) return estimate.T_parent_child;
+    if (const EstimatedTransform* estimate = pose_of_camera(result, camera)) return estimate->T_parent_child;
   return std::nullopt;
 }
 
@@ -68,9 +83,16 @@ std::vector<std::filesystem::path> write_pictures(const InspectInput& input, con
   keep(draw_mosaic(input, options, folder));
   keep(draw_coverage(input, folder));
   keep(draw_drive(input, folder));
+  keep(draw_rig_in_space(input, folder));
   for (std::size_t camera = 0; camera < cameras; ++camera) keep(draw_corners(input, camera, folder));
-  for (const Result& result : input.results)
+  for (const Result& result : input.results) {
+    if (!input.truth) {
+      const CornerFit fit = fit_corners(input.observations, result);
+      for (std::size_t camera = 0; camera < cameras; ++camera)
+        keep(draw_fitted_corners(input, result, fit, camera, folder));
+    }
     for (std::size_t camera = 0; camera < cameras; ++camera) keep(draw_reprojection(input, result, camera, folder));
+  }
   keep(draw_excluded(input, options, folder));
   return files;
 }

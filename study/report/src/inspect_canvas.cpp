@@ -55,8 +55,8 @@ Color camera_color(std::size_t camera) {
                                                                 {204, 121, 167},
                                                                 {86, 180, 233},
                                                                 {230, 159, 0},
-                                                                {110, 80, 40},
-                                                                {90, 90, 200}}};
+                                                                {138, 106, 63},
+                                                                {112, 112, 216}}};
   return kColors[camera % kColors.size()];
 }
 

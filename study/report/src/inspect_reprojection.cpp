@@ -13,9 +13,8 @@ namespace {
 std::map<int, Rigid3> poses_of(const Observations& observations, const Result& result) {
   std::map<int, Rigid3> poses;
   for (std::size_t i = 0; i < observations.cameras.size(); ++i)
-    for (const EstimatedTransform& estimate : result.camera_to_robot)
-      if (estimate.child == observations.cameras[i].name && estimate.fully_observable())
-        poses[static_cast<int>(i)] = estimate.T_parent_child;
+    if (const EstimatedTransform* estimate = pose_of_camera(result, observations.cameras[i].name))
+      poses[static_cast<int>(i)] = estimate->T_parent_child;
   return poses;
 }
 

@@ -45,7 +45,7 @@ class ResidualDrawing {
 
   std::filesystem::path save(const std::filesystem::path& file) const {
     Canvas canvas(static_cast<int>(2.0 * kMargin + kPlaneWidth + kGap + kSide),
-                  static_cast<int>(kTitleHeight + std::max(plane_height_ + 70.0, side_height_) + kMargin));
+                  static_cast<int>(kTitleHeight + std::max(plane_height_ + 92.0, side_height_) + kMargin));
     draw_title(&canvas, picture_.title, picture_.subtitle);
     draw_plane(&canvas);
     draw_facts(&canvas);
@@ -86,11 +86,15 @@ class ResidualDrawing {
 
   void draw_facts(Canvas* canvas) const {
     const Statistics& s = statistics_;
-    const std::string text =
-        "mean " + number(s.bias.x()) + ", " + number(s.bias.y()) + " px   rms " + number(s.rms.x()) + ", " +
-        number(s.rms.y()) + " px   largest " + number(s.max) + " px" +
-        (picture_.stated_sigma_px > 0.0 ? "   stated sigma " + number(picture_.stated_sigma_px) + " px" : "");
-    canvas->text({kMargin, kTitleHeight + plane_height_ + 52.0}, text, 9.5, kInk);
+    const std::string text = "mean " + number(s.bias.x()) + ", " + number(s.bias.y()) + " px   rms " +
+                             number(s.rms.x()) + ", " + number(s.rms.y()) + " px   largest " + number(s.max) + " px";
+    const Point at(kMargin, kTitleHeight + plane_height_ + 52.0);
+    canvas->text(at, text, 9.5, kInk);
+    if (picture_.stated_sigma_px > 0.0)
+      canvas->text(at + Point(0.0, 22.0),
+                   "expected " + number(picture_.stated_sigma_px) + " px; the rms is " +
+                       number(picture_.rms_over_stated()) + " times that",
+                   9.5, kInk);
   }
 
   double side_x() const { return kMargin + kPlaneWidth + kGap; }
@@ -168,6 +172,10 @@ class ResidualDrawing {
 
 }  // namespace
 
+double ResidualPicture::rms_over_stated() const {
+  return std::sqrt(0.5 * statistics_of(residuals).rms.squaredNorm()) / stated_sigma_px;
+}
+
 std::filesystem::path draw_residuals(const ResidualPicture& picture, const std::filesystem::path& file) {
   return ResidualDrawing(picture).save(file);
 }
@@ -202,6 +210,42 @@ Written draw_corners(const InspectInput& input, std::size_t camera, const std::f
   picture.subtitle = std::to_string(picture.residuals.size()) + " corners in " + std::to_string(views) +
                      " views; ring and curve: the detector's stated sigma";
   return draw_residuals(picture, folder / ("corners_" + name + ".png"));
+}
+
+ResidualPicture fitted_corners(const Observations& observations, const Result& result, const CornerFit& fit,
+                               std::size_t camera) {
+  const RigCamera& rig_camera = observations.cameras[camera];
+  ResidualPicture picture;
+  picture.camera = camera;
+  picture.image = rig_camera.camera;
+  std::size_t views = 0;
+  double variance = 0.0;
+  for (std::size_t i = 0; i < observations.board_views.size(); ++i) {
+    const BoardView& view = observations.board_views[i];
+    const std::vector<Point>& differences = fit.differences[i];
+    if (view.camera != static_cast<int>(camera) || differences.empty()) continue;
+    ++views;
+    for (std::size_t c = 0; c < differences.size(); ++c) {
+      if (!differences[c].allFinite()) continue;
+      picture.residuals.push_back({view.corners[c].pixel, differences[c]});
+      variance += 0.5 * view.corners[c].covariance_px2.trace();
+    }
+  }
+  const double count = static_cast<double>(std::max<std::size_t>(1, picture.residuals.size()));
+  const double detector = fit.shrink() * std::sqrt(variance / count);
+  picture.stated_sigma_px = std::hypot(detector, rig_camera.intrinsics_sigma.residual_px);
+  picture.title = result.method + ", " + rig_camera.name + ": detected minus fitted corners";
+  picture.subtitle = std::to_string(picture.residuals.size()) + " corners in " + std::to_string(views) +
+                     " views; a stop's board fitted to all cameras; ring and curve: what detector and lens let expect";
+  return picture;
+}
+
+Written draw_fitted_corners(const InspectInput& input, const Result& result, const CornerFit& fit, std::size_t camera,
+                            const std::filesystem::path& folder) {
+  const std::string& name = input.observations.cameras[camera].name;
+  const ResidualPicture picture = fitted_corners(input.observations, result, fit, camera);
+  if (pose_of_camera(result, name) == nullptr || picture.residuals.empty()) return std::nullopt;
+  return draw_residuals(picture, folder / ("corners_" + result.method + "_" + name + ".png"));
 }
 
 }  // namespace rigproof::inspect_detail

@@ -43,15 +43,11 @@ Json poses_of(const std::vector<Rigid3>& poses) {
   return list;
 }
 
-// Rays through the image's corners, as (x, y) at z = 1; of a lens that has no ray there, those of a pinhole.
+// Rays through the image's corners, as (x, y) at z = 1.
 Json frustum_of(const Camera& camera) {
   Json list = Json::array();
-  for (const auto& [u, v] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
-    const Eigen::Vector2d pixel(u * (camera.width_px - 1.0), v * (camera.height_px - 1.0));
-    Eigen::Vector3d ray((pixel.x() - camera.cx_px) / camera.fx_px, (pixel.y() - camera.cy_px) / camera.fy_px, 1.0);
-    camera.unproject(pixel, &ray);
+  for (const Eigen::Vector3d& ray : inspect_detail::image_corner_rays(camera))
     list.push_back({rounded(ray.x(), 5), rounded(ray.y(), 5)});
-  }
   return list;
 }
 

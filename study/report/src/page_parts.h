@@ -6,12 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "corner_fit.h"
 #include "rigproof/study/report/page.h"
 #include "rigproof/validate/bound.h"
 #include "rigproof/validate/validate.h"
 
 namespace rigproof::page_detail {
 
+using inspect_detail::CornerFit;
+using inspect_detail::fit_corners;
 using Json = nlohmann::ordered_json;
 
 /// Rounded, so that the file stays small; null where it is not finite.
@@ -43,17 +46,6 @@ std::string images_json(const InspectInput& input, const std::vector<Frame>& fra
 /// Where the ground plane of the frame's stop was found in its depth: [columns, cells in rows: g ground, o other depth,
 /// . none], or null where there is no plane or its depth cannot be read. The recording is there.
 std::string ground_json(const InspectInput& input, const Frame& frame);
-
-/// Detected corners minus those of the board that fits all views of a stop best, through the rig as the result has it.
-struct CornerFit {
-  /// Of each board view of the observations: [du, dv] of its corners [px]; empty where there is no fit.
-  std::vector<std::vector<Eigen::Vector2d>> differences;
-  std::size_t corners = 0;
-  std::size_t boards = 0;  ///< that were fitted, six unknowns each
-  double rms_px = 0.0;     ///< of du and dv
-  double stated_px = 0.0;  ///< what the corners' covariances and the stated residual of the lenses let expect
-};
-CornerFit fit_corners(const Observations& observations, const Result& result);
 
 /// What is said first.
 struct PageVerdict {

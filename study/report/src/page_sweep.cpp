@@ -92,6 +92,14 @@ Json failures_json(const SweepRows& rows) {
   return list;
 }
 
+// Of more than one the pictures differ.
+Json renderers_json(const SweepRows& rows) {
+  Json list = Json::array();
+  for (const auto& [name, answers] : answers_by_renderer(rows.machines))
+    list.push_back({{"name", name}, {"answers", answers}});
+  return list;
+}
+
 }  // namespace
 }  // namespace rigproof::page_detail
 
@@ -109,6 +117,7 @@ PageContent sweep_page_content(const SweepRows& rows) {
   data["subjects"] = subjects.all();
   data["statuses"] = statuses.all();
   data["failures"] = failures_json(rows);
+  data["gl_renderers"] = renderers_json(rows);
   return {rows.name, text_of(data), "[]"};
 }
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "inspect_pictures.h"
 #include "page_parts.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/text.h"
@@ -86,12 +87,8 @@ std::string how_sure(const std::vector<StatedSigma>& sigmas) {
 
 std::vector<std::string> without_pose(const Result& result, const Observations& observations) {
   std::vector<std::string> names;
-  for (const RigCamera& camera : observations.cameras) {
-    const auto is_it = [&camera](const EstimatedTransform& t) {
-      return t.child == camera.name && t.fully_observable();
-    };
-    if (std::none_of(result.camera_to_robot.begin(), result.camera_to_robot.end(), is_it)) names.push_back(camera.name);
-  }
+  for (const RigCamera& camera : observations.cameras)
+    if (inspect_detail::pose_of_camera(result, camera.name) == nullptr) names.push_back(camera.name);
   return names;
 }
 

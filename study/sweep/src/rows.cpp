@@ -1,7 +1,6 @@
 // The tables of a sweep's folder: rows.csv, rows.jsonl, times.csv, and the summary's files.
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "answer_store.h"
 #include "rigproof/core/conventions.h"
@@ -183,10 +182,16 @@ SweepRows load_sweep_rows(const std::filesystem::path& folder) {
   const SweepPlan plan = load_folder_plan({folder});
   const AnswerStore store({folder}, plan);
   SweepRows rows = plan.table;
-  for (const SweepTask& task : plan.table.tasks)
-    for (std::size_t method = 0; method < rows.methods.size(); ++method)
-      if (std::optional<SweepAnswer> answer = store.load(task.key, method))
-        for (SweepRow& row : rows_of(plan.table, task, method, std::move(*answer))) rows.rows.push_back(std::move(row));
+  std::map<SweepMachine, std::size_t> machines;
+  for (const SweepTask& task : plan.table.tasks) {
+    for (std::size_t method = 0; method < rows.methods.size(); ++method) {
+      std::optional<SweepAnswer> answer = store.load(task.key, method);
+      if (!answer) continue;
+      ++machines[answer->machine];
+      for (SweepRow& row : rows_of(plan.table, task, method, std::move(*answer))) rows.rows.push_back(std::move(row));
+    }
+  }
+  rows.machines = counted(machines);
   return rows;
 }
 
@@ -233,11 +238,15 @@ SweepState sweep_state(const std::filesystem::path& folder) {
   return state;
 }
 
-bool has_mixed_renderers(const std::vector<SweepMachineCount>& machines) {
-  std::set<std::string> renderers;
+std::map<std::string, std::size_t> answers_by_renderer(const std::vector<SweepMachineCount>& machines) {
+  std::map<std::string, std::size_t> answers;
   for (const SweepMachineCount& entry : machines)
-    if (!entry.machine.gl_renderer.empty()) renderers.insert(entry.machine.gl_renderer);
-  return renderers.size() > 1;
+    if (!entry.machine.gl_renderer.empty()) answers[entry.machine.gl_renderer] += entry.answers;
+  return answers;
+}
+
+bool has_mixed_renderers(const std::vector<SweepMachineCount>& machines) {
+  return answers_by_renderer(machines).size() > 1;
 }
 
 std::filesystem::path sweep_config_file(const std::filesystem::path& file_or_folder) {

@@ -10,6 +10,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/folder_lock.h"
+#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 #include "stock.h"
 #include "task_process.h"
@@ -308,6 +309,17 @@ void refuse_other_methods(const SweepStart& start) {
                   start.methods[i].name + ": the same program and files must be on every machine; else plan again");
 }
 
+// A share may not be mounted yet on a node that has just come up; a folder without a plan stays without one.
+void require_root(const SweepFolder& folder) {
+  std::error_code error;
+  if (fs::exists(fs::status(folder.root, error))) return;
+  if (error == std::errc::no_such_file_or_directory)
+    throw Error(folder.root.string() + ": is not there; once its share is mounted the same command goes on, or " +
+                    "`rigproof sweep plan CONFIG -o " + folder.root.string() + "` makes it",
+                ExitCode::kTryAgain);
+  throw_system_error(folder.root, "look at the folder", error.value());
+}
+
 std::vector<SweepTask> tasks_of_shard(const SweepStart& start) {
   std::vector<SweepTask> tasks;
   for (std::size_t place = start.first; place < start.last; ++place) tasks.push_back(*start.order[place].task);
@@ -350,6 +362,7 @@ SweepReport run_sweep(const SweepConfig& config, const SweepOptions& options) {
 SweepReport run_shard(const SweepOptions& options, const SweepShard& shard) {
   const auto begin = Clock::now();
   const SweepFolder folder{options.folder};
+  require_root(folder);
   SweepPlan plan = load_folder_plan(folder);
   const SweepConfig config = load_sweep_config(folder.config_file());
   const FolderLock lock(folder.root, kInUse, FolderLock::Kind::kShared);

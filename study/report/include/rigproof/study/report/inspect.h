@@ -28,7 +28,10 @@ struct InspectOptions {
 ///   mosaic.png            a few views of every camera with their corners
 ///   coverage.png          where in the images of each camera corners were seen
 ///   drive.png             top view: stops, headings, odometry (and truth), board, frusta
+///   rig.png               the robot with its cameras in three dimensions, as estimated (ml, else the first result) and
+///                         as they truly are, errors and 2-sigma ellipsoids drawn larger by a factor that is told
 ///   corners_CAMERA.png    detected against true corners, magnified (with truth)
+///   corners_METHOD_CAMERA.png        detected corners against the boards that fit best (without truth)
 ///   reprojection_METHOD_CAMERA.png   corners as the result carries them over from another view, against the detected
 ///   excluded.png          frames left out, with the reasons
 /// A picture that would show nothing is not written. An image that cannot be read is drawn as an empty frame that

@@ -80,6 +80,15 @@ struct SweepMachine {
   }
 };
 
+struct SweepMachineCount {
+  SweepMachine machine;
+  std::size_t answers = 0;
+};
+/// How many answers each GL driver drew the pictures of, by its name; none for those without pictures.
+std::map<std::string, std::size_t> answers_by_renderer(const std::vector<SweepMachineCount>& machines);
+/// Whether pictures were drawn by more than one GL driver: their answers differ in more than the last digits.
+bool has_mixed_renderers(const std::vector<SweepMachineCount>& machines);
+
 /// One point of the axes with one seed.
 struct SweepTask {
   std::string key;                  ///< 16 hexadecimal digits: hash of all that its observations depend on
@@ -98,9 +107,10 @@ struct SweepRows {
   /// Number of each level where it is one (for the x axis of a figure), else its place 0, 1, ..
   std::vector<std::vector<double>> level_values;
   std::vector<std::string> methods;
-  std::string reference;         ///< method that the others are tested against
-  std::vector<SweepTask> tasks;  ///< done or not
-  std::vector<SweepRow> rows;    ///< of what is done
+  std::string reference;                         ///< method that the others are tested against
+  std::vector<SweepTask> tasks;                  ///< done or not
+  std::vector<SweepRow> rows;                    ///< of what is done
+  std::vector<SweepMachineCount> machines = {};  ///< that did it
 };
 
 /// Reads what stands in a sweep's folder (finished or not). Throws Error.

@@ -40,13 +40,6 @@ struct SweepOptions {
   std::function<bool()> keep_going;
 };
 
-struct SweepMachineCount {
-  SweepMachine machine;
-  std::size_t answers = 0;
-};
-/// Whether pictures were drawn by more than one GL driver: their answers differ in more than the last digits.
-bool has_mixed_renderers(const std::vector<SweepMachineCount>& machines);
-
 /// What the tables of a folder say.
 struct SweepTables {
   SweepSummary summary;
@@ -77,7 +70,8 @@ std::size_t plan_folder(const SweepConfig& config, const SweepOptions& options);
 
 /// Does what is not done yet of a shard; of the options, methods are the plan's. Any number of processes on any
 /// machines may do so at once, those of one shard, too. Throws Error where this program or the files that the sweep
-/// names are others than those that planned, and with ExitCode::kTryAgain where the folder or room on its disk is gone.
+/// names are others than those that planned, and with ExitCode::kTryAgain where the folder is not there (yet) or room
+/// on its disk is gone.
 SweepReport run_shard(const SweepOptions& options, const SweepShard& shard);
 
 /// What a start would do.

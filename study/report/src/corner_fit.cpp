@@ -1,13 +1,16 @@
+#include "corner_fit.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-#include "page_parts.h"
+#include "as_estimated.h"
+#include "inspect_pictures.h"
 #include "rigproof/calib/geometry/pnp.h"
 
-namespace rigproof::page_detail {
+namespace rigproof::inspect_detail {
 namespace {
 
 // A view, with where its camera is and the lens that this pose goes with.
@@ -20,18 +23,6 @@ struct PlacedView {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the robot by its odometry: forward, left, yaw rate
   double readout_s = 0.0;                              // from the first row to the last; 0 if the pose is unknown
 };
-
-Camera lens_of(const Result& result, const RigCamera& camera) {
-  for (const EstimatedLens& lens : result.lenses)
-    if (lens.camera == camera.name) return lens.intrinsics;
-  return camera.camera;
-}
-
-const EstimatedTransform* pose_of_camera(const Result& result, const std::string& name) {
-  for (const EstimatedTransform& estimate : result.camera_to_robot)
-    if (estimate.child == name && estimate.fully_observable()) return &estimate;
-  return nullptr;
-}
 
 double readout_of(const Result& result, const RigCamera& camera) {
   for (const EstimatedQuantity& quantity : result.also_estimated)
@@ -135,7 +126,14 @@ bool is_left_out(const Result& result, const std::string& camera, const BoardVie
 
 }  // namespace
 
-CornerFit fit_corners(const Observations& observations, const Result& result) {
+double CornerFit::shrink() const {
+  return corners == 0
+             ? 1.0
+             : std::sqrt(std::max(0.0, 1.0 - 3.0 * static_cast<double>(boards) / static_cast<double>(corners)));
+}
+
+CornerFit fit_corners(const Observations& stated, const Result& result) {
+  const Observations observations = as_estimated(stated, result);
   CornerFit fit;
   fit.differences.resize(observations.board_views.size());
   // Cameras with a pose share the board of a stop; any other camera has one of its own.
@@ -145,7 +143,7 @@ CornerFit fit_corners(const Observations& observations, const Result& result) {
     const RigCamera& camera = observations.cameras[static_cast<std::size_t>(view.camera)];
     if (view.corners.size() < 4 || is_left_out(result, camera.name, view)) continue;
     const EstimatedTransform* pose = pose_of_camera(result, camera.name);
-    PlacedView placed{&view, i, Rigid3(), lens_of(result, camera), camera.intrinsics_sigma.residual_px};
+    PlacedView placed{&view, i, Rigid3(), camera.camera, camera.intrinsics_sigma.residual_px};
     if (pose != nullptr) {
       placed.T_robot_camera = pose->T_parent_child;
       placed.velocity = observations.stops[static_cast<std::size_t>(view.stop)].velocity;
@@ -159,4 +157,4 @@ CornerFit fit_corners(const Observations& observations, const Result& result) {
   return fit;
 }
 
-}  // namespace rigproof::page_detail
+}  // namespace rigproof::inspect_detail
