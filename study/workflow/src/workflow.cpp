@@ -48,9 +48,9 @@ Budget budget_of(const std::filesystem::path& file) {
   return load_budget(find_data_file("config", is_shipped ? shipped : file.string()));
 }
 
-Verdict judge(const Result& result, const Truth& truth, const Budget& budget) {
+Verdict judge(const Result& result, const Truth& truth, const Budget& budget, const std::string& file) {
   Verdict verdict;
-  verdict.comparison = compare(result, truth);
+  verdict.comparison = compare(result, truth, file);
   verdict.gate = apply_budget(verdict.comparison, budget);
   if (budget.nothing_suspected) add_suspicions(result.notes, &verdict.gate);
   return verdict;

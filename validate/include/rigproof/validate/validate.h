@@ -72,9 +72,9 @@ struct Comparison {
 double worst_error(const std::vector<TransformError>& errors, bool rotation);
 
 /// Compares a result with the truth. Cameras are matched by name; whatever single other name occurs is the robot, and
-/// either direction is understood. Throws Error that lists every statement that names no camera of the truth, two
-/// different robots, or a pair twice.
-Comparison compare(const Result& result, const Truth& truth);
+/// either direction is understood. Throws Error that lists every statement that names no camera of the truth (with the
+/// nearest one), two different robots, or a pair twice; `file` is where the result stands, for its messages.
+Comparison compare(const Result& result, const Truth& truth, const std::string& file = {});
 
 /// Where the difference of two tracks of transforms is small: looks for the wrong convention that best explains a
 /// result. Absent unless correcting it makes the error at least ten times smaller and plausible (at most 0.15 m and

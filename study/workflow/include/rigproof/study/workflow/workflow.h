@@ -39,8 +39,8 @@ struct Verdict {
   Comparison comparison;
   Gate gate;
 };
-/// Against the truth, and against what the result says of itself where the budget asks for it.
-Verdict judge(const Result& result, const Truth& truth, const Budget& budget);
+/// Against the truth, and against what the result says of itself where the budget asks for it. Throws as compare().
+Verdict judge(const Result& result, const Truth& truth, const Budget& budget, const std::string& file = {});
 
 /// Proves the conventions of a run from its observations and its truth; writes truth/proof.yaml where it may.
 /// Throws Error if the run has no truth.
