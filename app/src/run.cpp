@@ -10,6 +10,7 @@
 #include "print_result.h"
 #include "reporting.h"
 #include "rigproof/core/error.h"
+#include "rigproof/study/export/export.h"
 #include "rigproof/study/report/inspect.h"
 #include "rigproof/study/workflow/external.h"
 #include "rigproof/study/workflow/workflow.h"
@@ -37,8 +38,9 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
   std::vector<ValidationRecord> records;
   std::vector<Comparison> comparisons;
   for (const auto& method : methods_by_name(arguments.methods, {run.results(), [] { return !interrupted(); }})) {
-    const Result result = run_with_progress(*method, input, terminal);
-    save_result(result, run.result_file(result.method), words::sentence_of);
+    Result result = run_with_progress(*method, input, terminal);
+    result.method = result_name(result.method, arguments.vision);
+    write_with_backup(run.result_file(result.method), result_text(result, words::sentence_of));
     *all_solved = *all_solved && result.status == ResultStatus::kSolved;
     terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s));
     if (result.status == ResultStatus::kSolved)

@@ -74,7 +74,8 @@ TEST(BadInput, SettingsOfMl) {
   };
   EXPECT_THAT(message({"ml:focal_sigma_percent=-1,clock_ms=3"}),
               testing::AllOf(HasSubstr("focal_sigma_percent"), HasSubstr("-1"), HasSubstr("clock_offset_sigma_ms")));
-  EXPECT_THAT(message({"ml", "ml:focal_sigma_percent=1"}), HasSubstr("two methods of the name ml"));
+  EXPECT_THAT(message({"ml", "ml:focal_sigma_percent=1,name=ml"}), HasSubstr("two methods of the name ml;"));
+  EXPECT_THAT(message({"ml:told=exact", "ml:told=exact"}), HasSubstr("two methods of the name ml-told_exact;"));
   EXPECT_THAT(message({"ml:none.yaml"}), HasSubstr("none.yaml"));
   EXPECT_THAT(message({"ml:focal_sigma_percent=1,name=memroc"}), HasSubstr("name of another method"));
 }

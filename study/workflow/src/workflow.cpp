@@ -38,6 +38,16 @@ std::vector<Result> load_results(const std::filesystem::path& folder) {
   return results;
 }
 
+std::optional<std::size_t> find_result(const std::vector<Result>& results, const std::string& method) {
+  std::vector<std::size_t> with_settings;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].method == (method.empty() ? "ml" : method)) return i;
+    if (method.empty() && results[i].method.rfind("ml-", 0) == 0) with_settings.push_back(i);
+  }
+  if (with_settings.size() != 1) return std::nullopt;
+  return with_settings.front();
+}
+
 Budget budget_of(const std::filesystem::path& file) {
   if (file.empty()) return default_budget();
   std::error_code ignored;
