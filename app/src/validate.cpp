@@ -52,11 +52,18 @@ std::vector<Comparison> comparisons_of_run(const RunFolder& run, const Truth& tr
   return comparisons;
 }
 
-// What the data allow, where the observations are at hand.
-std::string bound_of_run(const RunFolder& run, const Truth& truth) {
-  if (!std::filesystem::is_regular_file(run.observations_file())) return {};
-  const std::optional<DataBound> bound = data_bound(load_observations(run.observations_file()), truth);
-  return bound ? format_bound(*bound) : std::string();
+// What the data allow, where the observations are at hand. Those that cannot be read are a record, too.
+std::optional<DataBound> bound_of_run(const RunFolder& run, const Truth& truth,
+                                      std::vector<ValidationRecord>* records) {
+  if (!std::filesystem::is_regular_file(run.observations_file())) return std::nullopt;
+  try {
+    return data_bound(load_observations(run.observations_file()), truth);
+  } catch (const Error& error) {
+    ValidationRecord& record = records->emplace_back();
+    record.subject = run.observations_file().filename().string();
+    record.unreadable = error.what();
+    return std::nullopt;
+  }
 }
 
 // A file that cannot be judged is a record, too: a pipeline looks at the JUnit file, not at the screen.
@@ -96,6 +103,8 @@ int validate_command(const ValidateArguments& arguments) {
   std::vector<ValidationRecord> records;
   for (const std::filesystem::path& file : result_files_of(arguments, run))
     records.push_back(record_of(file, arguments, truth, budget));
+  const std::optional<DataBound> bound = bound_of_run(run, truth, &records);
+  for (ValidationRecord& record : records) record.comparison.bound = bound;
   if (!arguments.junit.empty()) save_junit(records, arguments.junit, words::sentence_of);
   throw_if_unreadable(records);
   if (arguments.common.json) std::puts(to_json(records, words::sentence_of).c_str());
@@ -107,7 +116,7 @@ int validate_command(const ValidateArguments& arguments) {
     terminal.text(format_same_run(record.comparison, record.budget, same_run));
     if (arguments.paper) terminal.text(format_paper(record.comparison));
   }
-  terminal.text(bound_of_run(run, truth));
+  terminal.text(bound ? format_bound(*bound) : "");
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);
 }
 

@@ -8,6 +8,7 @@
 
 #include "rigproof/core/result.h"
 #include "rigproof/truth/truth.h"
+#include "rigproof/validate/bound.h"
 
 namespace rigproof {
 
@@ -62,6 +63,7 @@ struct Comparison {
   int nees_degrees_of_freedom = 0;
   std::vector<CameraNees> camera_nees;  ///< of each camera alone that states a covariance
   std::optional<ConventionSuspicion> suspicion;
+  std::optional<DataBound> bound;  ///< what the data allow, where the caller knows it; compare() leaves it absent
 
   /// Largest |error| between cameras.
   double worst_between_m() const;
