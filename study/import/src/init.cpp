@@ -158,8 +158,10 @@ void look_for_board(const InitOptions& options, const Recording& recording, Init
   InitReport& report = *to;
   const BoardCoverage coverage = known ? find_board(recording, options.threads, progress) : BoardCoverage();
   const BoardCoverage guess = options.board.has_value() ? coverage : guess_board(recording, progress);
-  if (known)
-    for (std::size_t i = 0; i < report.cameras.size(); ++i) report.cameras[i].board_stops = coverage.stops[i];
+  for (std::size_t i = 0; known && i < report.cameras.size(); ++i) {
+    report.cameras[i].board_stops = coverage.stops[i];
+    report.cameras[i].board_cells = coverage.cells.empty() ? 0 : coverage.cells[i];
+  }
   if (known && !guess.seen.empty()) report.notes.push_back(note_of_others(guess, report.cameras));
   if (options.board) return;
   const bool any = !guess.seen.empty();
