@@ -72,7 +72,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
   const Observations observations = observe_with_progress(input, vision, arguments.common.jobs, terminal);
   const MethodInput given = method_input(input, observations, vision, arguments.common.jobs);
   bool all_solved = true;
-  std::string json;
+  nlohmann::json results = nlohmann::json::array();
   std::vector<ValidationRecord> judged;
   for (const auto& method : methods) {
     Result result = run_with_progress(*method, given, terminal);
@@ -80,7 +80,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
     const WrittenFile written =
         write_with_backup(folder / (result.method + ".yaml"), result_text(result, words::sentence_of));
     all_solved = all_solved && result.status == ResultStatus::kSolved;
-    std::string result_json = result_as_json(result);
+    results.push_back(json_of(result));
     terminal.line(count_of(observations.cameras.size(), "camera") + " x " +
                   count_of(observations.stops.size(), "stop") + ", method " + result.method);
     print_result(terminal, result);
@@ -89,12 +89,11 @@ int calibrate_command(const CalibrateArguments& arguments) {
     const auto report = gates ? judge_acceptance(terminal, *method, result, observations, *gates) : std::nullopt;
     if (report) {
       judged.push_back(acceptance_record(result, *report, gates->criteria));
-      result_json = with_acceptance(result_json, *report, gates->criteria);
+      results.back()["acceptance"] = json_of(*report, gates->criteria);
     }
-    json += (json.empty() ? "" : ",\n") + result_json;
   }
   if (!arguments.junit.empty()) save_junit(judged, arguments.junit, words::sentence_of);
-  if (arguments.common.json) std::puts(("{\"results\": [\n" + json + "\n]}").c_str());
+  if (arguments.common.json) std::puts(json_text({{"results", results}}).c_str());
   if (!all_solved) return static_cast<int>(ExitCode::kRefused);
   return static_cast<int>(all_passed(judged) ? ExitCode::kGood : ExitCode::kGateFailed);
 }

@@ -1,5 +1,6 @@
 #include "output_schemas.h"
 
+#include <algorithm>
 #include <cctype>
 
 namespace rigproof {
@@ -452,8 +453,14 @@ std::string name_of(const OutputSchema& output) {
   return name + "_output";
 }
 
+// json_text() gives every object one.
 std::string schema_of(const OutputSchema& output) {
-  return schema_of_keys("Rigproof " + output.command + " --json", output.keys);
+  const auto is_version = [](const KeyLine& line) { return line.path == "version"; };
+  const bool is_list = output.keys.front().path.rfind("[]", 0) == 0;
+  Lines keys = output.keys;
+  if (!is_list && std::none_of(keys.begin(), keys.end(), is_version))
+    keys.insert(keys.begin(), {"version", "text", "of the program"});
+  return schema_of_keys("Rigproof " + output.command + " --json", keys);
 }
 
 }  // namespace rigproof

@@ -110,7 +110,9 @@ TEST(Schema, WhatIsWrittenKeepsToTheirs) {
     with_json.emplace_back("--json");
     const ProcessOutput output = rigproof_command(with_json);
     ASSERT_TRUE(json::accept(output.out)) << output.out << output.err;
-    EXPECT_EQ(schema_violations(json::parse(output.out), schema_of_file(name)), "") << command.front();
+    const json printed = json::parse(output.out);
+    EXPECT_EQ(schema_violations(printed, schema_of_file(name)), "") << command.front();
+    EXPECT_TRUE(printed.is_array() || printed.contains("version")) << command.front();
   };
   expect_output({"observe", run, "-o", observations}, "observe_output");
   expect_output({"convert", run, (scratch / "memroc").string()}, "convert_output");
