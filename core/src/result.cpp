@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <set>
+#include <string_view>
 
 #include "finding_tree.h"
 #include "mcalib_result.h"
@@ -510,12 +510,13 @@ void save_result(const Result& result, const std::filesystem::path& file, const 
 std::string name_with_settings(const std::string& method,
                                const std::vector<std::pair<std::string, std::string>>& settings) {
   constexpr std::size_t kLongest = 80, kHashed = 8;
+  constexpr std::string_view kSigns = "_-+.";
   if (settings.empty()) return method;
   std::string name = method;
   for (const auto& [key, value] : settings) {
     name += "-" + key + "_";
     for (const char c : value)
-      name += std::isalnum(static_cast<unsigned char>(c)) != 0 || std::strchr("_-+.", c) != nullptr ? c : '_';
+      name += std::isalnum(static_cast<unsigned char>(c)) != 0 || kSigns.find(c) != std::string_view::npos ? c : '_';
   }
   if (name.size() <= kLongest) return name;
   return name.substr(0, kLongest - kHashed - 1) + "-" + sha256_hex(name).substr(0, kHashed);
