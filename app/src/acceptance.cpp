@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "json_text.h"
 #include "print_result.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/validate/figures.h"
@@ -83,14 +82,11 @@ std::optional<AcceptReport> judge_acceptance(const Terminal& terminal, const Met
   return report;
 }
 
-std::string with_acceptance(const std::string& result_json, const AcceptReport& report,
-                            const AcceptCriteria& criteria) {
-  nlohmann::json json = nlohmann::json::parse(result_json);
-  nlohmann::json& acceptance = json["acceptance"];
-  acceptance = {{"criteria", criteria.name},
-                {"passed", report.passed()},
-                {"notes", json_of(report.notes)},
-                {"checks", nlohmann::json::array()}};
+nlohmann::json json_of(const AcceptReport& report, const AcceptCriteria& criteria) {
+  nlohmann::json acceptance = {{"criteria", criteria.name},
+                               {"passed", report.passed()},
+                               {"notes", json_of(report.notes)},
+                               {"checks", nlohmann::json::array()}};
   for (const AcceptCheck& check : report.checks) {
     const bool has_value = !check.reason;
     acceptance["checks"].push_back({{"name", check.name},
@@ -101,7 +97,7 @@ std::string with_acceptance(const std::string& result_json, const AcceptReport& 
                                     {"code", has_value ? "" : check.reason->code},
                                     {"reason", reason_of(check)}});
   }
-  return json_text(json);
+  return acceptance;
 }
 
 ValidationRecord acceptance_record(const Result& result, const AcceptReport& report, const AcceptCriteria& criteria) {

@@ -1,6 +1,7 @@
 // What `calibrate` and `run` share: gates that need no truth.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -32,8 +33,8 @@ std::optional<AcceptLimits> accepted_by_rig(const Input& input);
 std::optional<AcceptReport> judge_acceptance(const Terminal& terminal, const Method& method, const Result& result,
                                              const Observations& observations, const Gates& gates);
 
-/// A result's JSON document with the gates under `acceptance`.
-std::string with_acceptance(const std::string& result_json, const AcceptReport& report, const AcceptCriteria& criteria);
+/// The gates, as they stand under `acceptance` of a result.
+nlohmann::json json_of(const AcceptReport& report, const AcceptCriteria& criteria);
 
 /// The gates as the JUnit writer takes them.
 ValidationRecord acceptance_record(const Result& result, const AcceptReport& report, const AcceptCriteria& criteria);

@@ -11,6 +11,7 @@
 #include "observing.h"
 #include "print_result.h"
 #include "rigproof/core/error.h"
+#include "rigproof/study/export/export.h"
 #include "rigproof/study/workflow/external.h"
 #include "rigproof/study/workflow/workflow.h"
 #include "rigproof/words/sentences.h"
@@ -71,27 +72,28 @@ int calibrate_command(const CalibrateArguments& arguments) {
   const Observations observations = observe_with_progress(input, vision, arguments.common.jobs, terminal);
   const MethodInput given = method_input(input, observations, vision, arguments.common.jobs);
   bool all_solved = true;
-  std::string json;
+  nlohmann::json results = nlohmann::json::array();
   std::vector<ValidationRecord> judged;
   for (const auto& method : methods) {
-    const Result result = run_with_progress(*method, given, terminal);
-    const std::filesystem::path file = folder / (result.method + ".yaml");
-    save_result(result, file, words::sentence_of);
+    Result result = run_with_progress(*method, given, terminal);
+    result.method = result_name(result.method, arguments.vision);
+    const WrittenFile written =
+        write_with_backup(folder / (result.method + ".yaml"), result_text(result, words::sentence_of));
     all_solved = all_solved && result.status == ResultStatus::kSolved;
-    std::string result_json = result_as_json(result);
+    results.push_back(json_of(result));
     terminal.line(count_of(observations.cameras.size(), "camera") + " x " +
                   count_of(observations.stops.size(), "stop") + ", method " + result.method);
     print_result(terminal, result);
-    terminal.line(std::string(result_status_name(result.status)) + " result  " + file.string());
+    terminal.line(std::string(result_status_name(result.status)) + " result  " + written.file.string() +
+                  (written.backup ? "  (before: " + written.backup->string() + ")" : ""));
     const auto report = gates ? judge_acceptance(terminal, *method, result, observations, *gates) : std::nullopt;
     if (report) {
       judged.push_back(acceptance_record(result, *report, gates->criteria));
-      result_json = with_acceptance(result_json, *report, gates->criteria);
+      results.back()["acceptance"] = json_of(*report, gates->criteria);
     }
-    json += (json.empty() ? "" : ",\n") + result_json;
   }
   if (!arguments.junit.empty()) save_junit(judged, arguments.junit, words::sentence_of);
-  if (arguments.common.json) std::puts(("{\"results\": [\n" + json + "\n]}").c_str());
+  if (arguments.common.json) std::puts(json_text({{"results", results}}).c_str());
   if (!all_solved) return static_cast<int>(ExitCode::kRefused);
   return static_cast<int>(all_passed(judged) ? ExitCode::kGood : ExitCode::kGateFailed);
 }

@@ -59,8 +59,7 @@ int doctor_of_machine(const DoctorArguments& arguments) {
   const RenderTrial trial = try_to_render(arguments.device);
   const bool good = trial.problem.empty();
   if (arguments.common.json) {
-    nlohmann::json json = {{"version", version()},
-                           {"mujoco", World::mujoco_version()},
+    nlohmann::json json = {{"mujoco", World::mujoco_version()},
                            {"data", data_folder().string()},
                            {"cores", std::thread::hardware_concurrency()},
                            {"gl_renderer", trial.gl_renderer},

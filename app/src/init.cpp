@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "json_text.h"
 #include "print_result.h"
+#include "rigproof/core/image_cell.h"
 #include "rigproof/core/text.h"
 #include "terminal.h"
 
@@ -84,15 +85,18 @@ nlohmann::json json_of(const InitReport& report) {
                                {"images_kept", camera.images_kept},
                                {"depth_kept", camera.depth_kept},
                                {"stops", camera.stops},
-                               {"board_stops", nlohmann::json()}});
+                               {"board_stops", nlohmann::json()},
+                               {"cells", nlohmann::json()}});
     if (camera.board_stops) json["cameras"].back()["board_stops"] = *camera.board_stops;
+    if (camera.board_cells) json["cameras"].back()["cells"] = *camera.board_cells;
   }
   return json;
 }
 
 std::string board_text(const InitCamera& camera) {
-  if (!camera.board_stops) return "";
-  return "board in " + std::to_string(*camera.board_stops) + " of " + std::to_string(camera.stops);
+  if (!camera.board_stops || !camera.board_cells) return "";
+  return "board in " + std::to_string(*camera.board_stops) + " of " + std::to_string(camera.stops) + ", " +
+         std::to_string(*camera.board_cells) + " of " + std::to_string(kImageCells) + " parts of image";
 }
 
 void print_report(const Terminal& terminal, const InitReport& report) {

@@ -58,6 +58,19 @@ Observations observe_with_progress(const Input& input, const Vision& vision, int
   return observations;
 }
 
+std::string result_name(const std::string& method, const VisionArguments& vision) {
+  const VisionArguments usual;
+  std::vector<std::pair<std::string, std::string>> unusual;
+  const auto add = [&unusual](const char* option, const std::string& given, const std::string& by_default) {
+    if (given == by_default) return;  // of "onnx:FILE" the file's own name
+    unusual.emplace_back(option, std::filesystem::path(given.substr(given.find(':') + 1)).stem().string());
+  };
+  add("ground", vision.ground, usual.ground);
+  add("features", vision.features, usual.features);
+  add("horizon", vision.horizon, usual.horizon);
+  return name_with_settings(method, unusual);
+}
+
 MethodInput method_input(const Input& input, const Observations& observations, const Vision& vision, int jobs) {
   return {observations,
           input.recording ? &*input.recording : nullptr,

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "commands.h"
 #include "rigproof/calib/diagnose/method.h"
@@ -34,6 +35,10 @@ struct Vision {
 
 /// As above, with the ground from where the user wants it; says which cameras have theirs from images.
 Observations observe_with_progress(const Input& input, const Vision& vision, int jobs, const Terminal& terminal);
+
+/// Name of the result of a method, and of its file: with the options that are not the usual ones, as
+/// "ml-ground_images".
+std::string result_name(const std::string& method, const VisionArguments& vision);
 
 /// What a method is given of an input.
 MethodInput method_input(const Input& input, const Observations& observations, const Vision& vision, int jobs);

@@ -1,5 +1,6 @@
 #include "output_schemas.h"
 
+#include <algorithm>
 #include <cctype>
 
 namespace rigproof {
@@ -234,7 +235,8 @@ Lines init_keys() {
               {".images_kept", "integer", "how many were written"},
               {".depth_kept", "integer", "depth images written"},
               {".stops", "integer", "stops with an image of it"},
-              {".board_stops", "integer or null", "those with the whole board in it; null: not looked for"}}),
+              {".board_stops", "integer or null", "those with the whole board in it; null: not looked for"},
+              {".cells", "integer or null", "parts of its image with a corner of the board, of 8 x 6; likewise"}}),
        {{"notes", "texts", "for people"},
         {"missing", "texts", "what rig.yaml still needs, for people"},
         {"bytes", "integer", "of the source"},
@@ -489,8 +491,14 @@ std::string name_of(const OutputSchema& output) {
   return name + "_output";
 }
 
+// json_text() gives every object one.
 std::string schema_of(const OutputSchema& output) {
-  return schema_of_keys("Rigproof " + output.command + " --json", output.keys);
+  const auto is_version = [](const KeyLine& line) { return line.path == "version"; };
+  const bool is_list = output.keys.front().path.rfind("[]", 0) == 0;
+  Lines keys = output.keys;
+  if (!is_list && std::none_of(keys.begin(), keys.end(), is_version))
+    keys.insert(keys.begin(), {"version", "text", "of the program"});
+  return schema_of_keys("Rigproof " + output.command + " --json", keys);
 }
 
 }  // namespace rigproof

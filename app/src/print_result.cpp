@@ -7,7 +7,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "json_text.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/exclusions.h"
 #include "rigproof/core/text.h"
@@ -309,7 +308,7 @@ nlohmann::json json_of(const std::vector<Finding>& findings) {
   return nlohmann::json::parse(findings_json(findings, words::sentence_of));
 }
 
-std::string result_as_json(const Result& result) {
+nlohmann::json json_of(const Result& result) {
   nlohmann::json json = {{"method", result.method}, {"status", result_status_name(result.status)}};
   json["reasons"] = json_of(result.reasons);
   json["notes"] = json_of(result.notes);
@@ -337,7 +336,7 @@ std::string result_as_json(const Result& result) {
                                     {"sentence", words::sentence_of(exclusion.why)}});
     json["use"].push_back(camera);
   }
-  return json_text(json);
+  return json;
 }
 
 }  // namespace rigproof

@@ -31,7 +31,7 @@ void print_main_sources(const Terminal& terminal, const Result& result);
 /// Findings as a JSON list, in words beside.
 nlohmann::json json_of(const std::vector<Finding>& findings);
 
-/// The same as one JSON document, transforms as in the result file.
-std::string result_as_json(const Result& result);
+/// A result, transforms as in its file.
+nlohmann::json json_of(const Result& result);
 
 }  // namespace rigproof

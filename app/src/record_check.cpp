@@ -169,7 +169,7 @@ class Display {
 
   void change(const RecordCheck& check) {
     if (json_) {
-      std::puts(json_of(check).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+      std::puts(json_text(json_of(check), -1).c_str());
       std::fflush(stdout);
     } else if (in_place_) {
       write_over(summary_of(terminal_, check));

@@ -64,11 +64,10 @@ std::filesystem::path report_calibration(const ReportArguments& arguments, const
 
 Result result_of_method(const Input& input, const std::string& method) {
   const std::string wanted = method.empty() ? "ml" : method;
+  const std::vector<Result> results = results_beside(input);
+  if (const std::optional<std::size_t> found = find_result(results, method)) return results[*found];
   std::vector<std::string> known;
-  for (const Result& result : results_beside(input)) {
-    if (result.method == wanted) return result;
-    known.push_back(result.method);
-  }
+  for (const Result& result : results) known.push_back(result.method);
   throw Error(input.path.string() + ": there is no result of " + for_message(wanted) + "; " +
               suggestion(wanted, known));
 }

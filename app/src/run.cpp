@@ -10,9 +10,11 @@
 #include "print_result.h"
 #include "reporting.h"
 #include "rigproof/core/error.h"
+#include "rigproof/study/export/export.h"
 #include "rigproof/study/report/inspect.h"
 #include "rigproof/study/workflow/external.h"
 #include "rigproof/study/workflow/workflow.h"
+#include "rigproof/validate/bound.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/proof.h"
 #include "rigproof/words/sentences.h"
@@ -34,11 +36,13 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
   Budget budget = budget_of(arguments.budget);
   budget.nothing_suspected |= !arguments.junit.empty();
   const std::optional<Gates> gates = gates_for(arguments.accept, input.observations.accept);
+  const std::optional<DataBound> bound = data_bound(input.observations, truth);
   std::vector<ValidationRecord> records;
   std::vector<Comparison> comparisons;
   for (const auto& method : methods_by_name(arguments.methods, {run.results(), [] { return !interrupted(); }})) {
-    const Result result = run_with_progress(*method, input, terminal);
-    save_result(result, run.result_file(result.method), words::sentence_of);
+    Result result = run_with_progress(*method, input, terminal);
+    result.method = result_name(result.method, arguments.vision);
+    write_with_backup(run.result_file(result.method), result_text(result, words::sentence_of));
     *all_solved = *all_solved && result.status == ResultStatus::kSolved;
     terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s));
     if (result.status == ResultStatus::kSolved)
@@ -46,7 +50,8 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     else
       print_result(terminal, result);
     if (result.status == ResultStatus::kSolved) print_suspicions(terminal, result);
-    const Verdict verdict = judge(result, truth, budget);
+    Verdict verdict = judge(result, truth, budget);
+    verdict.comparison.bound = bound;
     records.push_back({result.method, verdict.comparison, budget, verdict.gate});
     comparisons.push_back(verdict.comparison);
     Comparison shown = verdict.comparison;

@@ -289,7 +289,7 @@ int sweep_status_command(const SweepFolderArguments& arguments) {
 
 int sweep_summary_command(const SweepFolderArguments& arguments) {
   const SweepSummary summary = gather_sweep(arguments.folder).summary;
-  if (arguments.common.json) std::fputs(summary_as_json(summary).c_str(), stdout);
+  if (arguments.common.json) std::puts(json_text(nlohmann::json::parse(summary_as_json(summary))).c_str());
   Terminal(arguments.common.quiet || arguments.common.json).text(format_summary(summary));
   return 0;
 }

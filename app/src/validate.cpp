@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "commands.h"
 #include "judging.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
+#include "rigproof/core/text.h"
 #include "rigproof/study/workflow/workflow.h"
 #include "rigproof/validate/bound.h"
 #include "rigproof/validate/format.h"
@@ -50,11 +52,41 @@ std::vector<Comparison> comparisons_of_run(const RunFolder& run, const Truth& tr
   return comparisons;
 }
 
-// What the data allow, where the observations are at hand.
-std::string bound_of_run(const RunFolder& run, const Truth& truth) {
-  if (!std::filesystem::is_regular_file(run.observations_file())) return {};
-  const std::optional<DataBound> bound = data_bound(load_observations(run.observations_file()), truth);
-  return bound ? format_bound(*bound) : std::string();
+// What the data allow, where the observations are at hand. Those that cannot be read are a record, too.
+std::optional<DataBound> bound_of_run(const RunFolder& run, const Truth& truth,
+                                      std::vector<ValidationRecord>* records) {
+  if (!std::filesystem::is_regular_file(run.observations_file())) return std::nullopt;
+  try {
+    return data_bound(load_observations(run.observations_file()), truth);
+  } catch (const Error& error) {
+    ValidationRecord& record = records->emplace_back();
+    record.subject = run.observations_file().filename().string();
+    record.unreadable = error.what();
+    return std::nullopt;
+  }
+}
+
+// A file that cannot be judged is a record, too: a pipeline looks at the JUnit file, not at the screen.
+ValidationRecord record_of(const std::filesystem::path& file, const ValidateArguments& arguments, const Truth& truth,
+                           const Budget& budget) {
+  ValidationRecord record;
+  record.subject = subject_of(file, arguments);
+  record.budget = budget;
+  try {
+    Verdict verdict = judge(load_result(file), truth, budget, file.string());
+    record.comparison = std::move(verdict.comparison);
+    record.gate = std::move(verdict.gate);
+  } catch (const Error& error) {
+    record.unreadable = error.what();
+  }
+  return record;
+}
+
+void throw_if_unreadable(const std::vector<ValidationRecord>& records) {
+  std::vector<std::string> messages;
+  for (const ValidationRecord& record : records)
+    if (!record.unreadable.empty()) messages.push_back(record.unreadable);
+  if (!messages.empty()) throw Error(joined(messages, "\n"));
 }
 
 }  // namespace
@@ -69,11 +101,12 @@ int validate_command(const ValidateArguments& arguments) {
   Budget budget = budget_of(arguments.budget);
   budget.nothing_suspected |= !arguments.junit.empty();
   std::vector<ValidationRecord> records;
-  for (const std::filesystem::path& file : result_files_of(arguments, run)) {
-    const Verdict verdict = judge(load_result(file), truth, budget);
-    records.push_back({subject_of(file, arguments), verdict.comparison, budget, verdict.gate});
-  }
+  for (const std::filesystem::path& file : result_files_of(arguments, run))
+    records.push_back(record_of(file, arguments, truth, budget));
+  const std::optional<DataBound> bound = bound_of_run(run, truth, &records);
+  for (ValidationRecord& record : records) record.comparison.bound = bound;
   if (!arguments.junit.empty()) save_junit(records, arguments.junit, words::sentence_of);
+  throw_if_unreadable(records);
   if (arguments.common.json) std::puts(to_json(records, words::sentence_of).c_str());
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   const std::vector<Comparison> same_run = comparisons_of_run(run, truth, records);
@@ -83,7 +116,7 @@ int validate_command(const ValidateArguments& arguments) {
     terminal.text(format_same_run(record.comparison, record.budget, same_run));
     if (arguments.paper) terminal.text(format_paper(record.comparison));
   }
-  terminal.text(bound_of_run(run, truth));
+  terminal.text(bound ? format_bound(*bound) : "");
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);
 }
 

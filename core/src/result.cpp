@@ -1,9 +1,11 @@
 #include "rigproof/core/result.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <string_view>
 
 #include "finding_tree.h"
 #include "mcalib_result.h"
@@ -496,9 +498,28 @@ std::string result_schema() {
   return schema_of_fields("Rigproof result: results/METHOD.yaml", visit, {kVersion, false});
 }
 
-void save_result(const Result& result, const std::filesystem::path& file, const Wording& wording) {
+std::string result_text(const Result& result, const Wording& wording) {
   Result written = result;
-  write_file_atomically(file, write_fields([&](FieldVisitor& visitor) { visit_result(visitor, written, wording); }));
+  return write_fields([&](FieldVisitor& visitor) { visit_result(visitor, written, wording); });
+}
+
+void save_result(const Result& result, const std::filesystem::path& file, const Wording& wording) {
+  write_file_atomically(file, result_text(result, wording));
+}
+
+std::string name_with_settings(const std::string& method,
+                               const std::vector<std::pair<std::string, std::string>>& settings) {
+  constexpr std::size_t kLongest = 80, kHashed = 8;
+  constexpr std::string_view kSigns = "_-+.";
+  if (settings.empty()) return method;
+  std::string name = method;
+  for (const auto& [key, value] : settings) {
+    name += "-" + key + "_";
+    for (const char c : value)
+      name += std::isalnum(static_cast<unsigned char>(c)) != 0 || kSigns.find(c) != std::string_view::npos ? c : '_';
+  }
+  if (name.size() <= kLongest) return name;
+  return name.substr(0, kLongest - kHashed - 1) + "-" + sha256_hex(name).substr(0, kHashed);
 }
 
 std::string sentence_of(const EstimatedTransform& transform) {

@@ -74,7 +74,8 @@ TEST(BadInput, SettingsOfMl) {
   };
   EXPECT_THAT(message({"ml:focal_sigma_percent=-1,clock_ms=3"}),
               testing::AllOf(HasSubstr("focal_sigma_percent"), HasSubstr("-1"), HasSubstr("clock_offset_sigma_ms")));
-  EXPECT_THAT(message({"ml", "ml:focal_sigma_percent=1"}), HasSubstr("two methods of the name ml"));
+  EXPECT_THAT(message({"ml", "ml:focal_sigma_percent=1,name=ml"}), HasSubstr("two methods of the name ml;"));
+  EXPECT_THAT(message({"ml:told=exact", "ml:told=exact"}), HasSubstr("two methods of the name ml-told_exact;"));
   EXPECT_THAT(message({"ml:none.yaml"}), HasSubstr("none.yaml"));
   EXPECT_THAT(message({"ml:focal_sigma_percent=1,name=memroc"}), HasSubstr("name of another method"));
 }
@@ -371,9 +372,22 @@ TEST(BadInput, ForeignResultWithUnknownCamera) {
   const fs::path result = scratch.write(
       "theirs.yaml",
       "- {parent: base_footprint, child: lefty, translation_m: [0, 0, 0], quaternion_xyzw: [0, 0, 0, 1]}\n");
-  expect_error(rigproof_command({"validate", small_run().string(), result.string()}), HasSubstr("lefty"));
+  expect_error(rigproof_command({"validate", small_run().string(), result.string()}),
+               AllOf(HasSubstr(result.string() + ": "), HasSubstr("lefty"), HasSubstr("did you mean \"left\"?")));
   expect_error(rigproof_command({"validate", (small_run() / "recording").string(), result.string()}),
                HasSubstr("truth"));
+}
+
+// A pipeline shows what JUnit holds: a result that is not there must not look like one that nobody asked for.
+TEST(BadInput, ResultsThatCannotBeReadStandInJUnit) {
+  const TempFolder scratch;
+  const std::string missing = (scratch / "missing.yaml").string(), junit = (scratch / "gate.xml").string();
+  const fs::path broken = scratch.write("broken.yaml", "method: [");
+  expect_error(rigproof_command({"validate", small_run().string(), missing, broken.string(), "--junit", junit}),
+               AllOf(HasSubstr(missing), HasSubstr(broken.string())));
+  EXPECT_THAT(read_whole_file(junit),
+              AllOf(HasSubstr("errors=\"2\""), HasSubstr("<testsuite name=\"missing.yaml\" tests=\"1\""),
+                    HasSubstr("<testsuite name=\"broken.yaml\""), HasSubstr("<error message=")));
 }
 
 // ---- drives that cannot answer -------------------------------------------------------------------------------------

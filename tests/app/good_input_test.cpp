@@ -144,7 +144,7 @@ TEST(Command, SettingsOfMlStandInTheMethodsName) {
       scratch.write("with_lens.yaml", "principal_point_sigma_px: 0.5\nclock_offset_sigma_ms: 5\n");
   const ProcessOutput output =
       rigproof_command({"calibrate", small_run().string(), "-o", (scratch / "results").string(), "-m", "ml", "-m",
-                        "ml:" + settings.string(), "-m", "ml:focal_sigma_percent=0.2,name=ml_focal"});
+                        "ml:" + settings.string(), "-m", "ml:focal_sigma_percent=0.2"});
   EXPECT_EQ(output.exit_code, 0) << output.err;
   EXPECT_THAT(output.out, HasSubstr("also estimated  principal point x [px]"));
   EXPECT_THAT(output.out, HasSubstr("focal length [percent]"));
@@ -154,9 +154,23 @@ TEST(Command, SettingsOfMlStandInTheMethodsName) {
   ASSERT_EQ(lens.also_estimated.size(), 9U);
   EXPECT_EQ(lens.also_estimated[2].name, "clock_offset_ms");
   EXPECT_EQ(lens.also_estimated[2].prior_sigma, 5.0);
-  const Result focal = load_result(scratch / "results/ml_focal.yaml");
+  const Result focal = load_result(scratch / "results/ml-focal_sigma_percent_0.2.yaml");
   ASSERT_EQ(focal.also_estimated.size(), 3U);
   EXPECT_LT(focal.also_estimated.front().sigma, 0.2);
+}
+
+TEST(Command, AnotherResultOfTheSameNameIsKept) {
+  const TempFolder scratch;
+  const std::string mine = "# of last week\n";
+  scratch.write("results/joint_memroc.yaml", mine);
+  for (int i = 0; i < 2; ++i) {
+    const ProcessOutput output = rigproof_command(
+        {"calibrate", small_run().string(), "-m", "joint_memroc", "-o", (scratch / "results").string()});
+    ASSERT_EQ(output.exit_code, 0) << output.err;
+    EXPECT_EQ(output.out.find("joint_memroc.yaml.bak)") != std::string::npos, i == 0) << output.out;
+    EXPECT_EQ(scratch.read("results/joint_memroc.yaml.bak"), mine) << "the same result again replaces nothing";
+  }
+  EXPECT_EQ(load_result(scratch / "results/joint_memroc.yaml").method, "joint_memroc");
 }
 
 // Of one camera the focal length is doubted, of another the principal point: each value stands below its own name.

@@ -1,8 +1,11 @@
 // From the bag that a robot would have recorded of a run to the same poses as from the run itself.
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "bag_bytes.h"
 #include "cli_fixture.h"
+#include "rigproof/core/image_cell.h"
+#include "rigproof/core/observations.h"
 #include "rigproof/core/recording.h"
 #include "rigproof/core/result.h"
 #include "schema_check.h"
@@ -112,7 +115,20 @@ TEST(InitCommand, ABagCalibratesToTheSamePosesAsItsRecording) {
   const json report = json::parse(output.out);
   EXPECT_EQ(schema_violations(report, json::parse(rigproof_command({"schema", "init_output"}).out)), "");
   EXPECT_EQ(report["stops"], 10);
-  for (const json& camera : report["cameras"]) EXPECT_GE(camera["board_stops"], 8) << camera["name"];
+  const std::string seen = (scratch / "seen.json").string();
+  ASSERT_EQ(rigproof_command({"observe", made.string(), "-o", seen}).exit_code, 0);
+  const Observations observations = load_observations(seen);
+  for (std::size_t c = 0; c < report["cameras"].size(); ++c) {
+    const json& camera = report["cameras"][c];
+    EXPECT_GE(camera["board_stops"], 8) << camera["name"];
+    std::set<std::size_t> cells;
+    for (const BoardView& view : observations.board_views)
+      for (const CornerObservation& corner : view.corners)
+        if (observations.cameras[c].name == camera["name"] && view.camera == static_cast<int>(c))
+          cells.insert(image_cell(observations.cameras[c].camera, corner.pixel));
+    EXPECT_EQ(camera["cells"], cells.size()) << camera["name"];
+    EXPECT_GE(cells.size(), 2U) << camera["name"];
+  }
 
   // With the same facts of the rig the same numbers: all that differs are stamps, which have 2e-7 s since 1970.
   Recording imported = load_recording(made);

@@ -55,7 +55,8 @@ TEST(ImageGround, CalibratesWithoutDepth) {
       rigproof_command({"calibrate", run, "-m", "memroc", "--ground", "images", "-o", results});
   EXPECT_EQ(output.exit_code, 0) << output.out << output.err;
   EXPECT_THAT(output.out, HasSubstr("left: ground from images"));
-  const Result result = load_result(results + "/memroc.yaml");
+  const Result result = load_result(results + "/memroc-ground_images.yaml");
+  EXPECT_EQ(result.method, "memroc-ground_images");
   const double heights_m[] = {0.700, 0.640, 0.725};
   ASSERT_EQ(result.camera_to_robot.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i)

@@ -289,6 +289,17 @@ TEST(ForeignResult, EveryKindOfProblemIsNamed) {
               HasSubstr("must be a list of tx, ty, tz"));
 }
 
+TEST(Result, IsNamedBySettingsThatAreNotTheUsualOnes) {
+  EXPECT_EQ(name_with_settings("ml", {}), "ml");
+  EXPECT_EQ(name_with_settings("ml", {{"ground", "images"}, {"horizon", "a b/c:d\xff"}}),
+            "ml-ground_images-horizon_a_b_c_d_");
+  const std::string a = name_with_settings("ml", {{"features", std::string(300, 'x')}});
+  const std::string b = name_with_settings("ml", {{"features", std::string(301, 'x')}});
+  EXPECT_EQ(a.size(), 80U);
+  EXPECT_EQ(b.size(), 80U);
+  EXPECT_NE(a, b);
+}
+
 TEST(Result, ACovarianceThatIsNoneIsNamed) {
   const ResultFile f;
   const std::string head = "- {parent: r, child: l, translation_m: [0, 0, 0], quaternion_xyzw: [0, 0, 0, 1], ";

@@ -23,7 +23,9 @@ What `rigproof COMMAND --help` prints; this page is written from it. Defaults st
 | `LP_NUM_THREADS` | threads of Mesa's software renderer in each process; 1 unless you set it |
 
 Files that are written appear whole, in place of a regular file of that name. A pipe or character device (`-o /dev/stdout`)
-is written to; a link is refused. In `--json` a byte of a name that is no UTF-8 is U+FFFD.
+is written to; a link is refused. In `--json` a byte of a name that is no UTF-8 is U+FFFD; every
+object that is printed has the `version` of the program (a list has none: its commands are `inspect`, `methods` and the like,
+`scenes SCENE`, `paper`).
 
 Completion comes with an installation; from a checkout: `source <(rigproof completion bash)` in `~/.bashrc`,
 `rigproof completion zsh > _rigproof` in a folder of `$fpath`, `rigproof completion fish | source` in `config.fish`.

@@ -67,7 +67,7 @@ CASES = [
     Case("sense", ["sense", "run", "--cache", "cache", "--seed", "7", "-o", "sensed", "-j", "1"], [RUN],
          sample=("open",)),
     Case("observe", ["observe", "run", "-j", "1"], [RUN], sample=("rename",)),
-    Case("calibrate", CALIBRATE, [RUN, [*CALIBRATE, "-m", "ml:told=exact"]],
+    Case("calibrate", CALIBRATE, [RUN, [*CALIBRATE, "-m", "ml:told=exact,name=ml"]],
          sample=("write", "close")),
     Case("sweep", ["sweep", "start", "sweep.yaml", "-o", "swept", "-j", "1"]),
     Case("sweep_shards", ["sweep", "run", "swept", "-j", "1"],

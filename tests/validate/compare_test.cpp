@@ -111,8 +111,10 @@ TEST(Compare, UnknownNamesAreNamed) {
   const Truth truth = make_truth();
   Result result = exact_result(truth);
   result.camera_to_robot[1].child = "centre";
-  EXPECT_THAT(error_text([&] { compare(result, truth); }),
-              testing::AllOf(testing::HasSubstr("centre"), testing::HasSubstr("left, center, right")));
+  EXPECT_THAT(
+      error_text([&] { compare(result, truth, "theirs.yaml"); }),
+      testing::AllOf(testing::StartsWith("theirs.yaml: base_footprint -> centre: "),
+                     testing::HasSubstr("left, center, right"), testing::HasSubstr("did you mean \"center\"?")));
   result = exact_result(truth);
   result.camera_to_robot[1].parent = "base_link";
   EXPECT_THROW(compare(result, truth), Error);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "rigproof/validate/format.h"
 #include "synthetic.h"
 
 namespace rigproof {
@@ -45,6 +46,27 @@ TEST(Explanation, AllCamerasShareAShift) {
   ASSERT_TRUE(found);
   EXPECT_EQ(found->kind, Kind::kSharedAxis);
   EXPECT_THAT(found->sentence, HasSubstr("too far forward"));
+}
+
+// Two centimetres where the data allow two millimetres: no odometry can be that wrong.
+TEST(Explanation, ABiasThatTheDataForbidIsNotBlamedOnOdometry) {
+  const Truth truth = make_truth();
+  Comparison comparison = compare(
+      make_result(truth, {vector(0.02, 0, 0, 0.001), vector(0.021, 0, 0, 0.001), vector(0.022, 0, 0, 0.001)}), truth);
+  comparison.bound = DataBound();
+  comparison.bound->camera_to_robot[0] = 0.006;
+  EXPECT_THAT(explain_failures(comparison, tight_budget())->sentence, HasSubstr("share this error (odometry): they"));
+  comparison.bound->camera_to_robot[0] = 0.002;
+  EXPECT_EQ(explain_failures(comparison, tight_budget())->sentence,
+            "all cameras share this error, far more than the data allow: they are 2.1 cm too far forward");
+  EXPECT_THAT(format_errors(comparison), HasSubstr("The cameras share this error, far more than the data allow. "));
+  Result turned = exact_result(truth);
+  for (EstimatedTransform& estimate : turned.camera_to_robot)
+    estimate.T_parent_child = se3_exp(vector(0.02, 0.03, 0.0, 0.02)) * estimate.T_parent_child;
+  Comparison whole = compare(turned, truth);
+  whole.bound = DataBound();
+  whole.bound->camera_to_robot[5] = 0.004;
+  EXPECT_THAT(explain_failures(whole, tight_budget())->sentence, HasSubstr("far more than the data allow"));
 }
 
 TEST(Explanation, ASharedTiltComesFromTheGround) {

@@ -96,6 +96,42 @@ TEST(JUnit, NothingCheckedIsAFailure) {
   EXPECT_EQ(tree.get<int>("testsuites.testsuite.<xmlattr>.tests"), 1);
 }
 
+TEST(JUnit, AFileThatCannotBeJudgedIsAnError) {
+  const Truth truth = make_truth();
+  ValidationRecord unreadable;
+  unreadable.subject = "missing.yaml";
+  unreadable.unreadable = "missing.yaml: cannot be read";
+  const ptree tree = parsed(to_junit({record_of(truth, exact_result(truth), "ml"), unreadable}));
+  const ptree& suites = tree.get_child("testsuites");
+  EXPECT_EQ(suites.get<int>("<xmlattr>.errors"), 1);
+  EXPECT_EQ(suites.get<int>("<xmlattr>.failures"), 0);
+  const ptree& suite = suites.back().second;
+  EXPECT_EQ(suite.get<std::string>("<xmlattr>.name"), "missing.yaml");
+  EXPECT_EQ(suite.get<int>("<xmlattr>.tests"), 1);
+  EXPECT_EQ(suite.get<int>("<xmlattr>.errors"), 1);
+  EXPECT_EQ(suite.get<std::string>("testcase.error.<xmlattr>.message"), "missing.yaml: cannot be read");
+}
+
+// The `type` of every failure, and the codes of notes.
+TEST(JUnit, CarriesStableCodes) {
+  const Truth truth = make_truth();
+  Result result = failing_result(truth);
+  result.notes.push_back(Finding("prior.strained").of("left"));
+  ValidationRecord record = record_of(truth, result, "theirs.yaml");
+  add_suspicions(result.notes, &record.gate);
+  const ptree suite = parsed(to_junit({record})).get_child("testsuites.testsuite");
+  std::vector<std::string> types, note_codes;
+  for (const auto& [name, child] : suite)
+    if (const auto type = child.get_optional<std::string>("failure.<xmlattr>.type")) types.push_back(*type);
+  EXPECT_THAT(types, testing::ElementsAre("budget", "prior.strained"));
+  for (const auto& [name, child] : suite.get_child("properties"))
+    if (child.get<std::string>("<xmlattr>.name") == "note_code")
+      note_codes.push_back(child.get<std::string>("<xmlattr>.value"));
+  EXPECT_THAT(note_codes, testing::Each("gate.no_sigma"));
+  EXPECT_EQ(note_codes.size(), record.gate.notes.size());
+  EXPECT_FALSE(note_codes.empty());
+}
+
 TEST(JsonReport, HoldsErrorsExactly) {
   const Truth truth = make_truth();
   const ValidationRecord record = record_of(truth, failing_result(truth), "theirs.yaml");

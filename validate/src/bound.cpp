@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "rigproof/calib/estimate/information.h"
 #include "rigproof/core/conventions.h"
@@ -119,10 +120,17 @@ std::vector<TransformBound> transform_bounds(const Observations& observations, c
   return bounds;
 }
 
+std::optional<DataBound> largest_of(const std::vector<TransformBound>& bounds) {
+  if (bounds.empty()) return std::nullopt;
+  const auto is_in_robot = [](const TransformBound& bound) { return bound.parent == "robot"; };
+  std::vector<TransformBound> cameras, pairs;
+  std::partition_copy(bounds.begin(), bounds.end(), std::back_inserter(cameras), std::back_inserter(pairs),
+                      is_in_robot);
+  return DataBound{largest(cameras), largest(pairs)};
+}
+
 std::optional<DataBound> data_bound(const Observations& observations, const Truth& truth) {
-  const std::optional<InformationBound> bound = information_at_truth(observations, truth);
-  if (!bound) return std::nullopt;
-  return DataBound{largest(in_robot(observations, *bound)), largest(between_cameras(observations, *bound))};
+  return largest_of(transform_bounds(observations, truth));
 }
 
 std::string format_bound(const DataBound& bound) {

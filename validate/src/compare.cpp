@@ -31,7 +31,7 @@ bool is_whole(const std::array<bool, 6>& observable) {
 
 class Statements {
  public:
-  Statements(const Result& result, const Truth& truth);
+  Statements(const Result& result, const Truth& truth, const std::string& file);
 
   const Statement* find(int parent, int child) const {
     const auto found = by_pair_.find({parent, child});
@@ -44,9 +44,12 @@ class Statements {
   int index_of(const std::string& name) const;
   void add(const EstimatedTransform& estimate, int joint_index);
   void problem(const EstimatedTransform& estimate, const std::string& message) {
-    problems_.add({"", 0, estimate.parent + " -> " + estimate.child, "", message});
+    problems_.add({file_, 0, estimate.parent + " -> " + estimate.child, "", message});
   }
+  // "(cameras: left, right); did you mean "right"?", for the first of the names that is near a camera's.
+  std::string cameras_near(const std::vector<std::string>& names) const;
 
+  std::string file_;
   std::vector<std::string> cameras_;
   std::set<std::string> robots_;
   std::map<std::pair<int, int>, Statement> by_pair_;
@@ -54,16 +57,25 @@ class Statements {
   Problems problems_;
 };
 
-Statements::Statements(const Result& result, const Truth& truth) : joint_covariance_(result.joint_covariance) {
+Statements::Statements(const Result& result, const Truth& truth, const std::string& file)
+    : file_(file), joint_covariance_(result.joint_covariance) {
   for (const TrueCamera& camera : truth.cameras) cameras_.push_back(camera.name);
   int joint_index = 0;
   for (const EstimatedTransform& estimate : result.camera_to_robot) add(estimate, joint_index++);
   for (const EstimatedTransform& estimate : result.camera_to_camera) add(estimate, -1);
-  if (robots_.size() > 1)
-    problems_.add({"", 0, "", joined({robots_.begin(), robots_.end()}),
-                   "more than one name that is no camera of the truth, so that the robot cannot be told (cameras: " +
-                       joined(cameras_) + ")"});
+  const std::vector<std::string> robots(robots_.begin(), robots_.end());
+  if (robots.size() > 1)
+    problems_.add({file_, 0, "", joined(robots),
+                   "more than one name that is no camera of the truth, so that the robot cannot be told " +
+                       cameras_near(robots)});
   problems_.throw_if_any();
+}
+
+std::string Statements::cameras_near(const std::vector<std::string>& names) const {
+  const std::string cameras = "(cameras: " + joined(cameras_) + ")";
+  for (const std::string& name : names)
+    if (const auto nearest = nearest_name(name, cameras_)) return cameras + "; did you mean \"" + *nearest + "\"?";
+  return cameras;
 }
 
 int Statements::index_of(const std::string& name) const {
@@ -81,7 +93,7 @@ void Statements::add(const EstimatedTransform& stated, int joint_index) {
                       false,
                       joint_index};
   if (statement.parent == kRobot && statement.child == kRobot)
-    return problem(estimate, "names no camera of the truth (cameras: " + joined(cameras_) + ")");
+    return problem(estimate, "names no camera of the truth " + cameras_near({estimate.child, estimate.parent}));
   if (statement.parent == statement.child) return problem(estimate, "a pose of a camera in itself");
   if (statement.parent == kRobot) robots_.insert(estimate.parent);
   if (statement.child == kRobot) robots_.insert(estimate.child);
@@ -220,8 +232,8 @@ double worst_error(const std::vector<TransformError>& errors, bool rotation) {
 double Comparison::worst_between_m() const { return worst_error(camera_to_camera, false); }
 double Comparison::worst_between_rad() const { return worst_error(camera_to_camera, true); }
 
-Comparison compare(const Result& result, const Truth& truth) {
-  const Statements statements(result, truth);
+Comparison compare(const Result& result, const Truth& truth, const std::string& file) {
+  const Statements statements(result, truth, file);
   Comparison comparison;
   comparison.method = result.method;
   comparison.status = result.status;

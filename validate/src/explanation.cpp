@@ -68,17 +68,18 @@ std::string axis_in_words(int axis, double value) {
   return number + (axis < 3 ? " cm " : " deg ") + word;
 }
 
-// What all cameras share comes from the odometry along x, y and about z, and from the ground in the other three.
-std::string shared_source(const std::vector<int>& axes) {
-  bool odometry = false, ground = false;
-  for (const int axis : axes) (axis == 0 || axis == 1 || axis == 5 ? odometry : ground) = true;
-  return odometry && ground ? "odometry and ground" : ground ? "ground" : "odometry";
+double mean_error(const Comparison& comparison, int axis) {
+  double sum = 0.0;
+  for (const TransformError& error : comparison.camera_to_robot) sum += error.error[axis];
+  return sum / static_cast<double>(comparison.camera_to_robot.size());
 }
 
-double mean_error(const Failures& failures, int axis) {
-  double sum = 0.0;
-  for (const TransformError& error : failures.comparison.camera_to_robot) sum += error.error[axis];
-  return sum / static_cast<double>(failures.count());
+// What odometry and ground leave open is in the bound; a shared error far beyond it is of the method's own making.
+bool is_beyond_bound(const Comparison& comparison, int axis) {
+  constexpr double kDeviations = 4.0;
+  if (!comparison.bound) return false;
+  const std::optional<double>& sigma = comparison.bound->camera_to_robot[static_cast<std::size_t>(axis)];
+  return sigma && std::abs(mean_error(comparison, axis)) > kDeviations * *sigma;
 }
 
 bool failed(const Failures& failures, const std::string& subject, int axis) {
@@ -119,13 +120,13 @@ std::optional<Explanation> one_axis(const Failures& failures) {
 std::optional<Explanation> shared_axis(const Failures& failures) {
   if (failures.count() < 2) return std::nullopt;
   for (int axis = 0; axis < 3; ++axis) {
-    const double value = mean_error(failures, axis);
+    const double value = mean_error(failures.comparison, axis);
     Poses corrected = estimates_of(failures.comparison);
     for (Rigid3& T : corrected) T.translation[axis] -= value;
     if (!failures.are_cured_by(corrected)) continue;
-    return Explanation{
-        Explanation::Kind::kSharedAxis, "", axis, value,
-        "all cameras share this error (" + shared_source({axis}) + "): they are " + axis_in_words(axis, value)};
+    return Explanation{Explanation::Kind::kSharedAxis, "", axis, value,
+                       "all cameras share this error" + source_of_shared(failures.comparison, {axis}) + ": they are " +
+                           axis_in_words(axis, value)};
   }
   return std::nullopt;
 }
@@ -177,14 +178,25 @@ std::optional<Explanation> shared_motion(const Failures& failures) {
   std::vector<int> axes;
   for (int axis = 0; axis < 6; ++axis) {
     if (!failed(failures, "", axis)) continue;
-    shown[axis] = mean_error(failures, axis);
+    shown[axis] = mean_error(failures.comparison, axis);
     axes.push_back(axis);
   }
   return Explanation{Explanation::Kind::kSharedMotion, "", -1, mean.head<3>().norm(),
-                     "all cameras share this error (" + shared_source(axes) + "): they are " + describe_axes(shown)};
+                     "all cameras share this error" + source_of_shared(failures.comparison, axes) + ": they are " +
+                         describe_axes(shown)};
 }
 
 }  // namespace
+
+// What all cameras share comes from the odometry along x, y and about z, and from the ground in the other three.
+std::string source_of_shared(const Comparison& comparison, const std::vector<int>& axes) {
+  bool odometry = false, ground = false;
+  for (const int axis : axes) {
+    if (is_beyond_bound(comparison, axis)) return ", far more than the data allow";
+    (axis == 0 || axis == 1 || axis == 5 ? odometry : ground) = true;
+  }
+  return odometry && ground ? " (odometry and ground)" : ground ? " (ground)" : " (odometry)";
+}
 
 std::optional<Explanation> explain_failures(const Comparison& comparison, const Budget& budget) {
   const Failures failures{comparison, budget, apply_budget(comparison, budget)};

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "rigproof/core/text.h"
+#include "rigproof/validate/explanation.h"
 #include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/text_table.h"
@@ -116,10 +117,11 @@ bool cameras_share_error(const Comparison& comparison) {
 }
 
 // Along z the cameras can only share what the ground says, otherwise what the odometry says.
-const char* shared_source(const Comparison& comparison) {
+std::string shared_source(const Comparison& comparison) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const TransformError& error : comparison.camera_to_robot) sum += error.error.head<3>();
-  return std::abs(sum.z()) > sum.head<2>().norm() ? "ground" : "odometry";
+  const bool is_vertical = std::abs(sum.z()) > sum.head<2>().norm();
+  return source_of_shared(comparison, is_vertical ? std::vector<int>{2} : std::vector<int>{0, 1});
 }
 
 const TransformError& worst_pair(const Comparison& comparison) {
@@ -130,9 +132,8 @@ const TransformError& worst_pair(const Comparison& comparison) {
 
 std::string between_cameras(const Comparison& comparison) {
   if (comparison.camera_to_camera.empty()) return "";
-  const std::string shared = cameras_share_error(comparison)
-                                 ? std::string("The cameras share this error (") + shared_source(comparison) + "). "
-                                 : "";
+  const std::string shared =
+      cameras_share_error(comparison) ? "The cameras share this error" + shared_source(comparison) + ". " : "";
   const std::string which =
       comparison.camera_to_camera.size() > 1 && shared.empty() ? " (" + worst_pair(comparison).name() + ")" : "";
   return " " + shared + "Between cameras: worst " + short_figure(100.0 * comparison.worst_between_m()) + " cm, " +

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdint>
 #include <map>
 
@@ -51,6 +50,16 @@ std::string property(const char* name, const std::string& value) {
                        : std::string("      <property") + attribute("name", name) + attribute("value", value) + "/>\n";
 }
 
+std::string coded_properties(const char* code, const char* words, const std::vector<Finding>& findings,
+                             const Wording& wording) {
+  std::string text;
+  for (const Finding& finding : findings) {
+    text += property(code, finding.code);
+    if (wording) text += property(words, wording(finding));
+  }
+  return text;
+}
+
 std::string properties_of(const ValidationRecord& record, const Wording& wording) {
   const Comparison& comparison = record.comparison;
   std::string text = "    <properties>\n";
@@ -62,60 +71,83 @@ std::string properties_of(const ValidationRecord& record, const Wording& wording
   text += property("uncertainty", format_nees(comparison));
   if (comparison.suspicion) text += property("convention", comparison.suspicion->explanation);
   if (const auto cause = explain_failures(comparison, record.budget)) text += property("cause", cause->sentence);
-  for (const Finding& reason : comparison.reasons) {
-    text += property("code", reason.code);
-    if (wording) text += property("reason", wording(reason));
-  }
+  text += coded_properties("code", "reason", comparison.reasons, wording);
+  text += coded_properties("note_code", "note", record.gate.notes, wording);
   return text + "    </properties>\n";
 }
 
-std::string failing_case(const std::string& start, const std::string& message) {
-  return start + ">\n      <failure" + attribute("message", message) + attribute("type", "budget") +
-         "/>\n    </testcase>\n";
+std::string testcase(const std::string& classname, const std::string& name, const std::string& content = {}) {
+  const std::string start = "    <testcase" + attribute("classname", classname) + attribute("name", name);
+  return start + (content.empty() ? "/>\n" : ">\n" + content + "    </testcase>\n");
+}
+
+// `element` is failure or error.
+std::string outcome(const char* element, const std::string& message, const std::string& type) {
+  return std::string("      <") + element + attribute("message", message) + attribute("type", type) + "/>\n";
 }
 
 std::string testcase_of(const Check& check, const std::string& classname, const Wording& wording) {
   const std::string name = check.unit == "sigma" ? check.name + " in sigmas" : check.name;
-  const std::string start = "    <testcase" + attribute("classname", classname) + attribute("name", name);
-  return check.passed ? start + "/>\n" : failing_case(start, check.message(wording));
+  if (check.passed) return testcase(classname, name);
+  return testcase(classname, name,
+                  outcome("failure", check.message(wording), check.reason ? check.reason->code : "budget"));
 }
 
 std::string nothing_checked(const ValidationRecord& record, const std::string& classname, const Wording& wording) {
   std::string message = "nothing could be checked against the budget";
   for (const Finding& note : record.gate.notes) message += "; " + (wording ? wording(note) : note.code);
-  return failing_case("    <testcase" + attribute("classname", classname) + attribute("name", "budget"), message);
+  return testcase(classname, "budget", outcome("failure", message, "budget"));
 }
 
-// Tests and failures of a record: a gate that checked nothing counts as one failure.
-std::size_t tests_of(const ValidationRecord& record) { return std::max<std::size_t>(1, record.gate.checks.size()); }
-std::size_t failures_of(const ValidationRecord& record) {
-  return record.gate.checks.empty() ? 1 : record.gate.failures();
+struct Counts {
+  std::size_t tests = 0, failures = 0, errors = 0;
+
+  Counts& operator+=(const Counts& more) {
+    tests += more.tests;
+    failures += more.failures;
+    errors += more.errors;
+    return *this;
+  }
+  std::string attributes() const {
+    return attribute("tests", std::to_string(tests)) + attribute("failures", std::to_string(failures)) +
+           attribute("errors", std::to_string(errors));
+  }
+};
+
+// A gate that checked nothing counts as one failure.
+Counts counts_of(const ValidationRecord& record) {
+  if (!record.unreadable.empty()) return {1, 0, 1};
+  if (record.gate.checks.empty()) return {1, 1, 0};
+  return {record.gate.checks.size(), record.gate.failures(), 0};
+}
+
+std::string testcases_of(const ValidationRecord& record, const std::string& classname, const Wording& wording) {
+  if (!record.unreadable.empty())
+    return testcase(classname, "result", outcome("error", record.unreadable, "unreadable"));
+  if (record.gate.checks.empty()) return nothing_checked(record, classname, wording);
+  std::string text;
+  for (const Check& check : record.gate.checks) text += testcase_of(check, classname, wording);
+  return text;
 }
 
 std::string testsuite_of(const ValidationRecord& record, const Wording& wording) {
   const std::string name = record.subject.empty() ? record.comparison.method : record.subject;
-  const std::string classname = "rigproof." + name;
-  std::string text = "  <testsuite" + attribute("name", name) + attribute("tests", std::to_string(tests_of(record))) +
-                     attribute("failures", std::to_string(failures_of(record))) + attribute("errors", "0") + ">\n" +
-                     properties_of(record, wording);
-  for (const Check& check : record.gate.checks) text += testcase_of(check, classname, wording);
-  if (record.gate.checks.empty()) text += nothing_checked(record, classname, wording);
-  return text + "  </testsuite>\n";
+  return "  <testsuite" + attribute("name", name) + counts_of(record).attributes() + ">\n" +
+         (record.unreadable.empty() ? properties_of(record, wording) : "") +
+         testcases_of(record, "rigproof." + name, wording) + "  </testsuite>\n";
 }
 
 }  // namespace
 
 std::string to_junit(const std::vector<ValidationRecord>& records, const Wording& wording) {
-  std::size_t tests = 0, failures = 0;
+  Counts counts;
   std::string suites;
   for (const ValidationRecord& record : records) {
-    tests += tests_of(record);
-    failures += failures_of(record);
+    counts += counts_of(record);
     suites += testsuite_of(record, wording);
   }
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + attribute("name", "rigproof validate") +
-         attribute("tests", std::to_string(tests)) + attribute("failures", std::to_string(failures)) + ">\n" + suites +
-         "</testsuites>\n";
+         counts.attributes() + ">\n" + suites + "</testsuites>\n";
 }
 
 void save_junit(const std::vector<ValidationRecord>& records, const std::filesystem::path& file,

@@ -34,6 +34,14 @@ std::string as_yaml(const std::string& text) {
   return yaml;
 }
 
+// "ml-told_exact", by the settings that are not the usual ones.
+std::string derived_name(const MlSettings& settings) {
+  std::vector<std::pair<std::string, std::string>> unusual;
+  for (const FieldDifference& one : field_differences(tree_of(MlSettings()), tree_of(settings)))
+    unusual.emplace_back(one.path, one.here);
+  return name_with_settings(MlSettings().name, unusual);
+}
+
 }  // namespace
 
 MlSettings::MlSettings() {
@@ -43,7 +51,8 @@ MlSettings::MlSettings() {
 
 void MlSettings::visit(FieldVisitor& visitor) {
   visitor.field("name", name, TextChoices{},
-                "Name of the method in tables and of its result's file; default ml, of a file the file's");
+                "Name of the method in tables and of its result's file; default ml with what is set, as "
+                "ml-told_exact; of a file the file's");
   visitor.choice("told", believe_told, {{"as_stated", false}, {"exact", true}},
                  "exact: lenses and board are believed to the last digit, whatever sigmas the rig states of them");
   for (std::size_t i = 0; i < sigmas.size(); ++i) {
@@ -69,9 +78,14 @@ bool names_ml_file(const std::string& text) { return text.find('=') == std::stri
 
 MlSettings read_ml_settings(const std::string& text) {
   MlSettings settings;
-  const VisitFields visit = [&settings](FieldVisitor& visitor) { settings.visit(visitor); };
+  bool is_named = false;
+  const VisitFields visit = [&](FieldVisitor& visitor) {
+    settings.visit(visitor);
+    is_named = visitor.given("name") != nullptr;
+  };
   if (!names_ml_file(text)) {
     read_fields_from_text(as_yaml(text), kMlPrefix + text, visit);
+    if (!is_named) settings.name = derived_name(settings);
     return settings;
   }
   if (text.empty()) throw Error(std::string(kMlPrefix) + ": KEY=VALUE,.. or a YAML file must follow");

@@ -1,6 +1,7 @@
 #include "board_coverage.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <map>
 #include <set>
@@ -12,6 +13,7 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/finding.h"
+#include "rigproof/core/image_cell.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -24,6 +26,18 @@ std::vector<std::size_t> stops_with(const std::vector<BoardView>& views, std::si
   for (const BoardView& view : views) stops[static_cast<std::size_t>(view.camera)].insert(view.stop);
   std::vector<std::size_t> counts;
   for (const auto& some : stops) counts.push_back(some.size());
+  return counts;
+}
+
+std::vector<std::size_t> cells_with(const std::vector<BoardView>& views, const std::vector<RigCamera>& cameras) {
+  std::vector<std::bitset<kImageCells>> cells(cameras.size());
+  for (const BoardView& view : views) {
+    const auto camera = static_cast<std::size_t>(view.camera);
+    for (const CornerObservation& corner : view.corners)
+      cells[camera].set(image_cell(cameras[camera].camera, corner.pixel));
+  }
+  std::vector<std::size_t> counts;
+  for (const auto& some : cells) counts.push_back(some.count());
   return counts;
 }
 
@@ -138,6 +152,7 @@ BoardCoverage find_board(const Recording& recording, int threads, const Coverage
   try {
     const Observations observations = observe(recording, options);
     coverage.stops = stops_with(observations.board_views, cameras);
+    coverage.cells = cells_with(observations.board_views, recording.rig.cameras);
     coverage.looked_at.assign(cameras, observations.stops.size());
   } catch (const FindingError& error) {
     if (!error.finding().is("board.nowhere")) throw;

@@ -14,6 +14,7 @@ namespace rigproof {
 
 struct BoardCoverage {
   std::vector<std::size_t> stops;      ///< [camera] stops at which the whole board was found
+  std::vector<std::size_t> cells;      ///< [camera] of kImageCells, those with a corner in them; empty: a board guessed
   std::vector<std::size_t> looked_at;  ///< [camera] stops that were looked at
   /// The board that most images show, "type: checkerboard, squares: [5, 4], square_mm: 100", and others beside it that
   /// images tell from it, by their markers.

@@ -179,8 +179,10 @@ void look_for_board(const InitOptions& options, const Recording& recording, Init
   const BoardCoverage guess = options.board.has_value() ? coverage : guess_board(recording, progress);
   if (!coverage.problem.empty())
     report.notes.push_back(note_of_problem(coverage.problem, recording.folder, options.output));
-  else if (known)
-    for (std::size_t i = 0; i < report.cameras.size(); ++i) report.cameras[i].board_stops = coverage.stops[i];
+  for (std::size_t i = 0; known && coverage.problem.empty() && i < report.cameras.size(); ++i) {
+    report.cameras[i].board_stops = coverage.stops[i];
+    report.cameras[i].board_cells = coverage.cells.empty() ? 0 : coverage.cells[i];
+  }
   if (known && !guess.seen.empty()) report.notes.push_back(note_of_others(guess, report.cameras));
   if (options.board) return;
   const bool any = !guess.seen.empty();

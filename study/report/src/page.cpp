@@ -10,6 +10,7 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
+#include "rigproof/study/workflow/workflow.h"
 
 namespace rigproof {
 namespace page_detail {
@@ -135,9 +136,8 @@ Json facts_of(const InspectInput& input) {
 
 std::vector<Result> with_first(std::vector<Result> results, const std::string& method) {
   if (results.empty()) throw Error("there is no result to report; make one with: rigproof calibrate");
-  const auto named = [](const std::string& name) { return [name](const Result& r) { return r.method == name; }; };
-  const auto first = std::find_if(results.begin(), results.end(), named(method.empty() ? "ml" : method));
-  if (first != results.end()) {
+  if (const std::optional<std::size_t> found = find_result(results, method)) {
+    const auto first = results.begin() + static_cast<std::ptrdiff_t>(*found);
     std::rotate(results.begin(), first, first + 1);
   } else if (!method.empty()) {
     std::vector<std::string> known;

@@ -176,8 +176,11 @@ Json verdict_json(const PageVerdict& verdict) {
 
 Json result_json(const InspectInput& input, const Result& result, const std::vector<Frame>& frames,
                  const std::vector<TransformBound>& bounds, const PageOptions& options) {
-  const std::optional<Comparison> comparison =
-      input.truth ? std::optional<Comparison>(compare(result, *input.truth)) : std::nullopt;
+  std::optional<Comparison> comparison;
+  if (input.truth) {
+    comparison = compare(result, *input.truth);
+    comparison->bound = largest_of(bounds);
+  }
   const CornerFit fit = fit_corners(input.observations, result);
   Json json = {{"method", result.method}, {"status", result_status_name(result.status)}};
   json["verdict"] = verdict_json(verdict_of(result, comparison, options.budget, input.observations, fit));

@@ -38,6 +38,16 @@ std::vector<Result> load_results(const std::filesystem::path& folder) {
   return results;
 }
 
+std::optional<std::size_t> find_result(const std::vector<Result>& results, const std::string& method) {
+  std::vector<std::size_t> with_settings;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].method == (method.empty() ? "ml" : method)) return i;
+    if (method.empty() && results[i].method.rfind("ml-", 0) == 0) with_settings.push_back(i);
+  }
+  if (with_settings.size() != 1) return std::nullopt;
+  return with_settings.front();
+}
+
 Budget budget_of(const std::filesystem::path& file) {
   if (file.empty()) return default_budget();
   std::error_code ignored;
@@ -48,9 +58,9 @@ Budget budget_of(const std::filesystem::path& file) {
   return load_budget(find_data_file("config", is_shipped ? shipped : file.string()));
 }
 
-Verdict judge(const Result& result, const Truth& truth, const Budget& budget) {
+Verdict judge(const Result& result, const Truth& truth, const Budget& budget, const std::string& file) {
   Verdict verdict;
-  verdict.comparison = compare(result, truth);
+  verdict.comparison = compare(result, truth, file);
   verdict.gate = apply_budget(verdict.comparison, budget);
   if (budget.nothing_suspected) add_suspicions(result.notes, &verdict.gate);
   return verdict;

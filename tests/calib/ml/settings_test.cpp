@@ -22,6 +22,16 @@ TEST(MlSettings, AreReadFromTheMethodsName) {
   EXPECT_EQ(MlMethod(settings).traits().name, "ml_lens");
 }
 
+// A result lies under its method's name: one with settings must not replace that of ml as it is.
+TEST(MlSettings, NameTheMethodUnlessItIsNamed) {
+  const auto name = [](const std::string& text) { return read_ml_settings(text).name; };
+  EXPECT_EQ(name("told=exact"), "ml-told_exact");
+  EXPECT_EQ(name("told=exact,focal_sigma_percent=0.40"), "ml-focal_sigma_percent_0.4-told_exact");
+  EXPECT_EQ(name("focal_sigma_percent=0.4,told=exact"), name("told=exact,focal_sigma_percent=0.4"));
+  EXPECT_EQ(name("told=as_stated"), "ml") << "the usual setting";
+  EXPECT_EQ(name("told=exact,name=ml"), "ml");
+}
+
 TEST(MlSettings, AreReadFromAFileWhoseNameTheyTake) {
   const TempFolder folder;
   const std::filesystem::path file =

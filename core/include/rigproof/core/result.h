@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rigproof/core/observations.h"
@@ -110,9 +111,17 @@ struct Result {
 /// Reads a result, ours or the smallest one that somebody else wrote: a list or map of
 /// {parent, child, translation_m, quaternion_xyzw}. Throws Error with every problem found.
 Result load_result(const std::filesystem::path& file);
-/// Writes a result atomically. `wording` adds sentences for people, which nothing reads.
+/// A result as its file has it. `wording` adds sentences for people, which nothing reads.
+std::string result_text(const Result& result, const Wording& wording = {});
+/// Writes the same atomically.
 void save_result(const Result& result, const std::filesystem::path& file, const Wording& wording = {});
 /// "pose of left in robot".
 std::string sentence_of(const EstimatedTransform& transform);
+
+/// "ml-told_exact": a method whose settings (key and value) are others than its usual ones, in tables and as its
+/// result's file, so that it never replaces the method as it usually is. Any file system takes it: at most 80
+/// characters, where a long name ends in a hash of the whole, and only letters, digits, _, -, + and . of the settings.
+std::string name_with_settings(const std::string& method,
+                               const std::vector<std::pair<std::string, std::string>>& settings);
 
 }  // namespace rigproof

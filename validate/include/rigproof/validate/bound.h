@@ -31,6 +31,9 @@ struct TransformBound {
 /// One entry for each camera of the observations, then for each pair. Empty where data_bound() would be absent.
 std::vector<TransformBound> transform_bounds(const Observations& observations, const Truth& truth);
 
+/// The largest of these; absent if there are none.
+std::optional<DataBound> largest_of(const std::vector<TransformBound>& bounds);
+
 /// The bound of these observations of the run: corners and planes with their stated covariances, the odometry with the
 /// noise that was drawn. Absent if a camera or a stop of the observations is not in the truth.
 std::optional<DataBound> data_bound(const Observations& observations, const Truth& truth);

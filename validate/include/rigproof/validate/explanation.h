@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rigproof/validate/budget.h"
 
@@ -24,9 +25,14 @@ struct Explanation {
   std::size_t explained = 0;  ///< failing checks that it explains: all of them
 };
 
+/// " (odometry)", " (ground)": where an error along or about these axes comes from that all cameras share; ", far more
+/// than the data allow" where it is beyond four standard deviations of the comparison's bound, so that neither can be.
+/// @param axes 0 to 5 = tx .. rz
+std::string source_of_shared(const Comparison& comparison, const std::vector<int>& axes);
+
 /// Undoes one cause at a time, in the order of Kind, and applies the budget again; the first cause without which
 /// nothing fails is the answer. Absent if nothing failed, if a check failed for want of an answer, or if no single
-/// cause will do.
+/// cause will do. Of what all cameras share, source_of_shared() is told.
 std::optional<Explanation> explain_failures(const Comparison& comparison, const Budget& budget);
 
 }  // namespace rigproof

@@ -8,6 +8,7 @@
 
 #include "rigproof/core/result.h"
 #include "rigproof/truth/truth.h"
+#include "rigproof/validate/bound.h"
 
 namespace rigproof {
 
@@ -62,6 +63,7 @@ struct Comparison {
   int nees_degrees_of_freedom = 0;
   std::vector<CameraNees> camera_nees;  ///< of each camera alone that states a covariance
   std::optional<ConventionSuspicion> suspicion;
+  std::optional<DataBound> bound;  ///< what the data allow, where the caller knows it; compare() leaves it absent
 
   /// Largest |error| between cameras.
   double worst_between_m() const;
@@ -72,9 +74,9 @@ struct Comparison {
 double worst_error(const std::vector<TransformError>& errors, bool rotation);
 
 /// Compares a result with the truth. Cameras are matched by name; whatever single other name occurs is the robot, and
-/// either direction is understood. Throws Error that lists every statement that names no camera of the truth, two
-/// different robots, or a pair twice.
-Comparison compare(const Result& result, const Truth& truth);
+/// either direction is understood. Throws Error that lists every statement that names no camera of the truth (with the
+/// nearest one), two different robots, or a pair twice; `file` is where the result stands, for its messages.
+Comparison compare(const Result& result, const Truth& truth, const std::string& file = {});
 
 /// Where the difference of two tracks of transforms is small: looks for the wrong convention that best explains a
 /// result. Absent unless correcting it makes the error at least ten times smaller and plausible (at most 0.15 m and

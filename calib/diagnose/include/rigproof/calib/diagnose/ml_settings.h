@@ -28,7 +28,8 @@ inline constexpr const char* kMlPrefix = "ml:";
 
 /// Whether the text after the prefix names a file rather than settings.
 bool names_ml_file(const std::string& text);
-/// Settings from "KEY=VALUE,KEY=VALUE", or from a YAML file (whose name is that of the method unless it sets one).
+/// Settings from "KEY=VALUE,KEY=VALUE", or from a YAML file. Unless `name` is set, the method is named by what is set
+/// ("ml-told_exact"), or as the file.
 /// Throws Error with every problem found.
 MlSettings read_ml_settings(const std::string& text);
 std::string ml_settings_schema();

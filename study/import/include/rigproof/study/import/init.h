@@ -44,6 +44,7 @@ struct InitCamera {
   std::size_t depth_kept = 0;
   std::size_t stops = 0;                   ///< with an image of this camera
   std::optional<std::size_t> board_stops;  ///< stops at which the board is in its image; absent: not looked for
+  std::optional<std::size_t> board_cells;  ///< of kImageCells, parts of its image with a corner of the board; likewise
 };
 
 struct InitReport {

@@ -30,6 +30,9 @@ std::optional<Truth> truth_beside(const Input& input);
 std::vector<std::filesystem::path> result_files(const std::filesystem::path& folder);
 /// Every result in a folder, in the order of their names. Throws Error if one of them cannot be read.
 std::vector<Result> load_results(const std::filesystem::path& folder);
+/// Index of the result of a method; for an empty name that of ml, else the only one of ml with settings
+/// (name_with_settings()). Nothing if it is not there.
+std::optional<std::size_t> find_result(const std::vector<Result>& results, const std::string& method);
 
 /// A budget by file or by the name of a shipped one ("ci"); the default one for an empty path.
 Budget budget_of(const std::filesystem::path& file);
@@ -39,8 +42,8 @@ struct Verdict {
   Comparison comparison;
   Gate gate;
 };
-/// Against the truth, and against what the result says of itself where the budget asks for it.
-Verdict judge(const Result& result, const Truth& truth, const Budget& budget);
+/// Against the truth, and against what the result says of itself where the budget asks for it. Throws as compare().
+Verdict judge(const Result& result, const Truth& truth, const Budget& budget, const std::string& file = {});
 
 /// Proves the conventions of a run from its observations and its truth; writes truth/proof.yaml where it may.
 /// Throws Error if the run has no truth.
