@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "json_text.h"
+#include "rigproof/calib/plan/main_sources.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/exclusions.h"
 #include "rigproof/core/text.h"
@@ -147,26 +148,6 @@ std::vector<std::string> board_lines(const Result& result) {
   return lines;
 }
 
-// "uncertainty mostly from: tx board, ty board, tz depth scale": of each degree of freedom what its uncertainty comes
-// from most, for the camera that is known worst.
-std::string main_sources(const Result& result) {
-  std::string text;
-  for (std::size_t axis = 0; axis < 6; ++axis) {
-    const auto variance = [axis](const EstimatedTransform& camera) {
-      const auto i = static_cast<Eigen::Index>(axis);
-      return camera.covariance && camera.observable[axis] ? (*camera.covariance)(i, i) : 0.0;
-    };
-    const auto worst = std::max_element(result.camera_to_robot.begin(), result.camera_to_robot.end(),
-                                        [&](const auto& a, const auto& b) { return variance(a) < variance(b); });
-    if (worst == result.camera_to_robot.end() || worst->budget.empty() || !(variance(*worst) > 0.0)) continue;
-    const auto most = std::max_element(worst->budget.begin(), worst->budget.end(),
-                                       [axis](const auto& a, const auto& b) { return a.share[axis] < b.share[axis]; });
-    text += (text.empty() ? "uncertainty mostly from: " : ", ") + std::string(kDegreeOfFreedomNames[axis]) + " " +
-            most->source;
-  }
-  return text;
-}
-
 // "22 used  2 left out: board cut off (3, 17)", a line a camera.
 void print_use(const Terminal& terminal, const Result& result) {
   std::vector<std::vector<std::string>> rows;
@@ -288,7 +269,11 @@ void print_also_estimated(const Terminal& terminal, const Result& result) {
 }
 
 void print_main_sources(const Terminal& terminal, const Result& result) {
-  if (const std::string sources = main_sources(result); !sources.empty()) terminal.line(sources);
+  std::string label = "uncertainty  ";
+  for (const std::string& source : words::sentences_of(main_sources(result))) {
+    terminal.line(label + source);
+    label.assign(label.size(), ' ');
+  }
 }
 
 // As in results/METHOD.yaml.

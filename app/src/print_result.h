@@ -25,7 +25,7 @@ void print_suspicions(const Terminal& terminal, const Result& result);
 /// What was estimated beside the poses, if anything.
 void print_also_estimated(const Terminal& terminal, const Result& result);
 
-/// What the stated uncertainty mostly comes from, if anything is stated.
+/// What the stated uncertainty mostly comes from and what to do about it, a line for axes that have it alike.
 void print_main_sources(const Terminal& terminal, const Result& result);
 
 /// Findings as a JSON list, in words beside.
