@@ -49,9 +49,9 @@ TEST(MainSources, AreALineForAxesThatHaveThemAlikeWithSizesAndRemedy) {
 TEST(MainSources, AreNoneOfAxesThatAreNotAnswered) {
   const std::vector<EstimatedTransform::Share> budget = {{"corners", {1.0, 1.0, 1.0, 1.0, 1.0, 1.0}}};
   Result result;
-  result.camera_to_robot = {camera("left", Vector6d::Ones(), budget)};
+  result.camera_to_robot = {camera("left", Vector6d::Constant(2.0), budget)};
   result.camera_to_robot[0].observable = {false, false, true, false, false, false};
-  EXPECT_THAT(worded(main_sources(result)), ElementsAre("z: 0.10 cm, of it 0.10 from corners"));
+  EXPECT_THAT(worded(main_sources(result)), ElementsAre("z: 0.20 cm, of it 0.20 from corners"));
   result.camera_to_robot[0].covariance.reset();
   EXPECT_TRUE(main_sources(result).empty());
 }
