@@ -18,7 +18,7 @@ constexpr std::array<Stated, 11> kStated = {{{"board", "squares"},
                                              {"riding height", "height"},
                                              {"places of boards", "places"},
                                              {"clock", "clock"},
-                                             {"turn lag", "clock"},
+                                             {"turn lag", "lag"},
                                              {"rolling shutter", "readout"}}};
 
 }  // namespace
