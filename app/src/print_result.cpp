@@ -82,8 +82,7 @@ std::vector<std::string> names_of(const Result& result) {
 std::vector<std::string> pose_lines(const Result& result) {
   if (result.camera_to_robot.empty()) return {};
   const std::string& parent = result.camera_to_robot.front().parent;
-  std::vector<std::vector<std::string>> rows = {
-      {"pose in " + parent, "tx [cm]", "ty", "tz", "roll [deg]", "pitch", "yaw"}};
+  std::vector<std::vector<std::string>> rows = {with_axis_heads({"pose in " + parent})};
   for (const EstimatedTransform& transform : result.camera_to_robot) rows.push_back(pose_cells(transform));
   return aligned(rows);
 }
@@ -232,6 +231,12 @@ std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& ro
     lines.push_back(line.substr(0, line.find_last_not_of(' ') + 1));
   }
   return lines;
+}
+
+std::vector<std::string> with_axis_heads(std::vector<std::string> first) {
+  for (std::size_t axis = 0; axis < kSpokenAxisNames.size(); ++axis)
+    first.push_back(std::string(kSpokenAxisNames[axis]) + (axis == 0 ? " [cm]" : axis == 3 ? " [deg]" : ""));
+  return first;
 }
 
 std::string use_in_short(const Result& result) {

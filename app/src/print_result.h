@@ -13,6 +13,9 @@ namespace rigproof {
 /// Rows of cells in columns, the first aligned left, the others right, with two spaces between.
 std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& rows);
 
+/// What a table has above the six values of a camera in the robot: lengths in centimetres, angles in degrees.
+std::vector<std::string> with_axis_heads(std::vector<std::string> first);
+
 /// "298 used, 2 left out (board cut off)": all cameras together, with the commonest reason.
 std::string use_in_short(const Result& result);
 
