@@ -52,7 +52,7 @@ std::string verdict_text(const MovedReport& report, double significance) {
 void print(const Terminal& terminal, const MovedReport& report, double significance) {
   const Color color = report.outcome == MovedOutcome::kNothingMoved ? Color::kGood : Color::kBad;
   terminal.line(terminal.colored(verdict_text(report, significance), color));
-  std::vector<std::vector<std::string>> rows = {{"now less then", "", "tx [cm]", "ty", "tz", "rx [deg]", "ry", "rz"}};
+  std::vector<std::vector<std::string>> rows = {with_axis_heads({"now less then", ""})};
   for (const CameraShift& camera : report.cameras) {
     rows.push_back({" " + camera.camera, moved_verdict_name(camera.verdict)});
     for (std::size_t axis = 0; axis < 6; ++axis) rows.back().push_back(shift_cell(camera, axis));

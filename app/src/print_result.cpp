@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "rigproof/calib/plan/main_sources.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/exclusions.h"
 #include "rigproof/core/text.h"
@@ -80,8 +81,7 @@ std::vector<std::string> names_of(const Result& result) {
 std::vector<std::string> pose_lines(const Result& result) {
   if (result.camera_to_robot.empty()) return {};
   const std::string& parent = result.camera_to_robot.front().parent;
-  std::vector<std::vector<std::string>> rows = {
-      {"pose in " + parent, "tx [cm]", "ty", "tz", "roll [deg]", "pitch", "yaw"}};
+  std::vector<std::vector<std::string>> rows = {with_axis_heads({"pose in " + parent})};
   for (const EstimatedTransform& transform : result.camera_to_robot) rows.push_back(pose_cells(transform));
   return aligned(rows);
 }
@@ -144,26 +144,6 @@ std::vector<std::string> board_lines(const Result& result) {
         t.x(), t.y(), t.z(), short_figure(1e3 * sigma_m), short_figure(rad_to_deg(sigma_rad))));
   }
   return lines;
-}
-
-// "uncertainty mostly from: tx board, ty board, tz depth scale": of each degree of freedom what its uncertainty comes
-// from most, for the camera that is known worst.
-std::string main_sources(const Result& result) {
-  std::string text;
-  for (std::size_t axis = 0; axis < 6; ++axis) {
-    const auto variance = [axis](const EstimatedTransform& camera) {
-      const auto i = static_cast<Eigen::Index>(axis);
-      return camera.covariance && camera.observable[axis] ? (*camera.covariance)(i, i) : 0.0;
-    };
-    const auto worst = std::max_element(result.camera_to_robot.begin(), result.camera_to_robot.end(),
-                                        [&](const auto& a, const auto& b) { return variance(a) < variance(b); });
-    if (worst == result.camera_to_robot.end() || worst->budget.empty() || !(variance(*worst) > 0.0)) continue;
-    const auto most = std::max_element(worst->budget.begin(), worst->budget.end(),
-                                       [axis](const auto& a, const auto& b) { return a.share[axis] < b.share[axis]; });
-    text += (text.empty() ? "uncertainty mostly from: " : ", ") + std::string(kDegreeOfFreedomNames[axis]) + " " +
-            most->source;
-  }
-  return text;
 }
 
 // "22 used  2 left out: board cut off (3, 17)", a line a camera.
@@ -252,6 +232,12 @@ std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& ro
   return lines;
 }
 
+std::vector<std::string> with_axis_heads(std::vector<std::string> first) {
+  for (std::size_t axis = 0; axis < kSpokenAxisNames.size(); ++axis)
+    first.push_back(std::string(kSpokenAxisNames[axis]) + (axis == 0 ? " [cm]" : axis == 3 ? " [deg]" : ""));
+  return first;
+}
+
 std::string use_in_short(const Result& result) {
   int used = 0;
   std::vector<Exclusion> left_out;
@@ -287,7 +273,11 @@ void print_also_estimated(const Terminal& terminal, const Result& result) {
 }
 
 void print_main_sources(const Terminal& terminal, const Result& result) {
-  if (const std::string sources = main_sources(result); !sources.empty()) terminal.line(sources);
+  std::string label = "uncertainty  ";
+  for (const std::string& source : words::sentences_of(main_sources(result))) {
+    terminal.line(label + source);
+    label.assign(label.size(), ' ');
+  }
 }
 
 // As in results/METHOD.yaml.

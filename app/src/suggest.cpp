@@ -75,8 +75,7 @@ std::string sigma_text(const std::optional<double>& sigma, std::size_t axis) {
 }
 
 std::vector<std::string> gain_lines(const Suggestion& suggestion) {
-  std::vector<std::vector<std::string>> rows = {
-      {"one sigma, now > then", "tx [cm]", "ty", "tz", "rx [deg]", "ry", "rz"}};
+  std::vector<std::vector<std::string>> rows = {with_axis_heads({"one sigma, now > then"})};
   for (const CameraForecast& camera : suggestion.cameras) {
     rows.push_back({" " + camera.camera});
     for (std::size_t axis = 0; axis < 6; ++axis)
@@ -104,7 +103,7 @@ std::string worst_text(const Suggestion& suggestion) {
       const double limit = limit_of(suggestion.limits, axis), share = camera.then[axis].value_or(0.0) / limit;
       if (share <= worst) continue;
       worst = share;
-      text = "worst: " + camera.camera + " " + kDegreeOfFreedomNames[axis] + " " + sigma_text(camera.then[axis], axis) +
+      text = "worst: " + camera.camera + " " + kSpokenAxisNames[axis] + " " + sigma_text(camera.then[axis], axis) +
              ", accepted " + plain_figure(in_unit(limit, axis)) + (axis < 3 ? " cm" : " deg");
     }
   }

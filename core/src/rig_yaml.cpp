@@ -20,6 +20,7 @@ constexpr double kMaxSize = 32768.0;
 constexpr double kMaxPixel = 1e6;
 constexpr double kMmPerM = 1000.0;
 constexpr double kDegPerRad = 180.0 / kPi;
+constexpr double kMsPerS = 1000.0;
 const NumberRange kPositive = {std::numeric_limits<double>::min(), 1e9};
 const NumberRange kNotNegative = {0.0, 1e9};
 
@@ -194,8 +195,13 @@ void visit_intrinsics(FieldVisitor& visitor, const RigReadOptions& options, cons
                    "how well the intrinsics are known, one sigma: estimated with them");
 }
 
-void visit_readout(FieldVisitor& visitor, RigCamera& camera) {
-  constexpr double kMsPerS = 1e3;
+// A prior that is far sharper than any data drowns them in rounding.
+void check_prior(FieldVisitor& visitor, const char* key, double in_unit) {
+  constexpr double kLeast = 1e-3;
+  visitor.check(in_unit <= 0.0 || in_unit >= kLeast, key, "allowed is 0 (believed) or 0.001 and more");
+}
+
+void visit_timing(FieldVisitor& visitor, RigCamera& camera) {
   const RigCamera usual;
   if (visitor.takes("readout_ms", camera.readout_s != usual.readout_s))
     visitor.scaled("readout_ms", camera.readout_s, kMsPerS, {-200.0, 200.0},
@@ -203,6 +209,12 @@ void visit_readout(FieldVisitor& visitor, RigCamera& camera) {
   if (visitor.takes("readout_sigma_ms", camera.readout_sigma_s != usual.readout_sigma_s))
     visitor.scaled("readout_sigma_ms", camera.readout_sigma_s, kMsPerS, {0.0, 100.0},
                    "how well that is known, one sigma: estimated from images taken at speed; 0: as stated");
+  if (!visitor.takes("clock_offset_sigma_ms", camera.clock_offset_sigma_s != usual.clock_offset_sigma_s)) return;
+  visitor.scaled(
+      "clock_offset_sigma_ms", camera.clock_offset_sigma_s, kMsPerS, {0.0, 1000.0},
+      "how late or early its stamps are against the odometry's clock, one sigma: estimated from images taken "
+      "at speed; 0: they are believed");
+  check_prior(visitor, "clock_offset_sigma_ms", kMsPerS * camera.clock_offset_sigma_s);
 }
 
 // However it is spelled or linked to.
@@ -459,7 +471,7 @@ static void visit_rig_camera(FieldVisitor& visitor, const RigReadOptions& option
   std::optional<SensorPreset> preset;
   if (visitor.is_reading()) preset = read_sensor(visitor, camera.sensor, options);
   visit_intrinsics(visitor, options, preset, camera);
-  visit_readout(visitor, camera);
+  visit_timing(visitor, camera);
   if (preset) camera.depth = preset->depth;
   visit_optional_depth(visitor, camera.depth);
   if (preset && camera.depth) take_raw_depth(visitor, options, *preset, &*camera.depth);
@@ -490,6 +502,27 @@ void visit_rotation_centre(FieldVisitor& visitor, Eigen::Vector2d& centre_m, con
   if (centre_mm.size() == 2) centre_m << centre_mm[0] / kMmPerM, centre_mm[1] / kMmPerM;
 }
 
+// What increments have wrong in common.
+static void visit_wheels(FieldVisitor& visitor, OdometryNoise& noise) {
+  constexpr double kPercent = 100.0;
+  const auto prior = [&visitor](const char* key, std::optional<double>& sigma, double units_per_si, double most,
+                                const char* description) {
+    visitor.scaled(key, sigma, units_per_si, {0.0, most}, description);
+    check_prior(visitor, key, units_per_si * sigma.value_or(0.0));
+  };
+  prior("scale_sigma_percent", noise.scale_sigma, kPercent, 100.0,
+        "how far off the factor of its translations is (wheel radius), one sigma: estimated; 0: it is 1; default 10");
+  prior("yaw_factor_sigma_percent", noise.yaw_factor_sigma, kPercent, 100.0,
+        "the same of its turns (track of the wheels); default 10");
+  prior("veer_sigma_deg_per_m", noise.veer_sigma_rad_per_m, kDegPerRad, 100.0,
+        "the heading that it gains with every metre forward (unequal wheels), one sigma: estimated; 0: none; default "
+        "1.72");
+  prior(
+      "turn_lag_sigma_ms", noise.turn_lag_sigma_s, kMsPerS, 1000.0,
+      "where clocks are estimated: by how much the body turns later than its wheels, one sigma: estimated; 0: it does "
+      "not; default 20");
+}
+
 void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
   visitor.on_one_line();
   visitor.choice("model", noise.model,
@@ -512,6 +545,7 @@ void visit_fields(FieldVisitor& visitor, OdometryNoise& noise) {
                 "is missing: how well is `rotation_centre_mm` known? 5 where it was measured to 5 mm");
   visitor.scaled("riding_height_sigma_mm", noise.riding_height_sigma_m, kMmPerM, {0.0, 100.0},
                  "how much higher the robot rides while it moves, one sigma; default 0.3");
+  visit_wheels(visitor, noise);
 }
 
 void visit_fields(FieldVisitor& visitor, AcceptLimits& accept) {

@@ -147,6 +147,7 @@ TEST(Command, SettingsOfMlStandInTheMethodsName) {
                         "ml:" + settings.string(), "-m", "ml:focal_sigma_percent=0.2"});
   EXPECT_EQ(output.exit_code, 0) << output.err;
   EXPECT_THAT(output.out, HasSubstr("also estimated  principal point x [px]"));
+  EXPECT_THAT(output.out, testing::ContainsRegex("\nuncertainty  x.*: .* cm, of it .* from .*\n"));
   EXPECT_THAT(output.out, HasSubstr("focal length [percent]"));
   EXPECT_THAT(output.out, HasSubstr("not observable: by the odometry the robot stood at every stop"));
   EXPECT_TRUE(load_result(scratch / "results/ml.yaml").also_estimated.empty());

@@ -103,6 +103,11 @@ TEST(Recording, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(recording.rig.odometry_noise.sigma_xy_m, again.rig.odometry_noise.sigma_xy_m);
   EXPECT_EQ(recording.rig.odometry_noise.sigma_yaw_rad, again.rig.odometry_noise.sigma_yaw_rad);
   EXPECT_EQ(recording.rig.odometry_noise.rotation_centre_m, again.rig.odometry_noise.rotation_centre_m);
+  for (const auto prior : {&OdometryNoise::scale_sigma, &OdometryNoise::yaw_factor_sigma,
+                           &OdometryNoise::veer_sigma_rad_per_m, &OdometryNoise::turn_lag_sigma_s})
+    EXPECT_EQ(recording.rig.odometry_noise.*prior, again.rig.odometry_noise.*prior);
+  for (std::size_t c = 0; c < recording.rig.cameras.size(); ++c)
+    EXPECT_EQ(recording.rig.cameras[c].clock_offset_sigma_s, again.rig.cameras[c].clock_offset_sigma_s);
   EXPECT_EQ(recording.rig.accept->angle_rad, again.rig.accept->angle_rad);
   again.folder = folder / "b";
   fs::create_directory(again.folder);
@@ -695,6 +700,31 @@ TEST(Rig, AReadoutIsUnknownUnlessItIsSaid) {
   EXPECT_EQ(camera(", readout_ms: -20, readout_sigma_ms: 0").readout_sigma_s, 0.0);
   EXPECT_THAT(error_text([&] { camera(", readout_ms: 300, readout_sigma_ms: -1"); }),
               AllOf(HasSubstr("readout_ms: 300: allowed is -200 to 200"), HasSubstr("readout_sigma_ms: -1")));
+}
+
+// Whatever a setting of the method can say of a robot, its rig can.
+TEST(Rig, SaysHowWellWheelsAndClocksAreKnown) {
+  const TempFolder folder;
+  const auto load = [&](const std::string& camera, const std::string& noise) {
+    folder.write("rig.yaml", rig_text("  left: {intrinsics: " + std::string(kIntrinsics) + camera + "}\n",
+                                      "odometry: {file: odometry.csv, noise: {" + noise + "}}\n"));
+    return load_rig(folder / "rig.yaml");
+  };
+  const Rig unsaid = load("", "model: unknown");
+  EXPECT_EQ(unsaid.cameras.at(0).clock_offset_sigma_s, 0.0);
+  EXPECT_FALSE(unsaid.odometry_noise.scale_sigma || unsaid.odometry_noise.turn_lag_sigma_s);
+  const Rig said = load(", clock_offset_sigma_ms: 5",
+                        "scale_sigma_percent: 2, yaw_factor_sigma_percent: 0, veer_sigma_deg_per_m: 0.5, "
+                        "turn_lag_sigma_ms: 10");
+  EXPECT_DOUBLE_EQ(said.cameras.at(0).clock_offset_sigma_s, 0.005);
+  EXPECT_DOUBLE_EQ(said.odometry_noise.scale_sigma.value(), 0.02);
+  EXPECT_EQ(said.odometry_noise.yaw_factor_sigma, 0.0);
+  EXPECT_NEAR(said.odometry_noise.veer_sigma_rad_per_m.value(), deg_to_rad(0.5), 1e-15);
+  EXPECT_DOUBLE_EQ(said.odometry_noise.turn_lag_sigma_s.value(), 0.01);
+  EXPECT_THAT(error_text([&] { load(", clock_offset_sigma_ms: -1", "scale_sigma_percent: 200"); }),
+              AllOf(HasSubstr("clock_offset_sigma_ms: -1"), HasSubstr("scale_sigma_percent: 200")));
+  EXPECT_THAT(error_text([&] { load("", "turn_lag_sigma_ms: 1e-9"); }),
+              AllOf(HasSubstr("turn_lag_sigma_ms"), HasSubstr("allowed is 0 (believed) or 0.001 and more")));
 }
 
 TEST(Rig, ABoardIsAsPrintersLeaveItUnlessItWasMeasured) {

@@ -40,7 +40,17 @@ inline Rig sample_rig() {
   rig.cameras[2].sensor.clear();
   rig.cameras[1].readout_s = 0.02;
   rig.cameras[1].readout_sigma_s = 0.001;
-  rig.odometry_noise = {OdometryModel::kPerIncrement, 0.002, deg_to_rad(0.57), 0.005, 0.001, {0.13, -0.0025}};
+  rig.cameras[1].clock_offset_sigma_s = 0.005;
+  rig.odometry_noise = {OdometryModel::kPerIncrement,
+                        0.002,
+                        deg_to_rad(0.57),
+                        0.005,
+                        0.001,
+                        {0.13, -0.0025},
+                        0.02,
+                        0.03,
+                        deg_to_rad(0.5),
+                        0.005};
   rig.accept = AcceptLimits{0.008, 0.004, deg_to_rad(0.2)};
   return rig;
 }

@@ -177,6 +177,8 @@ TEST_F(Page, WithoutTruthTheStatedUncertaintyIsJudged) {
   EXPECT_EQ(page["results"][0]["poses"][0]["error"], nullptr);
   EXPECT_EQ(page["results"][0]["poses"][0]["bound"], nullptr);
   EXPECT_EQ(page["results"][0]["verdict"]["word"], "GOOD");
+  EXPECT_THAT(page["results"][0]["verdict"]["sentence"].get<std::string>(),
+              testing::ContainsRegex("least certain are t[xyz] of .* and (roll|pitch|yaw) of "));
   EXPECT_EQ(page["frames"][0].count("true"), 0U);
   input_.observations.accept = AcceptLimits{0.0005, 0.0, 0.0};
   page = data();

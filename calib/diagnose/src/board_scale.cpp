@@ -12,7 +12,6 @@
 namespace rigproof::ml {
 namespace {
 
-constexpr double kDepthScaleSigma = 0.01;
 constexpr double kOdometryScaleSigma = 0.02;
 constexpr double kMaxDepthAlone = 4.0;  // standard deviations
 constexpr double kMinDepthOfBoth = 2.5;
@@ -23,6 +22,7 @@ constexpr double kUnit = 0.4;
 struct Ratio {
   double value = 0.0;  // ln of measured over expected depth
   double sigma = 0.0;
+  double depth_m = 0.0;
 };
 
 // One plane against the pose that the corners give; at the board's centre, where a wrong tilt of either matters least.
@@ -38,20 +38,22 @@ std::optional<Ratio> ratio_of(const PlaneObservation& plane, const ViewPose& vie
   by_pose << 0.0, 0.0, 1.0, arm.y(), -arm.x(), 0.0;
   const double own = ray.dot(plane.covariance_per_m2 * ray) / (inverse_depth * inverse_depth);
   const double pose = by_pose.dot(view.covariance * by_pose) / (centre.z() * centre.z());
-  return Ratio{-std::log(inverse_depth * centre.z()), std::sqrt(own + pose)};
+  return Ratio{-std::log(inverse_depth * centre.z()), std::sqrt(own + pose), centre.z()};
 }
 
 Ratio combined(const std::vector<Ratio>& ratios) {
   constexpr double kMedianLoss = 1.2533;  // sigma of a median over that of a mean
   constexpr double kMadToSigma = 1.4826;
-  std::vector<double> values, deviations;
+  std::vector<double> values, deviations, depths;
   double stated = 0.0;
   for (const Ratio& ratio : ratios) {
     values.push_back(ratio.value);
+    depths.push_back(ratio.depth_m);
     stated += ratio.sigma * ratio.sigma;
   }
   Ratio result;
   result.value = median(values);
+  result.depth_m = median(std::move(depths));
   for (const double value : values) deviations.push_back(std::abs(value - result.value));
   const double n = static_cast<double>(ratios.size());
   result.sigma = kMedianLoss * std::max(std::sqrt(stated / n), kMadToSigma * median(deviations)) / std::sqrt(n);
@@ -63,13 +65,25 @@ struct CameraRatio {
   std::string camera;
   int index;
   double value, measured_sigma;  // of ln of measured over expected depth
-  double prior;                  // of the depth's scale, the board's size and the focal length
+  double own_prior;              // of the depth and the focal length
+  double board_prior;            // of the board's size
   double unit_m;
 
-  double sigma() const { return std::hypot(prior, measured_sigma); }
-  // Against others that are no better.
-  double difference_sigma() const { return std::sqrt(2.0) * sigma(); }
+  double sigma() const { return std::hypot(own_prior, board_prior, measured_sigma); }
+  // Of the difference to another camera, before the same board.
+  double sigma_against(const CameraRatio& other) const {
+    return std::hypot(std::hypot(own_prior, measured_sigma), std::hypot(other.own_prior, other.measured_sigma));
+  }
 };
+
+// By which a camera's depth may be off at a distance, as a share of it: the priors that the estimate has (unknowns.h),
+// and what no depth is free of, whatever is stated.
+double depth_prior(const RigCamera& camera, double depth_m) {
+  constexpr double kLeast = 0.001;
+  const DepthNoise noise = camera.depth ? camera.depth->noise : DepthNoise();
+  return std::hypot(std::hypot(kLeast, noise.scale_sigma, noise.common_scale_sigma), noise.offset_sigma_m / depth_m,
+                    noise.inverse_depth_bias(1.0 / depth_m) * depth_m);
+}
 
 // Of the cameras with depth on one of the boards.
 std::vector<CameraRatio> ratios_of(const Observations& observations, const std::vector<ViewPose>& views, int index) {
@@ -87,10 +101,10 @@ std::vector<CameraRatio> ratios_of(const Observations& observations, const std::
   std::vector<CameraRatio> ratios;
   for (const auto& [c, of_camera] : all) {
     const RigCamera& camera = observations.cameras[static_cast<std::size_t>(c)];
-    const double scale = std::max(kDepthScaleSigma, camera.depth ? camera.depth->noise.scale_sigma : 0.0);
-    const double prior = std::hypot(scale, board.square_sigma_relative(), camera.intrinsics_sigma.focal_relative);
     const Ratio ratio = combined(of_camera);
-    ratios.push_back({camera.name, c, ratio.value, ratio.sigma, prior, camera.depth ? camera.depth->unit_m : 1.0});
+    const double prior = std::hypot(depth_prior(camera, ratio.depth_m), camera.intrinsics_sigma.focal_relative);
+    ratios.push_back({camera.name, c, ratio.value, ratio.sigma, prior, board.square_sigma_relative(),
+                      camera.depth ? camera.depth->unit_m : 1.0});
   }
   return ratios;
 }
@@ -124,32 +138,33 @@ double centre_of(const std::vector<CameraRatio>& ratios) {
 }
 
 // A camera that differs from the others has itself to blame: its depth's scale or its focal length.
-Finding odd_camera(const CameraRatio& ratio, double off) {
+Finding odd_camera(const CameraRatio& ratio, double off, double limit) {
   const double factor = std::exp(off);
   if (std::abs(off) > kUnit)
     return Finding(unit_explains(factor, ratio.unit_m) ? "depth.unit" : "depth.scale", {{"factor", factor}})
         .of(ratio.camera);
   return Finding("depth.differs", {{"off_percent", 100.0 * std::abs(factor - 1.0)},
                                    {"side", off > 0.0 ? "farther" : "nearer"},
-                                   {"limit_percent", 100.0 * kMaxDepthAlone * ratio.difference_sigma()}})
+                                   {"limit_percent", 100.0 * limit}})
       .of(ratio.camera);
 }
 
 // The cameras' mean; absent without any.
 std::optional<CameraRatio> mean_of(const std::vector<CameraRatio>& ratios) {
-  double weight = 0.0, sum = 0.0, variance = 0.0, prior = 0.0;
+  double weight = 0.0, sum = 0.0, variance = 0.0, own = 0.0, board = 0.0;
   for (const CameraRatio& ratio : ratios) {
     const double w = 1.0 / (ratio.sigma() * ratio.sigma());
     weight += w;
     sum += w * ratio.value;
-    prior = std::max(prior, ratio.prior);
+    own = std::max(own, ratio.own_prior);
+    board = ratio.board_prior;
   }
   if (weight <= 0.0) return std::nullopt;
   for (const CameraRatio& ratio : ratios) {
     const double share = 1.0 / (ratio.sigma() * ratio.sigma() * weight);
     variance += share * share * ratio.measured_sigma * ratio.measured_sigma;
   }
-  return CameraRatio{"", -1, sum / weight, std::sqrt(variance), prior, ratios.front().unit_m};
+  return CameraRatio{"", -1, sum / weight, std::sqrt(variance), own, board, ratios.front().unit_m};
 }
 
 Finding cause(const CameraRatio& depth, double wheels, double wheels_sigma, const Stated& stated) {
@@ -185,17 +200,25 @@ void judge(const CameraRatio& depth, const Stated& stated, BoardScale* result) {
                                                       {"stated_mm", stated.square_mm}}));
 }
 
+// Up to which a camera may differ from others: as they err, the worst of them.
+double most_off(const CameraRatio& ratio, const std::vector<CameraRatio>& ratios) {
+  double sigma = 0.0;
+  for (const CameraRatio& other : ratios)
+    if (other.index != ratio.index) sigma = std::max(sigma, ratio.sigma_against(other));
+  return kMaxDepthAlone * sigma;
+}
+
 // Takes out the cameras that differ from the others.
 std::vector<CameraRatio> without_odd(const std::vector<CameraRatio>& ratios, BoardScale* result) {
   const double centre = centre_of(ratios);
   std::vector<CameraRatio> agreeing;
   for (const CameraRatio& ratio : ratios) {
-    const double off = ratio.value - centre;
-    if (std::abs(off) <= kMaxDepthAlone * ratio.difference_sigma()) {
+    const double off = ratio.value - centre, limit = most_off(ratio, ratios);
+    if (std::abs(off) <= limit) {
       agreeing.push_back(ratio);
       continue;
     }
-    result->contradictions.push_back(odd_camera(ratio, off));
+    result->contradictions.push_back(odd_camera(ratio, off, limit));
     result->depth_unit = result->depth_unit || std::abs(off) > kUnit;
   }
   return agreeing;

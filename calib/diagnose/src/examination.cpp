@@ -7,6 +7,7 @@
 #include "dead_odometry.h"
 #include "depth_shape.h"
 #include "exchanged_cameras.h"
+#include "ground_misfit.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/calib/estimate/odometry_choice.h"
@@ -402,9 +403,13 @@ void find_cause_of(const Preparation& prepared, const Fit& fit, const std::vecto
 
 }  // namespace
 
+bool Examination::contradicts() const {
+  return !wrong_frames.empty() || !contradictions.odometry.empty() || !contradictions.cameras.empty();
+}
+
 bool Examination::is_in_order() const {
-  return !cause && wrong_frames.empty() && !symptoms.any() && contradictions.odometry.empty() &&
-         contradictions.cameras.empty() && std::all_of(notes.begin(), notes.end(), [](const Finding& note) {
+  return !cause && !contradicts() && !symptoms.any() &&
+         std::all_of(notes.begin(), notes.end(), [](const Finding& note) {
            return note.severity == Severity::kNote || note.is("camera.moved_slightly") ||
                   note.is("board.moved_slightly");
          });
@@ -420,6 +425,13 @@ std::optional<Cause> cause_without_excuses(const Preparation& prepared, const Fi
 }
 
 namespace {
+
+// Ground that is off is suspected; farther off, nothing that rests on it can be trusted.
+void take_ground_misfits(const Preparation& prepared, const Fit& fit, Examination* found) {
+  if (!found->sums || found->cause || found->contradicts()) return;
+  for (const Finding& finding : find_ground_misfits(prepared, fit, *found->sums))
+    (finding.severity == Severity::kSuspect ? found->notes : found->contradictions.cameras).push_back(finding);
+}
 
 // Each camera's, by what those saw that boards tie to it.
 std::vector<MotionVerdict> motions_of(const Preparation& prepared) {
@@ -492,6 +504,7 @@ Examination examine(const Preparation& prepared, const Fit& fit) {
     if (!misplaced.empty()) found.cause = cause_without_excuses(prepared, fit);
     if (!found.cause) found.notes.insert(found.notes.end(), misplaced.begin(), misplaced.end());
   }
+  if (!foreign) take_ground_misfits(prepared, fit, &found);
   // Depth that does not belong to its images contradicts images that are wrong themselves.
   if (foreign && (!found.cause || !found.cause->spoils_all)) found.cause = joined(found.cause, *foreign);
   return found;

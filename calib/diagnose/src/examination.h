@@ -27,6 +27,8 @@ struct Examination {
   bool motion_suffices() const { return motion().kind == MotionKind::kSufficient; }
   /// Of the rig: one that suffices, if that of any camera does.
   const MotionVerdict& motion() const;
+  /// Whether data contradict each other, for whatever cause.
+  bool contradicts() const;
   /// Nothing contradicts itself, and nothing is suspected but slight movements.
   bool is_in_order() const;
   bool lens_spoils() const { return cause && cause->spoils_all; }

@@ -7,6 +7,7 @@
 
 #include "also_estimated.h"
 #include "board_places.h"
+#include "estimated_lenses.h"
 #include "missed_frames.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/covariance.h"
@@ -219,7 +220,11 @@ BoardScale check_lengths(const Preparation& prepared, const Fit& fit, const Exam
   const bool trusted = !found.symptoms.odometry && found.motion_suffices();
   if (trusted && fit.noise.law.model == OdometryModel::kPerIncrement)
     odometry = {fit.state.odometry_scale(), index < 0 ? 0.0 : std::sqrt(globals(index, index))};
-  return check_board_scale(prepared.used, prepared.views, odometry);
+  const BoardScale as_stated = check_board_scale(prepared.used, prepared.views, odometry);
+  // Lenses that are estimated say more, unless what contradicts them has bent them.
+  if (!prepared.priors.has(Nuisance::kLens) || !as_stated.contradictions.empty()) return as_stated;
+  const Observations seen = with_estimated_lenses(prepared, fit, globals);
+  return check_board_scale(seen, estimate_view_poses(seen).poses, odometry);
 }
 
 // Odometry in another unit bends the corners' solution, too. The board is checked without it.

@@ -47,6 +47,7 @@ std::string derived_name(const MlSettings& settings) {
 MlSettings::MlSettings() {
   const PriorSigmas usual = usual_priors();
   for (const PriorSetting& setting : prior_settings()) sigmas.push_back(usual.*setting.sigma * setting.units_per_si);
+  asked.assign(sigmas.size(), false);
 }
 
 void MlSettings::visit(FieldVisitor& visitor) {
@@ -60,6 +61,7 @@ void MlSettings::visit(FieldVisitor& visitor) {
     visitor.field(setting.key, sigmas[i], NumberRange{0.0, setting.most}, setting.description);
     visitor.check(!setting.estimated || !(sigmas[i] > 0.0) || sigmas[i] >= kLeastSigma, setting.key,
                   "allowed is 0 (believed) or " + number_text(kLeastSigma) + " and more");
+    if (visitor.given(setting.key) != nullptr) asked[i] = true;
   }
   visitor.check(is_file_name(name), "name", "must be letters, digits, _, -, + and .");
 }
@@ -69,7 +71,9 @@ MlOptions MlSettings::options() const {
   options.priors.believe_told = believe_told;
   for (std::size_t i = 0; i < sigmas.size(); ++i) {
     const PriorSetting& setting = prior_settings()[i];
+    if (!asked[i]) continue;
     options.priors.*setting.sigma = sigmas[i] / setting.units_per_si;
+    options.priors.asked.push_back(setting.sigma);
   }
   return options;
 }
@@ -112,7 +116,13 @@ Result MlMethod::solve(const Observations& observations) const {
   return result;
 }
 
-std::string MlMethod::settings_text() const { return emit_yaml(tree_of(settings_)); }
+// What was asked for differs from what a rig may state otherwise, also where it is the usual value.
+std::string MlMethod::settings_text() const {
+  std::string text = emit_yaml(tree_of(settings_));
+  for (std::size_t i = 0; i < settings_.asked.size(); ++i)
+    if (settings_.asked[i]) text += std::string("# asked for: ") + prior_settings()[i].key + "\n";
+  return text;
+}
 
 const Method& ml_method() {
   static const MlMethod method;

@@ -224,7 +224,7 @@ double count_factors_as_usual(const Problem& problem, ArrowSystem* system) {
     for (Eigen::Index i = 0; problem.layout().has(nuisance) && i < usual.size(); ++i)
       if (usual[i] < variance[i])
         system->global.diagonal()[problem.layout().place(nuisance, 0) + i] += 1.0 / usual[i] - 1.0 / variance[i];
-    log_determinant += usual.log().sum();
+    log_determinant += (usual > 0.0).select(usual, 1.0).log().sum();  // what is believed has no width
   };
   count(Nuisance::kOdometryFactors, kUsual);
   if (problem.priors().has(Nuisance::kOdometryVeer)) count(Nuisance::kOdometryVeer, kUsualVeer);

@@ -1,7 +1,9 @@
 #include "rigproof/calib/estimate/unknowns.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "rigproof/calib/estimate/depth_bias.h"
@@ -21,25 +23,43 @@ PriorSigmas usual_priors() {
 }
 
 PriorSigmas with_those_of_rig(PriorSigmas sigmas, const OdometryNoise& stated) {
+  struct OfRig {
+    double PriorSigmas::*sigma;
+    std::optional<double> OdometryNoise::*stated;
+  };
+  static constexpr std::array<OfRig, 6> kOfRig = {{
+      {&PriorSigmas::odometry_scale, &OdometryNoise::scale_sigma},
+      {&PriorSigmas::odometry_yaw_factor, &OdometryNoise::yaw_factor_sigma},
+      {&PriorSigmas::odometry_veer_rad_per_m, &OdometryNoise::veer_sigma_rad_per_m},
+      {&PriorSigmas::turn_lag_s, &OdometryNoise::turn_lag_sigma_s},
+      {&PriorSigmas::rotation_centre_m, &OdometryNoise::rotation_centre_sigma_m},
+      {&PriorSigmas::riding_height_m, &OdometryNoise::riding_height_sigma_m},
+  }};
   const PriorSigmas usual = usual_priors();
-  if (stated.rotation_centre_sigma_m && sigmas.rotation_centre_m == usual.rotation_centre_m)
-    sigmas.rotation_centre_m = *stated.rotation_centre_sigma_m;
-  if (stated.riding_height_sigma_m && sigmas.riding_height_m == usual.riding_height_m)
-    sigmas.riding_height_m = *stated.riding_height_sigma_m;
+  for (const OfRig& prior : kOfRig) {
+    const bool asked = std::find(sigmas.asked.begin(), sigmas.asked.end(), prior.sigma) != sigmas.asked.end();
+    if (!asked && stated.*prior.stated && sigmas.*prior.sigma == usual.*prior.sigma)
+      sigmas.*prior.sigma = *(stated.*prior.stated);
+  }
   return sigmas;
 }
 
 const std::vector<PriorSetting>& prior_settings() {
   static const std::vector<PriorSetting> kSettings = {
       {"clock_offset_sigma_ms", &PriorSigmas::clock_offset_s, 1e3, 1000.0, true,
-       "Each camera's stamps are late or early by about this much against the odometry's: estimated from images "
-       "that are taken while the robot moves"},
+       "Each camera's stamps are late or early by about this much against the odometry's, whatever the rig states: "
+       "estimated from images that are taken while the robot moves; 0: as the rig states"},
       {"focal_sigma_percent", &PriorSigmas::focal_relative, 100.0, 20.0, true,
        "Each camera's focal length is off by about this much, whatever the rig states: estimated; 0: as the rig "
        "states"},
       {"principal_point_sigma_px", &PriorSigmas::principal_point_px, 1.0, 50.0, true,
        "Each camera's principal point is off by about this much along x and y, whatever the rig states: estimated; "
        "0: as the rig states"},
+      {"odometry_scale_sigma_percent", &PriorSigmas::odometry_scale, 100.0, 100.0, true,
+       "Odometry from stop to stop: its translations are off by a factor that differs from 1 by about this much: "
+       "estimated; 0 where they are not"},
+      {"odometry_yaw_factor_sigma_percent", &PriorSigmas::odometry_yaw_factor, 100.0, 100.0, true,
+       "The same of its turns"},
       {"odometry_veer_sigma_deg_per_m", &PriorSigmas::odometry_veer_rad_per_m, 180.0 / kPi, 100.0, true,
        "Odometry from stop to stop: its heading gains about this much on the robot's with every metre forward, as of "
        "wheels whose diameters differ; 0 where they do not"},
@@ -203,12 +223,20 @@ Covariances of_ground_offset(const PriorSource& source) {
 }
 
 Covariances of_clock_offset(const PriorSource& source) {
-  return for_each_camera(source, independent({source.sigmas.clock_offset_s}));
+  const double asked = source.sigmas.clock_offset_s;
+  Covariances covariances;
+  for (const RigCamera& camera : source.observations.cameras)
+    covariances.push_back(independent({asked > 0.0 ? asked : camera.clock_offset_sigma_s}));
+  return covariances;
 }
 
 // Believed stamps are late by no lag.
 Covariances of_turn_lag(const PriorSource& source) {
-  return {independent({source.sigmas.clock_offset_s > 0.0 ? source.sigmas.turn_lag_s : 0.0})};
+  const std::vector<RigCamera>& cameras = source.observations.cameras;
+  const bool doubted = source.sigmas.clock_offset_s > 0.0 ||
+                       std::any_of(cameras.begin(), cameras.end(),
+                                   [](const RigCamera& camera) { return camera.clock_offset_sigma_s > 0.0; });
+  return {independent({doubted ? source.sigmas.turn_lag_s : 0.0})};
 }
 
 // Of a robot that stands it does not matter.

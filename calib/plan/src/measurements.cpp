@@ -1,31 +1,17 @@
 #include "measurements.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "remedies.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof::suggest {
 namespace {
 
-// Lines of the budget that hold what was stated, not what was seen, and what to measure.
-struct Stated {
-  const char* source;
-  const char* measure;
-};
-constexpr std::array<Stated, 8> kStated = {{{"board", "squares"},
-                                            {"lens", "lens"},
-                                            {"print and lens residual", "residual"},
-                                            {"depth scale", "scale"},
-                                            {"depth error", "offset"},
-                                            {"turning point", "centre"},
-                                            {"riding height", "height"},
-                                            {"places of boards", "places"}}};
-constexpr std::array<const char*, 6> kAxes = {"x", "y", "z", "roll", "pitch", "yaw"};
 // Of the variance: with less, what is seen counts for more.
 constexpr double kMost = 0.5;
 
@@ -68,7 +54,7 @@ Finding what_limits(const Result& then, const Suggestion& suggestion, double min
   Finding finding("suggest.nothing_helps", {{"which", suggestion.stops.empty() ? "no stop" : "no further stop"},
                                             {"gain_percent", 100.0 * min_gain}});
   if (worst.camera == nullptr || worst.camera->budget.empty()) return finding;
-  return finding.with({{"limits", largest_shares(worst)}}).along({kAxes[worst.axis]}).of(worst.camera->child);
+  return finding.with({{"limits", largest_shares(worst)}}).along({kRobotAxes[worst.axis]}).of(worst.camera->child);
 }
 
 std::optional<Finding> what_to_measure(const Result& then, const Suggestion& suggestion) {
@@ -77,13 +63,11 @@ std::optional<Finding> what_to_measure(const Result& then, const Suggestion& sug
   const auto share = [&](const EstimatedTransform::Share& line) { return line.share[worst.axis]; };
   const auto largest = std::max_element(worst.camera->budget.begin(), worst.camera->budget.end(),
                                         [&](const auto& a, const auto& b) { return share(a) < share(b); });
-  const auto stated = std::find_if(kStated.begin(), kStated.end(),
-                                   [&](const Stated& known) { return known.source == largest->source; });
-  if (stated == kStated.end() || share(*largest) < kMost) return std::nullopt;
-  return Finding(
-             "suggest.measure",
-             {{"source", largest->source}, {"share_percent", 100.0 * share(*largest)}, {"measure", stated->measure}})
-      .along({kAxes[worst.axis]})
+  const std::optional<std::string> measure = measurement_for(largest->source);
+  if (!measure || share(*largest) < kMost) return std::nullopt;
+  return Finding("suggest.measure",
+                 {{"source", largest->source}, {"share_percent", 100.0 * share(*largest)}, {"measure", *measure}})
+      .along({kRobotAxes[worst.axis]})
       .of(worst.camera->child);
 }
 

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "knowledge.h"
+#include "remedies.h"
 #include "rigproof/core/chi_square.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -232,13 +233,12 @@ void name_who_moved(const Evidence& evidence, MovedReport* report) {
 // What the rig as one body could do unnoticed.
 std::vector<std::string> open_motions(const Eigen::MatrixXd& information, const std::vector<Rigid3>& T_robot_camera,
                                       double needed, const MovedOptions& options) {
-  static const std::array<const char*, 6> kMotions = {"x", "y", "z", "roll", "pitch", "yaw"};
   const Eigen::MatrixXd E = moved::rig_motion(T_robot_camera);
   std::vector<std::string> open;
   for (Eigen::Index axis = 0; axis < 6; ++axis) {
     const double limit = axis < 3 ? options.smallest_shift_m : options.smallest_turn_rad;
     if (!(detectable(information, needed, E.col(axis)) <= limit))
-      open.emplace_back(kMotions[static_cast<std::size_t>(axis)]);
+      open.emplace_back(kRobotAxes[static_cast<std::size_t>(axis)]);
   }
   return open;
 }

@@ -53,7 +53,7 @@ struct StatedSigma {
   double limit = 0.0;
 
   std::string name() const {
-    return std::string(kDegreeOfFreedomNames[static_cast<std::size_t>(axis)]) + " of " + camera->child;
+    return std::string(kSpokenAxisNames[static_cast<std::size_t>(axis)]) + " of " + camera->child;
   }
   std::string amount(double of) const { return short_text(in_unit(of, axis), 2) + (axis < 3 ? " cm" : " deg"); }
 };
@@ -73,7 +73,7 @@ std::vector<StatedSigma> stated_sigmas(const Result& result, const std::optional
   return sigmas;
 }
 
-// "least certain are tx of left (0.5 cm) and rz of right (0.02 deg)".
+// "least certain are tx of left (0.5 cm) and yaw of right (0.02 deg)".
 std::string how_sure(const std::vector<StatedSigma>& sigmas) {
   std::vector<std::string> worst;
   for (const bool angle : {false, true}) {

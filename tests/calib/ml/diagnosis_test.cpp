@@ -184,6 +184,41 @@ TEST(BoardScale, ForgivesWhatDepthSensorsAreOffByOverTrials) {
   }
 }
 
+Observations with_farther_depth(Observations observations, double factor) {
+  for (auto* planes : {&observations.ground_planes, &observations.board_planes})
+    for (PlaneObservation& plane : *planes) plane.inverse_depth_plane /= factor;
+  return observations;
+}
+
+// One figure for check and estimate: what the rig says, of each sensor and of its make.
+TEST(BoardScale, DepthIsJudgedByWhatTheRigSaysOfItsScale) {
+  Observations poor = with_farther_depth(run_with_depth(1, 0.0), 1.06);
+  for (RigCamera& camera : poor.cameras) camera.depth->noise.common_scale_sigma = 0.03;
+  const Result forgiven = estimate_maximum_likelihood(poor).result;
+  EXPECT_EQ(forgiven.status, ResultStatus::kSolved) << testing::PrintToString(worded(forgiven.reasons));
+
+  Observations fine = with_farther_depth(run_with_depth(1, 0.0), 1.02);
+  for (RigCamera& camera : fine.cameras) camera.depth->noise.scale_sigma = 0.002;
+  const Result refused = estimate_maximum_likelihood(fine).result;
+  EXPECT_EQ(refused.status, ResultStatus::kRefused);
+}
+
+// Corners know a focal length ten times better than is stated here: it excuses no depth.
+TEST(BoardScale, TheLensCountsAsItIsEstimated) {
+  GeometricConfig config;
+  config.stops = 40;
+  config.board_planes = true;
+  config.corner_sigma_px = 0.02;
+  config.depth_scales = {1.02, 1.02, 1.02};
+  Observations observations = draw_geometric_run(config).observations;
+  for (RigCamera& camera : observations.cameras) {
+    camera.depth->noise.scale_sigma = 0.002;
+    camera.intrinsics_sigma.focal_relative = 0.02;
+  }
+  const Result result = estimate_maximum_likelihood(observations).result;
+  EXPECT_EQ(result.status, ResultStatus::kRefused);
+}
+
 TEST(BoardScale, NamesTheCameraWhoseDepthIsInAnotherUnit) {
   Observations observations = run_with_depth(3, 0.0);
   for (auto* planes : {&observations.ground_planes, &observations.board_planes})

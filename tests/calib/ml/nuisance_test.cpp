@@ -543,6 +543,59 @@ TEST(MlRotationCentre, AndRidingHeightMayStandInTheRig) {
   EXPECT_EQ(with_those_of_rig(usual_priors(), OdometryNoise()).rotation_centre_m, usual_priors().rotation_centre_m);
 }
 
+// So do wheels and clocks.
+TEST(MlPriors, OfWheelsMayStandInTheRig) {
+  OdometryNoise stated;
+  stated.scale_sigma = 0.02;
+  stated.yaw_factor_sigma = 0.0;
+  stated.veer_sigma_rad_per_m = 0.001;
+  stated.turn_lag_sigma_s = 0.005;
+  const PriorSigmas of_rig = with_those_of_rig(usual_priors(), stated);
+  EXPECT_EQ(of_rig.odometry_scale, 0.02);
+  EXPECT_EQ(of_rig.odometry_yaw_factor, 0.0);
+  EXPECT_EQ(of_rig.odometry_veer_rad_per_m, 0.001);
+  EXPECT_EQ(of_rig.turn_lag_s, 0.005);
+  const PriorSigmas without = with_those_of_rig(usual_priors(), OdometryNoise());
+  EXPECT_EQ(without.odometry_scale, usual_priors().odometry_scale);
+  PriorSigmas asked = usual_priors();
+  asked.asked = {&PriorSigmas::turn_lag_s};
+  EXPECT_EQ(with_those_of_rig(asked, stated).turn_lag_s, usual_priors().turn_lag_s) << "asked for, though it is usual";
+}
+
+// Wheels whose factors are believed are no free unknowns, and make increments no likelier than they are.
+TEST(MlPriors, OfWheelsThatAreBelievedLeaveNoFactors) {
+  for (const OdometryModel model : {OdometryModel::kPerIncrement, OdometryModel::kPerPose}) {
+    GeometricConfig config;
+    config.stops = 40;
+    config.odometry_model = model;
+    config.declare_odometry_model = false;
+    Observations observations = draw_geometric_run(config).observations;
+    observations.odometry_noise.scale_sigma = observations.odometry_noise.yaw_factor_sigma = 0.0;
+    const MlEstimate estimate = estimate_maximum_likelihood(observations, told());
+    EXPECT_EQ(estimate.result.status, ResultStatus::kSolved);
+    EXPECT_EQ(estimate.noise.law.model, model);
+    EXPECT_EQ(estimate.state.odometry_scale, 1.0);
+    EXPECT_EQ(estimate.state.odometry_yaw_factor, 1.0);
+    EXPECT_EQ(estimate.noise.priors.odometry_scale, 0.0);
+  }
+}
+
+TEST(MlClocks, MayStandInTheRigCameraByCamera) {
+  ClockRun made = run_with_wrong_clocks(0);
+  MlOptions asked = told();
+  asked.priors.clock_offset_s = kClock_s;
+  const MlEstimate by_setting = estimate_maximum_likelihood(made.run.observations, asked);
+  for (RigCamera& camera : made.run.observations.cameras) camera.clock_offset_sigma_s = kClock_s;
+  const MlEstimate by_rig = estimate_maximum_likelihood(made.run.observations, told());
+  ASSERT_EQ(by_rig.result.status, ResultStatus::kSolved);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_LT(transform_error(by_rig.state.T_robot_camera[c], by_setting.state.T_robot_camera[c]).norm(), 1e-12);
+  made.run.observations.cameras[1].clock_offset_sigma_s = 0.0;
+  const Result two = estimate_maximum_likelihood(made.run.observations, told()).result;
+  for (const EstimatedQuantity& quantity : two.also_estimated)
+    EXPECT_FALSE(quantity.name == "clock_offset_ms" && quantity.camera == made.run.observations.cameras[1].name);
+}
+
 // A point that nobody measured is no reason to refuse what is known relative to it, and the answer says both.
 TEST(MlRotationCentre, ThatNobodyMeasuredIsToldAndNoRefusal) {
   GeometricConfig config;

@@ -42,6 +42,18 @@ TEST(MlSettings, AreReadFromAFileWhoseNameTheyTake) {
   EXPECT_DOUBLE_EQ(settings.options().priors.rotation_centre_m, 0.0);
 }
 
+// What was asked for wins over the rig, also where it is the usual value.
+TEST(MlSettings, KnowWhatWasAskedFor) {
+  OdometryNoise rig;
+  rig.turn_lag_sigma_s = 0.001;
+  rig.veer_sigma_rad_per_m = 0.001;
+  const PriorSigmas asked = read_ml_settings("turn_lag_sigma_ms=20,odometry_scale_sigma_percent=3").options().priors;
+  EXPECT_DOUBLE_EQ(asked.odometry_scale, 0.03);
+  EXPECT_EQ(with_those_of_rig(asked, rig).turn_lag_s, 0.02);
+  EXPECT_EQ(with_those_of_rig(asked, rig).odometry_veer_rad_per_m, 0.001) << "nobody asked";
+  EXPECT_NE(MlMethod(read_ml_settings("turn_lag_sigma_ms=20")).settings_text(), MlMethod().settings_text());
+}
+
 TEST(MlSettings, AreRefusedWithEveryProblemAtOnce) {
   EXPECT_THAT(error_text([] { read_ml_settings("focal_sigma_percent=-1,clock_offset_ms=5"); }),
               AllOf(HasSubstr("focal_sigma_percent"), HasSubstr("-1"), HasSubstr("clock_offset_sigma_ms")));

@@ -19,7 +19,8 @@ const Codes kOne = {"depth.scale", "depth.differs", "depth.scale_of_all", "depth
                     "depth.unit",  "board.size",    "depth.board_size",   "prior.strained"};
 // Another shape is another scale of what is looked at, or none that all images share.
 const Codes kShape = {"depth.scale",       "depth.scale_of_all", "depth.board_size", "depth.differs",
-                      "depth.contradicts", "ground.contradicts", "prior.strained",   "depth.misplaced"};
+                      "depth.contradicts", "ground.contradicts", "ground.off",       "ground.off_slightly",
+                      "prior.strained",    "depth.misplaced"};
 const Codes kLost = {"ground.unseen", "depth.contradicts", "depth.unit", "depth.differs"};
 const Codes kRepeats = {"depth.frames_repeat", "depth.contradicts", "ground.unseen"};
 const Codes kMirrored = {"depth.mirrored"};

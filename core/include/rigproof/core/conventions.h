@@ -27,6 +27,9 @@ constexpr double symmetric_principal_point(int size_px) { return (size_px - 1) /
 /// Names of the six degrees of freedom in the order of every error vector and covariance.
 inline constexpr std::array<const char*, 6> kDegreeOfFreedomNames = {"tx", "ty", "tz", "rx", "ry", "rz"};
 
+/// The same of a camera in the robot as people read them: rotations about the robot's x, y and z.
+inline constexpr std::array<const char*, 6> kSpokenAxisNames = {"tx", "ty", "tz", "roll", "pitch", "yaw"};
+
 inline constexpr double kPi = 3.14159265358979323846;
 constexpr double deg_to_rad(double angle_deg) { return angle_deg * (kPi / 180.0); }
 constexpr double rad_to_deg(double angle_rad) { return angle_rad * (180.0 / kPi); }

@@ -100,6 +100,8 @@ struct RigCamera {
   /// stamp is that of its middle row. Published readouts reach from none to some 30 ms.
   double readout_s = 0.0;
   double readout_sigma_s = 0.015;
+  /// Of how late or early its stamps are against the odometry's clock, one sigma; 0: they are believed.
+  double clock_offset_sigma_s = 0.0;
   std::optional<DepthStream> depth;
 
   /// Through which the depth images see: of their own camera, or of the colour camera that they are registered to.
@@ -136,6 +138,13 @@ struct OdometryNoise {
   std::optional<double> riding_height_sigma_m = std::nullopt;
   /// Where that point lies in the robot's frame, along x and y: wheels tell its motion.
   Eigen::Vector2d rotation_centre_m = Eigen::Vector2d::Zero();
+  /// One sigma of what increments have wrong in common, of which wheels are the cause: the factors of translations and
+  /// of turns (relative), the heading that is gained with every metre, and by how much the body turns later than its
+  /// wheels; absent: as the method assumes.
+  std::optional<double> scale_sigma = std::nullopt;
+  std::optional<double> yaw_factor_sigma = std::nullopt;
+  std::optional<double> veer_sigma_rad_per_m = std::nullopt;
+  std::optional<double> turn_lag_sigma_s = std::nullopt;
 };
 
 /// Odometry (x, y [m], yaw [rad]) of one point of the robot, carried over to another one that lies at `offset_m` from

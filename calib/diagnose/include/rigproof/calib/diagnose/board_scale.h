@@ -33,11 +33,12 @@ struct BoardScale {
 
 /// Compares the depth at the board's centre with the distance at which its stated squares look as they do.
 ///
-/// A real sensor's depth scale is off by 1 % (one sigma; data sheets promise 2 %), and sensors of one make are off
-/// alike, so many cameras are no better than one. The board's size and the focal length add what the rig says of them.
-/// Refused is a deviation beyond 4 sigmas of both, or beyond 2.5 if the
-/// odometry (2 %, one sigma) agrees and both together are beyond 4. Of several boards each is judged by the cameras
-/// that differ from others on none, and without the odometry, whose scale is that of all boards together.
+/// How far depth may be off is what the rig says, as the estimate takes it: its scale and the part of it that sensors
+/// of one make share, so that many cameras are no better than one, its offset and its fixed error. The board's size and
+/// the focal length add what the observations say of them: those may hold estimated lenses. Refused is a deviation
+/// beyond 4 sigmas of all, or beyond 2.5 if the odometry (2 %, one sigma) agrees and both together are beyond 4. Of
+/// several boards each is judged by the cameras that differ from others on none, and without the odometry, whose scale
+/// is that of all boards together.
 BoardScale check_board_scale(const Observations& observations, const std::vector<ViewPose>& views,
                              const std::optional<OdometryScale>& odometry);
 

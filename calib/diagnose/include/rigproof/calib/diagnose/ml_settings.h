@@ -12,11 +12,12 @@
 
 namespace rigproof {
 
-/// Priors of values that `ml` otherwise believes, one sigma each; 0 = believed. See docs/guides/lenses-and-clocks.md.
+/// Priors in place of those that the rig states, one sigma each; 0 = believed. See docs/guides/lenses-and-clocks.md.
 struct MlSettings {
   std::string name = "ml";     ///< in tables and results/NAME.yaml
   bool believe_told = false;   ///< PriorSigmas
   std::vector<double> sigmas;  ///< in the order and the units of prior_settings()
+  std::vector<bool> asked;     ///< which of them were given: the others are as the rig states them, or the usual ones
 
   MlSettings();
   void visit(FieldVisitor& visitor);

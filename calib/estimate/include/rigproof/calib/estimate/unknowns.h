@@ -24,8 +24,8 @@ struct PriorSigmas {
   /// Of each camera's focal length (relative) and principal point, in place of the rig's; 0 = as the rig states.
   double focal_relative = 0.0;
   double principal_point_px = 0.0;
-  /// Of the delay of each camera's stamps against the odometry's clock; 0 = the stamps are believed. Only stops with a
-  /// velocity determine it.
+  /// Of the delay of each camera's stamps against the odometry's clock, in place of the rig's; 0 = as the rig states.
+  /// Only stops with a velocity determine it.
   double clock_offset_s = 0.0;
   /// With clock offsets only: of the delay between the turning of the wheels and of the body (15 ms measured on soft
   /// tyres; less than 1 ms when driving straight). Needs straight driving, too, to be separated from the clock offsets.
@@ -39,11 +39,13 @@ struct PriorSigmas {
   /// Of the change in the robot's height on its tyres while it moves (0.2 mm measured while turning). Known by the
   /// prior alone; it enters the heights of all cameras, scaled by the share of stops at which the robot moves.
   double riding_height_m = 0.0;
+  /// Those that were asked for: they count whatever the rig states, also where they are the usual ones.
+  std::vector<double PriorSigmas::*> asked = {};
 };
 
 /// The priors of an estimate without settings.
 PriorSigmas usual_priors();
-/// Where they are the usual ones: as the rig states them.
+/// As the rig states them, where they are the usual ones and were not asked for.
 PriorSigmas with_those_of_rig(PriorSigmas sigmas, const OdometryNoise& stated);
 
 namespace ml {
