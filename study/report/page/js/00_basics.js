@@ -89,18 +89,21 @@ matchMedia("print").addEventListener("change", redrawAll);
 
 function chart(node, optionOf, height) {
   if (height) node.style.height = height + "px";
-  let instance = null;
+  let instance = null, selected = {};  // names that the legend shows: drawn anew, a chart would forget them
   const draw = () => {
     if (!instance) {
       instance = echarts.init(node, null, { renderer: "svg" });
+      instance.on("legendselectchanged", (event) => { selected = event.selected; });
       new ResizeObserver(() => instance.resize()).observe(node);
     }
     if (isPrinted()) instance.resize();
+    const option = optionOf();
     instance.setOption({
       animation: false,
       textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: color("ink") },
       aria: { enabled: true },
-      ...optionOf(),
+      ...option,
+      ...(option.legend ? { legend: { ...option.legend, selected } } : {}),
     }, true);
   };
   whenShown(draw);

@@ -168,7 +168,7 @@ let lastView = null;
 
 class RigView {
   constructor(data, result, holder) {
-    Object.assign(this, { data, result, holder, stop: 0, k: 1, parts: { estimated: true, true: true, uncertainty: true, drive: true, odometry: false, board: true, ground: true } });
+    Object.assign(this, { data, result, holder, stop: 0, k: 1, where: "rig", parts: { estimated: true, true: true, uncertainty: true, drive: true, odometry: false, board: true, ground: true } });
     this.renderer = theRenderer();
     this.camera = new three.PerspectiveCamera(38, 1, 0.02, 300);
     this.camera.up.set(0, 0, 1);
@@ -181,9 +181,23 @@ class RigView {
     this.controls.addEventListener("change", () => this.draw());
     this.controls.zoomToCursor = true;
     canvas.onkeydown = (event) => this.onkey(event);
-    new ResizeObserver(() => this.resize()).observe(holder);
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(holder);
     this.build();
     this.look("rig");
+  }
+  // As the view of another method stands: the same stop, parts and place to look from.
+  resume(other) {
+    Object.assign(this, { stop: other.stop, parts: other.parts, where: other.where });
+    this.camera.aspect = other.camera.aspect;
+    this.camera.updateProjectionMatrix();
+    this.camera.position.copy(other.camera.position);
+    this.controls.target.copy(other.controls.target);
+    this.controls.update();
+  }
+  dispose() {
+    this.controls.dispose();
+    this.observer.disconnect();
   }
   places() {
     return this.data.cameras.map((camera) => camera.true_pose || (this.result.poses.find((p) => p.child === camera.name) || {}).T).filter(Boolean);
@@ -308,7 +322,7 @@ class RigView {
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
-    if (first) this.look(this.where || "rig");
+    if (first) this.look(this.where);
     this.build();
   }
   // No frame comes before the paper, and browsers print the last one: a copy is printed instead.
@@ -345,9 +359,11 @@ function rigSection(data, result) {
     : "Cameras as estimated, with the 2-sigma ellipsoids of their centres drawn larger than they are. The robot's body is schematic; the frusta tell which way is up.",
   h("div", { class: "card" }, holder, unknown.length ? h("p", { class: "small soft", style: { marginTop: "10px" } }, `Not drawn, because their poses are not answered completely: ${unknown.join(", ")}.`) : null));
   let view;
-  if (lastView) lastView.controls.dispose();
+  if (lastView) lastView.dispose();
   try {
-    view = lastView = new RigView(data, result, holder);
+    view = new RigView(data, result, holder);
+    if (lastView) view.resume(lastView);
+    lastView = view;
   } catch (problem) {
     replace(holder, h("div", { class: "none" }, "This browser draws no WebGL: the picture is left out."));
     return part;
@@ -360,8 +376,8 @@ function rigSection(data, result) {
     view.build();
   };
   slider.addEventListener("input", stretch);
-  const stops = data.drive.driven.length, at = h("output", {}, "0");
-  const stopSlider = h("input", { type: "range", id: "stop", min: 0, max: Math.max(0, stops - 1), value: 0, oninput: () => {
+  const stops = data.drive.driven.length, at = h("output", {}, String(view.stop));
+  const stopSlider = h("input", { type: "range", id: "stop", min: 0, max: Math.max(0, stops - 1), value: view.stop, oninput: () => {
     view.stop = Number(stopSlider.value);
     at.textContent = stopSlider.value;
     view.build();

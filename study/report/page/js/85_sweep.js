@@ -87,17 +87,18 @@ const logRange = (values) => {
 
 const valueStyle = () => ({ ...axisStyle(), axisLabel: { color: color("soft"), formatter: (v) => String(+v.toPrecision(2)) } });
 
-// The band is a transparent line with the difference stacked on it.
+// The band is a transparent line with the difference stacked on it. It has its method's name, so that the legend switches
+// both; the median comes first, since the legend draws the first series of a name.
 function errorOption(view, cells) {
   const [, low, high] = BANDS[view.band], series = [];
   view.data.methods.forEach((name, m) => {
     const at = (q) => cells.map((row, level) => [placeOf(view, level), sortedQuantile(row[m].values, q)]).filter(([, v]) => v !== null && (!view.log || v > 0));
+    series.push({ name, type: "line", color: methodColor(m), symbolSize: 7, lineStyle: { width: 2.2 }, z: 3, data: at(0.5) });
     if (high > low) {
       const bottom = at(low), top = at(high);
-      const plain = { type: "line", stack: "band" + m, stackStrategy: "all", symbol: "none", lineStyle: { opacity: 0 }, silent: true, tooltip: { show: false }, color: methodColor(m) };
-      series.push({ ...plain, name: name + " low", data: bottom }, { ...plain, name: name + " high", areaStyle: { opacity: 0.16, color: methodColor(m) }, data: top.map(([x, v], i) => [x, v - bottom[i][1]]) });
+      const plain = { name, type: "line", stack: "band" + m, stackStrategy: "all", symbol: "none", lineStyle: { opacity: 0 }, silent: true, tooltip: { show: false }, color: methodColor(m) };
+      series.push({ ...plain, data: bottom }, { ...plain, areaStyle: { opacity: 0.16, color: methodColor(m) }, data: top.map(([x, v], i) => [x, v - bottom[i][1]]) });
     }
-    series.push({ name, type: "line", color: methodColor(m), symbolSize: 7, lineStyle: { width: 2.2 }, data: at(0.5) });
   });
   return {
     grid: { left: 8, right: 16, top: 34, bottom: 28, containLabel: true }, legend: { ...sweepLegend(), data: view.data.methods },
