@@ -37,7 +37,11 @@ function decimalsFor(sigma) {
   return Math.min(6, Math.max(0, -power + (first <= 2 ? 1 : 0)));
 }
 const minus = (text) => text.replace("-", "\u2212");
-const fixed = (value, decimals) => (value === null || !isFinite(value) ? "\u2013" : minus(value.toFixed(decimals)));
+const fixed = (value, decimals) => {
+  if (value === null || !isFinite(value)) return "\u2013";
+  const text = value.toFixed(decimals);
+  return Number(text) === 0 ? text.replace("-", "") : minus(text);
+};
 const signed = (value, decimals) => {
   const text = fixed(value, decimals);
   return Number(value.toFixed(decimals)) > 0 ? "+" + text : text;
@@ -65,10 +69,12 @@ function section(id, title, lead, ...children) {
   return h("section", { id, "aria-labelledby": id + "-title" }, h("h2", { id: id + "-title" }, title),
     lead ? h("p", { class: "lead" }, lead) : null, ...children);
 }
+// On paper, what is chosen stands as text.
 function choice(label, names, onchange, value = 0) {
-  const select = h("select", { onchange: () => onchange(Number(select.value)) },
+  const printed = h("b", { class: "printed" }, names[value]);
+  const select = h("select", { onchange: () => { printed.textContent = names[select.value]; onchange(Number(select.value)); } },
     names.map((name, i) => h("option", { value: i, selected: i === value }, name)));
-  return h("label", {}, label, select);
+  return h("label", {}, label, select, printed);
 }
 function checkbox(label, checked, onchange) {
   const box = h("input", { type: "checkbox", checked, onchange: () => onchange(box.checked) });

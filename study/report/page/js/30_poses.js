@@ -1,13 +1,14 @@
 // Poses with sigma, error and bound; the same as a picture.
 const indexOfCamera = (data, name) => data.cameras.findIndex((camera) => camera.name === name);
 const nameOf = (pose, between) => (between ? `${pose.parent}\u2013${pose.child}` : pose.child);
+const poseHead = () => ["tx [cm]", "ty [cm]", "tz [cm]", ...ANGLES.map((name) => name + " [deg]")].map(withSigmaHead);
 const axisNames = () => AXES.map((name, i) => `${name} [${unitOf(i)}]`);
 
 function withSigma(value, sigma, decimals) {
   const number = fixed(value, decimals);
-  if (!(sigma > 0)) return { node: number, plain: number };
+  if (!(sigma > 0)) return { node: number, plain: number, raw: [value, ""] };
   const pm = `\u00b1${fixed(sigma, decimals)}`;
-  return { node: h("span", {}, number, h("span", { class: "pm" }, "\u2009" + pm)), plain: number + pm };
+  return { node: h("span", {}, number, h("span", { class: "pm" }, "\u2009" + pm)), plain: number + pm, raw: [value, sigma] };
 }
 
 function poseRows(data, result) {
@@ -27,7 +28,7 @@ function errorRows(data, transforms, between) {
     const cells = (list, write) => AXES.map((_, axis) => {
       if (!pose.observable[axis]) return { text: list === pose.error || !pose.error ? "refused" : "", plain: "" };
       const value = list ? inUnit(list[axis], axis) : null;
-      return value === null ? "\u2013" : write(value, axis);
+      return value === null ? "\u2013" : { raw: value, ...write(value, axis) };
     });
     const decimals = (axis) => decimalsFor(pose.sigma ? inUnit(pose.sigma[axis], axis) : pose.bound ? inUnit(pose.bound[axis], axis) : 0.01);
     const kinds = [];
@@ -36,9 +37,9 @@ function errorRows(data, transforms, between) {
         text: signed(value, decimals(axis)), over: pose.sigma && pose.sigma[axis] > 0 && Math.abs(value) > 4 * inUnit(pose.sigma[axis], axis),
       }))]);
     }
-    if (pose.sigma) kinds.push(["sigma", cells(pose.sigma, (value, axis) => fixed(value, decimals(axis)))]);
-    if (pose.bound) kinds.push(["bound", cells(pose.bound, (value, axis) => fixed(value, Math.max(decimals(axis), decimalsFor(value))))]);
-    kinds.forEach(([kind, list], i) => rows.push(Object.assign([i === 0 ? name : "", kind, ...list], { first: i === 0 && rows.length > 0 })));
+    if (pose.sigma) kinds.push(["sigma", cells(pose.sigma, (value, axis) => ({ text: fixed(value, decimals(axis)) }))]);
+    if (pose.bound) kinds.push(["bound", cells(pose.bound, (value, axis) => ({ text: fixed(value, Math.max(decimals(axis), decimalsFor(value))) }))]);
+    kinds.forEach(([kind, list], i) => rows.push(Object.assign([named(name, i === 0), kind, ...list], { first: i === 0 && rows.length > 0 })));
   }
   return rows;
 }
@@ -97,7 +98,7 @@ function forest(data, transforms, between) {
 }
 
 function posesSection(data, result) {
-  const head = ["camera", "tx [cm]", "ty [cm]", "tz [cm]", ...ANGLES.map((name) => name + " [deg]")];
+  const head = ["camera", ...poseHead()];
   const rows = poseRows(data, result);
   const cards = [];
   if (rows.length)
@@ -110,7 +111,7 @@ function posesSection(data, result) {
     const show = (which) => {
       const [, list, between] = both[which];
       const known = list.filter((t) => t.sigma || t.error || t.bound);
-      const columns = [between ? "pair" : "camera", "", ...axisNames()], cells = errorRows(data, known, between);
+      const columns = [between ? "pair" : "camera", { text: "", raw: "kind" }, ...axisNames()], cells = errorRows(data, known, between);
       const names = both.map(([kind]) => (kind === "robot" ? "camera in robot" : "between cameras"));
       replace(card, h("div", { class: "bar" }, h("h3", {}, data.has_truth ? "Error, stated sigma, bound" : "Stated sigma"),
         both.length > 1 ? choice("of", names, show, which) : null, copyButtons(() => [columns, cells])),

@@ -389,7 +389,7 @@ function rigSection(data, result) {
   const views = [["rig", "rig"], ["all", "drive"], ["top", "top"], ["side", "side"], ["front", "front"]]
     .map(([key, name]) => h("button", { type: "button", onclick: () => view.look(key) }, name));
   holder.before(
-    h("div", { class: "bar" }, h("span", { class: "soft" }, "look at"), h("span", { class: "copy" }, views),
+    h("div", { class: "bar" }, h("span", { class: "copy" }, h("span", { class: "soft" }, "look at"), views),
       h("label", {}, "errors and sigmas", slider, told), stops > 1 ? h("label", {}, "stop", stopSlider, at) : null),
     h("div", { class: "bar", style: { marginTop: "8px", marginBottom: "12px" } }, toggles));
   whenShown(stretch);
