@@ -80,6 +80,8 @@ function checkbox(label, checked, onchange) {
   const box = h("input", { type: "checkbox", checked, onchange: () => onchange(box.checked) });
   return h("label", {}, box, label);
 }
+// Long names may break after an underscore.
+const breakable = (name) => name.split(/(?<=_)/).flatMap((part, i) => (i ? [h("wbr", {}), part] : [part]));
 const swatch = (index) => h("span", { class: "dot", style: { background: cameraColor(index) }, "aria-hidden": "true" });
 
 // What depends on the theme or on the size of its place is drawn once it has one, and again when the theme changes.

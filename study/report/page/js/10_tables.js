@@ -52,9 +52,17 @@ function copyButtons(contentOf) {
     h("button", { type: "button", onclick: (event) => copyText(write(...contentOf()), event.currentTarget) }, name)));
 }
 
+// Says so where a table is wider than its place.
+const overflow = new ResizeObserver((entries) => { for (const { target } of entries) target.classList.toggle("wide", target.scrollWidth > target.clientWidth + 1); });
+function scrolling(label, ...content) {
+  const node = h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": label }, content);
+  overflow.observe(node);
+  return node;
+}
+
 function table(head, rows, { text = [0], caption = "" } = {}) {
   const isText = (i) => (text.includes(i) ? "text" : null);
-  return h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption || "table" }, h("table", {},
+  return scrolling(caption || "table", h("table", {},
     h("thead", {}, h("tr", {}, head.map((cell, i) => h("th", { scope: "col", class: isText(i) }, cell.text ?? cell)))),
     h("tbody", {}, rows.map((row) => h("tr", { class: row.first ? "first" : null }, row.map((cell, i) => {
       const content = cell && typeof cell === "object" && !(cell instanceof Node) ? cell.node ?? cell.text : cell;

@@ -50,18 +50,20 @@ function pictureTexture(canvas) {
 
 // Of the same height on the screen, near or far.
 function labelSprite(text, value, size) {
-  const canvas = h("canvas", { width: 512, height: 96 }), pen = canvas.getContext("2d");
-  pen.font = "600 56px " + getComputedStyle(document.body).fontFamily;
+  const canvas = h("canvas", { height: 96 }), pen = canvas.getContext("2d"), font = "600 56px " + getComputedStyle(document.body).fontFamily;
+  pen.font = font;
+  canvas.width = Math.ceil(pen.measureText(text).width) + 24;  // which forgets the font
+  pen.font = font;
   pen.textBaseline = "middle";
   pen.lineWidth = 12;
   pen.lineJoin = "round";
   pen.strokeStyle = color("card");
-  pen.strokeText(text, 12, 50, 490);
+  pen.strokeText(text, 12, 50);
   pen.fillStyle = value;
-  pen.fillText(text, 12, 50, 490);
+  pen.fillText(text, 12, 50);
   const sprite = new three.Sprite(new three.SpriteMaterial({ map: pictureTexture(canvas), depthTest: false, transparent: true, sizeAttenuation: false }));
   sprite.center.set(0, 0.5);
-  sprite.scale.set((size * 512) / 96, size, 1);
+  sprite.scale.set((size * canvas.width) / 96, size, 1);
   sprite.renderOrder = 5;
   return sprite;
 }
@@ -100,14 +102,14 @@ function robotModel(places, letters) {
   const group = new three.Group(), dull = color("robot");
   const xs = places.map((p) => p[0]), ys = places.map((p) => p[1]), zs = places.map((p) => p[2]);
   const front = Math.max(0.3, ...xs), back = Math.min(-0.3, ...xs.map((x) => x - 0.1)), half = Math.max(0.25, ...ys.map((y) => 0.9 * Math.abs(y)));
-  const top = Math.max(0.15, Math.min(0.38, 0.6 * Math.min(...zs, 1))), bottom = 0.3 * top, radius = 0.42 * top;
+  const top = Math.max(0.15, Math.min(0.38, 0.6 * Math.min(...zs, 1))), bottom = 0.2 * top, radius = 0.3 * top;
   const box = new three.BoxGeometry(front - back, 2 * half, top - bottom);
   const body = new three.Mesh(box, new three.MeshLambertMaterial({ color: dull, transparent: true, opacity: 0.82 }));
   const edges = new three.LineSegments(new three.EdgesGeometry(box), new three.LineBasicMaterial({ color: color("soft") }));
   for (const part of [body, edges]) part.position.set((front + back) / 2, 0, (top + bottom) / 2);
   group.add(body, edges);
   for (const x of [back + radius, front - radius]) for (const side of [-1, 1]) {
-    const wheel = new three.Mesh(new three.SphereGeometry(1, 24, 16), new three.MeshLambertMaterial({ color: color("soft") }));
+    const wheel = new three.Mesh(new three.SphereGeometry(1, 24, 16), new three.MeshLambertMaterial({ color: new three.Color(dull).multiplyScalar(0.7) }));
     wheel.scale.set(radius, 0.045, radius);
     wheel.position.set(x, side * (half + 0.045), radius);
     group.add(wheel);
@@ -138,12 +140,13 @@ function boardModel(board) {
   return group;
 }
 
-function driveModel(drive, withOdometry) {
+// `strength`: of the lines, 1 where the drive is what is looked at.
+function driveModel(drive, withOdometry, strength) {
   const group = new three.Group(), lift = ([x, y]) => [x, y, 0.004];
-  group.add(new three.Line(lineGeometry(drive.driven.map(lift)), new three.LineBasicMaterial({ color: color("soft"), transparent: true, opacity: 0.3 })));
+  group.add(new three.Line(lineGeometry(drive.driven.map(lift)), new three.LineBasicMaterial({ color: color("soft"), transparent: true, opacity: 0.3 * strength })));
   if (withOdometry) {
     const track = dashed(drive.odometry.map(lift), "#aa3c8c", 0.06);
-    Object.assign(track.material, { transparent: true, opacity: 0.7 });
+    Object.assign(track.material, { transparent: true, opacity: 0.7 * strength });
     group.add(track);
   }
   const arrows = drive.driven.flatMap((pose) => {
@@ -151,7 +154,7 @@ function driveModel(drive, withOdometry) {
     const side = [-heading.y * 0.35, heading.x * 0.35], base = [pose[0], pose[1]];
     return [[base[0] + side[0], base[1] + side[1], 0.004], tip, [base[0] - side[0], base[1] - side[1], 0.004], tip];
   });
-  group.add(segments(arrows, color("soft"), { transparent: true, opacity: 0.8 }));
+  group.add(segments(arrows, color("soft"), { transparent: true, opacity: 0.8 * strength }));
   return group;
 }
 
@@ -214,7 +217,7 @@ class RigView {
     this.scene.add(sun);
     const { drive } = this.data, here = drive.driven[this.stop];
     if (this.parts.ground) this.addGround();
-    if (this.parts.drive && drive.driven.length > 1) this.scene.add(driveModel(drive, this.parts.odometry && drive.is_true));
+    if (this.parts.drive && drive.driven.length > 1) this.scene.add(driveModel(drive, this.parts.odometry && drive.is_true, this.driveStrength()));
     const boards = [[this.data.board, drive.board], ...(this.data.more_boards || []).map((board, i) => [board, drive.more_boards[i]])];
     boards.forEach(([board, pose], i) => {
       if (!pose || !this.parts.board) return;
@@ -229,6 +232,11 @@ class RigView {
     this.data.cameras.forEach((camera, i) => this.addCamera(robot, camera, i));
     this.scene.add(robot);
     this.draw();
+  }
+  // Beside the rig, the lines of more than a dozen stops would hide what is looked at.
+  driveStrength() {
+    const isOfRig = this.where === "rig" || this.where === "side" || this.where === "front";
+    return isOfRig ? Math.min(1, Math.max(0.25, 12 / this.data.drive.driven.length)) : 1;
   }
   boardNumber(board, number) {
     const label = labelSprite(`board ${number}`, color("ink"), this.letters());
@@ -297,7 +305,7 @@ class RigView {
     this.controls.target.copy(target);
     this.controls.update();
     this.where = where;
-    this.draw();
+    this.build();
   }
   onkey(event) {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];

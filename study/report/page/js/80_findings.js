@@ -22,7 +22,7 @@ function stopList(stops) {
 function leftOutSection(data, result) {
   const head = ["camera", "used", "left out", "why", "at stops"], rows = [];
   for (const use of result.use) {
-    const name = { node: h("span", {}, swatch(indexOfCamera(data, use.camera)), use.camera), plain: use.camera };
+    const name = nameCell(data, use.camera);
     if (!use.left_out.length) rows.push([name, String(use.used), "0", "", ""]);
     use.left_out.forEach((group, i) => rows.push(Object.assign([named(name, i === 0), i === 0 ? String(use.used) : "", String(group.stops.length), (group.depth ? "depth: " : "") + group.reason, stopList(group.stops)], { first: i === 0 && rows.length > 0 })));
   }
@@ -40,7 +40,7 @@ function alsoSection(data, result) {
   const head = ["of", "quantity", withSigmaHead("estimate"), { text: "stated before", raw: "sigma stated before" }, { text: "off by", raw: "off by [sigma]" }];
   const rows = result.also_estimated.map((q, i) => {
     const first = i === 0 || result.also_estimated[i - 1].camera !== q.camera, decimals = decimalsFor(q.sigma), z = q.prior_sigma > 0 ? q.value / q.prior_sigma : null;
-    const name = q.camera ? { node: h("span", {}, swatch(indexOfCamera(data, q.camera)), q.camera), plain: q.camera } : "rig and board";
+    const name = q.camera ? nameCell(data, q.camera) : "rig and board";
     return Object.assign([named(name, first), titleOf(q.name), withSigma(q.value, q.sigma, decimals), q.prior_sigma > 0 ? { text: `\u00b1${figure(q.prior_sigma)}`, raw: q.prior_sigma } : "\u2013",
       z === null ? "\u2013" : { text: `${signed(z, 1)} sigma`, raw: z, over: Math.abs(z) > 4 }], { first: first && i > 0 });
   });

@@ -75,7 +75,7 @@ function sweepMap(view, draws) {
     const quantity = MAP_QUANTITIES[shown.quantity], map = mapTable(view, shown.method, shown.other, quantity);
     copied = map.copied;
     title.textContent = `${quantity.title(view)}, ${methods[shown.method]}`;
-    replace(place, h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": title.textContent }, map.node), mapKey(map.ends, quantity));
+    replace(place, scrolling(title.textContent, map.node), mapKey(map.ends, quantity));
   };
   const set = (key) => (value) => { shown[key] = value; draw(); };
   // Fields to choose among are all but the one above.

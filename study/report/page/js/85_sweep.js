@@ -59,7 +59,7 @@ function sweepCard(view, draws, { height, title, option, follow = () => {} }, ..
   whenShown(setUp);
   const draw = chart(node, option);
   draws.push(() => { setUp(); draw(); });
-  return h("div", { class: "card" }, h("div", { class: "bar" }, heading, above), h("div", { class: "scroll" }, node));
+  return h("div", { class: "card" }, h("div", { class: "bar" }, heading, above), scrolling("chart", node));
 }
 
 function neesSection(view, draws, now) {
