@@ -80,9 +80,12 @@ function checkbox(label, checked, onchange) {
   const box = h("input", { type: "checkbox", checked, onchange: () => onchange(box.checked) });
   return h("label", {}, box, label);
 }
-// Long names may break after an underscore.
-const breakable = (name) => name.split(/(?<=_)/).flatMap((part, i) => (i ? [h("wbr", {}), part] : [part]));
 const swatch = (index) => h("span", { class: "dot", style: { background: cameraColor(index) }, "aria-hidden": "true" });
+// Long names may break after an underscore, and never after the dot.
+function withSwatch(index, name) {
+  const [first, ...rest] = name.split(/(?<=_)/);
+  return h("span", {}, h("span", { class: "nowrap" }, swatch(index), first), rest.map((part) => [h("wbr", {}), part]));
+}
 
 // What depends on the theme or on the size of its place is drawn once it has one, and again when the theme changes.
 const redraws = [];

@@ -1,6 +1,6 @@
 // Poses with sigma, error and bound; the same as a picture.
 const indexOfCamera = (data, name) => data.cameras.findIndex((camera) => camera.name === name);
-const nameCell = (data, name) => ({ node: h("span", {}, swatch(indexOfCamera(data, name)), breakable(name)), plain: name });
+const nameCell = (data, name) => ({ node: withSwatch(indexOfCamera(data, name), name), plain: name });
 const nameOf = (pose, between) => (between ? `${pose.parent}\u2013${pose.child}` : pose.child);
 const poseHead = () => ["tx [cm]", "ty [cm]", "tz [cm]", ...ANGLES.map((name) => name + " [deg]")].map(withSigmaHead);
 const axisNames = () => AXES.map((name, i) => `${name} [${unitOf(i)}]`);

@@ -91,7 +91,7 @@ function sweepMap(view, draws) {
   };
   draws.push(drawAll);
   whenShown(drawAll);
-  return section("map", "Map of two fields", "Across, the field chosen above; down, another. Where answers are refused, fail or go wrong.", h("div", { class: "card" },
+  return section("map", "Map of two fields", "Where answers are refused, fail or go wrong: across, the field chosen above; down, another; all of their levels.", h("div", { class: "card" },
     h("div", { class: "bar" }, choice("show", MAP_QUANTITIES.map(({ name }) => name), set("quantity")), fields, choice("method", methods, set("method")), copyButtons(() => copied)),
     title, place));
 }

@@ -5,7 +5,7 @@ function sweepTable(view, cells) {
   const head = [view.xTitle(), "method", { text: "answered", raw: ["answered", "tasks"] }, ...figures, ...(against < 0 || methods.length < 2 ? [] : [`median / ${reference}\u2019s`])], rows = [];
   cells.forEach((row, level) => view.data.methods.forEach((name, m) => {
     const { values, answered, tasks } = row[m], median = sortedQuantile(values, 0.5), other = against < 0 ? null : sortedQuantile(row[against].values, 0.5);
-    rows.push(Object.assign([named(view.levels()[level], m === 0), { node: h("span", { class: "nowrap" }, h("span", { class: "dot", style: { background: methodColor(m) } }), name), plain: name }, { text: `${answered} of ${tasks}`, raw: [answered, tasks] },
+    rows.push(Object.assign([named(view.levels()[level], m === 0), { node: withSwatch(m, name), plain: name }, { text: `${answered} of ${tasks}`, raw: [answered, tasks] },
       ...[median, mean(values), sortedQuantile(values, 0.95), values.length ? values[values.length - 1] : null, median !== null && other > 0 ? median / other : null].slice(0, head.length - 3).map(number)], { first: m === 0 && level > 0 }));
   }));
   return [head, rows];
