@@ -82,9 +82,10 @@ function checkbox(label, checked, onchange) {
 }
 const swatch = (index) => h("span", { class: "dot", style: { background: cameraColor(index) }, "aria-hidden": "true" });
 // Long names may break after an underscore, and never after the dot.
+const breakable = (name) => name.split(/(?<=_)/).map((part, i) => (i ? [h("wbr", {}), part] : part));
 function withSwatch(index, name) {
-  const [first, ...rest] = name.split(/(?<=_)/);
-  return h("span", {}, h("span", { class: "nowrap" }, swatch(index), first), rest.map((part) => [h("wbr", {}), part]));
+  const [first, ...rest] = breakable(name);
+  return h("span", {}, h("span", { class: "nowrap" }, swatch(index), first), rest);
 }
 
 // What depends on the theme or on the size of its place is drawn once it has one, and again when the theme changes.

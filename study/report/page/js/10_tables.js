@@ -66,6 +66,6 @@ function table(head, rows, { text = [0], caption = "" } = {}) {
     h("thead", {}, h("tr", {}, head.map((cell, i) => h("th", { scope: "col", class: isText(i) }, cell.text ?? cell)))),
     h("tbody", {}, rows.map((row) => h("tr", { class: row.first ? "first" : null }, row.map((cell, i) => {
       const content = cell && typeof cell === "object" && !(cell instanceof Node) ? cell.node ?? cell.text : cell;
-      return i === 0 ? h("th", { scope: "row" }, content) : h("td", { class: [isText(i), cell && cell.over ? "over" : null].filter(Boolean).join(" ") || null }, content);
+      return i === 0 ? h("th", { scope: "row" }, typeof content === "string" ? breakable(content) : content) : h("td", { class: [isText(i), cell && cell.over ? "over" : null].filter(Boolean).join(" ") || null }, content);
     }))))));
 }

@@ -1,5 +1,5 @@
 // Charts of a sweep: answers and errors over a field, methods side by side.
-const sweepLegend = (names) => ({ top: 0, type: "scroll", data: names, textStyle: { color: color("soft") }, itemWidth: 18, itemHeight: 10 });
+const sweepLegend = (view, names) => ({ top: 0, left: view.isOrdered() ? "center" : 0, type: "scroll", data: names, textStyle: { color: color("soft") }, itemWidth: 18, itemHeight: 10 });
 
 // Names may be long: so many that they would hide each other are written aslant. The field's name is in the title.
 function nameAxis(names) {
@@ -33,7 +33,7 @@ const atPoint = (unit, digits) => ({ trigger: "axis", ...tooltipStyle(), confine
 
 function successOption(view, cells) {
   return {
-    grid: sweepGrid(view), legend: sweepLegend(view.data.methods), tooltip: atPoint("%", 3),
+    grid: sweepGrid(view), legend: sweepLegend(view, view.data.methods), tooltip: atPoint("%", 3),
     xAxis: levelAxis(view), yAxis: { type: "value", min: 0, max: 100, ...axisStyle(), axisLabel: { color: color("soft"), formatter: "{value} %" } },
     series: view.data.methods.map((name, m) => ({ name, type: view.isOrdered() ? "line" : "bar", color: methodColor(m), symbolSize: 7, lineStyle: { width: 2.2 }, barMaxWidth: 40,
       data: cells.map((row, level) => [placeOf(view, level), row[m].tasks ? (100 * row[m].answered) / row[m].tasks : null]) })),
@@ -63,7 +63,7 @@ function errorOption(view, cells) {
   const isOrdered = view.isOrdered(), known = isOrdered ? BANDS[view.band].slice(1).concat(0.5) : BOX;
   const values = cells.flatMap((row) => row.flatMap((cell) => known.map((q) => sortedQuantile(cell.values, q))));
   return {
-    grid: sweepGrid(view), legend: { ...sweepLegend(view.data.methods), ...(isOrdered ? {} : { icon: "circle" }) },
+    grid: sweepGrid(view), legend: { ...sweepLegend(view, view.data.methods), ...(isOrdered ? {} : { icon: "circle" }) },
     tooltip: isOrdered ? atPoint(view.unit()) : { trigger: "item", ...tooltipStyle(), confine: true },
     xAxis: levelAxis(view), yAxis: valueAxis(view.log, values),
     series: view.data.methods.flatMap((_, m) => (isOrdered ? lineSeries(view, cells, m) : boxSeries(view, cells, m))),

@@ -48,11 +48,11 @@ function failuresSection(data) {
 }
 
 // A title that says what is drawn, and a chart, which may be wider than the screen.
-function sweepCard(view, draws, { height, title, option, follow = () => {} }, ...above) {
+function sweepCard(view, draws, { height, title, option, width = () => widthFor(view), follow = () => {} }, ...above) {
   const node = h("div", { class: "chart" }), heading = h("h3", {});
   const setUp = () => {
     heading.textContent = title();
-    node.style.minWidth = widthFor(view);
+    node.style.minWidth = width();
     node.style.height = `${height + (view.isOrdered() ? 0 : 40)}px`;
     follow();
   };
@@ -89,7 +89,7 @@ function showSweep(data) {
       sweepCard(view, draws, { height: 400, title: titled, option: () => errorOption(view, cells), follow: () => { band.hidden = !view.isOrdered(); boxWords.hidden = view.isOrdered(); } }, band, boxWords)),
     neesSection(view, draws, now),
     section("boxes", "Methods side by side", "Quantiles 5, 25, 50, 75 and 95 % over everything that is chosen.",
-      sweepCard(view, draws, { height: 340, title: () => view.title(), option: () => boxOption(view) })),
+      sweepCard(view, draws, { height: 340, title: () => view.title(), option: () => boxOption(view), width: () => "" })),
     sweepMap(view, draws), section("figures", "Figures", null, tableCard), failuresSection(data),
   ].filter(Boolean);
   whenShown(drawTable);
