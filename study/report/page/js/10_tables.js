@@ -53,10 +53,15 @@ function copyButtons(contentOf) {
 }
 
 // Says so where a table is wider than its place.
-const overflow = new ResizeObserver((entries) => { for (const { target } of entries) target.classList.toggle("wide", target.scrollWidth > target.clientWidth + 1); });
-function scrolling(label, ...content) {
+const overflow = new ResizeObserver((entries) => {
+  for (const { target } of entries) {
+    const node = target.closest(".scroll");
+    node?.classList.toggle("wide", node.scrollWidth > node.clientWidth + 1);
+  }
+});
+function scrolling(label, content) {
   const node = h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": label }, content);
-  overflow.observe(node);
+  for (const part of [node, content]) overflow.observe(part);
   return node;
 }
 

@@ -105,7 +105,7 @@ class FrameDialog {
     const button = (label, text, onclick) => h("button", { type: "button", "aria-label": label, onclick }, text);
     this.title = h("h3", { "aria-live": "polite" });
     this.facts = h("span", { class: "soft" });
-    this.content = h("div", {});
+    this.content = h("div", { style: { marginTop: "0" } });
     this.node = h("dialog", { "aria-label": "Image" },
       h("div", { class: "bar" }, this.title, this.facts,
         h("span", { class: "copy push" }, button("previous image", "\u2190", () => this.step(-1)), button("next image", "\u2192", () => this.step(1)),
