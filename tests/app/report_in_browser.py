@@ -224,9 +224,13 @@ def check_copies(browser):
     numbers = [float(text) for row in rows[1:] for text in row[1:]]
     expect(all(value > 0 for value in numbers[1::2]), "sigmas are numbers")
     expect(max(len(text) for text in rows[1]) > 8, f"with all digits: {rows[1]}")
+    shown = browser.js("document.querySelector('#poses td').innerText").replace("\u2212", "-").split("±")
+    differences = [abs(float(a) - float(b)) for a, b in zip(rows[1][1:3], shown)]
+    expect(len(differences) == 2 and max(differences) < 0.06, f"as shown: {rows[1]}, {shown}")
     errors = list(csv.DictReader(io.StringIO(copied(browser, "poses", "CSV", 1))))
     expect(all(row["camera"] and row["kind"] for row in errors), "each row names its camera")
-    expect(any(float(row["tx [cm]"]) < 0 for row in errors if row["kind"] == "error"), "a minus is one that programs read")
+    signed = [float(row[key]) for row in errors for key in row if key.endswith("]") and row["kind"] == "error"]
+    expect(len(signed) == 18 and min(signed) < 0 < max(signed), "a minus is one that programs read")
     expect("$\\pm$" in copied(browser, "poses", "LaTeX"), "LaTeX has both in a cell")
     escaped = browser.js(r"asLatex(['a'], [['b~c^d_e\\f']])")
     expect(r"b\textasciitilde{}c\textasciicircum{}d\_e\textbackslash{}f" in escaped, f"LaTeX escapes: {escaped}")
