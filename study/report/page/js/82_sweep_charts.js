@@ -48,9 +48,12 @@ function bandSeries(name, value, bottom, top, opacity = 0.16) {
 }
 function lineSeries(view, cells, m) {
   const [, low, high] = BANDS[view.band], name = view.data.methods[m], value = methodColor(m);
-  const at = (q) => cells.map((row, level) => [placeOf(view, level), sortedQuantile(row[m].values, q)]).filter(([, v]) => v !== null && (!view.log || v > 0));
+  // Where there is a value, in the order of the field; a band's two sides at the same places.
+  const at = (...list) => cells.map((row, level) => [placeOf(view, level), ...list.map((q) => sortedQuantile(row[m].values, q))])
+    .filter(([, v]) => v !== null && (!view.log || v > 0)).sort(([a], [b]) => a - b);
   const median = { name, type: "line", color: value, symbolSize: 7, lineStyle: { width: 2.2 }, z: 3, data: at(0.5) };
-  return high > low ? [median, ...bandSeries(name, value, at(low), at(high))] : [median];
+  const band = at(low, high);
+  return high > low ? [median, ...bandSeries(name, value, band.map(([x, v]) => [x, v]), band.map(([x, , v]) => [x, v]))] : [median];
 }
 const BOX = [0.05, 0.25, 0.5, 0.75, 0.95];
 const fiveOf = (view, cell) => BOX.map((q) => Math.max(view.log ? 1e-12 : 0, sortedQuantile(cell.values, q)));
