@@ -98,10 +98,21 @@ class Chromium:
         scheme = {"name": "prefers-color-scheme", "value": "dark" if on else "light"}
         self.call("Emulation.setEmulatedMedia", features=[scheme])
 
+    def paper(self, on):
+        """Whether the page is shown as it is printed."""
+        self.call("Emulation.setEmulatedMedia", media="print" if on else "")
+        self.settle()
+
     def press(self, key):
         code = {"Escape": 27, "Tab": 9, "ArrowLeft": 37, "ArrowRight": 39, "Enter": 13}[key]
         for kind in ("rawKeyDown", "keyUp"):
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
+        self.settle()
+
+    def click_at(self, x, y):
+        """As a mouse does, at pixels of the window."""
+        for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
         self.settle()
 
     def screenshot(self, **clip):

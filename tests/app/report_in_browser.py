@@ -5,6 +5,9 @@ its pixels), controls work, at desktop and phone size, light and dark.
 Usage: report_in_browser.py RIGPROOF SMALL_RUN [FOLDER]    FOLDER: keep screenshots there, to be looked at
 """
 import base64
+import csv
+import io
+import json
 import pathlib
 import re
 import shutil
@@ -169,9 +172,12 @@ def check_images(browser):
     expect("null" not in browser.js("document.querySelector('dialog').innerText"), "nothing missing is written there")
     expect(browser.js("document.querySelectorAll('dialog svg.ground rect').length") > 5, "where the ground is")
     expect("on the ground plane" in browser.js("document.querySelector('dialog').innerText"), "and what green means")
-    before = browser.js("document.querySelector('dialog h3').textContent")
-    browser.press("ArrowRight")
-    expect(browser.js("document.querySelector('dialog h3').textContent") != before, "the next image")
+    titles = [browser.js("document.querySelector('dialog h3').textContent")]
+    for _ in range(2):
+        browser.press("ArrowRight")
+        titles.append(browser.js("document.querySelector('dialog h3').textContent"))
+    expect(len(set(titles)) == 3, f"an arrow key goes to the next image, each time: {titles}")
+    expect(browser.js("document.querySelector('dialog').contains(document.activeElement)"), "the focus stays in the dialog")
     browser.press("Escape")
     expect(not browser.js("document.querySelector('dialog').open"), "escape closes it")
     everything = browser.js("document.querySelectorAll('.frame').length")
@@ -189,11 +195,56 @@ def check_corners(browser):
 
 
 def check_methods(browser):
-    browser.js("document.querySelectorAll('#methods button')[4].click()")
+    button = "document.querySelectorAll('#methods button')[4]"
+    browser.js(f"{button}.scrollIntoView({{block: 'center', behavior: 'instant'}}); {button}.focus()")
+    where = f"[{button}.getBoundingClientRect().top, ...lastView.camera.position.toArray(), lastView.stop]"
+    before = browser.js(where)
+    browser.js(button + ".click()")
     browser.settle()
+    after = browser.js(where)
+    expect(max(abs(a - b) for a, b in zip(before, after)) < 2, f"page and rig stay where they are: {before}, {after}")
+    expect(browser.js(f"document.activeElement === {button}"), "the button keeps the focus")
     expect(browser.js("document.querySelector('.top select').selectedOptions[0].textContent") == "joint_memroc",
            "another method is shown")
     expect(picture_of(browser, "#view3d canvas")[0] > 50, "and its rig is drawn")
+
+
+def copied(browser, section, kind, table=0):
+    """What a button beside a table copies."""
+    browser.js("window.copyText = async (text) => { window.copied = text; }")
+    browser.js(f"""[...document.querySelectorAll("#{section} .copy button")]
+                   .filter((button) => button.textContent === "{kind}")[{table}].click()""")
+    return browser.js("window.copied")
+
+
+def check_copies(browser):
+    rows = list(csv.reader(io.StringIO(copied(browser, "poses", "CSV"))))
+    expect(rows[0][:4] == ["camera", "tx [cm]", "sigma of tx [cm]", "ty [cm]"], f"value and sigma apart: {rows[0]}")
+    expect(len(rows) == 4 and {len(row) for row in rows} == {13}, "a row for each of three cameras")
+    numbers = [float(text) for row in rows[1:] for text in row[1:]]
+    expect(all(value > 0 for value in numbers[1::2]), "sigmas are numbers")
+    expect(max(len(text) for text in rows[1]) > 8, f"with all digits: {rows[1]}")
+    shown = browser.js("document.querySelector('#poses td').innerText").replace("\u2212", "-").split("±")
+    differences = [abs(float(a) - float(b)) for a, b in zip(rows[1][1:3], shown)]
+    expect(len(differences) == 2 and max(differences) < 0.06, f"as shown: {rows[1]}, {shown}")
+    errors = list(csv.DictReader(io.StringIO(copied(browser, "poses", "CSV", 1))))
+    expect(all(row["camera"] and row["kind"] for row in errors), "each row names its camera")
+    signed = [float(row[key]) for row in errors for key in row if key.endswith("]") and row["kind"] == "error"]
+    expect(len(signed) == 18 and min(signed) < 0 < max(signed), "a minus is one that programs read")
+    expect("$\\pm$" in copied(browser, "poses", "LaTeX"), "LaTeX has both in a cell")
+    escaped = browser.js(r"asLatex(['a'], [['b~c^d_e\\f']])")
+    expect(r"b\textasciitilde{}c\textasciicircum{}d\_e\textbackslash{}f" in escaped, f"LaTeX escapes: {escaped}")
+    expect(browser.js("[fixed(-0.001, 1), signed(-0.001, 1), figure(-1e-9)]") == ["0.0", "0.0", "0.000000"], "no minus zero")
+
+
+def check_paper(browser):
+    browser.paper(True)
+    shown = browser.js("""[...document.querySelectorAll("select, input, .copy")]
+                          .filter((node) => node.getClientRects().length).length""")
+    expect(shown == 0, f"{shown} controls are printed")
+    expect(browser.js("document.querySelector('#images .printed').getClientRects().length") == 1, "what is chosen is")
+    expect(browser.js("getComputedStyle(document.querySelector('h2')).breakAfter") == "avoid", "no heading ends a page")
+    browser.paper(False)
 
 
 def check_whole_page(browser, name, folder):
@@ -214,17 +265,98 @@ def choose(browser, select, number):
     browser.settle()
 
 
-def check_sweep(browser, page, folder):
+def choose_in(browser, section, select, number):
+    browser.js(f"""(() => {{ const select = document.querySelectorAll("#{section} select")[{select}]; select.value = {number};
+                   select.dispatchEvent(new Event("change")); }})()""")
+    browser.settle()
+
+
+def check_sweep(browser, page, name, folder):
     browser.open(url_of(page))
     expect("12 tasks, 2 methods" in browser.js("document.querySelector('.verdict').innerText"), "what was done comes first")
-    for chart in ("success", "errors", "boxes", "map"):
+    for chart in ("success", "errors", "nees", "boxes"):
         expect(browser.js(f"document.querySelectorAll('#{chart} .chart svg path').length") > 5, chart + " is drawn")
     expect(browser.js("document.querySelectorAll('#figures tbody tr').length") == 4, "two levels of two methods")
+    expect(browser.js("document.querySelectorAll('#map tbody td').length") == 4, "a cell for each two levels")
+    expect("ml" in browser.js("document.querySelector('#nees ul').innerText"), "NEES in words")
+    expect(browser.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), "nothing sticks out")
     before = browser.js("document.querySelector('#figures table').innerText")
     choose(browser, 1, 7)
     expect(browser.js("document.querySelector('#figures table').innerText") != before, "rotations differ from translations")
     expect("deg" in browser.js("document.querySelector('#figures h3').innerText"), "the unit follows")
-    check_whole_page(browser, "sweep", folder)
+    check_whole_page(browser, name, folder)
+
+
+def bands(browser):
+    return browser.js("""document.querySelectorAll("#errors svg path[fill-opacity='0.16']").length""")
+
+
+def check_legend(browser, page):
+    """A method that is switched off takes its band along, and stays off when something else is chosen."""
+    browser.open(url_of(page))
+    expect(bands(browser) == 2, f"a band for each of two methods: {bands(browser)}")
+    browser.js("document.getElementById('errors').scrollIntoView({behavior: 'instant'})")
+    browser.settle()
+    browser.click_at(*browser.js("""(() => { const text = [...document.querySelectorAll("#errors svg text")]
+        .find((node) => node.textContent === "joint_memroc").getBoundingClientRect();
+        return [text.x + text.width / 2, text.y + text.height / 2]; })()"""))
+    expect(bands(browser) == 1, f"the band of the other method alone: {bands(browser)}")
+    choose_in(browser, "controls", 1, 7)
+    expect(bands(browser) == 1, "it stays off")
+
+
+def check_fields(browser, page):
+    """A logarithmic axis ends at the data; names are boxes, not lines."""
+    browser.open(url_of(page))
+    browser.js("document.querySelectorAll('#controls input')[1].click()")
+    browser.settle()
+    labels = set(browser.js("[...document.querySelectorAll('#success svg text')].map((node) => node.textContent)"))
+    expect({"0.5", "8"} <= labels and not {"0.1", "10"} & labels, f"the axis goes from 0.5 to 8: {labels}")
+    expect(bands(browser) == 2, "bands over numbers")
+    choose_in(browser, "controls", 3, 1)
+    expect(bands(browser) == 0, "no bands over names")
+    expect("whiskers" in browser.js("document.querySelector('#errors').innerText"), "but boxes")
+    expect(browser.js("document.querySelectorAll('#controls label[hidden]').length") == 2, "no log axis, no filter of itself")
+
+
+def with_refusals(page):
+    """The same sweep, had it begun at 0 and one method refused half of it."""
+    text = page.read_text()
+    start = text.index('id="report-data">') + len('id="report-data">')
+    end = text.index("</script>", start)
+    data = json.loads(text[start:end])
+    data["axes"][0].update(levels=["0", "8"], values=[0, 8])
+    data["statuses"].append("refused")
+    rows = data["rows"]
+    for i, task in enumerate(rows["task"]):
+        if data["tasks"][task][0] == 1 and rows["method"][i] == 1:
+            rows["error"][i] = rows["sigma"][i] = rows["nees"][i] = None
+            rows["status"][i] = len(data["statuses"]) - 1
+    other = page.with_name("refusals.html")
+    other.write_text(text[:start] + json.dumps(data).replace("<", "\\u003c") + text[end:])
+    return other
+
+
+def check_degenerate(browser, page):
+    browser.open(url_of(page))
+    expect("no log axis: a level is 0" in browser.js("document.querySelector('#controls').innerText"), "why there is none")
+    cells = "[...document.querySelectorAll('#map tbody td')].map((cell) => [cell.innerText, cell.className])"
+    expect(browser.js("document.querySelector('#map h3').innerText") == "Median |error| of translation [cm], ml", "what it shows")
+    expect(all(float(text) > 0 for text, _ in browser.js(cells)), "ml answers everywhere")
+    choose_in(browser, "map", 2, 1)
+    expect([text == "refused" for text, _ in browser.js(cells)] == [False, True] * 2, f"{browser.js(cells)}")
+    expect([kind == "hatched" for _, kind in browser.js(cells)] == [False, True] * 2, "and hatched")
+    for quantity, share in ((1, ["100", "0"]), (2, ["0", "100"])):
+        choose_in(browser, "map", 0, quantity)
+        expect([text for text, _ in browser.js(cells)] == share * 2, f"shares: {browser.js(cells)}")
+    rows = list(csv.DictReader(io.StringIO(copied(browser, "map", "CSV"))))
+    expect([row["refused"] for row in rows] == ["0", "3"] * 2, f"counts are copied: {rows}")
+    choose_in(browser, "map", 2, 0)
+    choose_in(browser, "map", 0, 3)
+    expect("NEES" in browser.js("document.querySelector('#map h3').innerText"), "what it shows")
+    expect(all(float(text) > 0 for text, _ in browser.js(cells)), "NEES of ml")
+    choose_in(browser, "controls", 3, 1)
+    expect(browser.js("document.querySelector('#map thead th').innerText") == "lambda", "fields change places")
 
 
 def check_history(browser, page, folder):
@@ -265,8 +397,16 @@ def check(browser, page, sweep, history, folder):
         if not mobile:
             check_rig(browser)
             check_corners(browser)
+            check_copies(browser)
+            check_paper(browser)
             check_methods(browser)
-    check_sweep(browser, sweep, folder)
+    for name, width, height, mobile, dark in (("sweep_phone", 390, 844, True, True), ("sweep", 1280, 900, False, False)):
+        browser.size(width, height, mobile)
+        browser.dark(dark)
+        check_sweep(browser, sweep, name, folder)
+    check_legend(browser, sweep)
+    check_fields(browser, sweep)
+    check_degenerate(browser, with_refusals(sweep))
     check_history(browser, history, folder)
     expect(browser.pdf()[:5] == b"%PDF-", "it prints")
     expect(not browser.said, "the console says: " + "\n".join(browser.said))

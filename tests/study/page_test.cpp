@@ -373,6 +373,8 @@ SweepRows two_answers() {
   row.subject = SweepSubject::kRig;
   row.camera = "all";
   row.error = {};
+  row.nees = 7.25;
+  row.nees_degrees_of_freedom = 5;
   row.reasons = {Finding("motion.straight")};
   rows.rows.push_back(row);
   return rows;
@@ -389,6 +391,8 @@ TEST(SweepPage, HoldsEveryAnswerInColumns) {
   EXPECT_EQ(page["statuses"], json({"partial"}));
   EXPECT_EQ(page["rows"]["error"][0], json({-0.123, 0.2, nullptr, 0.01, 0.02, 0.03}));
   EXPECT_EQ(page["rows"]["error"][1], nullptr);
+  EXPECT_EQ(page["rows"]["nees"], json({nullptr, 7.25}));
+  EXPECT_EQ(page["rows"]["nees_dof"], json({0, 5}));
   EXPECT_EQ(page["failures"][0]["code"], "motion.straight");
 }
 

@@ -48,6 +48,7 @@ Json rows_json(const SweepRows& rows, Names* subjects, Names* statuses) {
   for (std::size_t i = 0; i < rows.methods.size(); ++i) methods[rows.methods[i]] = i;
   Json task = Json::array(), method = Json::array(), subject = Json::array(), status = Json::array();
   Json errors = Json::array(), sigmas = Json::array(), nees = Json::array();
+  Json nees_dof = Json::array();
   for (const SweepRow& row : rows.rows) {
     const auto found = tasks.find(row.task);
     const auto by = methods.find(row.method);
@@ -57,6 +58,7 @@ Json rows_json(const SweepRows& rows, Names* subjects, Names* statuses) {
     subject.push_back(subjects->number_of(std::string(sweep_subject_name(row.subject)) + ":" + row.camera));
     status.push_back(statuses->number_of(sweep_status_name(row.status)));
     nees.push_back(short_number(row.nees));
+    nees_dof.push_back(row.nees_degrees_of_freedom);
     const bool is_empty = std::none_of(row.error.begin(), row.error.end(), [](const auto& e) { return e.has_value(); });
     Json error = nullptr, sigma = nullptr;
     for (std::size_t axis = 0; axis < 6 && !is_empty; ++axis) {
@@ -66,9 +68,9 @@ Json rows_json(const SweepRows& rows, Names* subjects, Names* statuses) {
     errors.push_back(std::move(error));
     sigmas.push_back(std::move(sigma));
   }
-  return {{"task", std::move(task)},     {"method", std::move(method)}, {"subject", std::move(subject)},
-          {"status", std::move(status)}, {"error", std::move(errors)},  {"sigma", std::move(sigmas)},
-          {"nees", std::move(nees)}};
+  return {{"task", std::move(task)},     {"method", std::move(method)},    {"subject", std::move(subject)},
+          {"status", std::move(status)}, {"error", std::move(errors)},     {"sigma", std::move(sigmas)},
+          {"nees", std::move(nees)},     {"nees_dof", std::move(nees_dof)}};
 }
 
 Json tasks_json(const SweepRows& rows) {

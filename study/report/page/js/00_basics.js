@@ -37,7 +37,11 @@ function decimalsFor(sigma) {
   return Math.min(6, Math.max(0, -power + (first <= 2 ? 1 : 0)));
 }
 const minus = (text) => text.replace("-", "\u2212");
-const fixed = (value, decimals) => (value === null || !isFinite(value) ? "\u2013" : minus(value.toFixed(decimals)));
+const fixed = (value, decimals) => {
+  if (value === null || !isFinite(value)) return "\u2013";
+  const text = value.toFixed(decimals);
+  return Number(text) === 0 ? text.replace("-", "") : minus(text);
+};
 const signed = (value, decimals) => {
   const text = fixed(value, decimals);
   return Number(value.toFixed(decimals)) > 0 ? "+" + text : text;
@@ -65,16 +69,24 @@ function section(id, title, lead, ...children) {
   return h("section", { id, "aria-labelledby": id + "-title" }, h("h2", { id: id + "-title" }, title),
     lead ? h("p", { class: "lead" }, lead) : null, ...children);
 }
+// On paper, what is chosen stands as text.
 function choice(label, names, onchange, value = 0) {
-  const select = h("select", { onchange: () => onchange(Number(select.value)) },
+  const printed = h("b", { class: "printed" }, names[value]);
+  const select = h("select", { onchange: () => { printed.textContent = names[select.value]; onchange(Number(select.value)); } },
     names.map((name, i) => h("option", { value: i, selected: i === value }, name)));
-  return h("label", {}, label, select);
+  return h("label", {}, label, select, printed);
 }
 function checkbox(label, checked, onchange) {
   const box = h("input", { type: "checkbox", checked, onchange: () => onchange(box.checked) });
   return h("label", {}, box, label);
 }
 const swatch = (index) => h("span", { class: "dot", style: { background: cameraColor(index) }, "aria-hidden": "true" });
+// Long names may break after an underscore, and never after the dot.
+const breakable = (name) => name.split(/(?<=_)/).map((part, i) => (i ? [h("wbr", {}), part] : part));
+function withSwatch(index, name) {
+  const [first, ...rest] = breakable(name);
+  return h("span", {}, h("span", { class: "nowrap" }, swatch(index), first), rest);
+}
 
 // What depends on the theme or on the size of its place is drawn once it has one, and again when the theme changes.
 const redraws = [];
@@ -89,18 +101,21 @@ matchMedia("print").addEventListener("change", redrawAll);
 
 function chart(node, optionOf, height) {
   if (height) node.style.height = height + "px";
-  let instance = null;
+  let instance = null, selected = {};  // names that the legend shows: drawn anew, a chart would forget them
   const draw = () => {
     if (!instance) {
       instance = echarts.init(node, null, { renderer: "svg" });
+      instance.on("legendselectchanged", (event) => { selected = event.selected; });
       new ResizeObserver(() => instance.resize()).observe(node);
     }
     if (isPrinted()) instance.resize();
+    const option = optionOf();
     instance.setOption({
       animation: false,
       textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: color("ink") },
       aria: { enabled: true },
-      ...optionOf(),
+      ...option,
+      ...(option.legend ? { legend: { ...option.legend, selected } } : {}),
     }, true);
   };
   whenShown(draw);

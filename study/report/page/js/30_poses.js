@@ -1,18 +1,20 @@
 // Poses with sigma, error and bound; the same as a picture.
 const indexOfCamera = (data, name) => data.cameras.findIndex((camera) => camera.name === name);
+const nameCell = (data, name) => ({ node: withSwatch(indexOfCamera(data, name), name), plain: name });
 const nameOf = (pose, between) => (between ? `${pose.parent}\u2013${pose.child}` : pose.child);
+const poseHead = () => ["tx [cm]", "ty [cm]", "tz [cm]", ...ANGLES.map((name) => name + " [deg]")].map(withSigmaHead);
 const axisNames = () => AXES.map((name, i) => `${name} [${unitOf(i)}]`);
 
 function withSigma(value, sigma, decimals) {
   const number = fixed(value, decimals);
-  if (!(sigma > 0)) return { node: number, plain: number };
+  if (!(sigma > 0)) return { node: number, plain: number, raw: [value, ""] };
   const pm = `\u00b1${fixed(sigma, decimals)}`;
-  return { node: h("span", {}, number, h("span", { class: "pm" }, "\u2009" + pm)), plain: number + pm };
+  return { node: h("span", {}, number, h("span", { class: "pm" }, "\u2009" + pm)), plain: number + pm, raw: [value, sigma] };
 }
 
 function poseRows(data, result) {
   return result.poses.map((pose) => [
-    { node: h("span", {}, swatch(indexOfCamera(data, pose.child)), pose.child), plain: pose.child },
+    nameCell(data, pose.child),
     ...pose.values.map((value, axis) => {
       if (!pose.observable[axis]) return { text: "refused", plain: "" };
       const sigma = pose.value_sigmas ? inUnit(pose.value_sigmas[axis], axis) : 0;
@@ -23,11 +25,11 @@ function poseRows(data, result) {
 function errorRows(data, transforms, between) {
   const rows = [];
   for (const pose of transforms) {
-    const name = between ? nameOf(pose, true) : { node: h("span", {}, swatch(indexOfCamera(data, pose.child)), pose.child), plain: pose.child };
+    const name = between ? nameOf(pose, true) : nameCell(data, pose.child);
     const cells = (list, write) => AXES.map((_, axis) => {
       if (!pose.observable[axis]) return { text: list === pose.error || !pose.error ? "refused" : "", plain: "" };
       const value = list ? inUnit(list[axis], axis) : null;
-      return value === null ? "\u2013" : write(value, axis);
+      return value === null ? "\u2013" : { raw: value, ...write(value, axis) };
     });
     const decimals = (axis) => decimalsFor(pose.sigma ? inUnit(pose.sigma[axis], axis) : pose.bound ? inUnit(pose.bound[axis], axis) : 0.01);
     const kinds = [];
@@ -36,9 +38,9 @@ function errorRows(data, transforms, between) {
         text: signed(value, decimals(axis)), over: pose.sigma && pose.sigma[axis] > 0 && Math.abs(value) > 4 * inUnit(pose.sigma[axis], axis),
       }))]);
     }
-    if (pose.sigma) kinds.push(["sigma", cells(pose.sigma, (value, axis) => fixed(value, decimals(axis)))]);
-    if (pose.bound) kinds.push(["bound", cells(pose.bound, (value, axis) => fixed(value, Math.max(decimals(axis), decimalsFor(value))))]);
-    kinds.forEach(([kind, list], i) => rows.push(Object.assign([i === 0 ? name : "", kind, ...list], { first: i === 0 && rows.length > 0 })));
+    if (pose.sigma) kinds.push(["sigma", cells(pose.sigma, (value, axis) => ({ text: fixed(value, decimals(axis)) }))]);
+    if (pose.bound) kinds.push(["bound", cells(pose.bound, (value, axis) => ({ text: fixed(value, Math.max(decimals(axis), decimalsFor(value))) }))]);
+    kinds.forEach(([kind, list], i) => rows.push(Object.assign([named(name, i === 0), kind, ...list], { first: i === 0 && rows.length > 0 })));
   }
   return rows;
 }
@@ -47,7 +49,9 @@ function errorRows(data, transforms, between) {
 function forestPanel(data, transforms, axis, between) {
   const rows = transforms.filter((pose) => pose.observable[axis] && (pose.sigma || pose.error));
   if (!rows.length) return null;
-  const width = 340, left = between ? 104 : 78, right = 12, top = 26, step = 24, height = top + step * rows.length + 22;
+  // Long names stand above their bars, over the whole width.
+  const names = rows.map((pose) => nameOf(pose, between)), isLong = Math.max(...names.map((name) => name.length)) > (between ? 15 : 11);
+  const width = 340, left = isLong ? 8 : between ? 104 : 78, right = 12, top = 26, step = isLong ? 38 : 24, height = top + step * rows.length + 22;
   let extent = 0;
   for (const pose of rows) {
     const sigma = pose.sigma ? inUnit(pose.sigma[axis], axis) : 0;
@@ -62,14 +66,14 @@ function forestPanel(data, transforms, axis, between) {
     nodes.push(s("text", { x: x(value), y: height - 4, "text-anchor": "middle" }, value === 0 ? "0" : minus(String(+value.toPrecision(2)))));
   }
   rows.forEach((pose, i) => {
-    const y = top + step * i + 10, stroke = between ? color("accent") : cameraColor(indexOfCamera(data, pose.child));
+    const y = top + step * i + (isLong ? 24 : 10), stroke = between ? color("accent") : cameraColor(indexOfCamera(data, pose.child));
     const error = pose.error ? inUnit(pose.error[axis], axis) : 0;
     const line = (half, thick) => s("line", { x1: x(Math.max(-extent, error - half)), x2: x(Math.min(extent, error + half)), y1: y, y2: y, stroke, "stroke-width": thick, "stroke-linecap": "round" });
     const sigma = pose.sigma ? inUnit(pose.sigma[axis], axis) : 0;
-    const group = [s("text", { class: "name", x: left - 10, y: y + 4, "text-anchor": "end" }, shortened(nameOf(pose, between), between ? 15 : 11))];
+    const group = [s("text", { class: "name", ...(isLong ? { x: left, y: y - 11 } : { x: left - 10, y: y + 4, "text-anchor": "end" }) }, shortened(names[i], 50))];
     if (sigma > 0) group.push(line(2 * sigma, 1.6), line(sigma, 4));
     const bound = pose.bound && pose.bound[axis] !== null ? inUnit(pose.bound[axis], axis) : 0;
-    if (bound > 0) for (const side of [-bound, bound]) group.push(s("line", { x1: x(side), x2: x(side), y1: y - 7, y2: y + 7, stroke: color("ink"), "stroke-width": 1.4, "stroke-dasharray": "2 2" }));
+    if (bound > 0) for (const side of [-bound, bound]) group.push(s("line", { x1: x(side), x2: x(side), y1: y - 6, y2: y + 6, stroke: color("ink"), "stroke-width": 1.4, "stroke-dasharray": "2 2" }));
     if (pose.error) group.push(s("circle", { cx: x(error), cy: y, r: 4.4, fill: stroke, stroke: color("card"), "stroke-width": 1.5 }));
     const told = [pose.error ? `error ${figure(error)}` : "", sigma > 0 ? `sigma ${figure(sigma)}` : "", bound > 0 ? `bound ${figure(bound)}` : ""].filter(Boolean);
     nodes.push(s("g", {}, s("title", {}, `${nameOf(pose, between)} ${AXES[axis]}: ${told.join(", ")} ${unitOf(axis)}`), group));
@@ -97,7 +101,7 @@ function forest(data, transforms, between) {
 }
 
 function posesSection(data, result) {
-  const head = ["camera", "tx [cm]", "ty [cm]", "tz [cm]", ...ANGLES.map((name) => name + " [deg]")];
+  const head = ["camera", ...poseHead()];
   const rows = poseRows(data, result);
   const cards = [];
   if (rows.length)
@@ -110,7 +114,7 @@ function posesSection(data, result) {
     const show = (which) => {
       const [, list, between] = both[which];
       const known = list.filter((t) => t.sigma || t.error || t.bound);
-      const columns = [between ? "pair" : "camera", "", ...axisNames()], cells = errorRows(data, known, between);
+      const columns = [between ? "pair" : "camera", { text: "", raw: "kind" }, ...axisNames()], cells = errorRows(data, known, between);
       const names = both.map(([kind]) => (kind === "robot" ? "camera in robot" : "between cameras"));
       replace(card, h("div", { class: "bar" }, h("h3", {}, data.has_truth ? "Error, stated sigma, bound" : "Stated sigma"),
         both.length > 1 ? choice("of", names, show, which) : null, copyButtons(() => [columns, cells])),

@@ -50,18 +50,20 @@ function pictureTexture(canvas) {
 
 // Of the same height on the screen, near or far.
 function labelSprite(text, value, size) {
-  const canvas = h("canvas", { width: 512, height: 96 }), pen = canvas.getContext("2d");
-  pen.font = "600 56px " + getComputedStyle(document.body).fontFamily;
+  const canvas = h("canvas", { height: 96 }), pen = canvas.getContext("2d"), font = "600 56px " + getComputedStyle(document.body).fontFamily;
+  pen.font = font;
+  canvas.width = Math.ceil(pen.measureText(text).width) + 24;  // which forgets the font
+  pen.font = font;
   pen.textBaseline = "middle";
   pen.lineWidth = 12;
   pen.lineJoin = "round";
   pen.strokeStyle = color("card");
-  pen.strokeText(text, 12, 50, 490);
+  pen.strokeText(text, 12, 50);
   pen.fillStyle = value;
-  pen.fillText(text, 12, 50, 490);
+  pen.fillText(text, 12, 50);
   const sprite = new three.Sprite(new three.SpriteMaterial({ map: pictureTexture(canvas), depthTest: false, transparent: true, sizeAttenuation: false }));
   sprite.center.set(0, 0.5);
-  sprite.scale.set((size * 512) / 96, size, 1);
+  sprite.scale.set((size * canvas.width) / 96, size, 1);
   sprite.renderOrder = 5;
   return sprite;
 }
@@ -100,14 +102,14 @@ function robotModel(places, letters) {
   const group = new three.Group(), dull = color("robot");
   const xs = places.map((p) => p[0]), ys = places.map((p) => p[1]), zs = places.map((p) => p[2]);
   const front = Math.max(0.3, ...xs), back = Math.min(-0.3, ...xs.map((x) => x - 0.1)), half = Math.max(0.25, ...ys.map((y) => 0.9 * Math.abs(y)));
-  const top = Math.max(0.15, Math.min(0.38, 0.6 * Math.min(...zs, 1))), bottom = 0.3 * top, radius = 0.42 * top;
+  const top = Math.max(0.15, Math.min(0.38, 0.6 * Math.min(...zs, 1))), bottom = 0.2 * top, radius = 0.3 * top;
   const box = new three.BoxGeometry(front - back, 2 * half, top - bottom);
   const body = new three.Mesh(box, new three.MeshLambertMaterial({ color: dull, transparent: true, opacity: 0.82 }));
   const edges = new three.LineSegments(new three.EdgesGeometry(box), new three.LineBasicMaterial({ color: color("soft") }));
   for (const part of [body, edges]) part.position.set((front + back) / 2, 0, (top + bottom) / 2);
   group.add(body, edges);
   for (const x of [back + radius, front - radius]) for (const side of [-1, 1]) {
-    const wheel = new three.Mesh(new three.SphereGeometry(1, 24, 16), new three.MeshLambertMaterial({ color: color("soft") }));
+    const wheel = new three.Mesh(new three.SphereGeometry(1, 24, 16), new three.MeshLambertMaterial({ color: new three.Color(dull).multiplyScalar(0.7) }));
     wheel.scale.set(radius, 0.045, radius);
     wheel.position.set(x, side * (half + 0.045), radius);
     group.add(wheel);
@@ -138,12 +140,13 @@ function boardModel(board) {
   return group;
 }
 
-function driveModel(drive, withOdometry) {
+// `strength`: of the lines, 1 where the drive is what is looked at.
+function driveModel(drive, withOdometry, strength) {
   const group = new three.Group(), lift = ([x, y]) => [x, y, 0.004];
-  group.add(new three.Line(lineGeometry(drive.driven.map(lift)), new three.LineBasicMaterial({ color: color("soft"), transparent: true, opacity: 0.3 })));
+  group.add(new three.Line(lineGeometry(drive.driven.map(lift)), new three.LineBasicMaterial({ color: color("soft"), transparent: true, opacity: 0.3 * strength })));
   if (withOdometry) {
     const track = dashed(drive.odometry.map(lift), "#aa3c8c", 0.06);
-    Object.assign(track.material, { transparent: true, opacity: 0.7 });
+    Object.assign(track.material, { transparent: true, opacity: 0.7 * strength });
     group.add(track);
   }
   const arrows = drive.driven.flatMap((pose) => {
@@ -151,7 +154,7 @@ function driveModel(drive, withOdometry) {
     const side = [-heading.y * 0.35, heading.x * 0.35], base = [pose[0], pose[1]];
     return [[base[0] + side[0], base[1] + side[1], 0.004], tip, [base[0] - side[0], base[1] - side[1], 0.004], tip];
   });
-  group.add(segments(arrows, color("soft"), { transparent: true, opacity: 0.8 }));
+  group.add(segments(arrows, color("soft"), { transparent: true, opacity: 0.8 * strength }));
   return group;
 }
 
@@ -168,7 +171,7 @@ let lastView = null;
 
 class RigView {
   constructor(data, result, holder) {
-    Object.assign(this, { data, result, holder, stop: 0, k: 1, parts: { estimated: true, true: true, uncertainty: true, drive: true, odometry: false, board: true, ground: true } });
+    Object.assign(this, { data, result, holder, stop: 0, k: 1, where: "rig", parts: { estimated: true, true: true, uncertainty: true, drive: true, odometry: false, board: true, ground: true } });
     this.renderer = theRenderer();
     this.camera = new three.PerspectiveCamera(38, 1, 0.02, 300);
     this.camera.up.set(0, 0, 1);
@@ -181,9 +184,23 @@ class RigView {
     this.controls.addEventListener("change", () => this.draw());
     this.controls.zoomToCursor = true;
     canvas.onkeydown = (event) => this.onkey(event);
-    new ResizeObserver(() => this.resize()).observe(holder);
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(holder);
     this.build();
     this.look("rig");
+  }
+  // As the view of another method stands: the same stop, parts and place to look from.
+  resume(other) {
+    Object.assign(this, { stop: other.stop, parts: other.parts, where: other.where });
+    this.camera.aspect = other.camera.aspect;
+    this.camera.updateProjectionMatrix();
+    this.camera.position.copy(other.camera.position);
+    this.controls.target.copy(other.controls.target);
+    this.controls.update();
+  }
+  dispose() {
+    this.controls.dispose();
+    this.observer.disconnect();
   }
   places() {
     return this.data.cameras.map((camera) => camera.true_pose || (this.result.poses.find((p) => p.child === camera.name) || {}).T).filter(Boolean);
@@ -200,7 +217,7 @@ class RigView {
     this.scene.add(sun);
     const { drive } = this.data, here = drive.driven[this.stop];
     if (this.parts.ground) this.addGround();
-    if (this.parts.drive && drive.driven.length > 1) this.scene.add(driveModel(drive, this.parts.odometry && drive.is_true));
+    if (this.parts.drive && drive.driven.length > 1) this.scene.add(driveModel(drive, this.parts.odometry && drive.is_true, this.driveStrength()));
     const boards = [[this.data.board, drive.board], ...(this.data.more_boards || []).map((board, i) => [board, drive.more_boards[i]])];
     boards.forEach(([board, pose], i) => {
       if (!pose || !this.parts.board) return;
@@ -215,6 +232,11 @@ class RigView {
     this.data.cameras.forEach((camera, i) => this.addCamera(robot, camera, i));
     this.scene.add(robot);
     this.draw();
+  }
+  // Beside the rig, the lines of more than a dozen stops would hide what is looked at.
+  driveStrength() {
+    const isOfRig = this.where === "rig" || this.where === "side" || this.where === "front";
+    return isOfRig ? Math.min(1, Math.max(0.25, 12 / this.data.drive.driven.length)) : 1;
   }
   boardNumber(board, number) {
     const label = labelSprite(`board ${number}`, color("ink"), this.letters());
@@ -283,7 +305,7 @@ class RigView {
     this.controls.target.copy(target);
     this.controls.update();
     this.where = where;
-    this.draw();
+    this.build();
   }
   onkey(event) {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
@@ -308,7 +330,7 @@ class RigView {
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
-    if (first) this.look(this.where || "rig");
+    if (first) this.look(this.where);
     this.build();
   }
   // No frame comes before the paper, and browsers print the last one: a copy is printed instead.
@@ -345,9 +367,11 @@ function rigSection(data, result) {
     : "Cameras as estimated, with the 2-sigma ellipsoids of their centres drawn larger than they are. The robot's body is schematic; the frusta tell which way is up.",
   h("div", { class: "card" }, holder, unknown.length ? h("p", { class: "small soft", style: { marginTop: "10px" } }, `Not drawn, because their poses are not answered completely: ${unknown.join(", ")}.`) : null));
   let view;
-  if (lastView) lastView.controls.dispose();
+  if (lastView) lastView.dispose();
   try {
-    view = lastView = new RigView(data, result, holder);
+    view = new RigView(data, result, holder);
+    if (lastView) view.resume(lastView);
+    lastView = view;
   } catch (problem) {
     replace(holder, h("div", { class: "none" }, "This browser draws no WebGL: the picture is left out."));
     return part;
@@ -360,8 +384,8 @@ function rigSection(data, result) {
     view.build();
   };
   slider.addEventListener("input", stretch);
-  const stops = data.drive.driven.length, at = h("output", {}, "0");
-  const stopSlider = h("input", { type: "range", id: "stop", min: 0, max: Math.max(0, stops - 1), value: 0, oninput: () => {
+  const stops = data.drive.driven.length, at = h("output", {}, String(view.stop));
+  const stopSlider = h("input", { type: "range", id: "stop", min: 0, max: Math.max(0, stops - 1), value: view.stop, oninput: () => {
     view.stop = Number(stopSlider.value);
     at.textContent = stopSlider.value;
     view.build();
@@ -373,7 +397,7 @@ function rigSection(data, result) {
   const views = [["rig", "rig"], ["all", "drive"], ["top", "top"], ["side", "side"], ["front", "front"]]
     .map(([key, name]) => h("button", { type: "button", onclick: () => view.look(key) }, name));
   holder.before(
-    h("div", { class: "bar" }, h("span", { class: "soft" }, "look at"), h("span", { class: "copy" }, views),
+    h("div", { class: "bar" }, h("span", { class: "copy" }, h("span", { class: "soft" }, "look at"), views),
       h("label", {}, "errors and sigmas", slider, told), stops > 1 ? h("label", {}, "stop", stopSlider, at) : null),
     h("div", { class: "bar", style: { marginTop: "8px", marginBottom: "12px" } }, toggles));
   whenShown(stretch);

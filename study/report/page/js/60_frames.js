@@ -95,10 +95,22 @@ function firstMagnification(data, result) {
   return typical > 0 ? Math.min(4, Math.max(0, Math.log10(quantile(sizes, 0.5) / 30 / typical))) : 0;
 }
 
+const framePicture = (source, box, overlay, label) => h("div", { class: "picture", style: { aspectRatio: `${box[2]} / ${box[3]}` } },
+  source ? h("img", { src: source, alt: label }) : null, overlay);
+
 class FrameDialog {
   constructor(data, result) {
     Object.assign(this, { data, result, list: [], at: 0, scale: firstMagnification(data, result) });
-    this.node = h("dialog", { "aria-label": "Image" });
+    // What has the focus stays when another image is drawn: only what stands below is replaced.
+    const button = (label, text, onclick) => h("button", { type: "button", "aria-label": label, onclick }, text);
+    this.title = h("h3", { "aria-live": "polite" });
+    this.facts = h("span", { class: "soft" });
+    this.content = h("div", { style: { marginTop: "0" } });
+    this.node = h("dialog", { "aria-label": "Image" },
+      h("div", { class: "bar" }, this.title, this.facts,
+        h("span", { class: "copy push" }, button("previous image", "\u2190", () => this.step(-1)), button("next image", "\u2192", () => this.step(1)),
+          h("button", { type: "button", autofocus: true, onclick: () => this.node.close() }, "close"))),
+      this.content);
     this.node.addEventListener("keydown", (event) => {
       if (event.target.matches("input, select")) return;
       if (event.key === "ArrowRight") this.step(1);
@@ -116,32 +128,35 @@ class FrameDialog {
     this.draw();
   }
   draw() {
-    const { data, result } = this, index = this.list[this.at], frame = data.frames[index], camera = data.cameras[frame.camera];
-    const out = leftOut(data, result, index), size = frameRms(result, index), whole = pictureOf(index, 0), crop = pictureOf(index, 1);
-    const facts = [`image ${frame.file || "(none)"}`, frame.corners ? plural(frame.corners.length / STRIDE, "corner") : "", size !== null ? `rms ${figure(size)} px` : ""].filter(Boolean);
-    const picture = (source, box, overlay, label) => h("div", { class: "picture", style: { aspectRatio: `${box[2]} / ${box[3]}` } },
-      source ? h("img", { src: source, alt: label }) : null, overlay);
-    const close = h("div", {}), told = h("output", {});
-    const slider = h("input", { type: "range", min: 0, max: 4, step: 0.05, value: this.scale, oninput: () => { this.scale = Number(slider.value); drawClose(); } });
-    const drawClose = () => {
+    const { data, result } = this, index = this.list[this.at], frame = data.frames[index];
+    const out = leftOut(data, result, index), size = frameRms(result, index);
+    this.title.textContent = frameTitle(data, index);
+    this.facts.textContent = [`image ${frame.file || "(none)"}`, frame.corners ? plural(frame.corners.length / STRIDE, "corner") : "",
+      size !== null ? `rms ${figure(size)} px` : ""].filter(Boolean).join(" \u00b7 ");
+    replace(this.content,
+      out ? h("p", { style: { color: color("bad"), marginTop: "6px" } }, `left out: ${out.sentence} `, h("code", {}, out.code)) : null,
+      h("div", { class: "big" }, this.wholeImage(index), frame.corners ? this.closeUp(index) : null));
+  }
+  wholeImage(index) {
+    const frame = this.data.frames[index], camera = this.data.cameras[frame.camera], whole = pictureOf(index, 0);
+    const box = [0, 0, camera.width, camera.height], ground = groundOf(index);
+    return h("div", {},
+      framePicture(whole, box, [ground ? groundDrawing(ground) : null, cornersDrawing(frame, cameraColor(frame.camera), box, camera.width / 260)], "The whole image"),
+      whole ? h("p", { class: "small soft", style: { marginTop: "6px" } }, groundSentence(index, camera)) : null);
+  }
+  closeUp(index) {
+    const { data, result } = this, frame = data.frames[index], camera = data.cameras[frame.camera];
+    const box = frame.crop || [0, 0, camera.width, camera.height], place = h("div", {}), told = h("output", {});
+    const slider = h("input", { type: "range", min: 0, max: 4, step: 0.05, value: this.scale, oninput: () => { this.scale = Number(slider.value); draw(); } });
+    const draw = () => {
       const k = 10 ** this.scale;
       told.textContent = "\u00d7" + (k < 10 ? figure(k) : Math.round(k));
-      const box = frame.crop || [0, 0, camera.width, camera.height];
-      replace(close, picture(frame.crop ? crop : whole, box, cornersClose(data, result, index, k), "The board, cut out"));
+      replace(place, framePicture(pictureOf(index, frame.crop ? 1 : 0), box, cornersClose(data, result, index, k), "The board, cut out"));
     };
-    drawClose();
-    replace(this.node, 
-      h("div", { class: "bar" }, h("h3", {}, frameTitle(data, index)), h("span", { class: "soft" }, facts.join(" \u00b7 ")),
-        h("span", { class: "copy push" }, h("button", { type: "button", "aria-label": "previous image", onclick: () => this.step(-1) }, "\u2190"),
-          h("button", { type: "button", "aria-label": "next image", onclick: () => this.step(1) }, "\u2192"),
-          h("button", { type: "button", autofocus: true, onclick: () => this.node.close() }, "close"))),
-      out ? h("p", { style: { color: color("bad"), marginTop: "6px" } }, `left out: ${out.sentence} `, h("code", {}, out.code)) : null,
-      h("div", { class: "big" },
-        h("div", {}, picture(whole, [0, 0, camera.width, camera.height], [groundOf(index) ? groundDrawing(groundOf(index)) : null, cornersDrawing(frame, cameraColor(frame.camera), [0, 0, camera.width, camera.height], camera.width / 260)], "The whole image"),
-          whole ? h("p", { class: "small soft", style: { marginTop: "6px" } }, groundSentence(index, camera)) : null),
-        frame.corners ? h("div", {}, close, h("div", { class: "bar", style: { marginTop: "8px" } }, h("label", {}, "differences", slider, told)),
-          h("p", { class: "small soft", style: { marginTop: "6px" } }, "Dot: detected. Ellipse: expected place with twice the detector's stated sigma",
-            data.has_truth ? "; green cross: true." : ".", " The expected place is that of the board that fits all views of this stop best through the calibrated rig.")) : null));
+    draw();
+    return h("div", {}, place, h("div", { class: "bar", style: { marginTop: "8px" } }, h("label", {}, "differences", slider, told)),
+      h("p", { class: "small soft", style: { marginTop: "6px" } }, "Dot: detected. Ellipse: expected place with twice the detector's stated sigma",
+        data.has_truth ? "; green cross: true." : ".", " The expected place is that of the board that fits all views of this stop best through the calibrated rig."));
   }
 }
 

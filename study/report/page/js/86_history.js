@@ -56,29 +56,30 @@ function driftSection(data) {
 }
 
 function verdictCell(shift) {
-  if (!shift) return "\u2013";
+  if (!shift) return { text: "\u2013", raw: [] };
   const place = norm(shift.shift.slice(0, 3)), angle = norm(shift.shift.slice(3));
   const size = place === null && angle === null ? "" : ` ${place === null ? "\u2013" : figure(100 * place)} cm, ${angle === null ? "\u2013" : figure((180 / Math.PI) * angle)}\u00b0`;
-  return { node: h("span", {}, h("span", { class: "badge " + (VERDICT_CLASS[shift.verdict] || "") }, shift.verdict), size), plain: shift.verdict + size };
+  return { node: h("span", {}, h("span", { class: "badge " + (VERDICT_CLASS[shift.verdict] || "") }, shift.verdict), size), plain: shift.verdict + size, raw: [shift.verdict, inUnit(place, 0), inUnit(angle, 3)] };
 }
 
 function verdictsSection(data) {
-  const head = ["recording", "camera", "since the first", "since the one before", "would show since the first"], rows = [];
+  const sizes = (text) => [text + " [cm]", text + " [deg]"], shift = (text) => ({ text, raw: [text, ...sizes(text)] });
+  const head = ["recording", "camera", shift("since the first"), shift("since the one before"), { text: "would show since the first", raw: sizes("would show since the first") }], rows = [];
   data.recordings.slice(1).forEach((day) => data.cameras.forEach((camera, c) => {
     const first = shiftOf(day.since_first, camera.name), shows = first && first.detectable_m !== null && first.detectable_rad !== null;
-    rows.push(Object.assign([c === 0 ? dayText(data, day) : "", { node: h("span", {}, swatch(c), camera.name), plain: camera.name }, verdictCell(first), verdictCell(shiftOf(day.since_last, camera.name)),
-      shows ? `${figure(100 * first.detectable_m)} cm, ${figure((180 / Math.PI) * first.detectable_rad)}\u00b0` : "\u2013"], { first: c === 0 && rows.length > 0 }));
+    rows.push(Object.assign([named(dayText(data, day), c === 0), nameCell(data, camera.name), verdictCell(first), verdictCell(shiftOf(day.since_last, camera.name)),
+      shows ? { text: `${figure(100 * first.detectable_m)} cm, ${figure((180 / Math.PI) * first.detectable_rad)}\u00b0`, raw: [100 * first.detectable_m, (180 / Math.PI) * first.detectable_rad] } : "\u2013"], { first: c === 0 && rows.length > 0 }));
   }));
   return section("verdicts", "Verdicts", "Whether a camera has moved, as rigproof moved judges it at one false alarm in a thousand; the last column is the smallest shift that is found with 90 % probability.",
     h("div", { class: "card" }, h("div", { class: "bar" }, copyButtons(() => [head, rows])), table(head, rows, { text: [0, 1, 2, 3], caption: "Verdicts" })));
 }
 
 function historyPosesSection(data) {
-  const head = ["camera", "recording", "stops", "tx [cm]", "ty [cm]", "tz [cm]", ...ANGLES.map((name) => name + " [deg]")], rows = [];
+  const head = ["camera", "recording", "stops", ...poseHead()], rows = [];
   data.cameras.forEach((camera, c) => data.recordings.forEach((day, d) => {
     const pose = day.poses.find((p) => p.child === camera.name);
     const cells = AXES.map((_, axis) => (pose && pose.observable[axis] && pose.values[axis] !== null ? withSigma(inUnit(pose.values[axis], axis), inUnit(pose.value_sigmas ? pose.value_sigmas[axis] : null, axis), decimalsFor(inUnit(pose.value_sigmas ? pose.value_sigmas[axis] : null, axis))) : "\u2013"));
-    rows.push(Object.assign([d === 0 ? { node: h("span", {}, swatch(c), camera.name), plain: camera.name } : "", dayText(data, day), String(day.stops), ...cells], { first: d === 0 && c > 0 }));
+    rows.push(Object.assign([named(nameCell(data, camera.name), d === 0), dayText(data, day), String(day.stops), ...cells], { first: d === 0 && c > 0 }));
   }));
   return section("poses", "Poses", `In ${data.robot_frame}, with the sigmas that each result states.`,
     h("div", { class: "card" }, h("div", { class: "bar" }, copyButtons(() => [head, rows])), table(head, rows, { text: [0, 1], caption: "Poses" })));
