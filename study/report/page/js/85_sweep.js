@@ -17,7 +17,12 @@ function sweepHead(data, view) {
   const rigs = data.rows.subject.filter((s) => data.subjects[s].startsWith("rig:")).length, wanted = data.tasks.length * data.methods.length;
   replace(document.getElementById("head"), h("div", { class: "top" }, h("h1", {}, data.title), h("span", { class: "brand" }, `Rigproof ${data.version} \u00b7 sweep`)),
     h("div", { class: "verdict " + (rigs < wanted ? "suspect" : "plain"), role: "status" }, h("div", { class: "word" }, `${plural(data.tasks.length, "task")}, ${plural(data.methods.length, "method")}`),
-      h("p", { class: "sentence" }, rigs < wanted ? `${rigs} of ${wanted} answers are there.` : "All answers are there."), h("ul", {}, order.map((m) => h("li", {}, share(m) + ".")))));
+      h("p", { class: "sentence" }, rigs < wanted ? `${rigs} of ${wanted} answers are there.` : "All answers are there."), h("ul", {}, order.map((m) => h("li", {}, share(m) + "."))), mixedDrivers(data)));
+}
+
+function mixedDrivers({ gl_renderers: drivers }) {
+  if (drivers.length < 2) return null;
+  return h("p", { class: "sentence" }, `Pictures are of ${drivers.length} GL drivers, and differ from one to the other: ${drivers.map((one) => `${plural(one.answers, "answer")} by ${one.name}`).join(", ")} (times.csv says which).`);
 }
 
 // Of all charts: it stays in sight on a large screen.
