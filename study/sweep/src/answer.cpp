@@ -99,7 +99,7 @@ SweepMachine machine_of(const json& list) {
   return {list.at(0).get<std::string>(), list.at(1).get<std::string>(), list.at(2).get<std::string>()};
 }
 
-json json_of(const std::vector<Finding>& reasons) { return json::parse(findings_json(reasons)); }
+json reasons_json(const std::vector<Finding>& reasons) { return json::parse(findings_json(reasons)); }
 
 std::vector<Finding> reasons_of(const json& list) {
   return list.empty() ? std::vector<Finding>() : findings_of_json(list.dump());
@@ -122,7 +122,7 @@ std::string text_of(const SweepAnswer& answer) {
   const json object = {
       {"format", kFormat},
       {"method_hash", answer.method_hash},
-      {"reasons", json_of(shared_reasons(answer))},
+      {"reasons", reasons_json(shared_reasons(answer))},
       {"rows", rows},
       {"times",
        {{"solve_s", answer.times.solve_s}, {"cpu_s", answer.times.cpu_s}, {"observe_s", answer.times.observe_s}}},

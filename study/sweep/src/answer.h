@@ -31,7 +31,7 @@ std::optional<SweepAnswer> read_answer(const std::string& text);
 /// What both texts of answers and lists of them hold. Throw std::exception at anything else.
 SweepStatus sweep_status_of(int number);
 nlohmann::json json_of(const SweepMachine& machine);
-nlohmann::json json_of(const std::vector<Finding>& reasons);
+nlohmann::json reasons_json(const std::vector<Finding>& reasons);
 SweepMachine machine_of(const nlohmann::json& list);
 std::vector<Finding> reasons_of(const nlohmann::json& list);
 /// Of folders that have them in words, with the code of the first one.

@@ -42,7 +42,7 @@ AnswerBrief brief_of(const SweepAnswer& answer) {
 }
 
 json json_of(const AnswerBrief& brief) {
-  return {static_cast<int>(brief.status), json_of(brief.reasons), json_of(brief.machine)};
+  return {static_cast<int>(brief.status), reasons_json(brief.reasons), json_of(brief.machine)};
 }
 
 AnswerBrief brief_of(const json& list) {
