@@ -78,7 +78,8 @@ TEST(SweepAnswer, OfBeforeIsReadWithItsSentencesAndItsCode) {
   kept.rows[0].reasons = kept.rows[1].reasons;
   const std::optional<SweepAnswer> again = read_answer(text_of(kept));
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->rows[0].reasons, kept.rows[0].reasons) << "in the new format";
+  EXPECT_EQ(words::text_of(again->rows[0].reasons), "left: too dark.") << "in the new format";
+  EXPECT_EQ(code_of(again->rows[0].reasons), "image.dark");
 }
 
 void put_words(const std::vector<Finding>& reasons, json* row) {

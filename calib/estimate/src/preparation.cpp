@@ -65,7 +65,7 @@ Preparation closed_form(const Observations& observations, const MlOptions& optio
 void complete(Preparation* prepared) {
   if (!prepared->solvable()) return;
   const MlOptions& options = prepared->options;
-  prepared->priors = Priors::of({prepared->used, options.priors, options.estimate_plane_level});
+  prepared->priors = Priors::of({prepared->used, prepared->sigmas(), options.estimate_plane_level});
   prepared->whitened = std::make_shared<const Whitened>(whitened(prepared->used));
   prepared->repeating = none_removed(prepared->used, options.priors);
   if (prepared->repeating.errors.any()) settle_repeating(prepared);

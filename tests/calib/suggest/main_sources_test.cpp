@@ -30,7 +30,7 @@ EstimatedTransform camera(const std::string& name, const Vector6d& sigmas,
 TEST(MainSources, AreALineForAxesThatHaveThemAlikeWithSizesAndRemedy) {
   Vector6d worse, better;
   worse << 5.0, 5.0, 3.0, 0.02, 0.01, 0.5;
-  better << 1.0, 1.0, 1.0, 0.01, 0.01, 0.1;
+  better << 1.0, 1.0, 1.0, 0.01, 0.005, 0.1;
   const std::vector<EstimatedTransform::Share> budget = {{"turning point", {0.99, 0.99, 0.0, 0.0, 0.0, 0.0}},
                                                          {"board", {0.01, 0.01, 0.64, 0.0, 0.0, 0.0}},
                                                          {"corners", {0.0, 0.0, 0.36, 1.0, 1.0, 0.25}},
