@@ -4,6 +4,7 @@
 
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/declared_problem.h"
+#include "rigproof/calib/estimate/repeating_errors.h"
 
 namespace rigproof::moved {
 namespace {
@@ -24,12 +25,24 @@ Eigen::VectorXd errors(const std::vector<Rigid3>& now, const std::vector<Rigid3>
   return result;
 }
 
+/// The new observations, with what repeats in every image of a lens and a board that nobody knows exactly.
+struct Seen {
+  ml::Problem problem;
+  ml::RemovedErrors repeating;
+
+  ml::ArrowSystem linearise(const ml::State& state, ml::Weighting weighting) const {
+    return repeating.errors.any() ? problem.linearise_with(repeating, state, weighting)
+                                  : problem.linearise(state, weighting, nullptr, nullptr);
+  }
+  // Of the problem's own globals, which come before the errors that repeat.
+  Eigen::Index globals() const { return problem.layout().globals(); }
+};
+
 // Gauss and Newton, with the previous result as a loose prior of all but what may have moved.
 class Holder {
  public:
-  Holder(const KnownPoses& before, const Eigen::MatrixXd& moved, const ml::Problem& problem)
-      : before_(before), problem_(problem) {
-    // Factor on standard deviations: the prior decides where the observations know so much less, and nothing elsewhere.
+  Holder(const KnownPoses& before, const Eigen::MatrixXd& moved, const Seen& seen) : before_(before), seen_(seen) {
+    // Of standard deviations: decides where the observations know thirty times less, and nothing elsewhere.
     constexpr double kLoose = 30.0;
     constexpr double kLeastVariance = 1e-14;  // files round
     Eigen::MatrixXd open(moved.rows(), before.free_directions.cols() + moved.cols());
@@ -45,27 +58,30 @@ class Holder {
     constexpr int kIterations = 20;
     constexpr double kSettled = 1e-10;
     for (int iteration = 0; iteration < kIterations; ++iteration) {
-      ml::ArrowSystem system = problem_.linearise(*state, ml::Weighting::kRobust, nullptr, nullptr);
+      ml::ArrowSystem system = seen_.linearise(*state, ml::Weighting::kRobust);
       add_prior(*state, &system);
       const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
       Eigen::VectorXd pose_step, global_step;
       if (!eliminated || !eliminated->step(&pose_step, &global_step)) return false;
-      *state = ml::moved(*state, problem_.layout(), pose_step, global_step);
-      if (global_step.norm() < kSettled) break;
+      // Errors that repeat enter linearly, so that each step is from none of them.
+      const Eigen::VectorXd own_step = global_step.head(seen_.globals());
+      *state = ml::moved(*state, seen_.problem.layout(), pose_step, own_step);
+      if (own_step.norm() < kSettled) break;
     }
     return true;
   }
 
  private:
   void add_prior(const ml::State& state, ml::ArrowSystem* system) const {
-    const Eigen::MatrixXd J = ml::camera_chart(state, problem_.layout());
+    const Eigen::Index own = seen_.globals();
+    const Eigen::MatrixXd J = ml::camera_chart(state, seen_.problem.layout());
     const Eigen::VectorXd r = errors(state.T_robot_camera, before_.T_robot_camera);
-    system->global += J.transpose() * information_ * J;
-    system->global_gradient += J.transpose() * information_ * r;
+    system->global.topLeftCorner(own, own) += J.transpose() * information_ * J;
+    system->global_gradient.head(own) += J.transpose() * information_ * r;
   }
 
   const KnownPoses& before_;
-  const ml::Problem& problem_;
+  const Seen& seen_;
   Eigen::MatrixXd information_;
 };
 
@@ -74,21 +90,23 @@ class Holder {
 std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Eigen::MatrixXd& moved,
                                          const Observations& used, const CalibrationState& optimum,
                                          const CalibrationNoise& noise) {
-  const ml::Problem problem = ml::declared_problem(used, noise);
+  const Seen seen{ml::declared_problem(used, noise), ml::none_removed(used, noise.priors)};
   ml::State state = moved_back(before, optimum);
-  if (!Holder(before, moved, problem).hold(&state)) return std::nullopt;
+  if (!Holder(before, moved, seen).hold(&state)) return std::nullopt;
   const auto at = [&](ml::Weighting weighting) {
-    return ml::EliminatedSystem::eliminate(problem.linearise(state, weighting, nullptr, nullptr), 0.0);
+    return ml::EliminatedSystem::eliminate(seen.linearise(state, weighting), 0.0);
   };
   const auto slope = at(ml::Weighting::kSlope), unit = at(ml::Weighting::kUnit);
   if (!slope || !unit) return std::nullopt;
-  const Eigen::MatrixXd J = ml::camera_chart(state, problem.layout());
+  const Eigen::MatrixXd J = ml::camera_chart(state, seen.problem.layout());
   const ml::GlobalCovariance own = ml::invert_information(slope->schur()), all = ml::invert_information(unit->schur());
+  const Eigen::Index globals = seen.globals();
   KnownPoses knowledge;
   knowledge.T_robot_camera = state.T_robot_camera;
-  knowledge.covariance = J * all.covariance * J.transpose() / ml::cauchy_moments(2).efficiency;
-  knowledge.free_directions = J * all.free_directions;
-  knowledge.step = -J * (own.covariance * slope->schur_gradient());
+  knowledge.covariance =
+      J * all.covariance.topLeftCorner(globals, globals) * J.transpose() / ml::cauchy_moments(2).efficiency;
+  knowledge.free_directions = J * all.free_directions.topRows(globals);
+  knowledge.step = -J * (own.covariance.topRows(globals) * slope->schur_gradient());
   return knowledge;
 }
 

@@ -12,6 +12,7 @@
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/geometric/geometric.h"
+#include "stranger.h"
 #include "trials.h"
 #include "turning_robot.h"
 #include "worded.h"
@@ -125,6 +126,21 @@ TEST(Moved, IsToldByWhicheverBoardACameraSees) {
 }
 
 // A shift of a hundred standard deviations leaves, beside what it explains, the noise of those that stand.
+// Their lenses, board and depth differ from what is stated, and so do the fields of their lenses, on both days alike.
+TEST(Moved, RobotsOfStrangersRaiseNoMoreAlarmsOverTrials) {
+  constexpr double kLevel = 0.01;
+  const int count = Trials(20, 100).count();
+  int alarms = 0;
+  for (int trial = 0; trial < count; ++trial) {
+    const Stranger robot = draw_stranger(trial);
+    const std::uint64_t seed = 100 + static_cast<std::uint64_t>(trial);
+    const Result before = ml_method().solve(drive(robot, 30000 + seed, 20).observations);
+    alarms += detect_movement(before, drive(robot, 40000 + seed, 5).observations, rigid_robot()).p_value < kLevel;
+  }
+  // One in ten where new corners were believed to err by chance alone.
+  EXPECT_LE(alarms, kLevel * count + 3.0 * std::sqrt(kLevel * (1.0 - kLevel) * count));
+}
+
 TEST(Moved, OthersAreAccusedAsRarelyAsStatedOverTrials) {
   MovedOptions options = rigid_robot();
   options.significance = 0.05;
