@@ -30,10 +30,17 @@ function budgetSection(data, result) {
   });
   const card = h("div", { class: "card" });
   const tell = () => {
-    words.textContent = "Mostly from: " + axes().map((i) => {
-      const most = shown[0].budget.reduce((best, b) => (b.share[i] > best.share[i] ? b : best));
-      return `${AXES[i]} ${most.source} (${Math.round(100 * most.share[i])} %)`;
-    }).join(", ") + ".";
+    const groups = new Map();
+    for (const i of axes()) {
+      const most = shown[0].budget.reduce((best, b) => (b.share[i] > best.share[i] ? b : best)), group = groups.get(most.source) || { names: [], shares: [] };
+      group.names.push(AXES[i]);
+      group.shares.push(Math.round(100 * most.share[i]));
+      groups.set(most.source, group);
+    }
+    words.textContent = "Mostly from: " + [...groups].map(([source, { names, shares }]) => {
+      const least = Math.min(...shares), largest = Math.max(...shares);
+      return `${source} in ${names.join(", ")} (${least < largest ? `${least} to ` : ""}${largest} %)`;
+    }).join("; ") + ".";
   };
   const names = known.map(([, name]) => name);
   card.append(h("div", { class: "bar" }, choice("of", names, (i) => { shown = known[i]; tell(); draw(); }, known.indexOf(shown))), node, words);
