@@ -32,11 +32,13 @@ Observations observe_with_progress(const Input& input, int jobs, const Terminal&
   ObserveOptions options;
   options.threads = jobs;
   const std::string key = input.observations ? "" : observations_key(input.recording.value(), options);
-  if (std::optional<Observations> known = recall_observations(key)) {
-    known->source = input.recording->folder.string();
-    terminal.line("no image has changed since they were looked at (RIGPROOF_OBSERVATIONS= looks again)");
-    return *std::move(known);
-  }
+  if (!key.empty())
+    if (std::optional<Observations> known = recall_observations(key, *input.recording)) {
+      terminal.line(
+          "The images are as they were when they were last looked at: not looked at again "
+          "(to do so, set RIGPROOF_OBSERVATIONS to nothing).");
+      return *std::move(known);
+    }
   ProgressLine progress(terminal, "observe", "images");
   options.progress = progress.callback();
   Observations observations = observations_of(input, options);

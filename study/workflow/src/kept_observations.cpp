@@ -1,8 +1,10 @@
 #include "rigproof/study/workflow/kept_observations.h"
 
+#include <link.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <utility>
 #include <vector>
@@ -56,6 +58,19 @@ class Key {
   std::string text_;
 };
 
+// The program and what it has loaded: corners and pictures are found by libraries, too.
+bool add_program(Key* key) {
+  std::vector<std::string> files = {program_file().string()};
+  dl_iterate_phdr(
+      [](dl_phdr_info* loaded, std::size_t, void* to) {
+        const std::string file = loaded->dlpi_name;
+        if (file.find('/') != std::string::npos) static_cast<std::vector<std::string>*>(to)->push_back(file);
+        return 0;
+      },
+      &files);
+  return std::all_of(files.begin(), files.end(), [key](const std::string& file) { return key->add_file(file); });
+}
+
 bool add_frame(const fs::path& folder, const CameraFrame& frame, Key* key) {
   key->add(frame.stamp_s).add(frame.exposure_s);
   for (const std::string& file : {frame.color_file, frame.depth_file, frame.cloud_file}) {
@@ -72,12 +87,20 @@ void add_motion(const Recording& recording, Key* key) {
     key->add(segment.kind).add(segment.begin_s).add(segment.end_s);
 }
 
-fs::path file_of(const std::string& key) { return observations_folder() / (key + ".json"); }
+constexpr const char* kEnding = ".observations";
+fs::path file_of(const std::string& key) { return observations_folder() / (key + kEnding); }
+
+// Nobody else's, should the folder hold other things.
+bool is_kept(const fs::directory_entry& entry) {
+  const std::string key = entry.path().stem().string();
+  return entry.path().extension() == kEnding && entry.is_regular_file() && key.size() == 64 &&
+         std::all_of(key.begin(), key.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+}
 
 void forget_oldest(const fs::path& folder) {
   std::vector<std::pair<fs::file_time_type, fs::path>> kept;
   for (const fs::directory_entry& entry : folder_entries(folder))
-    if (entry.path().extension() == ".json") kept.emplace_back(entry.last_write_time(), entry.path());
+    if (is_kept(entry)) kept.emplace_back(entry.last_write_time(), entry.path());
   if (kept.size() <= kMostKept) return;
   std::sort(kept.begin(), kept.end());
   for (std::size_t i = 0; i + kMostKept < kept.size(); ++i) fs::remove(kept[i].second);
@@ -96,9 +119,9 @@ fs::path observations_folder() {
 std::string observations_key(const Recording& recording, const ObserveOptions& options, std::time_t now) {
   if (observations_folder().empty()) return "";
   std::error_code error;
-  const fs::path folder = fs::absolute(recording.folder, error);
+  const fs::path folder = fs::canonical(recording.folder, error);
   Key key(now);
-  if (error || !key.add_file(program_file())) return "";
+  if (error || !add_program(&key)) return "";
   key.add(folder.string()).add(rig_text(recording.rig));
   key.add(options.stop_tolerance_s).add(options.max_odometry_gap_s).add(options.use_depth ? 1.0 : 0.0);
   for (const std::vector<CameraFrame>& frames : recording.frames) {
@@ -110,12 +133,20 @@ std::string observations_key(const Recording& recording, const ObserveOptions& o
   return sha256_hex(key.text());
 }
 
-std::optional<Observations> recall_observations(const std::string& key) {
+std::optional<Observations> recall_observations(const std::string& key, const Recording& recording) {
   if (key.empty()) return std::nullopt;
   try {
     const fs::path file = file_of(key);
     if (!fs::is_regular_file(file)) return std::nullopt;
-    return load_observations(file);
+    Observations known = load_observations(file);
+    // Files leave out what a recording has from elsewhere, as sensors that are files of their own.
+    known.source = recording.folder.string();
+    known.cameras = recording.rig.cameras;
+    known.odometry_noise = recording.rig.odometry_noise;
+    known.accept = recording.rig.accept;
+    std::error_code ignored;
+    fs::last_write_time(file, fs::file_time_type::clock::now(), ignored);  // in use, so that others go first
+    return known;
   } catch (const std::exception&) {
     return std::nullopt;
   }
