@@ -73,6 +73,7 @@ void note_rotation_centre(const Preparation& prepared, const Fit& fit, Result* r
   const double sigma_m = prepared.sigmas().rotation_centre_m;
   if (!is_of_turning_point(fit.noise.law.model, prepared.used) || !(sigma_m > 0.0)) return;
   const bool stated = prepared.used.odometry_noise.rotation_centre_sigma_m ||
+                      was_asked(prepared.options.priors, &PriorSigmas::rotation_centre_m) ||
                       prepared.options.priors.rotation_centre_m != usual_priors().rotation_centre_m;
   Finding note("robot.rotation_centre", {{"sigma_mm", 1e3 * sigma_m}, {"stated", stated ? "yes" : "no"}});
   if (const double seen_m = from_turning_point(*result); seen_m > 0.0)

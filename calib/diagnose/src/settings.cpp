@@ -34,12 +34,14 @@ std::string as_yaml(const std::string& text) {
   return yaml;
 }
 
-// "ml-told_exact", by the settings that are not the usual ones.
+// "ml-told_exact", by what was asked for: also a usual value may differ from what a rig states.
 std::string derived_name(const MlSettings& settings) {
-  std::vector<std::pair<std::string, std::string>> unusual;
-  for (const FieldDifference& one : field_differences(tree_of(MlSettings()), tree_of(settings)))
-    unusual.emplace_back(one.path, one.here);
-  return name_with_settings(MlSettings().name, unusual);
+  std::vector<std::pair<std::string, std::string>> asked;
+  for (std::size_t i = 0; i < settings.sigmas.size(); ++i)
+    if (settings.asked[i]) asked.emplace_back(prior_settings()[i].key, number_text(settings.sigmas[i]));
+  if (settings.believe_told) asked.emplace_back("told", "exact");
+  std::sort(asked.begin(), asked.end());
+  return name_with_settings(MlSettings().name, asked);
 }
 
 }  // namespace

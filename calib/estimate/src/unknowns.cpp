@@ -13,6 +13,10 @@
 
 namespace rigproof {
 
+bool was_asked(const PriorSigmas& sigmas, double PriorSigmas::*which) {
+  return std::find(sigmas.asked.begin(), sigmas.asked.end(), which) != sigmas.asked.end();
+}
+
 PriorSigmas usual_priors() {
   PriorSigmas priors;
   priors.odometry_veer_rad_per_m = 0.03;
@@ -37,8 +41,7 @@ PriorSigmas with_those_of_rig(PriorSigmas sigmas, const OdometryNoise& stated) {
   }};
   const PriorSigmas usual = usual_priors();
   for (const OfRig& prior : kOfRig) {
-    const bool asked = std::find(sigmas.asked.begin(), sigmas.asked.end(), prior.sigma) != sigmas.asked.end();
-    if (!asked && stated.*prior.stated && sigmas.*prior.sigma == usual.*prior.sigma)
+    if (!was_asked(sigmas, prior.sigma) && stated.*prior.stated && sigmas.*prior.sigma == usual.*prior.sigma)
       sigmas.*prior.sigma = *(stated.*prior.stated);
   }
   return sigmas;
@@ -48,7 +51,7 @@ const std::vector<PriorSetting>& prior_settings() {
   static const std::vector<PriorSetting> kSettings = {
       {"clock_offset_sigma_ms", &PriorSigmas::clock_offset_s, 1e3, 1000.0, true,
        "Each camera's stamps are late or early by about this much against the odometry's, whatever the rig states: "
-       "estimated from images that are taken while the robot moves; 0: as the rig states"},
+       "estimated from images that are taken while the robot moves; 0: they are believed"},
       {"focal_sigma_percent", &PriorSigmas::focal_relative, 100.0, 20.0, true,
        "Each camera's focal length is off by about this much, whatever the rig states: estimated; 0: as the rig "
        "states"},
@@ -224,18 +227,17 @@ Covariances of_ground_offset(const PriorSource& source) {
 
 Covariances of_clock_offset(const PriorSource& source) {
   const double asked = source.sigmas.clock_offset_s;
+  const bool of_rig = !(asked > 0.0) && !was_asked(source.sigmas, &PriorSigmas::clock_offset_s);
   Covariances covariances;
   for (const RigCamera& camera : source.observations.cameras)
-    covariances.push_back(independent({asked > 0.0 ? asked : camera.clock_offset_sigma_s}));
+    covariances.push_back(independent({of_rig ? camera.clock_offset_sigma_s : asked}));
   return covariances;
 }
 
 // Believed stamps are late by no lag.
 Covariances of_turn_lag(const PriorSource& source) {
-  const std::vector<RigCamera>& cameras = source.observations.cameras;
-  const bool doubted = source.sigmas.clock_offset_s > 0.0 ||
-                       std::any_of(cameras.begin(), cameras.end(),
-                                   [](const RigCamera& camera) { return camera.clock_offset_sigma_s > 0.0; });
+  const Covariances clocks = of_clock_offset(source);
+  const bool doubted = std::any_of(clocks.begin(), clocks.end(), [](const auto& clock) { return clock(0, 0) > 0.0; });
   return {independent({doubted ? source.sigmas.turn_lag_s : 0.0})};
 }
 

@@ -29,6 +29,7 @@ TEST(MlSettings, NameTheMethodUnlessItIsNamed) {
   EXPECT_EQ(name("told=exact,focal_sigma_percent=0.40"), "ml-focal_sigma_percent_0.4-told_exact");
   EXPECT_EQ(name("focal_sigma_percent=0.4,told=exact"), name("told=exact,focal_sigma_percent=0.4"));
   EXPECT_EQ(name("told=as_stated"), "ml") << "the usual setting";
+  EXPECT_EQ(name("turn_lag_sigma_ms=20"), "ml-turn_lag_sigma_ms_20") << "usual, and it wins over the rig";
   EXPECT_EQ(name("told=exact,name=ml"), "ml");
 }
 

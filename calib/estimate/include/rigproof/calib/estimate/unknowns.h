@@ -24,7 +24,8 @@ struct PriorSigmas {
   /// Of each camera's focal length (relative) and principal point, in place of the rig's; 0 = as the rig states.
   double focal_relative = 0.0;
   double principal_point_px = 0.0;
-  /// Of the delay of each camera's stamps against the odometry's clock, in place of the rig's; 0 = as the rig states.
+  /// Of the delay of each camera's stamps against the odometry's clock, in place of the rig's; 0 = as the rig states,
+  /// or believed where that was asked for.
   /// Only stops with a velocity determine it.
   double clock_offset_s = 0.0;
   /// With clock offsets only: of the delay between the turning of the wheels and of the body (15 ms measured on soft
@@ -43,6 +44,8 @@ struct PriorSigmas {
   std::vector<double PriorSigmas::*> asked = {};
 };
 
+/// Whether one of them was asked for.
+bool was_asked(const PriorSigmas& sigmas, double PriorSigmas::*which);
 /// The priors of an estimate without settings.
 PriorSigmas usual_priors();
 /// As the rig states them, where they are the usual ones and were not asked for.
