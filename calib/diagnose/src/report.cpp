@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "also_estimated.h"
@@ -75,6 +76,10 @@ MlEstimate estimate_of(const Preparation& prepared, const OdometryChoice& choice
   estimate.displacement_scale = fit.noise.displacement_scale;
   estimate.odometry = choice.decision;
   estimate.motion = found.motion();
+  if (prepared.repeating.errors.any()) {
+    estimate.repeating = std::make_shared<const RemovedErrors>(prepared.repeating);
+    estimate.views_without_repeating = prepared.used.board_views;
+  }
   estimate.cost = stated.cost;
   estimate.iterations = fit.summary.iterations;
   estimate.converged = fit.summary.converged;
@@ -217,7 +222,10 @@ BoardScale check_lengths(const Preparation& prepared, const Fit& fit, const Exam
   if (found.lens_spoils()) return {};  // depth on the board would be blamed for the lens
   std::optional<OdometryScale> odometry;
   const int index = Layout::of(prepared.used, prepared.priors).place(Nuisance::kOdometryFactors);
-  const bool trusted = !found.symptoms.odometry && found.motion_suffices();
+  // Wheels that are believed tell nothing that the data have seen.
+  constexpr double kLeastPrior = 0.03;
+  const bool trusted = !found.symptoms.odometry && found.motion_suffices() &&
+                       prepared.priors.sigma(Nuisance::kOdometryFactors, 0, 0) > kLeastPrior;
   if (trusted && fit.noise.law.model == OdometryModel::kPerIncrement)
     odometry = {fit.state.odometry_scale(), index < 0 ? 0.0 : std::sqrt(globals(index, index))};
   const BoardScale as_stated = check_board_scale(prepared.used, prepared.views, odometry);

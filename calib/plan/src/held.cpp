@@ -4,7 +4,7 @@
 
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/declared_problem.h"
-#include "rigproof/calib/estimate/repeating_errors.h"
+#include "rigproof/calib/estimate/repeating_covariance.h"
 
 namespace rigproof::moved {
 namespace {
@@ -25,7 +25,8 @@ Eigen::VectorXd errors(const std::vector<Rigid3>& now, const std::vector<Rigid3>
   return result;
 }
 
-/// The new observations, with what repeats in every image of a lens and a board that nobody knows exactly.
+/// The new observations, and what is left of that which repeats in every image of a lens and a board that nobody knows
+/// exactly.
 struct Seen {
   ml::Problem problem;
   ml::RemovedErrors repeating;
@@ -36,7 +37,26 @@ struct Seen {
   }
   // Of the problem's own globals, which come before the errors that repeat.
   Eigen::Index globals() const { return problem.layout().globals(); }
+  std::optional<ml::GlobalCovariance> covariance(const ml::State& state) const {
+    if (repeating.errors.any()) return ml::covariance_with(repeating, problem, state);
+    const auto unit = ml::EliminatedSystem::eliminate(linearise(state, ml::Weighting::kUnit), 0.0);
+    if (!unit) return std::nullopt;
+    ml::GlobalCovariance all = ml::invert_information(unit->schur());
+    all.covariance /= ml::cauchy_moments(2).efficiency;
+    return all;
+  }
 };
+
+// Of the views that are used, as it was found.
+ml::RemovedErrors of_views(const Observations& used, const CalibrationNoise& noise, const ml::RemovedErrors* found) {
+  ml::RemovedErrors repeating = ml::none_removed(used, noise.priors);
+  if (found == nullptr) return repeating;
+  repeating.errors = found->errors;
+  repeating.value = found->value;
+  repeating.fine = found->fine;
+  repeating.beyond_stated = found->beyond_stated;
+  return repeating;
+}
 
 // Gauss and Newton, with the previous result as a loose prior of all but what may have moved.
 class Holder {
@@ -63,7 +83,7 @@ class Holder {
       const auto eliminated = ml::EliminatedSystem::eliminate(system, 0.0);
       Eigen::VectorXd pose_step, global_step;
       if (!eliminated || !eliminated->step(&pose_step, &global_step)) return false;
-      // Errors that repeat enter linearly, so that each step is from none of them.
+      // What is left of errors that repeat enters linearly, so that each step is from what was taken out.
       const Eigen::VectorXd own_step = global_step.head(seen_.globals());
       *state = ml::moved(*state, seen_.problem.layout(), pose_step, own_step);
       if (own_step.norm() < kSettled) break;
@@ -89,24 +109,20 @@ class Holder {
 
 std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Eigen::MatrixXd& moved,
                                          const Observations& used, const CalibrationState& optimum,
-                                         const CalibrationNoise& noise) {
-  const Seen seen{ml::declared_problem(used, noise), ml::none_removed(used, noise.priors)};
+                                         const CalibrationNoise& noise, const ml::RemovedErrors* repeating) {
+  const Seen seen{ml::declared_problem(used, noise), of_views(used, noise, repeating)};
   ml::State state = moved_back(before, optimum);
   if (!Holder(before, moved, seen).hold(&state)) return std::nullopt;
-  const auto at = [&](ml::Weighting weighting) {
-    return ml::EliminatedSystem::eliminate(seen.linearise(state, weighting), 0.0);
-  };
-  const auto slope = at(ml::Weighting::kSlope), unit = at(ml::Weighting::kUnit);
-  if (!slope || !unit) return std::nullopt;
+  const auto slope = ml::EliminatedSystem::eliminate(seen.linearise(state, ml::Weighting::kSlope), 0.0);
+  const std::optional<ml::GlobalCovariance> all = seen.covariance(state);
+  if (!slope || !all) return std::nullopt;
   const Eigen::MatrixXd J = ml::camera_chart(state, seen.problem.layout());
-  const ml::GlobalCovariance own = ml::invert_information(slope->schur()), all = ml::invert_information(unit->schur());
-  const Eigen::Index globals = seen.globals();
+  const ml::GlobalCovariance own = ml::invert_information(slope->schur());
   KnownPoses knowledge;
   knowledge.T_robot_camera = state.T_robot_camera;
-  knowledge.covariance =
-      J * all.covariance.topLeftCorner(globals, globals) * J.transpose() / ml::cauchy_moments(2).efficiency;
-  knowledge.free_directions = J * all.free_directions.topRows(globals);
-  knowledge.step = -J * (own.covariance.topRows(globals) * slope->schur_gradient());
+  knowledge.covariance = J * all->covariance * J.transpose();
+  knowledge.free_directions = J * all->free_directions;
+  knowledge.step = -J * (own.covariance.topRows(seen.globals()) * slope->schur_gradient());
   return knowledge;
 }
 

@@ -5,6 +5,7 @@
 
 #include "comparison.h"
 #include "rigproof/calib/estimate/information.h"
+#include "rigproof/calib/estimate/repeating_errors.h"
 
 namespace rigproof::moved {
 
@@ -19,9 +20,11 @@ namespace rigproof::moved {
 ///
 /// `moved`: columns along which the cameras may have moved, about which the prior then says nothing.
 ///
+/// `repeating`: what repeats in every image and was taken out of the observations; null where nothing was.
+///
 /// Absent where the equations cannot be solved.
 std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Eigen::MatrixXd& moved,
                                          const Observations& used, const CalibrationState& optimum,
-                                         const CalibrationNoise& noise);
+                                         const CalibrationNoise& noise, const ml::RemovedErrors* repeating);
 
 }  // namespace rigproof::moved

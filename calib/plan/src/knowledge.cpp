@@ -189,7 +189,7 @@ struct Solution {
   CalibrationState seen;  // where it started: the robot as the previous calibration sees it
   bool believes_residuals = false;
   bool board_is_wrong = false;  // by the depth on it
-  Observations scaled, used;    // by the corners' levels; without what was left out
+  Observations scaled, used;    // by the corners' levels; without what was left out, or repeats in every image
   MlEstimate estimate;
 };
 
@@ -235,7 +235,9 @@ Solution solve(const KnownPoses& before, const Observations& stated, const Moved
   scale_corners(scale, &solution.scaled);
   ml_options.estimate_corner_level = false;
   solution.estimate = estimate_maximum_likelihood(solution.scaled, ml_options);
-  solution.used = used_observations(solution.estimate.result, solution.scaled, ground);
+  Observations without_repeating = solution.scaled;
+  if (solution.estimate.repeating) without_repeating.board_views = solution.estimate.views_without_repeating;
+  solution.used = used_observations(solution.estimate.result, without_repeating, ground);
   return solution;
 }
 
@@ -359,7 +361,7 @@ NewKnowledge::NewKnowledge(const KnownPoses& before) : before_(before), free_(no
 
 NewKnowledge::NewKnowledge(const KnownPoses& before, Observations used, const MlEstimate& estimate,
                            const CalibrationNoise& noise)
-    : before_(before), used_(std::move(used)), optimum_(estimate.state), noise_(noise) {
+    : before_(before), used_(std::move(used)), optimum_(estimate.state), noise_(noise), repeating_(estimate.repeating) {
   const InformationBound bound = cramer_rao_bound(used_, optimum_, noise_);
   // The estimate rests on a robust loss, which keeps a little less than all of the information.
   free_ = {optimum_.T_robot_camera, bound.joint / ml::cauchy_moments(2).efficiency, bound.free_directions, {}};
@@ -367,7 +369,7 @@ NewKnowledge::NewKnowledge(const KnownPoses& before, Observations used, const Ml
 
 KnownPoses NewKnowledge::if_moved(const Eigen::MatrixXd& moved) const {
   if (used_.stops.empty()) return free_;
-  return held_knowledge(before_, moved, used_, optimum_, noise_).value_or(free_);
+  return held_knowledge(before_, moved, used_, optimum_, noise_, repeating_.get()).value_or(free_);
 }
 
 NewKnowledge new_knowledge(const KnownPoses& before, const Observations& observations, const MovedOptions& options,

@@ -1,6 +1,7 @@
 // What a previous result and new observations know about the same cameras.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ class NewKnowledge {
  public:
   /// Nothing: every direction is free.
   explicit NewKnowledge(const KnownPoses& before);
+  /// `used`: without what repeats in every image.
   NewKnowledge(const KnownPoses& before, Observations used, const MlEstimate& estimate, const CalibrationNoise& noise);
 
   /// Linearised near the previous poses, but for the columns of `moved`, along which the cameras may have moved by far;
@@ -45,6 +47,7 @@ class NewKnowledge {
   Observations used_;
   CalibrationState optimum_;
   CalibrationNoise noise_;
+  std::shared_ptr<const ml::RemovedErrors> repeating_;  ///< out of what is used
 };
 
 /// Of the matched cameras. Odometry that contradicts the images does not count, which a note says. `reasons` says why

@@ -1,12 +1,14 @@
 // Maximum likelihood: all extrinsics, board, robot poses and nuisances together, at the statistical limit.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "rigproof/calib/diagnose/method.h"
 #include "rigproof/calib/diagnose/observability.h"
 #include "rigproof/calib/estimate/ml_options.h"
+#include "rigproof/calib/estimate/repeating_errors.h"
 #include "rigproof/core/observations.h"
 #include "rigproof/core/result.h"
 
@@ -25,7 +27,11 @@ struct MlEstimate {
   /// What in the observations contradicts the rest, likely causes first; each is one of the result's reasons, too.
   std::vector<Finding> contradictions;
   bool only_odometry_contradicts = false;  ///< by the likely cause: what the images show is in order
-  double cost = 0.0;                       ///< robust, whitened
+  /// What repeats in every image, as it was found, and the observations' board views without it; null where lenses and
+  /// boards are believed.
+  std::shared_ptr<const ml::RemovedErrors> repeating;
+  std::vector<BoardView> views_without_repeating;
+  double cost = 0.0;  ///< robust, whitened
   int iterations = 0;
   bool converged = false;
 };
