@@ -200,12 +200,12 @@ void judge(const CameraRatio& depth, const Stated& stated, BoardScale* result) {
                                                       {"stated_mm", stated.square_mm}}));
 }
 
-// Up to which a camera may differ from others: as they err, the worst of them.
+// Up to which a camera may differ from the others, whose middle errs as most of them do.
 double most_off(const CameraRatio& ratio, const std::vector<CameraRatio>& ratios) {
-  double sigma = 0.0;
+  std::vector<double> sigmas;
   for (const CameraRatio& other : ratios)
-    if (other.index != ratio.index) sigma = std::max(sigma, ratio.sigma_against(other));
-  return kMaxDepthAlone * sigma;
+    if (other.index != ratio.index) sigmas.push_back(ratio.sigma_against(other));
+  return sigmas.empty() ? 0.0 : kMaxDepthAlone * median(std::move(sigmas));
 }
 
 // Takes out the cameras that differ from the others.

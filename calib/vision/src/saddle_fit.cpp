@@ -322,6 +322,8 @@ class MarkerShade {
 
  private:
   using Cells = std::array<const Eigen::MatrixXd*, 2>;
+  static constexpr int kMostCells = 12;  // along a side; OpenCV's markers have up to 9
+  using Shares = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostCells, 1>;  // on the stack: one a pixel
 
   // Of the square ahead along x and of the one behind, which lie on opposite sides of the edge along x.
   double sum(const Vector2d& offset, const Cells& cells) const {
@@ -330,13 +332,14 @@ class MarkerShade {
   }
   // At a place from the square's middle.
   double of_square(const Vector2d& at, const Eigen::MatrixXd* cells) const {
-    if (cells == nullptr) return shares(at, 0, 1).sum() * shares(at, 1, 1).sum();
-    return shares(at, 1, cells->rows()).dot(*cells * shares(at, 0, cells->cols()));
+    if (cells == nullptr) return shares(at, 0, 1)[0] * shares(at, 1, 1)[0];
+    const Shares across = *cells * shares(at, 0, cells->cols());
+    return shares(at, 1, cells->rows()).dot(across);
   }
   // What each cell in a row of them takes of the light along an axis.
-  Eigen::VectorXd shares(const Vector2d& at, int axis, Eigen::Index cells) const {
+  Shares shares(const Vector2d& at, int axis, Eigen::Index cells) const {
     const NormalTable& table = NormalTable::instance();
-    Eigen::VectorXd steps(cells + 1);
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostCells + 1, 1> steps(cells + 1);
     for (Eigen::Index i = 0; i <= cells; ++i)
       steps[i] = table.step((at[axis] + share_ * (0.5 - static_cast<double>(i) / static_cast<double>(cells))) *
                             per_square_[axis]);
