@@ -1,6 +1,7 @@
 #include "rigproof/core/camera_info.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <sstream>
 
@@ -51,9 +52,14 @@ std::uint32_t read_side(MapReader& map, const std::string& field) {
   return read_count(map, key, {1.0, kMaxSize});
 }
 
+bool is_whole(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == std::floor(number); });
+}
+
 void read_size(MapReader& map, CameraInfo* info) {
   if (map.has("imageSize")) {
     const auto size = map.numbers("imageSize", 2, 2, {1.0, kMaxSize});
+    if (size && !is_whole(*size)) map.problem("imageSize", "must be whole numbers of pixels");
     if (size) info->width = static_cast<std::uint32_t>((*size)[0]);
     if (size) info->height = static_cast<std::uint32_t>((*size)[1]);
     return;
@@ -92,12 +98,20 @@ void read_region(MapReader& map, CameraInfo* info) {
   info->binning_x = read_count(map, "binning_x", {0.0, kMaxBinning});
   info->binning_y = read_count(map, "binning_y", {0.0, kMaxBinning});
   const YamlTree* tree = map.find("roi");
-  if (tree == nullptr) return;
+  if (tree == nullptr || !tree->is_map()) return;  // OpenCV's list of that name is of undistorted images
   MapReader block(*tree, map.path_of("roi"), &map.problems());
   info->roi.x_offset = read_count(block, "x_offset", {0.0, kMaxSize});
   info->roi.y_offset = read_count(block, "y_offset", {0.0, kMaxSize});
   info->roi.height = read_count(block, "height", {0.0, kMaxSize});
   info->roi.width = read_count(block, "width", {0.0, kMaxSize});
+}
+
+void read_rectification(MapReader& map, CameraInfo* info) {
+  read_matrix(map, "r", false, &info->r);
+  if (has(map.tree(), "p")) return read_matrix(map, "p", true, &info->p);
+  map.problem("",
+              "has no projection_matrix (P), with which images of a topic image_rect* go: "
+              "they are rectified, and camera_matrix and distortion are of the raw ones");
 }
 
 CameraInfo read_fields(MapReader& map, bool rectified) {
@@ -106,13 +120,7 @@ CameraInfo read_fields(MapReader& map, bool rectified) {
   read_matrix(map, "k", true, &info.k);
   info.d = read_array(map, "d", 0, 14);
   info.distortion_model = read_model(map);
-  read_matrix(map, "r", false, &info.r);
-  if (rectified && !has(map.tree(), "p"))
-    map.problem("",
-                "has no projection_matrix (P), with which images of a topic image_rect* go: "
-                "they are rectified, and camera_matrix and distortion are of the raw ones");
-  else
-    read_matrix(map, "p", rectified, &info.p);
+  if (rectified) read_rectification(map, &info);
   read_region(map, &info);
   return info;
 }
@@ -123,7 +131,9 @@ std::string first_message(const std::string& text) {
   std::string message, line;
   for (bool begun = false; std::getline(lines, line);) {
     if (begun && line.rfind("---", 0) == 0) break;
-    begun = begun || (!line.empty() && line[0] != '%' && line[0] != '#' && line.rfind("---", 0) != 0);
+    if (message.empty() && line.rfind("\xef\xbb\xbf", 0) == 0) line.erase(0, 3);  // the mark of UTF-8
+    const bool is_blank = line.find_first_not_of(" \t\r") == std::string::npos;
+    begun = begun || (!is_blank && line[0] != '%' && line[0] != '#' && line.rfind("---", 0) != 0);
     message += line + "\n";
   }
   return message;

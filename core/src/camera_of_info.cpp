@@ -1,5 +1,5 @@
-
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <initializer_list>
 
@@ -44,13 +44,21 @@ bool is_one_of(const std::string& model, std::initializer_list<const char*> name
   return std::find(names.begin(), names.end(), model) != names.end();
 }
 
+// What drivers call lenses whose coefficients are zero, of which none is left then. Not so of a fisheye.
+bool is_pinhole_without_coefficients(const std::string& model) {
+  std::string lower = model;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  return lower.find("brown") != std::string::npos ||
+         is_one_of(lower, {"", "none", "pinhole", "plumb_bob", "rational_polynomial", "radtan"});
+}
+
 void take_lens(const CameraInfo& info, InfoReading* reading) {
   Camera& camera = reading->camera;
   const std::string& model = info.distortion_model;
   const bool finite = std::all_of(info.d.begin(), info.d.end(), [](double d) { return std::isfinite(d); });
   if (!finite) throw CameraInfoError("d", "D holds numbers that are not finite");
   const bool equidistant = is_one_of(model, {"equidistant", "fisheye", "kannala_brandt"});
-  if (all_zero(info.d) && !equidistant) return;  // a pinhole, whatever its model is called
+  if (all_zero(info.d) && is_pinhole_without_coefficients(model)) return;
   if (equidistant) {
     if (info.d.size() < 4 || !all_zero(info.d, 4))
       throw CameraInfoError("d", "equidistant has four coefficients, D has " + std::to_string(info.d.size()));

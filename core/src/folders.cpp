@@ -33,7 +33,8 @@ void throw_system_error(const fs::path& file, const std::string& action, int err
   if (error_number == EACCES || error_number == EPERM) cause = "no permission";
   if (error_number == EROFS) cause = "the file system is read-only";
   // Whoever runs the batch may make room, or bring a share back; other programs may end.
-  const std::array<int, 7> may_pass = {ENOSPC, EDQUOT, ESTALE, EMFILE, ENFILE, ENOMEM, EAGAIN};
+  const std::array<int, 10> may_pass = {ENOSPC, EDQUOT, ESTALE,   EMFILE,    ENFILE,
+                                        ENOMEM, EAGAIN, ENOTCONN, EHOSTDOWN, ETIMEDOUT};
   const bool passes = std::find(may_pass.begin(), may_pass.end(), error_number) != may_pass.end();
   throw Error(file.string() + ": cannot " + action + ": " + cause, passes ? ExitCode::kTryAgain : ExitCode::kBadInput);
 }

@@ -143,7 +143,9 @@ void read_camera_info_file(FieldVisitor& visitor, const fs::path& file, Camera* 
     const std::optional<InfoReading> reading = read_camera_info(file, false, visitor.problems());
     if (!reading) return;
     if (!reading->to_undo.empty())
-      throw Error(file.string() + ": " + reading->notes.front() + ", which `rigproof init` does");
+      throw Error(file.string() +
+                  ": no lens of ours comes near these coefficients; make the recording of a bag with `rigproof init`, "
+                  "which rectifies, or give rectified images, and P as their camera_matrix");
     *camera = reading->camera;
   } catch (const Error& error) {
     visitor.check(false, "", error.what());

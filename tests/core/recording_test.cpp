@@ -430,7 +430,7 @@ TEST(Rig, CameraInfoOfRosMessagesIsRead) {
               HasSubstr("info.yaml:5: roi: a block: the region of interest reaches beyond the image"));
   EXPECT_THAT(error_text([&] { load("d: [" + joined(std::vector<std::string>(12, "0.01")) + "]\n"); }),
               HasSubstr("info.yaml:4: d: a list of 12: D has 12 coefficients"));
-  EXPECT_THAT(error_text([&] { load("distortion_model: thin_prism\nd: [0.1]\n"); }),
+  EXPECT_THAT(error_text([&] { load("distortion_model: thin_prism\nd: [0]\n"); }),
               HasSubstr("\"thin_prism\" is not supported; plumb_bob"));
   EXPECT_THAT(error_text([&] {
                 load(
@@ -457,7 +457,8 @@ TEST(Rig, CameraInfoOfARationalLensIsFitted) {
   const double ratio = 1.0 / (1.0 + 0.1 * (0.25 + 0.09));
   EXPECT_LT((pixel - Eigen::Vector2d(500 * 0.5 * ratio + 320, 501 * 0.3 * ratio + 240)).norm(), 0.25);
   EXPECT_THAT(error_text([&] { load("[4, 0, 0, 0, 0, 8, 0, 0]"); }),
-              testing::AllOf(HasSubstr("info.yaml: the eight coefficients"), HasSubstr("`rigproof init`")));
+              testing::AllOf(HasSubstr("info.yaml: no lens of ours comes near these coefficients"),
+                             HasSubstr("`rigproof init`")));
 }
 
 TEST(Rig, CameraInfoOfOpenCvIsRead) {
@@ -488,6 +489,13 @@ TEST(Rig, CameraInfoOfOpenCvIsRead) {
   }
   EXPECT_EQ(load(storage(size + "fisheye_model: 1\n", "camera_matrix", "distortion_coefficients")).lens,
             Lens::kKannalaBrandt);
+  // What OpenCV writes beside, and how editors begin and end lines.
+  const std::string plain = storage(size, "camera_matrix", "distortion_coefficients");
+  for (const std::string& same : {plain + "roi: [0, 0, 640, 360]\n", plain + "R: [0.1, 0.2, 0.3]\n",
+                                  plain + "P: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "\xef\xbb\xbf" + plain, "\r\n" + plain})
+    EXPECT_EQ(load(same).distortion, brown.distortion) << same;
+  EXPECT_THAT(error_text([&] { load(storage("imageSize: [640.7, 480]\n", "K", "D")); }),
+              AllOf(HasSubstr("imageSize: "), HasSubstr("must be whole numbers of pixels")));
   EXPECT_THAT(error_text([&] { load("[image]\n\nwidth\n640\n"); }), HasSubstr("a file of intrinsics is YAML of"));
   EXPECT_THAT(error_text([&] { load("stereo:\n  M1: [1]\n"); }),
               HasSubstr("info.yaml: holds no intrinsics that can be read"));

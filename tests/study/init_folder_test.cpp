@@ -132,8 +132,9 @@ TEST_F(InitFolder, WhyImagesCannotBeLookedAtIsSaid) {
   write_infos_of_pictures();
   options_.board = board;
   const InitReport report = init_recording(options_);
-  EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("the board could not be looked for: " + options_.output.string()),
-                                           HasSubstr("is the same image as left/color/"), Not(HasSubstr(".partial")))));
+  EXPECT_THAT(report.notes,
+              Contains(AllOf(HasSubstr("the board could not be looked for"), HasSubstr(": " + options_.output.string()),
+                             HasSubstr("is the same image as left/color/"), Not(HasSubstr(".partial")))));
   EXPECT_THAT(report.notes, Not(Contains(HasSubstr("the board is in no image"))));
   EXPECT_FALSE(report.cameras[0].board_stops);
   EXPECT_EQ(load_recording(options_.output).frames[1].size(), 4U);
@@ -146,7 +147,7 @@ TEST_F(InitFolder, ALensThatNobodyFollowsIsRefusedAndOneThatIsMetIsSaid) {
                    size_and_matrix + "\ndistortion_model: rational_polynomial\nd: " + d + "\n");
   };
   write("width: 640\nheight: 480\nk: [500, 0, 320, 0, 500, 240, 0, 0, 1]", "[4, 0, 0, 0, 0, 8, 0, 0]");
-  EXPECT_THAT(failure(), AllOf(HasSubstr("camera left"), HasSubstr("of a folder they are copied")));
+  EXPECT_THAT(failure(), AllOf(HasSubstr("camera left"), HasSubstr("images of a folder are copied")));
   write("width: 16\nheight: 12\nk: [20, 0, 7.5, 0, 20, 5.5, 0, 0, 1]", "[0, 0, 0, 0, 0, 0.1, 0, 0]");
   EXPECT_THAT(init_recording(options_).notes, Contains(HasSubstr("left: rational_polynomial is written as")));
 }

@@ -11,6 +11,7 @@
 #include "error_text.h"
 #include "rigproof/bags/messages.h"
 #include "rigproof/calib/vision/image_io.h"
+#include "rigproof/core/files.h"
 #include "rigproof/core/recording.h"
 #include "rigproof/formats/frame_tree.h"
 #include "rigproof/png/png_encoder.h"
@@ -233,6 +234,25 @@ TEST_F(Init, TwoCamerasInOneNamespaceAreTwo) {
                                                                      {"/right/image_raw", "/cams/right_image"}})));
   EXPECT_THAT(failure(options), AllOf(HasSubstr("camera right_image: there is no CameraInfo"),
                                       HasSubstr("lies beside several cameras"), Not(HasSubstr("camera left_image"))));
+  // Leaving a camera out makes what is its own nobody else's.
+  options.topics = {"left_image=none"};
+  EXPECT_THAT(failure(options), HasSubstr("camera right_image: there is no CameraInfo"));
+}
+
+// Whatever else lies beside it, and in whatever order.
+TEST_F(Init, CameraInfoByItsUsualNameComesFirst) {
+  InitOptions options = options_for(Robot());
+  std::vector<Recorded> messages = messages_of(Robot());
+  InfoFields other;
+  other.frame_id = "left_optical";
+  other.width = 64;
+  other.height = 48;
+  other.k = {99, 0, 31.5, 0, 99, 23.5, 0, 0, 1};
+  messages.insert(messages.begin(),
+                  {"/left/color_info", kCameraInfoType, 1700000000.0, info_message(other, 1700000000.0)});
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  EXPECT_EQ(init_recording(options).cameras[0].camera_info, "/left/camera_info");
+  EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[0].camera.fx_px, 60.0);
 }
 
 TEST_F(Init, WithoutFramesNamesTellCamerasApart) {
@@ -352,7 +372,8 @@ TEST_F(Init, ACamchainOfKalibrIsForAllCameras) {
   EXPECT_THAT(failure(options), AllOf(HasSubstr("camera right: " + file +
                                                 ": which of its cameras is right? It has cam0 "
                                                 "(/left/image_raw/compressed), cam1"),
-                                      HasSubstr("--topic camN=/right/image_raw"), Not(HasSubstr("camera left"))));
+                                      HasSubstr("name right as one of them: --topic cam0=/right/image_raw"),
+                                      Not(HasSubstr("camera left"))));
   options.topics = {"cam1=/right/image_raw"};
   init_recording(options);
   const Recording recording = load_recording(scratch_ / "monday");
@@ -367,6 +388,38 @@ TEST_F(Init, ACamchainOfKalibrIsForAllCameras) {
                                       HasSubstr("cam1.resolution"), HasSubstr("cam1.distortion_coeffs")));
   scratch_.write("camchain.yaml", "image_width: 64\nimage_height: 48\n");
   EXPECT_THAT(failure(options), HasSubstr("must be CAMERA=FILE"));
+  options.camera_infos = {(scratch_ / "nowhere.yaml").string()};
+  EXPECT_THAT(failure(options), HasSubstr("nowhere.yaml: no such file"));
+}
+
+// Kalibr numbers cameras as they were named to it, which need not be as their topics are called.
+TEST_F(Init, ACamchainGoesByTopicsBeforeNames) {
+  const auto camera = [](const std::string& name, const std::string& focal, const std::string& topic) {
+    return name + ": {camera_model: pinhole, resolution: [64, 48], intrinsics: [" + focal +
+           ", 71, 31, 23], distortion_model: none, rostopic: " + topic + "}\n";
+  };
+  InitOptions options = options_for(Robot());
+  scratch_.write("bag.mcap",
+                 mcap_bytes(renamed(messages_of(Robot()), {{"/left/image_raw", "/robot/cam0/image_raw"},
+                                                           {"/right/image_raw", "/robot/cam1/image_raw"}})));
+  options.camera_infos = {
+      scratch_.write("camchain.yaml", camera("cam0", "80", "/cam1/image_raw") + camera("cam1", "70", "/cam0/image_raw"))
+          .string()};
+  EXPECT_EQ(init_recording(options).cameras[0].images, "/robot/cam0/image_raw");
+  EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[0].camera.fx_px, 70.0);
+  EXPECT_EQ(load_recording(scratch_ / "monday").rig.cameras[1].camera.fx_px, 80.0);
+  // By name where no topic tells, and said.
+  options.output = scratch_ / "tuesday";
+  scratch_.write("camchain.yaml", camera("cam0", "80", "/old/image") + camera("cam1", "70", "/older/image"));
+  EXPECT_THAT(init_recording(options).notes,
+              Contains(AllOf(HasSubstr("cam0"), HasSubstr("calibrated with /old/image"))));
+  EXPECT_EQ(load_recording(scratch_ / "tuesday").rig.cameras[0].camera.fx_px, 80.0);
+  // A file of one camera for one camera leaves no choice.
+  options.output = scratch_ / "wednesday";
+  const std::string one = scratch_.write("one.yaml", camera("cam0", "90", "/old/image")).string();
+  options.camera_infos = {"cam0=" + one, "cam1=" + one};
+  init_recording(options);
+  EXPECT_EQ(load_recording(scratch_ / "wednesday").rig.cameras[1].camera.fx_px, 90.0);
 }
 
 TEST_F(Init, IntrinsicsOfAnotherSizeAreRefused) {
@@ -479,6 +532,10 @@ TEST_F(Init, FramesInACircleOrOfTwoParentsAreRefusedOrLeftOut) {
     EXPECT_THAT(init_recording(options).notes, Contains(HasSubstr("is not in /tf_static")));
     EXPECT_FALSE(fs::exists(scratch_ / "monday/tf_static.json"));
     fs::remove_all(scratch_ / "monday");
+    RecordCheckOptions check;
+    check.source = options;
+    check.source.board = Board();
+    EXPECT_EQ(RecordWatch(check).look().stops, 5U) << "while it drives, too";
   }
 }
 
@@ -586,12 +643,20 @@ TEST_F(Init, AFewPosesThatAreNoneAreLeftOutAndManyAreRefused) {
   const auto add = [&](const char* topic, const char* type, const std::string& data) {
     messages.push_back({topic, type, 1700000001.0, data});
   };
-  add("/odom", kOdometryType, odometry_message(1700000001.001, {0, 0, 0, 0, 0, 0, 0}));
+  add("/odom", kOdometryType, odometry_message(1700000001.001, {0, 0, 0, 0, 0, 0, 0}, ""));
   add("/tf", kTfType, tf_message(1700000001.0, {{"base_link", "wheel", none}}));
   add("/tf_static", kTfType, tf_message(1700000001.0, {{"base_link", "arm", none}, {"base_link", "mast", {}}}));
   scratch_.write("bag.mcap", mcap_bytes(messages));
   const InitReport report = init_recording(options);
   EXPECT_EQ(report.odometry_rows, 1000U);
+  const InitReport good = [&] {
+    InitOptions other = options;
+    other.source = scratch_.write("good.mcap", mcap_bytes(messages_of(Robot())));
+    other.output = scratch_ / "good";
+    return init_recording(other);
+  }();
+  EXPECT_EQ(read_text_file(scratch_ / "monday/odometry.csv"), read_text_file(scratch_ / "good/odometry.csv"))
+      << "a message of zeros, which names no frames, moves nothing";
   EXPECT_THAT(report.notes,
               Contains(AllOf(HasSubstr("/odom: 1 of 1001 poses"), HasSubstr("1700000001.001 s"), HasSubstr("norm 0"))));
   EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("/tf_static: left out is arm"), HasSubstr("nan"))));

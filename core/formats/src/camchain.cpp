@@ -1,6 +1,7 @@
 #include "rigproof/formats/camchain.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rigproof/core/yaml.h"
 
@@ -26,6 +27,8 @@ CamchainCamera read_camera(const std::string& name, const YamlTree& tree, Proble
   camera.info.k = {K[0], 0.0, K[2], 0.0, K[1], K[3], 0.0, 0.0, 1.0};
   map.require("resolution", "width and height in pixels");
   const auto size = map.numbers("resolution", 2, 2, {1.0, kMaxSide}).value_or(std::vector<double>(2));
+  if (std::any_of(size.begin(), size.end(), [](double side) { return side != std::floor(side); }))
+    map.problem("resolution", "must be whole numbers of pixels");
   camera.info.width = static_cast<std::uint32_t>(size[0]);
   camera.info.height = static_cast<std::uint32_t>(size[1]);
   map.require("distortion_model", "radtan, equidistant or none");

@@ -103,7 +103,8 @@ class CameraPlanner {
   InfoReading camera_of_bag(const CameraTopics& topics, const ImageTopic& images) const {
     const std::string expected = namespace_of(images.name) + "/camera_info";
     const std::string remedy = "; give --topic " + topics.name + ".camera_info=TOPIC, or --camera-info " + topics.name +
-                               "=FILE with the YAML that camera_calibration writes";
+                               "=FILE with the YAML that camera_calibration writes; if it is no camera: --topic " +
+                               topics.name + "=none";
     if (topics.camera_info.empty())
       throw Error("there is no CameraInfo for " + images.name + " (" +
                   (survey_.find_info(expected) == nullptr ? "looked for " + expected
@@ -289,6 +290,10 @@ void keep_frames_of(std::size_t camera, const FrameChoice& kept, ImportPlan* pla
 }
 
 }  // namespace
+
+bool takes_frames(const InitOptions& options) {
+  return std::find(options.topics.begin(), options.topics.end(), "tf_static=none") == options.topics.end();
+}
 
 ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options) {
   const TopicChoice choice = choose_topics(survey, topic_rules(options.topics));

@@ -28,6 +28,9 @@ struct ImportPlan {
   InitReport report;
 };
 
+/// Whether the robot's static frames are taken from the bag: not with tf_static=none.
+bool takes_frames(const InitOptions& options);
+
 /// Throws Error with every problem.
 ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options);
 

@@ -48,7 +48,7 @@ Topic& topic_named(std::vector<Topic>& topics, const std::string& name) {
 
 class BagSurveyor::Impl {
  public:
-  explicit Impl(bool log_stamps) : log_stamps_(log_stamps) {}
+  Impl(bool log_stamps, bool with_frames) : log_stamps_(log_stamps), with_frames_(with_frames) {}
 
   BagSurvey& read_on(Bag& bag) {
     const auto wants = [](const BagTopic& topic) {
@@ -60,6 +60,7 @@ class BagSurveyor::Impl {
     survey_.topics = bag.topics();
     survey_.notes = bag.notes();
     for (ImageTopic& topic : survey_.images) sort_images(topic);
+    if (!with_frames_) survey_.tf_static = {};
     for (std::vector<PoseTopic>* topics : {&survey_.odometry, &survey_.tf})
       for (PoseTopic& topic : *topics) sort_poses(topic);
     return survey_;
@@ -127,8 +128,10 @@ class BagSurveyor::Impl {
   void take_odometry(const std::string& name, const BagMessage& message) {
     const RosOdometry odometry = read_odometry_message(message.data);
     PoseTopic& topic = topic_named(survey_.odometry, name);
-    topic.frame_id = odometry.header.frame_id;
-    topic.child_frame_id = odometry.child_frame_id;
+    if (odometry.no_pose.empty()) {  // a message of zeros has no frames either
+      topic.frame_id = odometry.header.frame_id;
+      topic.child_frame_id = odometry.child_frame_id;
+    }
     take_pose({stamp_of(odometry.header, message), odometry.T_odom_child}, odometry.no_pose, &topic);
   }
 
@@ -176,7 +179,7 @@ class BagSurveyor::Impl {
     topic.poses.erase(std::unique(topic.poses.begin(), topic.poses.end(), same), topic.poses.end());
   }
 
-  bool log_stamps_;
+  bool log_stamps_, with_frames_;
   BagSurvey survey_;
 };
 
@@ -194,10 +197,12 @@ const Topic* find_named(const std::vector<Topic>& topics, const std::string& nam
 const ImageTopic* BagSurvey::find_image(const std::string& topic) const { return find_named(images, topic); }
 const InfoTopic* BagSurvey::find_info(const std::string& topic) const { return find_named(infos, topic); }
 
-BagSurveyor::BagSurveyor(bool log_stamps) : impl_(std::make_unique<Impl>(log_stamps)) {}
+BagSurveyor::BagSurveyor(bool log_stamps, bool with_frames) : impl_(std::make_unique<Impl>(log_stamps, with_frames)) {}
 BagSurveyor::~BagSurveyor() = default;
 const BagSurvey& BagSurveyor::read_on(Bag& bag) { return impl_->read_on(bag); }
 
-BagSurvey survey_bag(Bag& bag, bool log_stamps) { return BagSurveyor(log_stamps).read_on(bag); }
+BagSurvey survey_bag(Bag& bag, bool log_stamps, bool with_frames) {
+  return BagSurveyor(log_stamps, with_frames).read_on(bag);
+}
 
 }  // namespace rigproof

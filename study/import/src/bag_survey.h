@@ -79,13 +79,14 @@ struct BagSurvey {
 };
 
 /// @param log_stamps the time of recording stands for the headers' stamps
+/// @param with_frames false: what /tf_static says is left alone
 /// Throws Error that names the topic.
-BagSurvey survey_bag(Bag& bag, bool log_stamps);
+BagSurvey survey_bag(Bag& bag, bool log_stamps, bool with_frames = true);
 
 /// The same of a bag that grows.
 class BagSurveyor {
  public:
-  explicit BagSurveyor(bool log_stamps);
+  explicit BagSurveyor(bool log_stamps, bool with_frames = true);
   ~BagSurveyor();
   BagSurveyor(const BagSurveyor&) = delete;
   BagSurveyor& operator=(const BagSurveyor&) = delete;

@@ -103,7 +103,8 @@ struct FoundCamera {
 
 fs::path info_file_of(const CameraFolder& from, const ByCamera& infos) {
   const auto info = infos.find(from.name);
-  const fs::path file = info == infos.end() ? from.folder / "camera_info.yaml" : fs::path(info->second);
+  if (info != infos.end()) return info->second;
+  const fs::path file = from.folder / "camera_info.yaml";
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored))
     throw Error("there are no intrinsics: " + file.string() +
@@ -116,8 +117,9 @@ fs::path info_file_of(const CameraFolder& from, const ByCamera& infos) {
 Camera camera_of_copies(const std::string& name, const fs::path& info_file, std::vector<std::string>* notes) {
   const InfoReading reading = camera_of_file(info_file, name, "");
   if (!reading.to_undo.empty())
-    throw Error(info_file.string() + ": " + reading.notes.front() +
-                "; of a folder they are copied: give rectified ones, and P as their camera_matrix");
+    throw Error(info_file.string() +
+                ": no lens of ours comes near these coefficients, and images of a folder are copied as they are; give "
+                "rectified images, and P as their camera_matrix");
   for (const std::string& text : reading.notes) notes->push_back(name + ": " + text);
   return reading.camera;
 }

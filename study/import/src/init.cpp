@@ -162,11 +162,12 @@ std::string note_of_others(const BoardCoverage& coverage, const std::vector<Init
 // What is wrong with the images, the first of it, by the name that the recording will have.
 std::string note_of_problem(const std::string& problem, const fs::path& making, const fs::path& output) {
   const std::size_t end = problem.find('\n');
-  std::string text = problem.substr(0, end) + (end == std::string::npos ? "" : " (and others)");
+  std::string text = problem.substr(0, end);
   const std::string from = making.string(), to = output.string();
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
-  return "the board could not be looked for: " + text;
+  return "the board could not be looked for, and `calibrate` will say so" +
+         std::string(end == std::string::npos ? ": " : ", too; the first reason: ") + text;
 }
 
 void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
@@ -224,9 +225,7 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   bag.progress = [&options](std::uint64_t done, std::uint64_t total) {
     return !options.progress || options.progress("read", done, total);
   };
-  BagSurvey survey = survey_bag(bag, options.log_stamps);
-  if (std::find(options.topics.begin(), options.topics.end(), "tf_static=none") != options.topics.end())
-    survey.tf_static = {};
+  const BagSurvey survey = survey_bag(bag, options.log_stamps, takes_frames(options));
   ImportPlan plan = plan_import(survey, options);
   plan.recording.folder = making;
   plan.report.notes.insert(plan.report.notes.begin(), survey.notes.begin(), survey.notes.end());

@@ -150,7 +150,7 @@ class BagPictures : public PictureSource {
     // A survey that is broken off is begun anew.
     std::unique_ptr<BagSurveyor> surveyor = std::move(surveyor_);
     if (!goes_on) {
-      surveyor = std::make_unique<BagSurveyor>(options_.log_stamps);
+      surveyor = std::make_unique<BagSurveyor>(options_.log_stamps, takes_frames(options_));
       bag_.emplace(options_.source, scratch_);
       bag_->progress = [this](std::uint64_t done, std::uint64_t total) {
         return !options_.progress || options_.progress("read", done, total);

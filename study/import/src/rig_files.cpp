@@ -33,28 +33,43 @@ void shorten_depth(const RigCamera& camera, YamlTree& tree) {
   for (const char* key : {"min_m", "max_m", "noise"}) remove_entry(depth, key);
 }
 
-// The one that was calibrated with these images, or that has the camera's name.
+bool ends_in(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+// Calibrated with these images, perhaps before a namespace was put before their topic, or taken from it.
+bool is_of_topic(const CamchainCamera& camera, const std::string& topic) {
+  if (topic.empty() || camera.rostopic.empty()) return false;
+  const std::string then = "/" + joined(parts_of(without_transport(camera.rostopic)), "/"),
+                    now = "/" + joined(parts_of(without_transport(topic)), "/");
+  return ends_in(now, then) || ends_in(then, now);
+}
+
+// The one that was calibrated with these images, or that has the camera's name, or the only one there is.
 InfoReading camera_of_chain(const fs::path& file, const std::vector<CamchainCamera>& chain, const std::string& name,
                             const std::string& topic) {
-  const auto same_topic = [&topic](const CamchainCamera& camera) {
-    return !topic.empty() && !camera.rostopic.empty() && without_transport(camera.rostopic) == without_transport(topic);
-  };
-  auto found = std::find_if(chain.begin(), chain.end(), same_topic);
+  auto found = std::find_if(chain.begin(), chain.end(),
+                            [&topic](const CamchainCamera& some) { return is_of_topic(some, topic); });
   const bool by_topic = found != chain.end();
   if (!by_topic)
     found = std::find_if(chain.begin(), chain.end(), [&name](const CamchainCamera& some) { return some.name == name; });
+  if (found == chain.end() && chain.size() == 1) found = chain.begin();
   std::vector<std::string> known;
   for (const CamchainCamera& camera : chain)
     known.push_back(camera.name + (camera.rostopic.empty() ? "" : " (" + for_message(camera.rostopic) + ")"));
   if (found == chain.end())
-    throw Error(file.string() + ": which of its cameras is " + name + "? It has " + joined(known) + "; call it so" +
-                (topic.empty() ? ": rename its folder" : ": --topic camN=" + topic));
+    throw Error(file.string() + ": which of its cameras is " + name + "? It has " + joined(known) + "; name " + name +
+                " as one of them: " + (topic.empty() ? "rename its folder" : "--topic cam0=" + topic));
   if (is_rectified(topic) && !by_topic)
     throw Error(file.string() + ": " + found->name + ": is of other images than " + topic +
                 ", which are rectified; take those that it was calibrated with: --topic " + name + "=" +
                 (found->rostopic.empty() ? "TOPIC" : for_message(found->rostopic)));
   try {
-    return camera_of_info(found->info, false);
+    InfoReading reading = camera_of_info(found->info, false);
+    if (!by_topic && !topic.empty() && !found->rostopic.empty())
+      reading.notes.push_back("the intrinsics are those of " + found->name + " in " + file.filename().string() +
+                              ", which was calibrated with " + for_message(found->rostopic));
+    return reading;
   } catch (const CameraInfoError& error) {
     throw Error(file.string() + ": " + found->name + ": " + error.what());
   }
@@ -75,10 +90,17 @@ std::string rig_yaml_text(const RigText& text) {
 
 std::map<std::string, std::string> intrinsics_files(const std::vector<std::string>& texts,
                                                     const std::vector<std::string>& cameras) {
-  for (const std::string& text : texts)
-    if (text.find('=') == std::string::npos && !read_camchain(text))
+  std::error_code ignored;
+  std::size_t for_all = 0;
+  for (const std::string& text : texts) {
+    if (text.find('=') != std::string::npos) continue;
+    if (!fs::is_regular_file(text, ignored)) throw Error("--camera-info: " + for_message(text) + ": no such file");
+    if (++for_all > 1)
+      throw Error("--camera-info: " + for_message(text) + ": a camchain for all cameras was given before");
+    if (!read_camchain(text))
       throw Error("--camera-info: " + for_message(text) +
                   ": must be CAMERA=FILE; only a camchain of Kalibr is for all cameras at once");
+  }
   return values_by_camera(texts, "--camera-info", cameras, true);
 }
 

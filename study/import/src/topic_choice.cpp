@@ -278,19 +278,23 @@ void guess_depth(const BagSurvey& survey, std::vector<CameraTopics>* cameras) {
 
 // Of the CameraInfo beside the images what names the same place, or the one for all. If it could be another camera's,
 // too, frames have to tell.
-std::string info_topic_of(const BagSurvey& survey, const CameraTopics& of, const std::vector<CameraTopics>& cameras) {
-  const std::string beside = namespace_of(of.images), place = place_in(of.images);
-  const auto named = std::find_if(survey.infos.begin(), survey.infos.end(), [&](const InfoTopic& info) {
-    return namespace_of(info.name) == beside && place_in(info.name) == place;
-  });
-  const bool for_all = named == survey.infos.end();
-  const InfoTopic* info = for_all ? survey.find_info(beside + "/camera_info") : &*named;
-  if (info == nullptr) return "";
-  const auto in_frame = [&](const CameraTopics& camera) {
-    return survey.find_image(camera.images)->frame_id() == info->info.header.frame_id;
+std::string info_topic_of(const BagSurvey& survey, const CameraTopics& camera) {
+  const ImageTopic& of = *survey.find_image(camera.images);
+  const std::string beside = namespace_of(of.name), place = place_in(of.name);
+  const InfoTopic* info = place.empty() ? survey.find_info(beside + "/camera_info") : nullptr;
+  const auto is_named = [&](const InfoTopic& some) {
+    return namespace_of(some.name) == beside && place_in(some.name) == place;
   };
-  const bool is_shared = std::any_of(cameras.begin(), cameras.end(), [&](const CameraTopics& other) {
-    return &other != &of && namespace_of(other.images) == beside && (for_all || place_in(other.images) == place) &&
+  if (info == nullptr && std::count_if(survey.infos.begin(), survey.infos.end(), is_named) == 1)
+    info = &*std::find_if(survey.infos.begin(), survey.infos.end(), is_named);
+  const bool for_all = info == nullptr;
+  if (for_all) info = survey.find_info(beside + "/camera_info");
+  if (info == nullptr) return "";
+  const auto in_frame = [&](const ImageTopic& image) { return image.frame_id() == info->info.header.frame_id; };
+  // Also of a camera that was left out: it may still be that one's.
+  const bool is_shared = std::any_of(survey.images.begin(), survey.images.end(), [&](const ImageTopic& other) {
+    return !other.is_depth && !is_side_product(other.name) && !same_camera(other, of) &&
+           namespace_of(other.name) == beside && (for_all || place_in(other.name) == place) &&
            (in_frame(other) || !in_frame(of));
   });
   return is_shared ? "" : info->name;
@@ -373,7 +377,7 @@ TopicChoice choose_topics(const BagSurvey& survey, const std::vector<TopicRule>&
   problems.throw_if_any();
   guess_depth(survey, &choice.cameras);
   for (CameraTopics& camera : choice.cameras)
-    if (camera.camera_info.empty()) camera.camera_info = info_topic_of(survey, camera, choice.cameras);
+    if (camera.camera_info.empty()) camera.camera_info = info_topic_of(survey, camera);
   if (const std::string note = note_of_untaken(survey, choice.cameras, left_out); !note.empty())
     choice.notes.push_back(note);
   return choice;
