@@ -168,7 +168,7 @@ void add_run(CLI::App& app, Action& action) {
 
 void add_inspect(CLI::App& app, Action& action) {
   const auto [command, arguments] =
-      add_command(app, action, "inspect", "Draw PNG pictures: mosaics, corners, reprojections, the drive",
+      add_command(app, action, "inspect", "Draw PNG pictures: mosaics, corners, reprojections, the drive, the rig",
                   "rigproof inspect runs/demo -o pictures", inspect_command);
   command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(true))->required();
   command->add_option("RESULT", arguments.results, "Result files to draw; default every one in results/");

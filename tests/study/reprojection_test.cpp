@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "../validate/synthetic.h"
 #include "inspect_reprojection.h"
+#include "rigproof/calib/estimate/board_shape.h"
 
 namespace rigproof {
 namespace {
@@ -79,6 +81,36 @@ TEST_F(Reprojection, NoiseThatIsTwiceAsLargeAsStatedShowsInTheRatio) {
     for (CornerObservation& corner : view.corners) corner.covariance_px2 /= 4.0;
   for (std::size_t camera = 0; camera < truth.cameras.size(); ++camera)
     EXPECT_NEAR(fitted_over_expected(*this, camera), 2.0, 0.2) << camera;
+}
+
+// Paper bows, and printers stretch one side more than the other.
+TEST_F(Reprojection, ABoardThatTheResultFoundBentLeavesNoMoreThanAFlatOne) {
+  const Eigen::Vector4d shape(0.0, 0.003, 0.001, 0.0007);
+  Board flat = observations.board;
+  flat.square_m *= 1.1;
+  for (BoardView& view : observations.board_views) {
+    const TrueCamera& camera = truth.cameras[static_cast<std::size_t>(view.camera)];
+    const Rigid3 T_camera_board =
+        (truth.stops[static_cast<std::size_t>(view.stop)].T_world_robot * camera.T_robot_camera).inverse() *
+        truth.T_world_board;
+    for (CornerObservation& corner : view.corners) {
+      const Eigen::Vector3d p = flat.corner(corner.id);
+      Eigen::Vector2d stated, bent;
+      ASSERT_TRUE(camera.camera.project(T_camera_board * p, &stated));
+      ASSERT_TRUE(camera.camera.project(T_camera_board * ml::corner_of_board(flat, shape, p).point, &bent));
+      corner.pixel += bent - stated;
+    }
+  }
+  EXPECT_GT(fitted_over_expected(*this, 0), 1.4) << "as flat";
+  for (const auto& [name, value] :
+       {std::pair{"board_ratio_percent", 100.0 * shape[1]}, std::pair{"board_bow_x_mm", 1000.0 * shape[2]},
+        std::pair{"board_bow_y_mm", 1000.0 * shape[3]}}) {
+    EstimatedQuantity& quantity = result.also_estimated.emplace_back();
+    quantity.name = name;
+    quantity.value = value;
+  }
+  for (std::size_t camera = 0; camera < truth.cameras.size(); ++camera)
+    EXPECT_NEAR(fitted_over_expected(*this, camera), 1.0, 0.1) << camera;
 }
 
 TEST_F(Reprojection, AWrongPoseOrBoardShowsInTheRatio) {

@@ -1,8 +1,9 @@
-// Derivatives of a corner's pixel by the lens and by the board's shape.
+// Derivatives of a corner's pixel by the lens.
 #pragma once
 
 #include <cmath>
 
+#include "rigproof/calib/estimate/board_shape.h"
 #include "rigproof/calib/estimate/lens_change.h"
 #include "rigproof/calib/estimate/residuals.h"
 
@@ -23,24 +24,6 @@ inline RowJacobian<2, 5> pixel_by_lens(const Camera& lens, const LensChange& cha
   by_lens.col(4) << lens.fx_px * n.x(), lens.fy_px * n.y();
   by_lens.col(4) *= cubed * coefficient_by_px;
   return by_lens;
-}
-
-/// A corner's place on the board as it is, and its derivative by the board's shape (Nuisance::kBoardShape).
-struct CornerOfBoard {
-  Eigen::Vector3d point;
-  Eigen::Matrix<double, 3, 4> by_shape;
-};
-inline CornerOfBoard corner_of_board(const Board& board, const Eigen::Vector4d& shape, const Eigen::Vector3d& stated) {
-  const Eigen::Vector3d from_centre = stated - board.centre();
-  // The middle and the edges bow apart; the corners' mean stays nearly where it is.
-  const Eigen::Vector2d half = 0.5 * board.square_m * Eigen::Vector2d(board.squares_x, board.squares_y);
-  const Eigen::Vector2d bow = from_centre.head<2>().cwiseQuotient(half).cwiseAbs2().array() - 1.0 / 3.0;
-  CornerOfBoard corner;
-  corner.by_shape.col(0) = from_centre;
-  corner.by_shape.col(1) << 0.5 * from_centre.x(), -0.5 * from_centre.y(), 0.0;
-  corner.by_shape.rightCols<2>() << 0.0, 0.0, 0.0, 0.0, bow.x(), bow.y();
-  corner.point = stated + corner.by_shape * shape;
-  return corner;
 }
 
 }  // namespace rigproof::ml

@@ -8,6 +8,7 @@
 
 #include "as_estimated.h"
 #include "inspect_pictures.h"
+#include "rigproof/calib/estimate/board_shape.h"
 #include "rigproof/calib/geometry/pnp.h"
 
 namespace rigproof::inspect_detail {
@@ -59,6 +60,14 @@ bool project(const PlacedView& placed, const BoardInRobot& seen, const Eigen::Ve
   return true;
 }
 
+// A board as it was estimated.
+struct ShapedBoard {
+  const Board& stated;  ///< with the estimated size
+  Eigen::Vector4d shape;
+
+  Eigen::Vector3d corner(int id) const { return ml::corner_of_board(stated, shape, stated.corner(id)).point; }
+};
+
 std::optional<Rigid3> first_guess(const std::vector<PlacedView>& views, const Board& board) {
   const auto most = std::max_element(views.begin(), views.end(), [](const PlacedView& a, const PlacedView& b) {
     return a.view->corners.size() < b.view->corners.size();
@@ -69,9 +78,9 @@ std::optional<Rigid3> first_guess(const std::vector<PlacedView>& views, const Bo
 }
 
 // Gauss-Newton, weighted by the corners' covariances.
-std::optional<BoardInRobot> fit_board(const std::vector<PlacedView>& views, const Board& board) {
+std::optional<BoardInRobot> fit_board(const std::vector<PlacedView>& views, const ShapedBoard& board) {
   const Eigen::Array3d sigmas(0.02, 0.02, 0.1);  // of the velocity: it need only not run away where rows tell nothing
-  const std::optional<Rigid3> guess = first_guess(views, board);
+  const std::optional<Rigid3> guess = first_guess(views, board.stated);
   if (!guess) return std::nullopt;
   BoardInRobot seen{*guess};
   for (int iteration = 0; iteration < 10; ++iteration) {
@@ -98,7 +107,7 @@ std::optional<BoardInRobot> fit_board(const std::vector<PlacedView>& views, cons
   return seen;
 }
 
-void add_differences(const std::vector<PlacedView>& views, const Board& board, CornerFit* fit) {
+void add_differences(const std::vector<PlacedView>& views, const ShapedBoard& board, CornerFit* fit) {
   const std::optional<BoardInRobot> seen = fit_board(views, board);
   if (!seen) return;
   ++fit->boards;
@@ -151,7 +160,11 @@ CornerFit fit_corners(const Observations& stated, const Result& result) {
     }
     groups[{view.stop, pose == nullptr ? view.camera : -1, view.board}].push_back(placed);
   }
-  for (const auto& [key, views] : groups) add_differences(views, observations.board_at(std::get<2>(key)), &fit);
+  const std::vector<Eigen::Vector4d> shapes = board_shapes(observations, result);
+  for (const auto& [key, views] : groups) {
+    const int board = std::get<2>(key);
+    add_differences(views, {observations.board_at(board), shapes[static_cast<std::size_t>(board)]}, &fit);
+  }
   for (double* sum : {&fit.rms_px, &fit.stated_px})
     *sum = std::sqrt(*sum / static_cast<double>(std::max<std::size_t>(1, 2 * fit.corners)));
   return fit;

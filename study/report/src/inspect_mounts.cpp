@@ -4,6 +4,7 @@
 #include "inspect_pictures.h"
 #include "inspect_rig.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/study/workflow/workflow.h"
 #include "rigproof/validate/body_angles.h"
 
 namespace rigproof::inspect_detail {
@@ -14,10 +15,10 @@ const Result* result_to_draw(const InspectInput& input) {
     return std::any_of(input.observations.cameras.begin(), input.observations.cameras.end(),
                        [&](const RigCamera& camera) { return pose_of_camera(result, camera.name) != nullptr; });
   };
-  const Result* found = nullptr;
-  for (const Result& result : input.results)
-    if (has_pose(result) && (found == nullptr || result.method == "ml")) found = &result;
-  return found;
+  const std::optional<std::size_t> usual = find_result(input.results, "");
+  if (usual && has_pose(input.results[*usual])) return &input.results[*usual];
+  const auto first = std::find_if(input.results.begin(), input.results.end(), has_pose);
+  return first == input.results.end() ? nullptr : &*first;
 }
 
 // How far the error moves a point of the camera's frustum.

@@ -133,7 +133,7 @@ class ResidualDrawing {
       const double position = (r.difference[axis] / range_px_ + 1.0) / 2.0 * kBins;
       if (position >= 0.0 && position < kBins) ++counts[static_cast<std::size_t>(position)];
     }
-    const double highest = std::max(1, *std::max_element(counts.begin(), counts.end()));
+    const double highest = std::max<double>(*std::max_element(counts.begin(), counts.end()), stated_in_middle(kBins));
     const double bin = kSide / kBins, bottom = top + kHistogramHeight, usable = 0.9 * kHistogramHeight;
     for (int i = 0; i < kBins; ++i) {
       const double height = usable * counts[static_cast<std::size_t>(i)] / highest;
@@ -148,6 +148,13 @@ class ResidualDrawing {
     canvas->text({side_x() + kSide, bottom + 16.0}, number(range_px_) + " px", 8.0, kGrey, Align::kRight);
   }
 
+  // How many the stated sigma predicts for the middle one of so many bins; 1 at least.
+  double stated_in_middle(int bins) const {
+    const double sigma = picture_.stated_sigma_px;
+    const double per_bin = static_cast<double>(picture_.residuals.size()) * (2.0 * range_px_ / bins);
+    return sigma > 0.0 ? std::max(1.0, per_bin / (sigma * std::sqrt(2.0 * kPi))) : 1.0;
+  }
+
   // What the stated sigma predicts for these bins.
   void draw_stated_curve(double top, double height_per_count, Canvas* canvas) const {
     const double sigma = picture_.stated_sigma_px;
@@ -158,7 +165,7 @@ class ResidualDrawing {
     for (int i = 0; i <= kPoints; ++i) {
       const double value = range_px_ * (2.0 * i / kPoints - 1.0);
       const double density = std::exp(-0.5 * value * value / (sigma * sigma)) / (sigma * std::sqrt(2.0 * kPi));
-      const double height = std::min(kHistogramHeight, height_per_count * per_bin * density);
+      const double height = height_per_count * per_bin * density;
       curve.emplace_back(side_x() + kSide * i / kPoints, top + kHistogramHeight - height);
     }
     canvas->polyline(curve, kInk, 1.2, false);

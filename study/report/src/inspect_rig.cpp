@@ -120,13 +120,25 @@ void draw_row(const RigDrawing& drawing, const MountedCamera& camera, double lef
                is_striking(camera, frustum_length(drawing.rig)) ? kAccent : kGrey);
 }
 
-void draw_rows(const RigDrawing& drawing, double top, Canvas* canvas) {
+// Of what stands after the names.
+double left_of_rows(const RigDrawing& drawing) {
   double widest = 100.0;
   for (const MountedCamera& camera : drawing.rig.cameras)
     widest = std::max(widest, Canvas::text_width(drawing.name(camera), kLetters));
+  return kMargin + kSwatch + widest + 30.0;
+}
+
+double width_of_rows(const RigDrawing& drawing) {
+  double widest = 0.0;
+  for (const MountedCamera& camera : drawing.rig.cameras)
+    widest = std::max(widest, Canvas::text_width(error_text(camera), kLetters));
+  return left_of_rows(drawing) + 700.0 + widest + kMargin;
+}
+
+void draw_rows(const RigDrawing& drawing, double top, Canvas* canvas) {
   double y = top;
   for (const MountedCamera& camera : drawing.rig.cameras)
-    draw_row(drawing, camera, kMargin + kSwatch + widest + 30.0, y += kRow, canvas);
+    draw_row(drawing, camera, left_of_rows(drawing), y += kRow, canvas);
 }
 
 }  // namespace
@@ -138,7 +150,7 @@ Written draw_rig_in_space(const InspectInput& input, const std::filesystem::path
   drawing.factor = exaggeration(drawing.rig);
   drawing.shapes = rig_shapes(input, drawing.rig, drawing.factor);
   const double bottom = kTitleHeight + kPanelHeight;
-  Canvas canvas(static_cast<int>(2.0 * kMargin + 2.0 * kPanelWidth + kGap),
+  Canvas canvas(static_cast<int>(std::max(2.0 * kMargin + 2.0 * kPanelWidth + kGap, width_of_rows(drawing))),
                 static_cast<int>(bottom + kRow * (static_cast<double>(drawing.rig.cameras.size()) + 0.5) + kMargin));
   draw_title(&canvas, "The cameras on the robot", subtitle_of(drawing));
   draw_view(drawing, {1.0, 0.8, 0.75}, "from ahead, left and above", kMargin, &canvas);

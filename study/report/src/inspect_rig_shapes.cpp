@@ -24,7 +24,7 @@ struct Body {
   double front = 0.3, back = -0.3, half = 0.25;
   double bottom = 0.0, top = 0.0;
 
-  double wheel() const { return 0.42 * top; }
+  double wheel() const { return 0.3 * top; }
   Point inside(const Point& p) const { return {std::clamp(p.x(), back, front), std::clamp(p.y(), -half, half), top}; }
 };
 
@@ -38,7 +38,7 @@ Body body_below(const std::vector<Point>& places) {
     lowest = std::min(lowest, p.z());
   }
   body.top = std::clamp(0.6 * lowest, 0.15, 0.38);
-  body.bottom = 0.3 * body.top;
+  body.bottom = 0.2 * body.top;
   return body;
 }
 

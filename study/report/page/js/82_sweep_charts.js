@@ -13,6 +13,8 @@ function levelAxis(view) {
   const number = (v) => String(+v.toPrecision(3)), label = { ...common.axisLabel, formatter: number };
   return view.logX && !view.whyNotLog() ? { type: "log", ...common, min: Math.min(...values), max: Math.max(...values), axisLabel: label } : { type: "value", scale: true, ...common, axisLabel: label };
 }
+// By the field, in whatever order its levels stand.
+const inOrder = (view, points) => (view.isOrdered() ? [...points].sort((a, b) => (a.value ?? a)[0] - (b.value ?? b)[0]) : points);
 const placeOf = (view, level) => (view.isOrdered() ? view.data.axes[view.x].values[level] : level);
 const sweepGrid = (view) => ({ left: 8, right: 18, top: 34, bottom: view.isOrdered() ? 28 : 8, containLabel: true });
 // Charts of names are as wide as they must be, and scroll on a narrow screen.
@@ -36,7 +38,7 @@ function successOption(view, cells) {
     grid: sweepGrid(view), legend: sweepLegend(view, view.data.methods), tooltip: atPoint("%", 3),
     xAxis: levelAxis(view), yAxis: { type: "value", min: 0, max: 100, ...axisStyle(), axisLabel: { color: color("soft"), formatter: "{value} %" } },
     series: view.data.methods.map((name, m) => ({ name, type: view.isOrdered() ? "line" : "bar", color: methodColor(m), symbolSize: 7, lineStyle: { width: 2.2 }, barMaxWidth: 40,
-      data: cells.map((row, level) => [placeOf(view, level), row[m].tasks ? (100 * row[m].answered) / row[m].tasks : null]) })),
+      data: inOrder(view, cells.map((row, level) => [placeOf(view, level), row[m].tasks ? (100 * row[m].answered) / row[m].tasks : null])) })),
   };
 }
 

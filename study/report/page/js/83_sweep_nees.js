@@ -17,14 +17,14 @@ function neesOption(view, cells) {
   const known = view.data.methods.map((_, m) => m).filter((m) => cells.some((row) => row[m].nees.length));
   const points = cells.map((row) => known.map((m) => neesOf(row[m]))), isOrdered = view.isOrdered();
   const bands = points.map((row) => row.filter(Boolean).reduce((best, p) => (!best || p.tasks > best.tasks ? p : best), null));
-  const expected = "95 % if honest", soft = color("soft"), ends = (end) => bands.map((b, level) => [placeOf(view, level), b && b[end]]).filter(([, v]) => v !== null);
+  const expected = "95 % if honest", soft = color("soft"), ends = (end) => inOrder(view, bands.map((b, level) => [placeOf(view, level), b && b[end]]).filter(([, v]) => v !== null));
   const box = { name: expected, type: "boxplot", boxWidth: [20, 90], color: soft, itemStyle: { color: color("faint"), borderColor: soft }, z: 1, silent: true,
     data: bands.map((b) => (b ? [b.low, b.low, 1, b.high, b.high] : [])) };
   const key = { name: expected, type: "line", symbol: "none", tooltip: { show: false }, color: soft, lineStyle: { type: "dashed", width: 1 }, z: 1, data: ends("low").map(([x]) => [x, 1]) };
   const series = known.map((m, k) => ({ name: view.data.methods[m], type: isOrdered ? "line" : "scatter", color: methodColor(m), lineStyle: { width: 2.2 }, symbol: "circle",
     symbolOffset: isOrdered ? 0 : [12 * (k - (known.length - 1) / 2), 0], z: 3,
-    data: points.flatMap((row, level) => (row[k] ? [{ value: [placeOf(view, level), row[k].value], symbolSize: row[k].isOutside ? 12 : 6,
-      itemStyle: row[k].isOutside ? { color: color("card"), borderColor: methodColor(m), borderWidth: 3 } : {} }] : [])) }));
+    data: inOrder(view, points.flatMap((row, level) => (row[k] ? [{ value: [placeOf(view, level), row[k].value], symbolSize: row[k].isOutside ? 12 : 6,
+      itemStyle: row[k].isOutside ? { color: color("card"), borderColor: methodColor(m), borderWidth: 3 } : {} }] : []))) }));
   return {
     grid: sweepGrid(view), legend: sweepLegend(view, [...known.map((m) => view.data.methods[m]), expected]), tooltip: isOrdered ? atPoint("", 3) : { trigger: "item", ...tooltipStyle(), confine: true },
     xAxis: levelAxis(view), yAxis: valueAxis(true, points.flat().concat(bands).filter(Boolean).flatMap((p) => [p.value, p.low, p.high])),

@@ -16,7 +16,7 @@ const MAP_QUANTITIES = [
   { name: "what is chosen above (median)", title: (view) => "Median " + view.title(), value: (cell) => sortedQuantile(cell.values, 0.5), unit: "",
     ends: (values) => [Math.min(...values), Math.max(...values)], isLog: (view) => view.log },
   { ...percent, name: "share answered", title: () => "Share of the tasks answered [%]", value: (cell) => (cell.status.size ? share(cell.answered, cell.tasks) : null), isDown: true },
-  { ...percent, name: "share refused", title: () => "Share of the tasks refused [%]", value: (cell) => (cell.status.size ? share(cell.refused, cell.tasks) : null) },
+  { ...percent, name: "share refused", title: () => "Share of the tasks refused, whole or in part [%]", value: (cell) => (cell.status.size ? share(cell.refused, cell.tasks) : null) },
   { name: "NEES (median)", title: () => "Median NEES for each degree of freedom (about 1 if sigmas are honest)", value: (cell) => middleOf(cell.nees.map(([v, dof]) => v / dof)), unit: "",
     ends: (values) => { const most = Math.max(1.5, ...values.map((v) => Math.max(v, 1 / Math.max(v, 1e-12)))); return [1 / most, most]; }, isLog: () => true },
 ];
@@ -29,8 +29,8 @@ function placeOnScale(quantity, view, values) {
 // Why a cell has no figure, in a word.
 function whyEmpty(cell) {
   if (!cell.status.size) return "not run";
-  if (cell.refused) return "refused";
   if (cell.answered) return "not stated";
+  if (cell.refused) return "refused";
   const counts = new Map();
   for (const status of cell.status.values()) counts.set(status, (counts.get(status) || 0) + 1);
   const [most] = [...counts].reduce((best, entry) => (entry[1] > best[1] ? entry : best));
