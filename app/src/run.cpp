@@ -42,9 +42,11 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
   for (const auto& method : methods_by_name(arguments.methods, {run.results(), [] { return !interrupted(); }})) {
     Result result = run_with_progress(*method, input, terminal);
     result.method = result_name(result.method, arguments.vision);
-    write_with_backup(run.result_file(result.method), result_text(result, words::sentence_of));
+    const WrittenFile written =
+        write_with_backup(run.result_file(result.method), result_text(result, words::sentence_of));
     *all_solved = *all_solved && result.status == ResultStatus::kSolved;
-    terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s));
+    terminal.line("calibrate  " + result.method + "  " + use_in_short(result) + "  " + duration(result.solve_s) +
+                  (written.backup ? "  (before: " + written.backup->string() + ")" : ""));
     if (result.status == ResultStatus::kSolved)
       print_also_estimated(terminal, result);
     else
@@ -103,10 +105,8 @@ int run_command(const RunArguments& arguments) {
   const InspectInput scene{input, observations, load_truth(run.truth_file()), load_results(run.results())};
   write_pictures(scene, run.pictures());
   terminal.line("pictures   " + run.pictures().string());
-  write_report(
-      scene, run.root / kReportName,
-      {arguments.methods.empty() ? std::string() : records.front().subject, budget_of(arguments.budget), common.jobs},
-      terminal);
+  write_report(scene, run.root / kReportName, {records.front().subject, budget_of(arguments.budget), common.jobs},
+               terminal);
   if (common.json) std::puts(to_json(records, words::sentence_of).c_str());
   if (!all_solved) return static_cast<int>(ExitCode::kRefused);
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);

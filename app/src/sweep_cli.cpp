@@ -54,7 +54,8 @@ void add_run(CLI::App* sweep, Action& action) {
       *sweep, action, "run", "Do a shard of a planned sweep", "rigproof sweep run /shared/odometry --shard 3/16 -j 2",
       sweep_run_command,
       "What is finished is not done again. May be killed, started again and started twice at any time. Exit codes: 0 "
-      "done,\n2 bad input or environment, 75 interrupted, or folder or room on its disk is gone: try again.\n");
+      "done,\n2 bad input or environment, 75 interrupted, or the folder is not there, or its disk is full: try "
+      "again.\n");
   command->add_option("FOLDER", arguments.folder, "Folder of a planned sweep")->required();
   command->add_option("--shard", arguments.shard, "INDEX/COUNT: this part of so many, counted from 0")
       ->capture_default_str();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 #include "commands.h"
@@ -106,17 +107,20 @@ int validate_command(const ValidateArguments& arguments) {
   const std::optional<DataBound> bound = bound_of_run(run, truth, &records);
   for (ValidationRecord& record : records) record.comparison.bound = bound;
   if (!arguments.junit.empty()) save_junit(records, arguments.junit, words::sentence_of);
-  throw_if_unreadable(records);
-  if (arguments.common.json) std::puts(to_json(records, words::sentence_of).c_str());
+  std::vector<ValidationRecord> judged;
+  std::copy_if(records.begin(), records.end(), std::back_inserter(judged),
+               [](const ValidationRecord& record) { return record.unreadable.empty(); });
+  if (arguments.common.json && !judged.empty()) std::puts(to_json(judged, words::sentence_of).c_str());
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
-  const std::vector<Comparison> same_run = comparisons_of_run(run, truth, records);
-  for (const ValidationRecord& record : records) {
-    if (&record != &records.front()) terminal.line();
+  const std::vector<Comparison> same_run = comparisons_of_run(run, truth, judged);
+  for (const ValidationRecord& record : judged) {
+    if (&record != &judged.front()) terminal.line();
     terminal.text(format_validation(record.comparison, record.gate, record.budget, record.subject, words::sentence_of));
     terminal.text(format_same_run(record.comparison, record.budget, same_run));
     if (arguments.paper) terminal.text(format_paper(record.comparison));
   }
   terminal.text(bound ? format_bound(*bound) : "");
+  throw_if_unreadable(records);
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);
 }
 

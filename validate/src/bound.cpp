@@ -62,6 +62,7 @@ std::vector<TransformBound> in_robot(const Observations& observations, const Inf
     TransformBound& entry = bounds.emplace_back();
     entry.parent = "robot";
     entry.child = observations.cameras[c].name;
+    entry.is_in_robot = true;
     for (int axis = 0; axis < 6; ++axis)
       if (!is_open(bound.free_directions, 6 * static_cast<Eigen::Index>(c) + axis))
         entry.sigma[static_cast<std::size_t>(axis)] = std::sqrt(bound.camera_to_robot[c](axis, axis));
@@ -122,7 +123,7 @@ std::vector<TransformBound> transform_bounds(const Observations& observations, c
 
 std::optional<DataBound> largest_of(const std::vector<TransformBound>& bounds) {
   if (bounds.empty()) return std::nullopt;
-  const auto is_in_robot = [](const TransformBound& bound) { return bound.parent == "robot"; };
+  const auto is_in_robot = [](const TransformBound& bound) { return bound.is_in_robot; };
   std::vector<TransformBound> cameras, pairs;
   std::partition_copy(bounds.begin(), bounds.end(), std::back_inserter(cameras), std::back_inserter(pairs),
                       is_in_robot);

@@ -311,6 +311,7 @@ void refuse_other_methods(const SweepStart& start) {
 
 // A share may not be mounted yet on a node that has just come up; a folder without a plan stays without one.
 void require_root(const SweepFolder& folder) {
+  if (folder.root.empty()) throw Error("sweep run: the folder's name is empty");
   std::error_code error;
   if (fs::exists(fs::status(folder.root, error))) return;
   if (error == std::errc::no_such_file_or_directory)

@@ -23,9 +23,10 @@ struct DataBound {
 
 /// The same for a single transform, in the order of the truth's cameras and pairs as a Comparison has them.
 struct TransformBound {
-  std::string parent;  ///< "robot" or a camera
+  std::string parent;  ///< "robot" or a camera, which may be called so, too
   std::string child;
   AxisBounds sigma;
+  bool is_in_robot = false;
 };
 
 /// One entry for each camera of the observations, then for each pair. Empty where data_bound() would be absent.
