@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "acceptance.h"
 #include "commands.h"
@@ -12,6 +13,7 @@
 #include "print_result.h"
 #include "rigproof/core/error.h"
 #include "rigproof/study/export/export.h"
+#include "rigproof/study/workflow/chain_check.h"
 #include "rigproof/study/workflow/external.h"
 #include "rigproof/study/workflow/workflow.h"
 #include "rigproof/words/sentences.h"
@@ -77,6 +79,8 @@ int calibrate_command(const CalibrateArguments& arguments) {
   for (const auto& method : methods) {
     Result result = run_with_progress(*method, given, terminal);
     result.method = result_name(result.method, arguments.vision);
+    for (Finding& finding : compare_with_chain(result, product_folder(input)))
+      result.notes.push_back(std::move(finding));
     const WrittenFile written =
         write_with_backup(folder / (result.method + ".yaml"), result_text(result, words::sentence_of));
     all_solved = all_solved && result.status == ResultStatus::kSolved;

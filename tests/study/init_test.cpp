@@ -363,9 +363,10 @@ TEST_F(Init, ACamchainOfKalibrIsForAllCameras) {
                         camera("cam0", "70",
                                "  distortion_model: radtan\n  distortion_coeffs: [-0.1, 0.02, 0.001, 0]\n  rostopic: "
                                "/left/image_raw/compressed\n"),
-                    right = camera("cam1", "80",
-                                   "  distortion_model: equidistant\n  distortion_coeffs: [0.1, 0, 0, 0]\n  T_cn_cnm1: "
-                                   "[[1, 0, 0, 0]]\n");
+                    right =
+                        camera("cam1", "80",
+                               "  distortion_model: equidistant\n  distortion_coeffs: [0.1, 0, 0, 0]\n  T_cn_cnm1:\n"
+                               "  - [0, 1, 0, 0.1]\n  - [-1, 0, 0, 0.2]\n  - [0, 0, 1, 0.3]\n  - [0, 0, 0, 1]\n");
   InitOptions options = options_for(Robot());
   const std::string file = scratch_.write("camchain.yaml", left + right).string();
   options.camera_infos = {file};
@@ -375,17 +376,29 @@ TEST_F(Init, ACamchainOfKalibrIsForAllCameras) {
                                       HasSubstr("name right as one of them: --topic cam0=/right/image_raw"),
                                       Not(HasSubstr("camera left"))));
   options.topics = {"cam1=/right/image_raw"};
-  init_recording(options);
+  EXPECT_THAT(init_recording(options).notes, Contains(HasSubstr("is kept in camchain.json")));
   const Recording recording = load_recording(scratch_ / "monday");
   EXPECT_EQ(recording.rig.cameras[0].camera.fx_px, 70.0);
   EXPECT_EQ(recording.rig.cameras[0].camera.lens, Lens::kBrownConrady);
   EXPECT_EQ(recording.rig.cameras[1].camera.fx_px, 80.0);
   EXPECT_EQ(recording.rig.cameras[1].camera.cy_px, 23.0);
   EXPECT_EQ(recording.rig.cameras[1].camera.lens, Lens::kKannalaBrandt);
+  // T_cn_cnm1 has the camera before in this one: left lies at (.1, .2, .3) of right.
+  const auto T_right_left = load_frame_tree(scratch_ / "monday/camchain.json").between("cam1", "left");
+  ASSERT_TRUE(T_right_left);
+  EXPECT_LT((T_right_left->translation - Eigen::Vector3d(0.1, 0.2, 0.3)).norm(), 1e-9);
+  EXPECT_LT((*T_right_left * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0.1, -0.8, 0.3)).norm(), 1e-9);
   options.output = scratch_ / "tuesday";
   scratch_.write("camchain.yaml", left + "cam1: {camera_model: omni, intrinsics: [1], distortion_model: radtan}\n");
   EXPECT_THAT(failure(options), AllOf(HasSubstr("camchain.yaml:9: cam1.camera_model: omni: must be one of pinhole"),
                                       HasSubstr("cam1.resolution"), HasSubstr("cam1.distortion_coeffs")));
+  for (const std::string T :
+       {"[[1, 0, 0, 0]]", "1", "[[1,0,0,0],[0,1,0,0],[0,0,2,0],[0,0,0,1]]",
+        "[[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]]", "[[1,0,0,0],[0,1,0,0],[0,0,1,.nan],[0,0,0,1]]",
+        "[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,x]]"}) {
+    scratch_.write("camchain.yaml", left + camera("cam1", "80", "  distortion_model: none\n  T_cn_cnm1: " + T + "\n"));
+    EXPECT_THAT(failure(options), HasSubstr("cam1.T_cn_cnm1")) << T;
+  }
   scratch_.write("camchain.yaml", "image_width: 64\nimage_height: 48\n");
   EXPECT_THAT(failure(options), HasSubstr("must be CAMERA=FILE"));
   options.camera_infos = {(scratch_ / "nowhere.yaml").string()};

@@ -16,6 +16,24 @@ bool is_camera(const std::pair<std::string, YamlTree>& entry) {
          entry.second.is_map();
 }
 
+// Four rows of four numbers: a rotation and a translation above 0 0 0 1.
+std::optional<Rigid3> read_pose(const std::string& key, MapReader& map) {
+  constexpr double kMaxOff = 1e-3;  // of matrices that people round
+  const YamlTree* rows = map.find(key);
+  if (rows == nullptr) return std::nullopt;
+  Problems of_rows;
+  Eigen::Matrix4d T = Eigen::Matrix4d::Zero();
+  for (std::size_t row = 0; row < 4 && rows->items.size() == 4; ++row)
+    if (const auto numbers = read_numbers(rows->items[row], key, 4, 4, {}, &of_rows))
+      T.row(static_cast<Eigen::Index>(row)) = Eigen::Map<const Eigen::RowVector4d>(numbers->data());
+  const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < kMaxOff && R.determinant() > 0.0 &&
+      (T.row(3) - Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)).norm() < kMaxOff)
+    return Rigid3::from_matrix(T);
+  map.problem(key, "must be four rows of four numbers, a rotation and a translation above 0 0 0 1");
+  return std::nullopt;
+}
+
 CamchainCamera read_camera(const std::string& name, const YamlTree& tree, Problems* problems) {
   constexpr double kMaxSide = 32768.0, kMaxPixel = 1e6;
   CamchainCamera camera;
@@ -37,6 +55,7 @@ CamchainCamera read_camera(const std::string& name, const YamlTree& tree, Proble
   if (distorts) map.require("distortion_coeffs", "four coefficients");
   if (distorts) camera.info.d = map.numbers("distortion_coeffs", 4, 4, {}).value_or(std::vector<double>());
   camera.rostopic = map.text("rostopic").value_or("");
+  camera.T_this_previous = read_pose("T_cn_cnm1", map);
   return camera;
 }
 

@@ -236,6 +236,15 @@ Imported import_bag(const InitOptions& options, const fs::path& making, const fs
   return {std::move(plan.recording), std::move(plan.report)};
 }
 
+// What calibrators of cameras alone have found, to be compared with.
+void keep_chain(bool of_topics, Imported* imported) {
+  const FrameTree poses = poses_of_chain(imported->report.cameras, of_topics);
+  if (poses.empty()) return;
+  write_file_atomically(imported->recording.folder / kCamchainFile, frame_tree_text(poses));
+  imported->report.notes.push_back("how the camchain's cameras stand to each other is kept in " +
+                                   std::string(kCamchainFile) + ", and compared with what `calibrate` finds");
+}
+
 Imported import_folder(const InitOptions& options, const fs::path& making) {
   if (!options.topics.empty()) throw Error("--topic: is for bags; cameras of a folder are called as its folders");
   FolderPlan plan = plan_folder_import(options);
@@ -264,6 +273,7 @@ InitReport init_recording(const InitOptions& options) {
   const fs::path scratch = making.path() / ".scratch";
   Imported imported = bag ? import_bag(options, making.path(), scratch) : import_folder(options, making.path());
   save_recording(imported.recording);
+  keep_chain(bag, &imported);
   look_for_board(options, imported.recording, &imported.report);
   write_descriptions(options, imported);
   remove_tree(scratch);

@@ -45,15 +45,30 @@ bool is_of_topic(const CamchainCamera& camera, const std::string& topic) {
   return ends_in(now, then) || ends_in(then, now);
 }
 
+using Chain = std::vector<CamchainCamera>;
+
 // The one that was calibrated with these images, or that has the camera's name, or the only one there is.
-InfoReading camera_of_chain(const fs::path& file, const std::vector<CamchainCamera>& chain, const std::string& name,
-                            const std::string& topic) {
+Chain::const_iterator find_in_chain(const Chain& chain, const std::string& name, const std::string& topic) {
   auto found = std::find_if(chain.begin(), chain.end(),
                             [&topic](const CamchainCamera& some) { return is_of_topic(some, topic); });
-  const bool by_topic = found != chain.end();
-  if (!by_topic)
+  if (found == chain.end())
     found = std::find_if(chain.begin(), chain.end(), [&name](const CamchainCamera& some) { return some.name == name; });
-  if (found == chain.end() && chain.size() == 1) found = chain.begin();
+  return found == chain.end() && chain.size() == 1 ? chain.begin() : found;
+}
+
+// Every camera in the one before it, by the chain's names.
+FrameTree tree_of_chain(const Chain& chain) {
+  FrameTree tree;
+  for (std::size_t i = 1; i < chain.size(); ++i)
+    if (const auto& T_this_previous = chain[i].T_this_previous)
+      tree.add(chain[i - 1].name, chain[i].name, T_this_previous->inverse());
+  return tree;
+}
+
+InfoReading camera_of_chain(const fs::path& file, const Chain& chain, const std::string& name,
+                            const std::string& topic) {
+  const auto found = find_in_chain(chain, name, topic);
+  const bool by_topic = found != chain.end() && is_of_topic(*found, topic);
   std::vector<std::string> known;
   for (const CamchainCamera& camera : chain)
     known.push_back(camera.name + (camera.rostopic.empty() ? "" : " (" + for_message(camera.rostopic) + ")"));
@@ -102,6 +117,27 @@ std::map<std::string, std::string> intrinsics_files(const std::vector<std::strin
                   ": must be CAMERA=FILE; only a camchain of Kalibr is for all cameras at once");
   }
   return values_by_camera(texts, "--camera-info", cameras, true);
+}
+
+FrameTree poses_of_chain(const std::vector<InitCamera>& cameras, bool of_topics) {
+  struct Names {
+    std::string here, there;  // in rig.yaml and in the chain
+  };
+  std::map<std::string, Names> first_of;  // by file
+  FrameTree poses;
+  std::error_code ignored;
+  for (const InitCamera& camera : cameras) {
+    if (!fs::is_regular_file(camera.camera_info, ignored)) continue;
+    const std::optional<Chain> chain = read_camchain(camera.camera_info);
+    if (!chain) continue;
+    const auto found = find_in_chain(*chain, camera.name, of_topics ? camera.images : "");
+    if (found == chain->end()) continue;
+    const auto [first, is_first] = first_of.emplace(camera.camera_info, Names{camera.name, found->name});
+    if (is_first || found->name == first->second.there) continue;
+    if (const auto T = tree_of_chain(*chain).between(first->second.there, found->name))
+      poses.add(first->second.here, camera.name, *T);
+  }
+  return poses;
 }
 
 InfoReading camera_of_file(const fs::path& file, const std::string& name, const std::string& topic) {

@@ -8,6 +8,8 @@
 
 #include "rigproof/core/camera_info.h"
 #include "rigproof/core/recording.h"
+#include "rigproof/formats/frame_tree.h"
+#include "rigproof/study/import/init.h"
 
 namespace rigproof {
 
@@ -29,5 +31,9 @@ std::map<std::string, std::string> intrinsics_files(const std::vector<std::strin
 /// with every problem.
 /// @param topic of the images; empty: they are files
 InfoReading camera_of_file(const std::filesystem::path& file, const std::string& name, const std::string& topic);
+
+/// How cameras stand to each other by the camchains that their intrinsics are of: each in the first one of its file.
+/// @param of_topics their images are topics
+FrameTree poses_of_chain(const std::vector<InitCamera>& cameras, bool of_topics);
 
 }  // namespace rigproof

@@ -56,5 +56,7 @@ std::string frame_tree_text(const FrameTree& tree);
 /// Throws Error with every problem.
 FrameTree load_frame_tree(const std::filesystem::path& file);
 inline constexpr const char* kFrameTreeFile = "tf_static.json";
+/// The same of cameras among one another, by their names in rig.yaml, as Kalibr's camchain has them.
+inline constexpr const char* kCamchainFile = "camchain.json";
 
 }  // namespace rigproof
