@@ -186,10 +186,10 @@ KnownPoses nothing_known(const KnownPoses& before) {
 
 // The new observations, solved with all cameras free.
 struct Solution {
-  CalibrationState seen;  // where it started: the robot as the previous calibration sees it
-  bool believes_residuals = false;
-  bool board_is_wrong = false;  // by the depth on it
-  Observations scaled, used;    // by the corners' levels; without what was left out, or repeats in every image
+  CalibrationState seen;             // where it started: the robot as the previous calibration sees it
+  std::vector<double> corner_scale;  // by camera; 1: corners scatter as stated
+  bool board_is_wrong = false;       // by the depth on it
+  Observations scaled, used;         // by the corners' levels; without what was left out, or repeats in every image
   MlEstimate estimate;
 };
 
@@ -229,10 +229,9 @@ Solution solve(const KnownPoses& before, const Observations& stated, const Moved
   ml_options.suspension_height_sigma_m = options.suspension_height_sigma_m;
   ml_options.suspension_tilt_sigma_rad = options.suspension_tilt_sigma_rad;
   ml_options.estimate_plane_level = false;
-  const std::vector<double> scale = corner_scale_without_odometry(observations, solution.seen, ml_options);
-  solution.believes_residuals = std::any_of(scale.begin(), scale.end(), [](double s) { return s != 1.0; });
+  solution.corner_scale = corner_scale_without_odometry(observations, solution.seen, ml_options);
   solution.scaled = observations;
-  scale_corners(scale, &solution.scaled);
+  scale_corners(solution.corner_scale, &solution.scaled);
   ml_options.estimate_corner_level = false;
   solution.estimate = estimate_maximum_likelihood(solution.scaled, ml_options);
   Observations without_repeating = solution.scaled;
@@ -388,7 +387,10 @@ NewKnowledge new_knowledge(const KnownPoses& before, const Observations& observa
     return NewKnowledge(before);
   }
   if (images_alone) notes->push_back(Finding("moved.odometry_ignored").by({about_odometry(contradictions)}));
-  if (solution.believes_residuals) notes->emplace_back("moved.scatter_believed");
+  for (std::size_t c = 0; c < solution.corner_scale.size(); ++c)
+    if (solution.corner_scale[c] != 1.0)
+      notes->push_back(
+          Finding("moved.scatter_believed", {{"times", solution.corner_scale[c]}}).of(observations.cameras[c].name));
   const CalibrationNoise noise = believed_noise(estimate.noise, solution.scaled, options);
   return {before, std::move(solution.used), estimate, noise};
 }
