@@ -70,6 +70,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
   if (!gates && !arguments.junit.empty())
     throw Error("--junit: holds the gates of --accept and of the rig's accept key, and there are neither");
   const std::filesystem::path folder = product_place(input, arguments.output, "results");
+  const FrameTree chain = load_chain(product_folder(input));
   const auto methods = methods_by_name(arguments.methods, {folder, [] { return !interrupted(); }});
   const Observations observations = observe_with_progress(input, vision, arguments.common.jobs, terminal);
   const MethodInput given = method_input(input, observations, vision, arguments.common.jobs);
@@ -79,8 +80,7 @@ int calibrate_command(const CalibrateArguments& arguments) {
   for (const auto& method : methods) {
     Result result = run_with_progress(*method, given, terminal);
     result.method = result_name(result.method, arguments.vision);
-    for (Finding& finding : compare_with_chain(result, product_folder(input)))
-      result.notes.push_back(std::move(finding));
+    for (Finding& finding : compare_with_chain(result, chain)) result.notes.push_back(std::move(finding));
     const WrittenFile written =
         write_with_backup(folder / (result.method + ".yaml"), result_text(result, words::sentence_of));
     all_solved = all_solved && result.status == ResultStatus::kSolved;

@@ -27,7 +27,7 @@ void add_init_command(CLI::App& app, Action& action) {
   command
       ->add_option("--camera-info", arguments.camera_infos,
                    "Intrinsics from a file of camera_calibration, OpenCV or Kalibr (its camchain alone: of all "
-                   "cameras); may be repeated")
+                   "cameras; calibrate compares how they stand to each other); may be repeated")
       ->type_name("[CAMERA=]FILE");
   command
       ->add_option("--sensor", arguments.sensors,

@@ -177,6 +177,9 @@ TEST_F(SweepCommand, OnlyAFolderThatIsNotThereIsWorthAnotherTry) {
   folder_.write("file", "");
   EXPECT_EQ(sweep({"run", "file"}).exit_code, 2);
   EXPECT_EQ(sweep({"run", "file/sweep"}).exit_code, 2);
+  const ProcessOutput unnamed = sweep({"run", ""});
+  EXPECT_EQ(unnamed.exit_code, 2);
+  EXPECT_THAT(unnamed.err, HasSubstr("the folder's name is empty"));
 }
 
 // Slurm in a few lines of shell: an array is a loop.

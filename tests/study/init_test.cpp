@@ -388,6 +388,10 @@ TEST_F(Init, ACamchainOfKalibrIsForAllCameras) {
   ASSERT_TRUE(T_right_left);
   EXPECT_LT((T_right_left->translation - Eigen::Vector3d(0.1, 0.2, 0.3)).norm(), 1e-9);
   EXPECT_LT((*T_right_left * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0.1, -0.8, 0.3)).norm(), 1e-9);
+  options.output = scratch_ / "any_order";
+  scratch_.write("camchain.yaml", right + left);
+  init_recording(options);
+  EXPECT_EQ(read_text_file(scratch_ / "any_order/camchain.json"), read_text_file(scratch_ / "monday/camchain.json"));
   options.output = scratch_ / "tuesday";
   scratch_.write("camchain.yaml", left + "cam1: {camera_model: omni, intrinsics: [1], distortion_model: radtan}\n");
   EXPECT_THAT(failure(options), AllOf(HasSubstr("camchain.yaml:9: cam1.camera_model: omni: must be one of pinhole"),

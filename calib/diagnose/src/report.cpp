@@ -222,7 +222,7 @@ BoardScale check_lengths(const Preparation& prepared, const Fit& fit, const Exam
   if (found.lens_spoils()) return {};  // depth on the board would be blamed for the lens
   std::optional<OdometryScale> odometry;
   const int index = Layout::of(prepared.used, prepared.priors).place(Nuisance::kOdometryFactors);
-  // Wheels that are believed tell nothing that the data have seen.
+  // A factor that is known more narrowly than this stays at one, whatever the data show: it vouches for no board.
   constexpr double kLeastPrior = 0.03;
   const bool trusted = !found.symptoms.odometry && found.motion_suffices() &&
                        prepared.priors.sigma(Nuisance::kOdometryFactors, 0, 0) > kLeastPrior;

@@ -1,6 +1,8 @@
 #include "rig_files.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <cstring>
 
 #include "import_words.h"
 #include "rigproof/core/error.h"
@@ -56,12 +58,21 @@ Chain::const_iterator find_in_chain(const Chain& chain, const std::string& name,
   return found == chain.end() && chain.size() == 1 ? chain.begin() : found;
 }
 
+// "cam1" of "cam2", wherever it stands in the file.
+Chain::const_iterator find_previous(const Chain& chain, const CamchainCamera& camera) {
+  const auto number = [](const std::string& name) { return std::atol(name.c_str() + std::strlen("cam")); };
+  return std::find_if(chain.begin(), chain.end(),
+                      [&](const CamchainCamera& other) { return number(other.name) + 1 == number(camera.name); });
+}
+
 // Every camera in the one before it, by the chain's names.
 FrameTree tree_of_chain(const Chain& chain) {
   FrameTree tree;
-  for (std::size_t i = 1; i < chain.size(); ++i)
-    if (const auto& T_this_previous = chain[i].T_this_previous)
-      tree.add(chain[i - 1].name, chain[i].name, T_this_previous->inverse());
+  for (const CamchainCamera& camera : chain) {
+    const auto previous = find_previous(chain, camera);
+    if (previous != chain.end() && camera.T_this_previous)
+      tree.add(previous->name, camera.name, camera.T_this_previous->inverse());
+  }
   return tree;
 }
 

@@ -5,15 +5,16 @@
 
 #include "rigproof/core/chi_square.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/error.h"
 
 namespace rigproof {
 namespace {
 
 // One sigma of the chain's pose of a camera in another.
 Vector6d sigmas_of_chain(const Rigid3& T) {
-  constexpr double kSquares = 0.005, kLeast_m = 0.002, kLens_rad = deg_to_rad(0.1);
+  constexpr double kSquares = 0.005, kLens_m = 0.002, kLens_rad = deg_to_rad(0.1);
   Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(std::hypot(kLeast_m, kSquares * T.translation.norm())),
+  sigmas << Eigen::Vector3d::Constant(std::hypot(kLens_m, kSquares * T.translation.norm())),
       Eigen::Vector3d::Constant(kLens_rad);
   return sigmas;
 }
@@ -38,18 +39,26 @@ std::vector<Finding> compare_with_chain(const Result& result, const FrameTree& c
   std::vector<Finding> findings;
   for (const EstimatedTransform& pair : result.camera_to_camera) {
     const bool whole = std::all_of(pair.observable.begin(), pair.observable.end(), [](bool seen) { return seen; });
-    if (!whole || !pair.covariance || !chain.has(pair.parent) || !chain.has(pair.child)) continue;
+    if (!whole || !pair.covariance) continue;
     if (const auto T_parent_child = chain.between(pair.parent, pair.child))
       findings.push_back(compare(pair, *pair.covariance, *T_parent_child));
   }
   return findings;
 }
 
-std::vector<Finding> compare_with_chain(const Result& result, const std::filesystem::path& folder) {
+FrameTree load_chain(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kCamchainFile;
   std::error_code ignored;
-  return std::filesystem::is_regular_file(file, ignored) ? compare_with_chain(result, load_frame_tree(file))
-                                                         : std::vector<Finding>();
+  if (!std::filesystem::exists(file, ignored)) return {};
+  FrameTree chain = load_frame_tree(file);
+  try {
+    for (const auto& edge : chain.edges()) chain.way_up(edge.first);
+  } catch (const Error&) {
+    throw Error(file.string() +
+                ": each camera must have one parent, and no circle; `rigproof init` writes it, and without this file "
+                "nothing is compared");
+  }
+  return chain;
 }
 
 }  // namespace rigproof

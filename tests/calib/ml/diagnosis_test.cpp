@@ -230,6 +230,31 @@ TEST(BoardScale, NamesTheCameraWhoseDepthIsInAnotherUnit) {
       << testing::PrintToString(result.reasons);
 }
 
+// Of four cameras one states a poor depth: what is wrong with another one shows against the two that are good.
+TEST(BoardScale, APoorCameraHidesNoOtherOne) {
+  Observations observations = run_with_depth(3, 0.0);
+  observations.cameras.push_back(observations.cameras[0]);
+  observations.cameras.back().name = "rear";
+  const auto see_again = [](auto& all) {
+    const auto before = all;
+    for (auto one : before)
+      if (one.camera == 0) {
+        one.camera = 3;
+        all.push_back(one);
+      }
+  };
+  see_again(observations.board_views);
+  see_again(observations.board_planes);
+  for (RigCamera& camera : observations.cameras)
+    camera.depth->noise.scale_sigma = camera.name == "center" ? 0.2 : 0.003;
+  for (PlaneObservation& plane : observations.board_planes)
+    if (plane.camera == 2) plane.inverse_depth_plane /= 1.6;
+  const ml::BoardScale scale =
+      ml::check_board_scale(observations, estimate_view_poses(observations).poses, std::nullopt);
+  ASSERT_EQ(scale.contradictions.size(), 1U);
+  EXPECT_EQ(scale.contradictions[0].cameras, std::vector<std::string>{"right"});
+}
+
 // Any factor may be an error, a unit is one in use.
 TEST(BoardScale, CallsNoFactorAUnitThatIsNone) {
   Observations observations = run_with_depth(3, 0.0);
@@ -262,6 +287,20 @@ TEST(BoardScale, TellsOfOdometryThatDoesNotAgree) {
   EXPECT_TRUE(mentioned(result.notes, "by the odometry they measure 100.") ||
               mentioned(result.notes, "by the odometry they measure 99."))
       << testing::PrintToString(result.notes);
+}
+
+// Wheels that are believed stay at what is stated, whatever the data show: they vouch for no board.
+TEST(BoardScale, WheelsThatAreBelievedDoNotAgree) {
+  GeometricConfig config;
+  config.stops = 12;
+  config.odometry_scale = 1.0;
+  Observations observations = draw_geometric_run(config).observations;
+  observations.board.square_m *= 1.005;
+  observations.odometry_noise.scale_sigma = 0.001;
+  const Result result = estimate_maximum_likelihood(observations).result;
+  EXPECT_TRUE(mentioned(result.notes, "Scale rests on the board")) << testing::PrintToString(worded(result.notes));
+  EXPECT_FALSE(mentioned(result.notes, "the odometry agrees")) << testing::PrintToString(worded(result.notes));
+  EXPECT_TRUE(result.reasons.empty()) << testing::PrintToString(worded(result.reasons));
 }
 
 Observations healthy() {

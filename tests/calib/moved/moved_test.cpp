@@ -146,7 +146,7 @@ TEST(Moved, RobotsOfStrangersRaiseNoMoreAlarmsOverTrials) {
                knocked.cameras[0].verdict != MovedVerdict::kMoved && knocked.cameras[2].verdict != MovedVerdict::kMoved;
     }
     // One in ten where new corners were believed to err by chance alone.
-    EXPECT_LE(alarms, kLevel * count + 3.0 * std::sqrt(kLevel * (1.0 - kLevel) * count)) << corner_sigma_px;
+    EXPECT_LE(alarms, kLevel * count + 2.0 * std::sqrt(kLevel * (1.0 - kLevel) * count)) << corner_sigma_px;
     EXPECT_GE(named, 0.9 * count) << corner_sigma_px;
   }
 }
