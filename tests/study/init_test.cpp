@@ -405,6 +405,16 @@ TEST_F(Init, ACamchainOfKalibrIsForAllCameras) {
   }
   scratch_.write("camchain.yaml", "image_width: 64\nimage_height: 48\n");
   EXPECT_THAT(failure(options), HasSubstr("must be CAMERA=FILE"));
+  scratch_.write("camchain.yaml", (left + right).substr(0, left.size() - 40) + " [");
+  EXPECT_THAT(failure(options), HasSubstr("camchain.yaml:7: not valid YAML"));
+  // However large a number is, there is none before it.
+  options.topics = {"cam9999999999999999999999=/right/image_raw"};
+  scratch_.write("camchain.yaml", left + "cam9999999999999999999999" + right.substr(4));
+  options.output = scratch_ / "large";
+  init_recording(options);
+  EXPECT_FALSE(fs::exists(scratch_ / "large/camchain.json"));
+  options.output = scratch_ / "tuesday";
+  options.topics = {"cam1=/right/image_raw"};
   options.camera_infos = {(scratch_ / "nowhere.yaml").string()};
   EXPECT_THAT(failure(options), HasSubstr("nowhere.yaml: no such file"));
 }

@@ -60,9 +60,11 @@ Chain::const_iterator find_in_chain(const Chain& chain, const std::string& name,
 
 // "cam1" of "cam2", wherever it stands in the file.
 Chain::const_iterator find_previous(const Chain& chain, const CamchainCamera& camera) {
-  const auto number = [](const std::string& name) { return std::atol(name.c_str() + std::strlen("cam")); };
+  const auto number = [](const std::string& name) {
+    return std::strtoull(name.c_str() + std::strlen("cam"), nullptr, 10);
+  };
   return std::find_if(chain.begin(), chain.end(),
-                      [&](const CamchainCamera& other) { return number(other.name) + 1 == number(camera.name); });
+                      [&](const CamchainCamera& other) { return number(other.name) == number(camera.name) - 1; });
 }
 
 // Every camera in the one before it, by the chain's names.
@@ -123,9 +125,10 @@ std::map<std::string, std::string> intrinsics_files(const std::vector<std::strin
     if (!fs::is_regular_file(text, ignored)) throw Error("--camera-info: " + for_message(text) + ": no such file");
     if (++for_all > 1)
       throw Error("--camera-info: " + for_message(text) + ": a camchain for all cameras was given before");
-    if (!read_camchain(text))
-      throw Error("--camera-info: " + for_message(text) +
-                  ": must be CAMERA=FILE; only a camchain of Kalibr is for all cameras at once");
+    if (read_camchain(text)) continue;
+    read_yaml_file(text);  // what is no YAML says so
+    throw Error("--camera-info: " + for_message(text) +
+                ": must be CAMERA=FILE; only a camchain of Kalibr is for all cameras at once");
   }
   return values_by_camera(texts, "--camera-info", cameras, true);
 }
