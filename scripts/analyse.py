@@ -94,7 +94,8 @@ def answer_key(entry: dict, salt: bytes, dependencies: dict[str, list[str]]) -> 
     files = set(dependencies.get(entry["output"], []))
     for precompiled in [name for name in files if name.endswith(".gch")]:
         files |= set(dependencies.get(os.path.relpath(os.path.join(DATABASE.parent, precompiled), DATABASE.parent), []))
-    paths = sorted(os.path.normpath(os.path.join(DATABASE.parent, name)) for name in files if not name.endswith(".gch"))
+    paths = [os.path.normpath(os.path.join(DATABASE.parent, name)) for name in files if not name.endswith(".gch")]
+    paths.sort(key=lambda path: (path.startswith(str(ROOT)), path))  # the same order wherever the checkout lies
     if not paths or not all(os.path.exists(path) for path in paths):
         return ""
     key = hashlib.sha256(salt + " ".join(entry["arguments"]).replace(str(ROOT), "").encode())
