@@ -6,6 +6,7 @@
 #include "error_text.h"
 #include "rigproof/core/recording.h"
 #include "rigproof/core/text.h"
+#include "rigproof/formats/frame_tree.h"
 #include "rigproof/png/png_encoder.h"
 #include "rigproof/study/import/init.h"
 #include "temp_folder.h"
@@ -150,6 +151,27 @@ TEST_F(InitFolder, ALensThatNobodyFollowsIsRefusedAndOneThatIsMetIsSaid) {
   EXPECT_THAT(failure(), AllOf(HasSubstr("camera left"), HasSubstr("images of a folder are copied")));
   write("width: 16\nheight: 12\nk: [20, 0, 7.5, 0, 20, 5.5, 0, 0, 1]", "[0, 0, 0, 0, 0, 0.1, 0, 0]");
   EXPECT_THAT(init_recording(options_).notes, Contains(HasSubstr("left: rational_polynomial is written as")));
+}
+
+// Folders have no topics: cameras go by their names, whatever the chain was calibrated with.
+TEST_F(InitFolder, ACamchainGoesByNames) {
+  for (const char* camera : {"left", "right"})
+    fs::remove(scratch_ / ("in/" + std::string(camera) + "/camera_info.yaml"));
+  fs::rename(scratch_ / "in/left", scratch_ / "in/cam0");
+  fs::rename(scratch_ / "in/right", scratch_ / "in/cam1");
+  const std::string lens =
+      ": {camera_model: pinhole, resolution: [16, 12], intrinsics: [20, 20, 7.5, 5.5], distortion_model: none, "
+      "rostopic: ";
+  options_.camera_infos = {
+      scratch_
+          .write("camchain.yaml",
+                 "cam0" + lens + "/cam1}\ncam1" + lens +
+                     "/cam0, T_cn_cnm1: [[1, 0, 0, -0.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}\n")
+          .string()};
+  init_recording(options_);
+  const auto T_cam0_cam1 = load_frame_tree(options_.output / "camchain.json").between("cam0", "cam1");
+  ASSERT_TRUE(T_cam0_cam1);
+  EXPECT_LT((T_cam0_cam1->translation - Eigen::Vector3d(0.5, 0.0, 0.0)).norm(), 1e-9);
 }
 
 TEST_F(InitFolder, EveryMissingPieceIsSaid) {

@@ -151,6 +151,20 @@ TEST(Moved, RobotsOfStrangersRaiseNoMoreAlarmsOverTrials) {
   }
 }
 
+TEST(Moved, SaysOfWhichCameraCornersScatterOtherwiseThanStated) {
+  Observations today = another_day(1, 3);
+  for (BoardView& view : today.board_views)
+    for (CornerObservation& corner : view.corners)
+      if (view.camera == 1) corner.covariance_px2 /= 9.0;
+  const std::vector<Finding> notes = detect_movement(calibrated(20001, 12), today, rigid_robot()).notes;
+  std::vector<Finding> scatter;
+  for (const Finding& note : notes)
+    if (note.is("moved.scatter_believed")) scatter.push_back(note);
+  ASSERT_EQ(scatter.size(), 1U);
+  EXPECT_EQ(scatter[0].cameras, std::vector<std::string>{"center"});
+  EXPECT_NEAR(std::get<double>(scatter[0].find("times")->value), 3.0, 0.6);
+}
+
 // A shift of a hundred standard deviations leaves, beside what it explains, the noise of those that stand.
 TEST(Moved, OthersAreAccusedAsRarelyAsStatedOverTrials) {
   MovedOptions options = rigid_robot();
