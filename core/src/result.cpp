@@ -7,7 +7,9 @@
 #include <set>
 #include <string_view>
 
+#include "covariance_triangle.h"
 #include "finding_tree.h"
+#include "lasting_errors.h"
 #include "mcalib_result.h"
 #include "rigproof/core/body_axes.h"
 #include "rigproof/core/conventions.h"
@@ -60,33 +62,6 @@ std::vector<Eigen::Index> observable_rows(const std::vector<EstimatedTransform>&
       ++row;
     }
   return rows;
-}
-
-// Row by row from the diagonal on, only the rows and columns given.
-std::vector<std::vector<double>> upper_triangle(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& rows) {
-  std::vector<std::vector<double>> triangle;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    triangle.emplace_back();
-    for (std::size_t j = i; j < rows.size(); ++j) triangle.back().push_back(matrix(rows[i], rows[j]));
-  }
-  return triangle;
-}
-
-bool is_triangle(const std::vector<std::vector<double>>& lines, std::size_t size) {
-  std::size_t i = 0;
-  return lines.size() == size && std::all_of(lines.begin(), lines.end(), [&](const std::vector<double>& line) {
-           return line.size() == size - i++;
-         });
-}
-
-// Variances are not negative, and correlations at most 1.
-bool is_covariance(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& rows) {
-  bool positive = true;
-  for (const Eigen::Index i : rows)
-    for (const Eigen::Index j : rows)
-      positive = positive && matrix(i, i) >= 0.0 &&
-                 std::abs(matrix(i, j)) <= std::sqrt(matrix(i, i) * matrix(j, j)) * (1.0 + 1e-6);
-  return positive;
 }
 
 // Answers what is read. Rows that are absent are unknown: infinite variance, no correlation.
@@ -390,6 +365,7 @@ void visit_result(FieldVisitor& visitor, Result& result, const Wording& wording)
       visit_covariance(visitor, "joint_covariance_m_rad", joint_covariance_of(result), size,
                        observable_rows(result.camera_to_robot), "upper triangle of all of camera_to_robot together");
   if (visitor.is_reading()) result.joint_covariance = joint;
+  visit_lasting(visitor, result.lasting, static_cast<std::size_t>(size));
   visit_lists(visitor, result, wording);
   visitor.tolerate("x-");
 }

@@ -56,6 +56,17 @@ TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(b.camera_to_robot[0].budget[1].share, a.camera_to_robot[0].budget[1].share);
   EXPECT_EQ(b.rotation_centre_m, a.rotation_centre_m);
   EXPECT_EQ(b.rotation_centre_sigma_m, a.rotation_centre_sigma_m);
+  ASSERT_TRUE(b.lasting);
+  ASSERT_EQ(b.lasting->unknowns.size(), 2U);
+  EXPECT_EQ(b.lasting->unknowns[0].of.camera, "left");
+  EXPECT_EQ(b.lasting->unknowns[1].of.board, 1);
+  EXPECT_EQ(b.lasting->unknowns[1].name, "board_size_percent");
+  EXPECT_EQ(b.lasting->unknowns[0].value, -0.31);
+  EXPECT_EQ(b.lasting->covariance, a.lasting->covariance);
+  EXPECT_EQ(b.lasting->with_cameras, a.lasting->with_cameras);
+  ASSERT_EQ(b.lasting->fine_fields.size(), 1U);
+  EXPECT_EQ(b.lasting->fine_fields[0].cells, 12);
+  EXPECT_EQ(b.lasting->stated[1].hash, "fedcba9876543210");
   ASSERT_EQ(b.boards.size(), 1U);
   EXPECT_EQ(b.boards[0].number, 3);
   EXPECT_EQ(b.boards[0].T_first_board.translation, a.boards[0].T_first_board.translation);
@@ -309,6 +320,17 @@ TEST(Result, ACovarianceThatIsNoneIsNamed) {
   EXPECT_THAT(f.problems(head + "covariance_m_rad: [[1]]}\n"), HasSubstr("must be an upper triangle of 6 rows"));
   EXPECT_THAT(f.problems("format: rigproof-result\nversion: 1\nstatus: solved\njoint_covariance_m_rad: [[1]]\n"),
               HasSubstr("must be an upper triangle of 0 rows"));
+}
+
+TEST(Result, LastingErrorsThatDoNotFitAreNamed) {
+  const ResultFile f;
+  const std::string head = "format: rigproof-result\nversion: 2\nstatus: solved\nlasting_errors:\n  unknowns:\n";
+  const std::string line = "  - {camera: left, name: focal_length_percent, value: 1, with_cameras: [], covariance: ";
+  EXPECT_THAT(f.problems(head + line + "[1, 2]}\n"), HasSubstr("must have rows of an upper triangle"));
+  EXPECT_THAT(f.problems(head + line + "[-1]}\n"), HasSubstr("variances must be positive"));
+  EXPECT_THAT(f.problems(head + line + "[1, 2]}\n" + line + "[1]}\n"), HasSubstr("correlations at most 1"));
+  EXPECT_THAT(f.problems(head + "  - {camera: left, board: 1, name: a, value: 1, with_cameras: [], covariance: [1]}\n"),
+              HasSubstr("must be of a camera or of a board"));
 }
 
 }  // namespace

@@ -167,6 +167,16 @@ inline Result sample_result() {
                                       {"board", {0.75, 0.5, 0.875, 0.0, 0.25, 1.0}}};
   result.rotation_centre_m << -0.0625, 0.0031;
   result.rotation_centre_sigma_m = 0.015;
+  LastingErrors& lasting = result.lasting.emplace();
+  lasting.unknowns.resize(2);
+  lasting.unknowns[0] = {{"left", 0}, "focal_length_percent", -0.31};
+  lasting.unknowns[1] = {{"", 1}, "board_size_percent", 0.125};
+  lasting.covariance = Eigen::Matrix2d{{0.04, -0.0125}, {-0.0125, 0.25}};
+  lasting.with_cameras = Eigen::MatrixXd::Constant(12, 2, 0.00625);
+  lasting.fine_fields = {{"center", 12, 0.25, 0.5}};
+  lasting.stated.resize(2);
+  lasting.stated[0] = {{"left", 0}, "0123456789abcdef"};
+  lasting.stated[1] = {{"", 1}, "fedcba9876543210"};
   result.boards = {{3, Rigid3(rotation_z(0.5), {2.1, -0.25, -1.5}), {0.001, 0.002, 0.003, 0.0004, 0.0005, 0.0006}}};
   result.lenses = {{"left", Camera::symmetric(1280, 720, 640.0)}};
   result.also_estimated = {{"left", "focal_length_percent", -0.31, 0.02, 0.5},

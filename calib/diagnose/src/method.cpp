@@ -34,6 +34,7 @@ void refuse_what_is_no_number(Result* result) {
   if (reasons.empty()) return;
   result->reasons.insert(result->reasons.end(), reasons.begin(), reasons.end());
   result->joint_covariance.reset();
+  result->lasting.reset();
   const bool any = !result->camera_to_robot.empty() || !result->camera_to_camera.empty();
   result->status = any ? ResultStatus::kPartial : ResultStatus::kRefused;
 }

@@ -9,6 +9,7 @@
 #include "also_estimated.h"
 #include "board_places.h"
 #include "estimated_lenses.h"
+#include "lasting_errors.h"
 #include "missed_frames.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/estimate/covariance.h"
@@ -404,6 +405,7 @@ MlEstimate report(const Preparation& prepared, const OdometryChoice& choice, con
     report_residuals(stated.sums, &result);
     report_also_estimated(prepared, choice.fit, globals, &result);
     if (result.status != ResultStatus::kRefused) result.boards = standing_boards(prepared, choice.fit, globals);
+    result.lasting = lasting_errors(prepared, choice.fit, globals, result);
   } else {
     if (found.cause) append(found.cause->findings, &result.reasons);
     result.reasons.emplace_back("poses.undetermined");

@@ -27,9 +27,10 @@ Eigen::MatrixXd response_to(const Couplings& errors, const EliminatedSystem& eli
 }  // namespace
 
 std::optional<GlobalCovariance> covariance_with(const RemovedErrors& removed, const Problem& problem,
-                                                const State& state) {
+                                                const State& state, const std::function<void(ArrowSystem*)>& add_more) {
   Couplings fine(0, 0, 0);
-  const ArrowSystem system = problem.linearise_with(removed, state, Weighting::kInformation, &fine);
+  ArrowSystem system = problem.linearise_with(removed, state, Weighting::kInformation, &fine);
+  if (add_more) add_more(&system);
   const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) return std::nullopt;
   GlobalCovariance all = invert_information(eliminated->schur());

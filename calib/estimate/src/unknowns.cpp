@@ -290,20 +290,32 @@ Parts ground_offset_parts() {
 const std::array<NuisanceRow, kNuisances>& nuisance_table() {
   constexpr Each kRig = Each::kRig, kCamera = Each::kCamera, kBoard = Each::kBoard;
   constexpr bool kAny = false, kIncrements = true;  // odometry that knows it
-  constexpr bool kReported = true;
+  constexpr bool kReported = true, kLasts = true;
   static const std::array<NuisanceRow, kNuisances> kTable = {{
-      {odometry_parts(), kRig, kIncrements, !kReported, "odometry", &of_odometry},
-      {{{"odometry_veer_deg_per_m", 180.0 / kPi}}, kRig, kIncrements, !kReported, "odometry", &of_odometry_veer},
-      {{{"depth_scale_percent", 100.0}}, kCamera, kAny, !kReported, "depth scale", &of_depth_scale},
-      {{{"common_depth_scale_percent", 100.0}}, kCamera, kAny, kReported, "depth scale", &of_common_depth_scale},
-      {depth_offset_parts(), kCamera, kAny, kReported, "depth error", &of_depth_offset},
-      {depth_shape_parts(), kCamera, kAny, !kReported, "depth error", &of_depth_shape},
-      {lens_parts(), kCamera, kAny, kReported, "lens", &of_lens},
-      {board_parts(), kBoard, kAny, kReported, "board", &of_board_shape},
-      {ground_offset_parts(), kCamera, kAny, !kReported, "depth error", &of_ground_offset},
-      {{{"clock_offset_ms", 1e3}}, kCamera, kAny, kReported, "clock", &of_clock_offset},
-      {{{"turn_lag_ms", 1e3}}, kRig, kAny, !kReported, "turn lag", &of_turn_lag},
-      {{{"readout_ms", 1e3}}, kCamera, kAny, kReported, "rolling shutter", &of_readout},
+      {odometry_parts(), kRig, kIncrements, !kReported, !kLasts, "odometry", &of_odometry},
+      {{{"odometry_veer_deg_per_m", 180.0 / kPi}},
+       kRig,
+       kIncrements,
+       !kReported,
+       !kLasts,
+       "odometry",
+       &of_odometry_veer},
+      {{{"depth_scale_percent", 100.0}}, kCamera, kAny, !kReported, kLasts, "depth scale", &of_depth_scale},
+      {{{"common_depth_scale_percent", 100.0}},
+       kCamera,
+       kAny,
+       kReported,
+       kLasts,
+       "depth scale",
+       &of_common_depth_scale},
+      {depth_offset_parts(), kCamera, kAny, kReported, kLasts, "depth error", &of_depth_offset},
+      {depth_shape_parts(), kCamera, kAny, !kReported, kLasts, "depth error", &of_depth_shape},
+      {lens_parts(), kCamera, kAny, kReported, kLasts, "lens", &of_lens},
+      {board_parts(), kBoard, kAny, kReported, kLasts, "board", &of_board_shape},
+      {ground_offset_parts(), kCamera, kAny, !kReported, !kLasts, "depth error", &of_ground_offset},
+      {{{"clock_offset_ms", 1e3}}, kCamera, kAny, kReported, !kLasts, "clock", &of_clock_offset},
+      {{{"turn_lag_ms", 1e3}}, kRig, kAny, !kReported, !kLasts, "turn lag", &of_turn_lag},
+      {{{"readout_ms", 1e3}}, kCamera, kAny, kReported, kLasts, "rolling shutter", &of_readout},
   }};
   return kTable;
 }

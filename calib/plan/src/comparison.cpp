@@ -88,7 +88,8 @@ Difference difference(const KnownPoses& before, const KnownPoses& after) {
   result.rank = static_cast<int>(Q.cols());
   result.information = Eigen::MatrixXd::Zero(n, n);
   if (result.rank > 0) {
-    const Eigen::MatrixXd S = Q.transpose() * (before.covariance + now.covariance) * Q;
+    const Eigen::MatrixXd& of_before = now.covariance_before.size() > 0 ? now.covariance_before : before.covariance;
+    const Eigen::MatrixXd S = Q.transpose() * (of_before + now.covariance) * Q;
     result.information = Q * S.ldlt().solve(Q.transpose());
   }
   result.gradient = result.information * d;

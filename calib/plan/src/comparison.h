@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
+#include "rigproof/core/result.h"
 #include "rigproof/core/rigid3.h"
 
 namespace rigproof::moved {
@@ -15,6 +17,10 @@ struct KnownPoses {
   Eigen::MatrixXd free_directions;  ///< that nothing determines, one a column
   /// What the data would add to the poses, to first order; empty = nothing.
   Eigen::VectorXd step;
+  /// Of the poses that they are compared with, where errors that last count in these; empty: as those know it.
+  Eigen::MatrixXd covariance_before = {};
+  /// Errors that the other observations meet again.
+  std::optional<LastingErrors> lasting = std::nullopt;
 };
 
 /// Six columns: errors of all cameras when the rig moves as one body along and about the robot's axes.

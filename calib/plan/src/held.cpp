@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "kept_errors.h"
 #include "rigproof/calib/estimate/covariance.h"
 #include "rigproof/calib/estimate/declared_problem.h"
 #include "rigproof/calib/estimate/repeating_covariance.h"
@@ -25,20 +26,26 @@ Eigen::VectorXd errors(const std::vector<Rigid3>& now, const std::vector<Rigid3>
   return result;
 }
 
-/// The new observations, and what is left of that which repeats in every image of a lens and a board that nobody knows
-/// exactly.
+/// The new observations, what is left of that which repeats in every image of a lens and a board that nobody knows
+/// exactly, and what an earlier drive left of errors that last.
 struct Seen {
   ml::Problem problem;
   ml::RemovedErrors repeating;
+  std::optional<KeptErrors> kept = std::nullopt;
 
   ml::ArrowSystem linearise(const ml::State& state, ml::Weighting weighting) const {
-    return repeating.errors.any() ? problem.linearise_with(repeating, state, weighting)
-                                  : problem.linearise(state, weighting, nullptr, nullptr);
+    ml::ArrowSystem system = repeating.errors.any() ? problem.linearise_with(repeating, state, weighting)
+                                                    : problem.linearise(state, weighting, nullptr, nullptr);
+    if (kept) kept->add_to(state, &system);
+    return system;
   }
   // Of the problem's own globals, which come before the errors that repeat.
   Eigen::Index globals() const { return problem.layout().globals(); }
   std::optional<ml::GlobalCovariance> covariance(const ml::State& state) const {
-    if (repeating.errors.any()) return ml::covariance_with(repeating, problem, state);
+    const auto add_kept = [&](ml::ArrowSystem* system) {
+      if (kept) kept->add_to(state, system);
+    };
+    if (repeating.errors.any()) return ml::covariance_with(repeating, problem, state, add_kept);
     const auto unit = ml::EliminatedSystem::eliminate(linearise(state, ml::Weighting::kUnit), 0.0);
     if (!unit) return std::nullopt;
     ml::GlobalCovariance all = ml::invert_information(unit->schur());
@@ -56,6 +63,17 @@ ml::RemovedErrors of_views(const Observations& used, const CalibrationNoise& noi
   repeating.fine = found->fine;
   repeating.beyond_stated = found->beyond_stated;
   return repeating;
+}
+
+// As the earlier drive saw them: few images hardly tell.
+void take_fine_fields(const LastingErrors& lasting, const Observations& used, ml::RemovedErrors* repeating) {
+  for (std::size_t c = 0; c < repeating->fine.size(); ++c) {
+    const std::string& camera = used.cameras[c].name;
+    if (!is_of(lasting, {camera, 0})) continue;
+    repeating->fine[c].grids.clear();
+    for (const LastingErrors::FineGrid& grid : lasting.fine_fields)
+      if (grid.camera == camera) repeating->fine[c].grids.push_back({grid.cells, grid.sigma_px, grid.share});
+  }
 }
 
 // Gauss and Newton, with the previous result as a loose prior of all but what may have moved.
@@ -110,19 +128,27 @@ class Holder {
 std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Eigen::MatrixXd& moved,
                                          const Observations& used, const CalibrationState& optimum,
                                          const CalibrationNoise& noise, const ml::RemovedErrors* repeating) {
-  const Seen seen{ml::declared_problem(used, noise), of_views(used, noise, repeating)};
+  Seen seen{ml::declared_problem(used, noise), of_views(used, noise, repeating)};
+  if (before.lasting) {
+    take_fine_fields(*before.lasting, used, &seen.repeating);
+    seen.kept.emplace(*before.lasting, seen.problem);
+  }
   ml::State state = moved_back(before, optimum);
   if (!Holder(before, moved, seen).hold(&state)) return std::nullopt;
   const auto slope = ml::EliminatedSystem::eliminate(seen.linearise(state, ml::Weighting::kSlope), 0.0);
   const std::optional<ml::GlobalCovariance> all = seen.covariance(state);
   if (!slope || !all) return std::nullopt;
-  const Eigen::MatrixXd J = ml::camera_chart(state, seen.problem.layout());
+  Eigen::MatrixXd J = ml::camera_chart(state, seen.problem.layout());
+  if (seen.kept) J -= seen.kept->cameras_by_globals();
   const ml::GlobalCovariance own = ml::invert_information(slope->schur());
   KnownPoses knowledge;
   knowledge.T_robot_camera = state.T_robot_camera;
   knowledge.covariance = J * all->covariance * J.transpose();
   knowledge.free_directions = J * all->free_directions;
   knowledge.step = -J * (own.covariance.topRows(seen.globals()) * slope->schur_gradient());
+  if (!seen.kept) return knowledge;
+  knowledge.step -= seen.kept->shift_of_cameras(state);
+  knowledge.covariance_before = seen.kept->covariance_left(before.covariance);
   return knowledge;
 }
 

@@ -4,10 +4,12 @@
 #include <cmath>
 
 #include "held.h"
+#include "kept_errors.h"
 #include "rigproof/calib/diagnose/board_scale.h"
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/calib/diagnose/turning_point.h"
 #include "rigproof/calib/estimate/information.h"
+#include "rigproof/calib/estimate/lasting.h"
 #include "rigproof/calib/estimate/noise.h"
 #include "rigproof/calib/estimate/unknowns.h"
 #include "rigproof/calib/geometry/initial_guess.h"
@@ -36,13 +38,39 @@ int camera_index(const Observations& observations, const std::string& name) {
 bool known(const EstimatedTransform& transform) { return transform.fully_observable() && transform.covariance; }
 
 // The joint covariance's rows of the matched cameras.
-Eigen::MatrixXd joint_of(const Result& previous, const Match& match) {
+std::vector<Eigen::Index> rows_of(const Result& previous, const Match& match) {
   std::vector<Eigen::Index> rows;
   for (const std::string& name : match.names)
     for (std::size_t i = 0; i < previous.camera_to_robot.size(); ++i)
       for (int axis = 0; previous.camera_to_robot[i].child == name && axis < 6; ++axis)
         rows.push_back(6 * static_cast<Eigen::Index>(i) + axis);
+  return rows;
+}
+
+Eigen::MatrixXd joint_of(const Result& previous, const Match& match) {
+  const std::vector<Eigen::Index> rows = rows_of(previous, match);
   return Eigen::MatrixXd((*previous.joint_covariance)(rows, rows));
+}
+
+// Of cameras and boards of which the same is stated.
+std::optional<LastingErrors> lasting_of(const Result& previous, const Observations& observations, const Match& match,
+                                        std::vector<Finding>* notes) {
+  if (!previous.lasting) return std::nullopt;
+  LastingErrors lasting = *previous.lasting;
+  lasting.with_cameras = Eigen::MatrixXd(lasting.with_cameras(rows_of(previous, match), Eigen::all));
+  Finding otherwise("moved.stated_otherwise");
+  const std::vector<LastingErrors::Stated> now = ml::hashes_of_stated(observations);
+  const auto is_the_same = [&](const LastingErrors::Stated& then) {
+    const auto found =
+        std::find_if(now.begin(), now.end(), [&](const LastingErrors::Stated& stated) { return stated.of == then.of; });
+    if (found == now.end() || found->hash == then.hash) return found != now.end();
+    if (then.of.board > 0 && otherwise.find("board") == nullptr) otherwise.values.emplace_back("board", 1);
+    if (then.of.board == 0) otherwise.cameras.push_back(then.of.camera);
+    return false;
+  };
+  lasting = only_of(is_the_same, std::move(lasting));
+  if (!otherwise.cameras.empty() || !otherwise.values.empty()) notes->push_back(otherwise);
+  return lasting;
 }
 
 // What a previous result states has in it that nobody measured about which point the robot turns, the same for all
@@ -341,6 +369,7 @@ KnownPoses previous_knowledge(const Result& previous, const Observations& observ
       knowledge.covariance = joint_of(previous, match);
       keep_turning_point(*previous.find(previous.camera_to_robot.front().parent, match.names.front()),
                          &knowledge.covariance);
+      knowledge.lasting = lasting_of(previous, observations, match, notes);
     } else {
       knowledge.covariance = safe_joint(blocks);
       if (blocks.size() > 1) notes->emplace_back("moved.errors_apart");
@@ -369,6 +398,16 @@ NewKnowledge::NewKnowledge(const KnownPoses& before, Observations used, const Ml
 KnownPoses NewKnowledge::if_moved(const Eigen::MatrixXd& moved) const {
   if (used_.stops.empty()) return free_;
   return held_knowledge(before_, moved, used_, optimum_, noise_, repeating_.get()).value_or(free_);
+}
+
+std::optional<NewKnowledge> NewKnowledge::with_other_boards() const {
+  const auto is_of_board = [](const LastingErrors::Unknown& unknown) { return unknown.of.board > 0; };
+  if (!before_.lasting || std::none_of(before_.lasting->unknowns.begin(), before_.lasting->unknowns.end(), is_of_board))
+    return std::nullopt;
+  NewKnowledge other = *this;
+  other.before_.lasting =
+      only_of([](const LastingErrors::Stated& stated) { return stated.of.board == 0; }, *before_.lasting);
+  return other;
 }
 
 NewKnowledge new_knowledge(const KnownPoses& before, const Observations& observations, const MovedOptions& options,

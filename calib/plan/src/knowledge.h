@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,9 @@ class NewKnowledge {
   /// Linearised near the previous poses, but for the columns of `moved`, along which the cameras may have moved by far;
   /// where the equations cannot be solved so, at the observations' own optimum.
   KnownPoses if_moved(const Eigen::MatrixXd& moved) const;
+
+  /// The same, were the boards other ones than then; absent where the previous result tells nothing of boards.
+  std::optional<NewKnowledge> with_other_boards() const;
 
  private:
   KnownPoses before_, free_;

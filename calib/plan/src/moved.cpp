@@ -179,13 +179,15 @@ Hypothesis several_cameras(const Evidence& evidence, std::vector<std::size_t> ca
   return hypothesis;
 }
 
-// All that explain it, and not a hundred times worse than the best.
+const double kAsLikely = 2.0 * std::log(100.0);  // of the statistic: not a hundred times worse
+
+// All that explain it about as well as the best.
 std::vector<const Hypothesis*> suspects_of(const std::vector<Hypothesis>& hypotheses, const Hypothesis& best,
                                            double significance) {
-  const double margin = 2.0 * std::log(100.0);
   std::vector<const Hypothesis*> suspects;
   for (const Hypothesis& hypothesis : hypotheses)
-    if (hypothesis.explains(significance) && hypothesis.rest() < best.rest() + margin) suspects.push_back(&hypothesis);
+    if (hypothesis.explains(significance) && hypothesis.rest() < best.rest() + kAsLikely)
+      suspects.push_back(&hypothesis);
   return suspects;
 }
 
@@ -211,6 +213,19 @@ Finding of_the_rig(const Evidence& evidence) {
   return finding;
 }
 
+// Were the boards other ones than then, nothing need have moved, and that explains it about as well.
+void doubt_boards(const Evidence& evidence, double rest_of_best, MovedReport* report) {
+  const std::optional<moved::NewKnowledge> apart = evidence.now.with_other_boards();
+  if (!apart) return;
+  const moved::Difference standing =
+      Evidence{evidence.before, *apart, evidence.significance}.difference(columns_of({}, evidence.count()));
+  if (standing.rank == 0 || standing.statistic > rest_of_best + kAsLikely) return;
+  if (chi_square_tail(standing.statistic, standing.rank) < evidence.significance) return;
+  report->reasons.emplace_back("moved.or_board");
+  for (CameraShift& camera : report->cameras)
+    if (camera.verdict == MovedVerdict::kMoved) camera.verdict = MovedVerdict::kSuspect;
+}
+
 // One camera, or the rig as one body; else several cameras.
 void name_who_moved(const Evidence& evidence, MovedReport* report) {
   std::vector<Hypothesis> single;
@@ -218,16 +233,20 @@ void name_who_moved(const Evidence& evidence, MovedReport* report) {
   if (report->cameras.size() > 1) single.push_back(evidence.rig_moved());
   const Hypothesis& best = *std::min_element(
       single.begin(), single.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.rest() < b.rest(); });
-  if (!best.explains(evidence.significance))
-    return accuse(several_cameras(evidence, best.rig ? std::vector<std::size_t>() : best.cameras), report);
+  if (!best.explains(evidence.significance)) {
+    accuse(several_cameras(evidence, best.rig ? std::vector<std::size_t>() : best.cameras), report);
+    return doubt_boards(evidence, std::numeric_limits<double>::infinity(), report);
+  }
   const std::vector<const Hypothesis*> suspects = suspects_of(single, best, evidence.significance);
   if (suspects.size() > 1) {
     suspect(suspects, report);
-    return set_shifts_beside(best, report);
+    set_shifts_beside(best, report);
+  } else {
+    report->rig_moved = best.rig;
+    if (best.rig) report->reasons.push_back(of_the_rig(evidence));
+    accuse(best, report);
   }
-  report->rig_moved = best.rig;
-  if (best.rig) report->reasons.push_back(of_the_rig(evidence));
-  accuse(best, report);
+  doubt_boards(evidence, best.rest(), report);
 }
 
 // What the rig as one body could do unnoticed.

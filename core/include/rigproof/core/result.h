@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -69,6 +70,38 @@ struct EstimatedLens {
   Camera intrinsics;
 };
 
+/// Errors of lenses, boards and depth that another drive of the same robot meets again, as this one left them.
+struct LastingErrors {
+  struct Owner {
+    std::string camera;  ///< empty: of a board
+    int board = 0;       ///< 1 is the first
+    bool operator==(const Owner& other) const { return camera == other.camera && board == other.board; }
+  };
+  struct Unknown {
+    Owner of;
+    std::string name;    ///< with its unit: "focal_length_percent"
+    double value = 0.0;  ///< zero where all is as stated
+  };
+  std::vector<Unknown> unknowns;
+  Eigen::MatrixXd covariance;  ///< a row and a column for each
+  Eigen::MatrixXd
+      with_cameras;  ///< of camera_to_robot, six rows a camera as in the joint covariance, with each unknown
+  /// By how much no polynomial follows a camera's lens: on a grid of so many cells across the image.
+  struct FineGrid {
+    std::string camera;
+    int cells = 0;
+    double sigma_px = 0.0;  ///< root mean square of its coefficients
+    double share = 0.0;     ///< how likely it is
+  };
+  std::vector<FineGrid> fine_fields;
+  /// A hash of what was stated of a camera or board, which its errors go with.
+  struct Stated {
+    Owner of;
+    std::string hash;
+  };
+  std::vector<Stated> stated;
+};
+
 /// Where a board stands, of several.
 struct EstimatedBoard {
   int number = 2;  ///< 1 is the first board
@@ -98,7 +131,8 @@ struct Result {
   std::vector<EstimatedQuantity> also_estimated;  ///< camera by camera, then of the rig
   /// Where they were estimated: the poses go with these, not with the stated ones.
   std::vector<EstimatedLens> lenses;
-  std::vector<EstimatedBoard> boards;  ///< all but the first, where the drive tells
+  std::vector<EstimatedBoard> boards;    ///< all but the first, where the drive tells
+  std::optional<LastingErrors> lasting;  ///< only with a joint covariance
   /// Where in the robot's frame the rig states that the robot turns, along x and y, and how well (one sigma; absent: it
   /// does not say): the poses go with that, too.
   Eigen::Vector2d rotation_centre_m = Eigen::Vector2d::Zero();

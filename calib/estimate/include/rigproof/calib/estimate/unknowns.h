@@ -93,6 +93,7 @@ struct NuisanceRow {
   Each each;             ///< whole rig, camera or board
   bool increments_only;  ///< no residual of absolute odometry knows it
   bool reported;         ///< in Result::also_estimated
+  bool lasts;            ///< another drive of the same robot meets the same value
   const char* source;    ///< of uncertainty: what its prior is called in the budget
   /// Covariance of the prior (parts x parts, mean zero) of each; zero = believed.
   std::vector<Eigen::MatrixXd> (*prior)(const PriorSource& source);
