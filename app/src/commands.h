@@ -24,9 +24,11 @@ struct GenerateArguments {
   bool fresh = false;
   bool dry_run = false;
   int device = -2;
-  std::filesystem::path cache;  ///< of clean renders; empty = nothing is kept
-  bool render = true;           ///< false: only from the cache
-  bool observations = false;    ///< only they are kept
+  std::filesystem::path cache;    ///< of clean renders; empty = nothing is kept
+  bool render = true;             ///< false: only from the cache
+  bool observations = false;      ///< only they are kept
+  std::filesystem::path archive;  ///< the run as a few large files, too; empty: not
+  int shard_mib = 1024;           ///< of files in a shard of it
 };
 int generate_command(const GenerateArguments& arguments);
 

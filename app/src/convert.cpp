@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "archiving.h"
 #include "commands.h"
 #include "json_text.h"
 #include "rigproof/core/error.h"
@@ -43,15 +44,7 @@ Converted into_bag(const ConvertArguments& arguments, const Recording& recording
 }
 
 Converted into_archive(const ConvertArguments& arguments, const Input& input, ProgressLine& progress) {
-  ArchiveOptions options;
-  options.shard_bytes = static_cast<std::uint64_t>(arguments.shard_mib) << 20U;
-  options.progress = progress.callback();
-  const ArchiveReport report = write_archive(input.path, arguments.output, options);
-  return {std::to_string(report.files) + " files in " + std::to_string(report.shards) +
-              (report.shards == 1 ? " shard" : " shards"),
-          0,
-          0,
-          {}};
+  return {write_shards(input.path, arguments.output, arguments.shard_mib, &progress), 0, 0, {}};
 }
 
 Converted into_folder(const ConvertArguments& arguments, const Recording& recording, const std::string& to,

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "archiving.h"
 #include "commands.h"
 #include "generating.h"
 #include "json_text.h"
@@ -155,8 +156,29 @@ namespace {
 // The folder of one of a data set's runs: below the output, by its world.
 GenerateArguments arguments_of(const GenerateArguments& all, const GenerateConfig& run, bool many) {
   GenerateArguments arguments = all;
-  if (many && !all.output.empty()) arguments.output = all.output / std::filesystem::path(run.name).filename();
+  const std::filesystem::path name = std::filesystem::path(run.name).filename();
+  if (many && !all.output.empty()) arguments.output = all.output / name;
+  if (many && !all.archive.empty()) arguments.archive = all.archive / name;
   return arguments;
+}
+
+// One that is whole, of a run that is resumed, is that of the run.
+bool is_archived(const GenerateArguments& arguments) {
+  return !arguments.fresh && std::filesystem::is_regular_file(arguments.archive / "SHA256SUMS");
+}
+
+void check_archive(const GenerateArguments& arguments) {
+  const std::filesystem::path& folder = arguments.archive;
+  if (folder.empty() || !std::filesystem::exists(std::filesystem::symlink_status(folder)) || is_archived(arguments))
+    return;
+  throw Error("--archive: " + folder.string() + " exists already; name a new folder, or delete it");
+}
+
+void archive(const GenerateArguments& arguments, const std::filesystem::path& run, const Terminal& terminal) {
+  if (is_archived(arguments)) return terminal.line("archive    " + arguments.archive.string() + "  there already");
+  ProgressLine progress(terminal, "archive", "files");
+  const std::string what = write_shards(run, arguments.archive, arguments.shard_mib, &progress);
+  terminal.line("archive    " + arguments.archive.string() + "  " + what);
 }
 
 int generate_one(RunsAhead* ahead, std::size_t number) {
@@ -175,6 +197,7 @@ int generate_one(RunsAhead* ahead, std::size_t number) {
   terminal.line(report.coverage);
   if (arguments.observations) terminal.line("observations  " + RunFolder{output}.observations_file().string());
   terminal.line("run        " + output.string());
+  if (!arguments.archive.empty()) archive(arguments, output, terminal);
   return 0;
 }
 
@@ -185,7 +208,10 @@ int generate_command(const GenerateArguments& arguments) {
   const Terminal terminal(arguments.common.quiet || arguments.common.json);
   const bool many = configs.size() > 1;
   std::vector<RunsAhead::Run> runs;
-  for (const GenerateConfig& config : configs) runs.push_back({arguments_of(arguments, config, many), config});
+  for (const GenerateConfig& config : configs) {
+    runs.push_back({arguments_of(arguments, config, many), config});
+    check_archive(runs.back().arguments);
+  }
   RunsAhead ahead(std::move(runs));
   if (many && arguments.common.json) std::puts("[");
   for (std::size_t i = 0; i < configs.size(); ++i) {

@@ -38,6 +38,13 @@ constexpr const char* kMethodHelp =
 
 constexpr const char* kCacheHelp = "Folder that keeps clean renders; what it holds is not rendered again";
 
+CLI::Option* add_shards(CLI::App* command, int& shard_mib) {
+  return command
+      ->add_option("--shard-mib", shard_mib, "Limit on the files in a shard of an archive, before packing, MiB")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+}
+
 void add_generate_options(CLI::App* command, GenerateArguments& arguments) {
   command->add_option("CONFIG", arguments.config,
                       "Configuration file, or the name of a shipped one; without it every default applies");
@@ -63,6 +70,9 @@ void add_generate(CLI::App& app, Action& action) {
   command->add_flag("--observations", arguments.observations,
                     "Keep observations.json, the truth and the hashes of all pictures, but no picture: they are looked "
                     "at in memory");
+  CLI::Option* const archive = command->add_option(
+      "--archive", arguments.archive, "New folder for the run as a few large files, too: tar.zst with an index");
+  add_shards(command, arguments.shard_mib)->needs(archive);
 }
 
 void add_sense(CLI::App& app, Action& action) {
@@ -214,11 +224,7 @@ void add_convert(CLI::App& app, Action& action) {
                    "Limit on the points of a cloud that is made from a depth image")
       ->check(CLI::Range(100, 10000000))
       ->capture_default_str();
-  command
-      ->add_option("--shard-mib", arguments.shard_mib,
-                   "Limit on the files in a shard of an archive, before packing, MiB")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
+  add_shards(command, arguments.shard_mib);
   command->add_flag("--compressed", arguments.compressed,
                     "Pictures in a bag stay PNG or JPEG (CompressedImage); default: unpacked (Image)");
   command->add_option("--packing", arguments.packing, "Of a bag's chunks: " + joined(bag_packings(), ", "))

@@ -365,8 +365,8 @@ void visit_result(FieldVisitor& visitor, Result& result, const Wording& wording)
       visit_covariance(visitor, "joint_covariance_m_rad", joint_covariance_of(result), size,
                        observable_rows(result.camera_to_robot), "upper triangle of all of camera_to_robot together");
   if (visitor.is_reading()) result.joint_covariance = joint;
-  visit_lasting(visitor, result.lasting, static_cast<std::size_t>(size));
   visit_lists(visitor, result, wording);
+  visit_lasting(visitor, result.lasting, static_cast<std::size_t>(size));
   visitor.tolerate("x-");
 }
 

@@ -309,6 +309,16 @@ TEST(BadInput, AFolderOfSomethingElseIsLeftAlone) {
 
 // ---- interrupted ---------------------------------------------------------------------------------------------------
 
+TEST(BadInput, AnArchiveReplacesNothing) {
+  const TempFolder scratch;
+  scratch.write("thesis/chapter.txt", "a year's work");
+  expect_error(rigproof_command({"generate", "--set", "poses=3", "-o", (scratch / "run").string(), "--archive",
+                                 (scratch / "thesis").string()}),
+               HasSubstr("exists already"));
+  EXPECT_FALSE(fs::exists(scratch / "run"));
+  expect_error(rigproof_command({"generate", "--set", "poses=3", "--shard-mib", "3"}), HasSubstr("--archive"));
+}
+
 std::vector<std::string> generate_command(const fs::path& run) {
   return {program_path(), "generate",          "--set", "poses=12",  "--set", "image_scale=0.5",
           "--set",        "sensor_noise=none", "-o",    run.string()};

@@ -334,5 +334,20 @@ TEST(Command, TheSameCommandAgainRendersNothingAndChangesNothing) {
   EXPECT_EQ(before, tree_content(copy));
 }
 
+TEST(Command, ARunIsArchivedAsItIsGenerated) {
+  const TempFolder scratch;
+  const std::string run = (scratch / "run").string(), archive = (scratch / "archive").string();
+  const std::vector<std::string> command = {
+      "generate", "--set", "poses=2", "--set", "image_scale=0.25", "--shard-mib", "1", "-o", run, "--archive", archive};
+  const ProcessOutput made = rigproof_command(command);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const std::string converted = (scratch / "converted").string();
+  ASSERT_EQ(rigproof_command({"convert", run, converted, "--to", "archive", "--shard-mib", "1"}).exit_code, 0);
+  EXPECT_EQ(tree_content(archive), tree_content(converted));
+  const ProcessOutput again = rigproof_command(command);
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.err + again.out, HasSubstr("there already"));
+}
+
 }  // namespace
 }  // namespace rigproof

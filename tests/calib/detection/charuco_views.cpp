@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "rigproof/calib/geometry/pnp.h"
 #include "rigproof/core/conventions.h"
 
 namespace rigproof {
@@ -52,6 +53,11 @@ Board random_grid(RandomStream& random) {
   return board;
 }
 
+// Where a share of the board's columns ends, in squares of the picture: an AprilGrid's begin one before its tags.
+double end_of_share(double share, const Board& board) {
+  return (board.has_tags() ? 1.0 : 0.0) + share * board.squares_x;
+}
+
 }  // namespace
 
 CharucoView random_view(const MarkedViews& views, RandomStream& random) {
@@ -86,6 +92,11 @@ void CharucoCounts::add(const CharucoView& view, const BoardPictureOptions& pict
     nees += error.dot(corner.covariance_px2.inverse() * error);
     ++corners;
   }
+  if (const auto pose = estimate_board_pose(seen, view.board, view.camera); right && pose) {
+    const Vector6d error = transform_error(pose->T_camera_board, view.T_camera_board);
+    pose_nees += error.dot(pose->covariance.inverse() * error);
+    ++poses;
+  }
   wrong += !right;
   lost += static_cast<int>(truth.size() - seen.size());
 }
@@ -96,7 +107,9 @@ CharucoCounts count_views(int views, const BoardPictureOptions& picture, std::ui
   for (int i = 0; i < views; ++i) {
     BoardPictureOptions own = picture;
     own.seed = seed * 1000 + static_cast<std::uint64_t>(i);
-    counts.add(random_view(kind, random), own);
+    const CharucoView view = random_view(kind, random);
+    if (kind.hidden > 0.0) own.hidden_to_x = end_of_share(kind.hidden, view.board);
+    counts.add(view, own);
   }
   return counts;
 }

@@ -24,6 +24,7 @@ struct CharucoView {
 struct MarkedViews {
   bool grids = false;  ///< AprilGrids with tags of 100 mm and gaps of several widths; else ChArUco boards
   double farthest_m = 4.0;
+  double hidden = 0.0;  ///< share of the board's columns, from the first one on, that something hides
 };
 
 /// Up to 60 degrees oblique; boards of several sizes and dictionaries, some with small markers, some of the legacy
@@ -34,10 +35,14 @@ CharucoView random_view(const MarkedViews& views, RandomStream& random);
 struct CharucoCounts {
   int views = 0, missed = 0, wrong = 0, lost = 0, corners = 0;  ///< wrong: a corner more than 1 px from its place
   double squares = 0.0, nees = 0.0, largest = 0.0;
+  int poses = 0;
+  double pose_nees = 0.0;  ///< of the board's pose from these corners, by their stated covariances
   std::map<std::string, int> reasons;
 
   double rms_px() const { return std::sqrt(0.5 * squares / corners); }
   double whitened() const { return std::sqrt(0.5 * nees / corners); }
+  /// Root mean square error of the poses over their bound.
+  double poses_by_bound() const { return std::sqrt(pose_nees / (6.0 * poses)); }
   void add(const CharucoView& view, const BoardPictureOptions& picture);
 };
 

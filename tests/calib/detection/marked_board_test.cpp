@@ -62,6 +62,19 @@ TEST(Charuco, NoiseStaysWithinTheStatedCovarianceOverTrials) {
   EXPECT_GT(counts.whitened(), 0.6);
 }
 
+// Of boards with few columns, far away, the rest may be too little to tell the board by.
+TEST(Charuco, HalfHiddenOnesArePlacedAsWellAsTheRestTellsOverTrials) {
+  const Trials views(12, 60);
+  BoardPictureOptions noisy;
+  noisy.noise_sigma = 2.0;
+  const CharucoCounts counts = count_views(views.count(), noisy, 15, {false, 4.0, 0.5});
+  EXPECT_EQ(counts.wrong, 0);
+  EXPECT_LE(counts.missed, 0.05 * counts.views + 1.0);
+  EXPECT_GT(counts.lost, 0.3 * (counts.lost + counts.corners));
+  EXPECT_LT(counts.poses_by_bound(), 1.2);
+  EXPECT_GT(counts.poses_by_bound(), 0.5);
+}
+
 TEST(Charuco, AHalfHiddenBoardGivesTheCornersThatAreSeen) {
   const CharucoView view = view_of(board_7x5());
   const std::vector<Vector2d> truth = true_corners(view.camera, view.board, view.T_camera_board);
@@ -201,6 +214,17 @@ TEST(AprilGrid, NoiseStaysWithinTheStatedCovarianceOverTrials) {
   EXPECT_EQ(counts.missed + counts.wrong, 0);
   EXPECT_LT(counts.whitened(), 1.15);
   EXPECT_GT(counts.whitened(), 0.6);
+}
+
+TEST(AprilGrid, HalfHiddenOnesArePlacedAsWellAsTheRestTellsOverTrials) {
+  const Trials views(5, 20);
+  BoardPictureOptions noisy;
+  noisy.noise_sigma = 2.0;
+  const CharucoCounts counts = count_views(views.count(), noisy, 16, {true, 2.0, 0.5});
+  EXPECT_EQ(counts.missed + counts.wrong, 0);
+  EXPECT_GT(counts.lost, 0.3 * (counts.lost + counts.corners));
+  EXPECT_LT(counts.poses_by_bound(), 1.2);
+  EXPECT_GT(counts.poses_by_bound(), 0.5);
 }
 
 TEST(AprilGrid, AHalfHiddenOneGivesTheCornersThatAreSeen) {
