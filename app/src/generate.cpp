@@ -162,23 +162,12 @@ GenerateArguments arguments_of(const GenerateArguments& all, const GenerateConfi
   return arguments;
 }
 
-// One that is whole, of a run that is resumed, is that of the run.
-bool is_archived(const GenerateArguments& arguments) {
-  return !arguments.fresh && std::filesystem::is_regular_file(arguments.archive / "SHA256SUMS");
-}
-
-void check_archive(const GenerateArguments& arguments) {
-  const std::filesystem::path& folder = arguments.archive;
-  if (folder.empty() || !std::filesystem::exists(std::filesystem::symlink_status(folder)) || is_archived(arguments))
-    return;
-  throw Error("--archive: " + folder.string() + " exists already; name a new folder, or delete it");
-}
-
 void archive(const GenerateArguments& arguments, const std::filesystem::path& run, const Terminal& terminal) {
-  if (is_archived(arguments)) return terminal.line("archive    " + arguments.archive.string() + "  there already");
+  const std::string name = "archive    " + arguments.archive.string() + "  ";
+  if (is_archive_of(run, arguments.archive)) return terminal.line(name + "there already");
   ProgressLine progress(terminal, "archive", "files");
   const std::string what = write_shards(run, arguments.archive, arguments.shard_mib, &progress);
-  terminal.line("archive    " + arguments.archive.string() + "  " + what);
+  terminal.line(name + what);
 }
 
 int generate_one(RunsAhead* ahead, std::size_t number) {
@@ -210,7 +199,8 @@ int generate_command(const GenerateArguments& arguments) {
   std::vector<RunsAhead::Run> runs;
   for (const GenerateConfig& config : configs) {
     runs.push_back({arguments_of(arguments, config, many), config});
-    check_archive(runs.back().arguments);
+    const GenerateArguments& one = runs.back().arguments;
+    if (!one.archive.empty()) check_archive(output_of(one, config), one.archive);
   }
   RunsAhead ahead(std::move(runs));
   if (many && arguments.common.json) std::puts("[");

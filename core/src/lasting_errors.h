@@ -9,7 +9,8 @@
 
 namespace rigproof {
 
-/// @param of_cameras rows of the joint covariance of the cameras
-void visit_lasting(FieldVisitor& visitor, std::optional<LastingErrors>& lasting, std::size_t of_cameras);
+/// @param joint covariance of camera_to_robot; there are none without
+void visit_lasting(FieldVisitor& visitor, std::optional<LastingErrors>& lasting,
+                   const std::optional<Eigen::MatrixXd>& joint);
 
 }  // namespace rigproof

@@ -366,7 +366,7 @@ void visit_result(FieldVisitor& visitor, Result& result, const Wording& wording)
                        observable_rows(result.camera_to_robot), "upper triangle of all of camera_to_robot together");
   if (visitor.is_reading()) result.joint_covariance = joint;
   visit_lists(visitor, result, wording);
-  visit_lasting(visitor, result.lasting, static_cast<std::size_t>(size));
+  visit_lasting(visitor, result.lasting, joint_covariance_of(result));
   visitor.tolerate("x-");
 }
 

@@ -315,6 +315,10 @@ TEST(BadInput, AnArchiveReplacesNothing) {
   expect_error(rigproof_command({"generate", "--set", "poses=3", "-o", (scratch / "run").string(), "--archive",
                                  (scratch / "thesis").string()}),
                HasSubstr("exists already"));
+  const std::string run = (scratch / "run").string();
+  for (const std::string& archive : {run, run + "/archive", (scratch / ".").string()})
+    expect_error(rigproof_command({"generate", "--set", "poses=3", "-o", run, "--archive", archive}),
+                 HasSubstr("must neither lie in the run"));
   EXPECT_FALSE(fs::exists(scratch / "run"));
   expect_error(rigproof_command({"generate", "--set", "poses=3", "--shard-mib", "3"}), HasSubstr("--archive"));
 }

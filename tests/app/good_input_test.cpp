@@ -347,6 +347,13 @@ TEST(Command, ARunIsArchivedAsItIsGenerated) {
   const ProcessOutput again = rigproof_command(command);
   EXPECT_EQ(again.exit_code, 0);
   EXPECT_THAT(again.err + again.out, HasSubstr("there already"));
+  // The archive of another run is kept.
+  const std::string other = (scratch / "other").string();
+  EXPECT_EQ(rigproof_command({"generate", "--set", "poses=2", "--set", "image_scale=0.25", "--set", "seed=9", "-o",
+                              other, "--archive", archive})
+                .exit_code,
+            2);
+  EXPECT_EQ(tree_content(archive), tree_content(converted));
 }
 
 }  // namespace

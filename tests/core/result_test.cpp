@@ -324,13 +324,28 @@ TEST(Result, ACovarianceThatIsNoneIsNamed) {
 
 TEST(Result, LastingErrorsThatDoNotFitAreNamed) {
   const ResultFile f;
-  const std::string head = "format: rigproof-result\nversion: 2\nstatus: solved\nlasting_errors:\n  unknowns:\n";
-  const std::string line = "  - {camera: left, name: focal_length_percent, value: 1, with_cameras: [], covariance: ";
-  EXPECT_THAT(f.problems(head + line + "[1, 2]}\n"), HasSubstr("must have rows of an upper triangle"));
-  EXPECT_THAT(f.problems(head + line + "[-1]}\n"), HasSubstr("variances must be positive"));
-  EXPECT_THAT(f.problems(head + line + "[1, 2]}\n" + line + "[1]}\n"), HasSubstr("correlations at most 1"));
-  EXPECT_THAT(f.problems(head + "  - {camera: left, board: 1, name: a, value: 1, with_cameras: [], covariance: [1]}\n"),
+  const std::string none = "format: rigproof-result\nversion: 2\nstatus: solved\n";
+  const std::string head =
+      none +
+      "camera_to_robot: [{parent: r, child: l, translation_m: [0, 0, 0], quaternion_xyzw: [0, 0, 0, "
+      "1]}]\njoint_covariance_m_rad: [[1, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0], [1, 0, 0, 0], [1, 0, "
+      "0], [1, 0], [1]]\nlasting_errors:\n  unknowns:\n";
+  const auto line = [](const std::string& name, const std::string& covariance, const std::string& with = "0.5") {
+    return "  - {camera: left, name: " + name + ", value: 1, with_cameras: [" + with +
+           ", 0, 0, 0, 0, 0], covariance: [" + covariance + "]}\n";
+  };
+  EXPECT_EQ(f.problems(head + line("a", "1, 0") + line("b", "1")), "");
+  EXPECT_THAT(f.problems(head + line("a", "1, 2")), HasSubstr("must have rows of an upper triangle, and 6 numbers"));
+  EXPECT_THAT(f.problems(head + line("a", "-1")), HasSubstr("variances must be positive"));
+  EXPECT_THAT(f.problems(head + line("a", "1, 2") + line("b", "1")), HasSubstr("also of combinations"));
+  EXPECT_THAT(f.problems(head + line("a", "1", "1.5")), HasSubstr("together with the cameras'"));
+  EXPECT_THAT(f.problems(head + line("a", "1, 0") + line("a", "1")), HasSubstr("twice"));
+  EXPECT_THAT(f.problems(head + "  - {camera: left, board: 1, name: a, value: 1, covariance: [1]}\n"),
               HasSubstr("must be of a camera or of a board"));
+  EXPECT_THAT(f.problems(head + "  - {camera: left, name: a, covariance: [1]}\n"), HasSubstr("value"));
+  EXPECT_THAT(f.problems(head + "  []\n"), HasSubstr("1 to 2000 lines"));
+  EXPECT_THAT(f.problems(none + "lasting_errors:\n  unknowns:\n" + line("a", "1")),
+              HasSubstr("goes with a joint_covariance_m_rad"));
 }
 
 }  // namespace

@@ -172,7 +172,7 @@ inline Result sample_result() {
   lasting.unknowns[0] = {{"left", 0}, "focal_length_percent", -0.31};
   lasting.unknowns[1] = {{"", 1}, "board_size_percent", 0.125};
   lasting.covariance = Eigen::Matrix2d{{0.04, -0.0125}, {-0.0125, 0.25}};
-  lasting.with_cameras = Eigen::MatrixXd::Constant(12, 2, 0.00625);
+  lasting.with_cameras = Eigen::MatrixXd::Constant(12, 2, 6.25e-9);
   lasting.fine_fields = {{"center", 12, 0.25, 0.5}};
   lasting.stated.resize(2);
   lasting.stated[0] = {{"left", 0}, "0123456789abcdef"};

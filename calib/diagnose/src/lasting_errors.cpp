@@ -26,12 +26,12 @@ std::vector<LastingErrors::FineGrid> fine_grids(const Preparation& prepared) {
 
 }  // namespace
 
-std::optional<LastingErrors> lasting_errors(const Preparation& prepared, const Fit& fit,
+std::optional<LastingErrors> lasting_errors(const Preparation& prepared, const OdometryChoice& choice,
                                             const GlobalCovariance& globals, const Result& result) {
   const std::vector<LastingUnknown> unknowns = lasting_unknowns(prepared.used, prepared.priors);
   if (!result.joint_covariance || unknowns.empty()) return std::nullopt;
   const Layout layout = Layout::of(prepared.used, prepared.priors);
-  const Eigen::VectorXd values = lasting_among_globals(fit.state, layout);
+  const Eigen::VectorXd values = lasting_among_globals(choice.fit.state, layout);
   LastingErrors lasting;
   Eigen::MatrixXd chosen = Eigen::MatrixXd::Zero(layout.globals(), static_cast<Eigen::Index>(unknowns.size()));
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
@@ -41,7 +41,9 @@ std::optional<LastingErrors> lasting_errors(const Preparation& prepared, const F
   }
   const Eigen::MatrixXd with_all = globals.covariance * chosen;
   lasting.covariance = chosen.transpose() * with_all;
-  lasting.with_cameras = chart_of_solved(prepared, fit, layout) * with_all;
+  // What the other odometry model adds to the cameras is taken as independent of these errors.
+  const double share = choice.other ? choice.decision.probability : 1.0;
+  lasting.with_cameras = share * chart_of_solved(prepared, choice.fit, layout) * with_all;
   lasting.fine_fields = fine_grids(prepared);
   lasting.stated = hashes_of_stated(prepared.original);
   return lasting;

@@ -3,13 +3,13 @@
 
 #include <optional>
 
-#include "rigproof/calib/estimate/fit.h"
+#include "rigproof/calib/estimate/odometry_choice.h"
 #include "rigproof/core/result.h"
 
 namespace rigproof::ml {
 
 /// Absent where the result has no joint covariance, or where all is believed.
-std::optional<LastingErrors> lasting_errors(const Preparation& prepared, const Fit& fit,
+std::optional<LastingErrors> lasting_errors(const Preparation& prepared, const OdometryChoice& choice,
                                             const GlobalCovariance& globals, const Result& result);
 
 }  // namespace rigproof::ml

@@ -405,7 +405,7 @@ MlEstimate report(const Preparation& prepared, const OdometryChoice& choice, con
     report_residuals(stated.sums, &result);
     report_also_estimated(prepared, choice.fit, globals, &result);
     if (result.status != ResultStatus::kRefused) result.boards = standing_boards(prepared, choice.fit, globals);
-    result.lasting = lasting_errors(prepared, choice.fit, globals, result);
+    result.lasting = lasting_errors(prepared, choice, globals, result);
   } else {
     if (found.cause) append(found.cause->findings, &result.reasons);
     result.reasons.emplace_back("poses.undetermined");

@@ -1,5 +1,7 @@
 #include "rigproof/calib/estimate/lasting.h"
 
+#include <algorithm>
+
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 
@@ -21,22 +23,33 @@ void for_each_lasting(const Layout& layout, const Visit& visit) {
   for (std::size_t n = 0; n < kNuisances; ++n) {
     const Nuisance nuisance = static_cast<Nuisance>(n);
     const NuisanceRow& row = row_of(nuisance);
-    for (int i = 0; row.lasts && layout.has(nuisance) && i < layout.count(nuisance); ++i) visit(nuisance, row, i);
+    for (int i = 0; row.lasts() && layout.has(nuisance) && i < layout.count(nuisance); ++i) visit(nuisance, row, i);
   }
+}
+
+// As many digits as mean something: files are written anew by other programs.
+std::string text_of(double number) {
+  constexpr int kDigits = 9;
+  return " " + short_text(number, kDigits);
 }
 
 std::string text_of(const Camera& camera) {
   std::string text = std::to_string(camera.width_px) + " " + std::to_string(camera.height_px) + " " +
                      std::to_string(static_cast<int>(camera.lens));
-  for (const double number : {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px})
-    text += " " + number_text(number);
-  for (const double number : camera.distortion) text += " " + number_text(number);
+  for (const double number : {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px}) text += text_of(number);
+  for (const double number : camera.distortion) text += text_of(number);
   return text;
 }
 
+std::string text_of(const RigCamera& camera) {
+  return text_of(camera.camera) + " / " + text_of(camera.depth_optics()) +
+         (camera.depth ? text_of(camera.depth->unit_m) : "");
+}
+
 std::string text_of(const Board& board) {
-  return board.type + " " + std::to_string(board.squares_x) + " " + std::to_string(board.squares_y) + " " +
-         number_text(board.square_m) + " " + number_text(board.marker_side_m()) + " " + board.dictionary;
+  return board.type + " " + std::to_string(board.squares_x) + " " + std::to_string(board.squares_y) +
+         text_of(board.square_m) + text_of(board.marker_side_m()) + " " + board.dictionary +
+         (board.legacy_pattern ? " legacy" : "");
 }
 
 std::string hash_of(const std::string& text) {
@@ -55,7 +68,7 @@ std::vector<LastingUnknown> lasting_unknowns(const Observations& observations, c
       const NuisanceRow::Part& part = row.parts[static_cast<std::size_t>(i)];
       if (sigma > 0.0)
         unknowns.push_back({owner_of(observations, row, which), part.name, layout.place(nuisance, which) + i,
-                            part.units_per_si, sigma});
+                            part.units_per_si, sigma, std::min(sigma, part.drift.value_or(sigma))});
     }
   });
   return unknowns;
@@ -74,7 +87,7 @@ std::vector<LastingErrors::Stated> hashes_of_stated(const Observations& observat
   for (const RigCamera& camera : observations.cameras) {
     LastingErrors::Stated& of_camera = stated.emplace_back();
     of_camera.of.camera = camera.name;
-    of_camera.hash = hash_of(text_of(camera.camera) + " / " + text_of(camera.depth_optics()));
+    of_camera.hash = hash_of(text_of(camera));
   }
   for (int b = 0; b < observations.boards(); ++b) {
     LastingErrors::Stated& of_board = stated.emplace_back();

@@ -259,26 +259,37 @@ using Parts = std::vector<NuisanceRow::Part>;
 
 Parts odometry_parts() { return {{"odometry_scale", 1.0}, {"odometry_yaw_factor", 1.0}}; }
 
+Parts odometry_veer_parts() { return {{"odometry_veer_deg_per_m", 180.0 / kPi}}; }
+
+// How they drift from day to day: docs/theory/moved.md#errors-that-last.
+Parts depth_scale_parts() { return {{"depth_scale_percent", 100.0, 5e-4}}; }
+
+Parts common_depth_scale_parts() { return {{"common_depth_scale_percent", 100.0, 1e-4}}; }
+
 Parts depth_offset_parts() {
-  return {{"depth_offset_mm", 1e3}, {"depth_tilt_x_deg", 180.0 / kPi}, {"depth_tilt_y_deg", 180.0 / kPi}};
+  return {
+      {"depth_offset_mm", 1e3, 2e-4}, {"depth_tilt_x_deg", 180.0 / kPi, 1e-4}, {"depth_tilt_y_deg", 180.0 / kPi, 1e-4}};
 }
 
 Parts depth_shape_parts() {
-  return {{"depth_shift_x", 1.0}, {"depth_shift_y", 1.0},      {"depth_slope_x", 1.0},
-          {"depth_slope_y", 1.0}, {"depth_focal_length", 1.0}, {"depth_roll", 1.0}};
+  constexpr double kDrift = 1e-4;
+  return {{"depth_shift_x", 1.0, kDrift}, {"depth_shift_y", 1.0, kDrift},      {"depth_slope_x", 1.0, kDrift},
+          {"depth_slope_y", 1.0, kDrift}, {"depth_focal_length", 1.0, kDrift}, {"depth_roll", 1.0, kDrift}};
 }
 
 Parts lens_parts() {
-  return {{"focal_length_percent", 100.0},
-          {"principal_point_x_px", 1.0},
-          {"principal_point_y_px", 1.0},
-          {"focal_ratio_percent", 100.0},
-          {"distortion_px", 1.0}};
+  return {{"focal_length_percent", 100.0, 2e-4},
+          {"principal_point_x_px", 1.0, 0.1},
+          {"principal_point_y_px", 1.0, 0.1},
+          {"focal_ratio_percent", 100.0, 2e-5},
+          {"distortion_px", 1.0, 0.03}};
 }
 
 Parts board_parts() {
-  return {
-      {"board_size_percent", 100.0}, {"board_ratio_percent", 100.0}, {"board_bow_x_mm", 1e3}, {"board_bow_y_mm", 1e3}};
+  return {{"board_size_percent", 100.0, 2e-4},
+          {"board_ratio_percent", 100.0, 1e-4},
+          {"board_bow_x_mm", 1e3, 5e-5},
+          {"board_bow_y_mm", 1e3, 5e-5}};
 }
 
 Parts ground_offset_parts() {
@@ -290,32 +301,20 @@ Parts ground_offset_parts() {
 const std::array<NuisanceRow, kNuisances>& nuisance_table() {
   constexpr Each kRig = Each::kRig, kCamera = Each::kCamera, kBoard = Each::kBoard;
   constexpr bool kAny = false, kIncrements = true;  // odometry that knows it
-  constexpr bool kReported = true, kLasts = true;
+  constexpr bool kReported = true;
   static const std::array<NuisanceRow, kNuisances> kTable = {{
-      {odometry_parts(), kRig, kIncrements, !kReported, !kLasts, "odometry", &of_odometry},
-      {{{"odometry_veer_deg_per_m", 180.0 / kPi}},
-       kRig,
-       kIncrements,
-       !kReported,
-       !kLasts,
-       "odometry",
-       &of_odometry_veer},
-      {{{"depth_scale_percent", 100.0}}, kCamera, kAny, !kReported, kLasts, "depth scale", &of_depth_scale},
-      {{{"common_depth_scale_percent", 100.0}},
-       kCamera,
-       kAny,
-       kReported,
-       kLasts,
-       "depth scale",
-       &of_common_depth_scale},
-      {depth_offset_parts(), kCamera, kAny, kReported, kLasts, "depth error", &of_depth_offset},
-      {depth_shape_parts(), kCamera, kAny, !kReported, kLasts, "depth error", &of_depth_shape},
-      {lens_parts(), kCamera, kAny, kReported, kLasts, "lens", &of_lens},
-      {board_parts(), kBoard, kAny, kReported, kLasts, "board", &of_board_shape},
-      {ground_offset_parts(), kCamera, kAny, !kReported, !kLasts, "depth error", &of_ground_offset},
-      {{{"clock_offset_ms", 1e3}}, kCamera, kAny, kReported, !kLasts, "clock", &of_clock_offset},
-      {{{"turn_lag_ms", 1e3}}, kRig, kAny, !kReported, !kLasts, "turn lag", &of_turn_lag},
-      {{{"readout_ms", 1e3}}, kCamera, kAny, kReported, kLasts, "rolling shutter", &of_readout},
+      {odometry_parts(), kRig, kIncrements, !kReported, "odometry", &of_odometry},
+      {odometry_veer_parts(), kRig, kIncrements, !kReported, "odometry", &of_odometry_veer},
+      {depth_scale_parts(), kCamera, kAny, !kReported, "depth scale", &of_depth_scale},
+      {common_depth_scale_parts(), kCamera, kAny, kReported, "depth scale", &of_common_depth_scale},
+      {depth_offset_parts(), kCamera, kAny, kReported, "depth error", &of_depth_offset},
+      {depth_shape_parts(), kCamera, kAny, !kReported, "depth error", &of_depth_shape},
+      {lens_parts(), kCamera, kAny, kReported, "lens", &of_lens},
+      {board_parts(), kBoard, kAny, kReported, "board", &of_board_shape},
+      {ground_offset_parts(), kCamera, kAny, !kReported, "depth error", &of_ground_offset},
+      {{{"clock_offset_ms", 1e3}}, kCamera, kAny, kReported, "clock", &of_clock_offset},
+      {{{"turn_lag_ms", 1e3}}, kRig, kAny, !kReported, "turn lag", &of_turn_lag},
+      {{{"readout_ms", 1e3, 1e-6}}, kCamera, kAny, kReported, "rolling shutter", &of_readout},
   }};
   return kTable;
 }

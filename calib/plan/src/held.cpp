@@ -1,6 +1,7 @@
 #include "held.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 #include "kept_errors.h"
 #include "rigproof/calib/estimate/covariance.h"
@@ -24,6 +25,13 @@ Eigen::VectorXd errors(const std::vector<Rigid3>& now, const std::vector<Rigid3>
   for (std::size_t c = 0; c < now.size(); ++c)
     result.segment<6>(6 * static_cast<Eigen::Index>(c)) = transform_error(now[c], before[c]);
   return result;
+}
+
+// Errors of cameras along the axes of the earlier robot, along those of one that has moved by D.
+Eigen::MatrixXd turn_of_all(const Rigid3& D, Eigen::Index rows) {
+  Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(rows, rows);
+  for (Eigen::Index i = 0; i < rows; i += 3) turn.block<3, 3>(i, i) = D.rotation_matrix();
+  return turn;
 }
 
 /// The new observations, what is left of that which repeats in every image of a lens and a board that nobody knows
@@ -65,11 +73,15 @@ ml::RemovedErrors of_views(const Observations& used, const CalibrationNoise& noi
   return repeating;
 }
 
-// As the earlier drive saw them: few images hardly tell.
+// As the earlier drive saw them, where it doubted the lens: few images hardly tell.
 void take_fine_fields(const LastingErrors& lasting, const Observations& used, ml::RemovedErrors* repeating) {
   for (std::size_t c = 0; c < repeating->fine.size(); ++c) {
     const std::string& camera = used.cameras[c].name;
-    if (!is_of(lasting, {camera, 0})) continue;
+    const bool doubted =
+        std::any_of(lasting.unknowns.begin(), lasting.unknowns.end(), [&](const LastingErrors::Unknown& unknown) {
+          return unknown.of.camera == camera && unknown.name == ml::row_of(ml::Nuisance::kLens).parts.front().name;
+        });
+    if (!doubted) continue;
     repeating->fine[c].grids.clear();
     for (const LastingErrors::FineGrid& grid : lasting.fine_fields)
       if (grid.camera == camera) repeating->fine[c].grids.push_back({grid.cells, grid.sigma_px, grid.share});
@@ -139,7 +151,8 @@ std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Eigen::
   const std::optional<ml::GlobalCovariance> all = seen.covariance(state);
   if (!slope || !all) return std::nullopt;
   Eigen::MatrixXd J = ml::camera_chart(state, seen.problem.layout());
-  if (seen.kept) J -= seen.kept->cameras_by_globals();
+  const Eigen::MatrixXd turn = turn_of_all(common_motion(before.T_robot_camera, state.T_robot_camera), J.rows());
+  if (seen.kept) J -= turn * seen.kept->cameras_by_globals();
   const ml::GlobalCovariance own = ml::invert_information(slope->schur());
   KnownPoses knowledge;
   knowledge.T_robot_camera = state.T_robot_camera;
@@ -147,7 +160,7 @@ std::optional<KnownPoses> held_knowledge(const KnownPoses& before, const Eigen::
   knowledge.free_directions = J * all->free_directions;
   knowledge.step = -J * (own.covariance.topRows(seen.globals()) * slope->schur_gradient());
   if (!seen.kept) return knowledge;
-  knowledge.step -= seen.kept->shift_of_cameras(state);
+  knowledge.step -= turn * seen.kept->shift_of_cameras(state);
   knowledge.covariance_before = seen.kept->covariance_left(before.covariance);
   return knowledge;
 }

@@ -5,15 +5,14 @@
 #include <functional>
 #include <vector>
 
+#include "rigproof/calib/estimate/lasting.h"
 #include "rigproof/calib/estimate/problem.h"
 #include "rigproof/core/result.h"
 
 namespace rigproof::moved {
 
-/// Whether they are errors of this camera or board, too.
-bool is_of(const LastingErrors& lasting, const LastingErrors::Owner& owner);
-/// Those of some cameras and boards.
-LastingErrors only_of(const std::function<bool(const LastingErrors::Stated&)>& keeps, LastingErrors lasting);
+/// The errors of the cameras and boards for which `keeps` holds.
+LastingErrors only_of(const std::function<bool(const LastingErrors::Owner&)>& keeps, LastingErrors lasting);
 
 /// In place of what is stated of the same errors.
 class KeptErrors {
@@ -32,13 +31,19 @@ class KeptErrors {
   Eigen::MatrixXd covariance_left(const Eigen::MatrixXd& of_cameras) const;
 
  private:
+  // An unknown of the problem, and where among the lasting errors it is.
+  struct Kept {
+    ml::LastingUnknown unknown;
+    Eigen::Index row;
+  };
+  static std::vector<Kept> common_to(const LastingErrors& lasting, const ml::Problem& problem);
   Eigen::VectorXd now(const ml::State& state) const;
 
   const ml::Problem& problem_;
-  std::vector<Eigen::Index> at_;            // among the globals
+  std::vector<Eigen::Index> places_;        // among the globals
   Eigen::VectorXd value_;                   // as they were left
   Eigen::MatrixXd information_;             // of it, together
-  Eigen::VectorXd stated_;                  // information of each
+  Eigen::VectorXd stated_information_;      // of each, which counts no more
   Eigen::MatrixXd with_cameras_, by_each_;  // covariance with the earlier cameras; the same times the information
 };
 

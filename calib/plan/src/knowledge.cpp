@@ -52,25 +52,40 @@ Eigen::MatrixXd joint_of(const Result& previous, const Match& match) {
   return Eigen::MatrixXd((*previous.joint_covariance)(rows, rows));
 }
 
+// Cameras and boards that this recording has, too, but states otherwise.
+std::vector<LastingErrors::Owner> stated_otherwise(const LastingErrors& lasting, const Observations& observations) {
+  const std::vector<LastingErrors::Stated> now = ml::hashes_of_stated(observations);
+  std::vector<LastingErrors::Owner> otherwise;
+  for (const LastingErrors::Stated& then : lasting.stated)
+    for (const LastingErrors::Stated& stated : now)
+      if (stated.of == then.of && stated.hash != then.hash) otherwise.push_back(then.of);
+  return otherwise;
+}
+
+void note_otherwise(const std::vector<LastingErrors::Owner>& otherwise, std::vector<Finding>* notes) {
+  std::vector<std::string> cameras;
+  for (const LastingErrors::Owner& owner : otherwise)
+    if (owner.board == 0) cameras.push_back(owner.camera);
+  if (!cameras.empty()) notes->push_back(Finding("moved.camera_otherwise").of(cameras));
+  if (cameras.size() < otherwise.size()) notes->emplace_back("moved.board_otherwise");
+}
+
 // Of cameras and boards of which the same is stated.
 std::optional<LastingErrors> lasting_of(const Result& previous, const Observations& observations, const Match& match,
                                         std::vector<Finding>* notes) {
-  if (!previous.lasting) return std::nullopt;
+  if (!previous.lasting) {
+    const ml::Priors stated = ml::Priors::of({observations, usual_priors(), false});
+    if (!ml::lasting_unknowns(observations, stated).empty()) notes->emplace_back("moved.errors_forgotten");
+    return std::nullopt;
+  }
+  const std::vector<LastingErrors::Owner> otherwise = stated_otherwise(*previous.lasting, observations);
+  note_otherwise(otherwise, notes);
   LastingErrors lasting = *previous.lasting;
   lasting.with_cameras = Eigen::MatrixXd(lasting.with_cameras(rows_of(previous, match), Eigen::all));
-  Finding otherwise("moved.stated_otherwise");
-  const std::vector<LastingErrors::Stated> now = ml::hashes_of_stated(observations);
-  const auto is_the_same = [&](const LastingErrors::Stated& then) {
-    const auto found =
-        std::find_if(now.begin(), now.end(), [&](const LastingErrors::Stated& stated) { return stated.of == then.of; });
-    if (found == now.end() || found->hash == then.hash) return found != now.end();
-    if (then.of.board > 0 && otherwise.find("board") == nullptr) otherwise.values.emplace_back("board", 1);
-    if (then.of.board == 0) otherwise.cameras.push_back(then.of.camera);
-    return false;
+  const auto is_the_same = [&](const LastingErrors::Owner& owner) {
+    return std::find(otherwise.begin(), otherwise.end(), owner) == otherwise.end();
   };
-  lasting = only_of(is_the_same, std::move(lasting));
-  if (!otherwise.cameras.empty() || !otherwise.values.empty()) notes->push_back(otherwise);
-  return lasting;
+  return only_of(is_the_same, std::move(lasting));
 }
 
 // What a previous result states has in it that nobody measured about which point the robot turns, the same for all
@@ -400,13 +415,12 @@ KnownPoses NewKnowledge::if_moved(const Eigen::MatrixXd& moved) const {
   return held_knowledge(before_, moved, used_, optimum_, noise_, repeating_.get()).value_or(free_);
 }
 
-std::optional<NewKnowledge> NewKnowledge::with_other_boards() const {
-  const auto is_of_board = [](const LastingErrors::Unknown& unknown) { return unknown.of.board > 0; };
-  if (!before_.lasting || std::none_of(before_.lasting->unknowns.begin(), before_.lasting->unknowns.end(), is_of_board))
-    return std::nullopt;
+std::optional<NewKnowledge> NewKnowledge::with_others(
+    const std::function<bool(const LastingErrors::Owner&)>& changed) const {
+  if (!before_.lasting) return std::nullopt;
   NewKnowledge other = *this;
-  other.before_.lasting =
-      only_of([](const LastingErrors::Stated& stated) { return stated.of.board == 0; }, *before_.lasting);
+  other.before_.lasting = only_of([&](const LastingErrors::Owner& owner) { return !changed(owner); }, *before_.lasting);
+  if (other.before_.lasting->unknowns.size() == before_.lasting->unknowns.size()) return std::nullopt;
   return other;
 }
 

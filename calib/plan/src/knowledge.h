@@ -1,6 +1,7 @@
 // What a previous result and new observations know about the same cameras.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,8 +44,9 @@ class NewKnowledge {
   /// where the equations cannot be solved so, at the observations' own optimum.
   KnownPoses if_moved(const Eigen::MatrixXd& moved) const;
 
-  /// The same, were the boards other ones than then; absent where the previous result tells nothing of boards.
-  std::optional<NewKnowledge> with_other_boards() const;
+  /// The same, were the errors that last of some cameras or boards other ones than then; absent where the previous
+  /// result tells nothing of these.
+  std::optional<NewKnowledge> with_others(const std::function<bool(const LastingErrors::Owner&)>& changed) const;
 
  private:
   KnownPoses before_, free_;

@@ -14,7 +14,10 @@ struct AxisSource {
   std::size_t axis;
   std::string source;
   double sigma, part;  // cm, deg
+  std::string worst;   // the camera, where others are known better
 };
+
+constexpr double kAlike = 1.05;  // sigmas that differ by less
 
 double variance_of(const EstimatedTransform& camera, std::size_t axis) {
   const auto i = static_cast<Eigen::Index>(axis);
@@ -31,7 +34,12 @@ std::optional<AxisSource> source_of(const Result& result, std::size_t axis) {
   if (!(sigma > 0.0)) return std::nullopt;
   const auto most = std::max_element(worst->budget.begin(), worst->budget.end(),
                                      [axis](const auto& a, const auto& b) { return a.share[axis] < b.share[axis]; });
-  return AxisSource{axis, most->source, sigma, sigma * std::sqrt(most->share[axis])};
+  const bool others_better =
+      std::any_of(result.camera_to_robot.begin(), result.camera_to_robot.end(), [&](const EstimatedTransform& camera) {
+        return variance_of(camera, axis) > 0.0 &&
+               variance_of(*worst, axis) > kAlike * kAlike * variance_of(camera, axis);
+      });
+  return AxisSource{axis, most->source, sigma, sigma * std::sqrt(most->share[axis]), others_better ? worst->child : ""};
 }
 
 bool belong_together(const AxisSource& a, const AxisSource& b) {
@@ -41,10 +49,10 @@ bool belong_together(const AxisSource& a, const AxisSource& b) {
 Finding finding_of(const std::vector<AxisSource>& group) {
   const auto by_sigma = [](const AxisSource& a, const AxisSource& b) { return a.sigma < b.sigma; };
   const auto [least, most] = std::minmax_element(group.begin(), group.end(), by_sigma);
-  constexpr double kAlike = 1.05;
   Finding finding("uncertainty.source",
                   {{"sigma", most->sigma}, {"part", most->part}, {"unit", most->axis < 3 ? "cm" : "deg"}});
   if (most->sigma > kAlike * least->sigma) finding = finding.with({{"uneven", 1}});
+  if (!most->worst.empty()) finding = finding.with({{"worst", most->worst}});
   const std::string measure = measurement_for(most->source).value_or("");
   if (measure != "centre") finding = finding.with({{"source", most->source}});
   if (!measure.empty()) finding = finding.with({{"measure", measure}});

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -213,14 +214,30 @@ Finding of_the_rig(const Evidence& evidence) {
   return finding;
 }
 
-// Were the boards other ones than then, nothing need have moved, and that explains it about as well.
-void doubt_boards(const Evidence& evidence, double rest_of_best, MovedReport* report) {
-  const std::optional<moved::NewKnowledge> apart = evidence.now.with_other_boards();
-  if (!apart) return;
+// Were errors that last other ones than then, of some cameras or boards: whether nothing need have moved, and that
+// explains it about as well.
+bool others_explain(const Evidence& evidence, double rest_of_best,
+                    const std::function<bool(const LastingErrors::Owner&)>& changed) {
+  const std::optional<moved::NewKnowledge> apart = evidence.now.with_others(changed);
+  if (!apart) return false;
   const moved::Difference standing =
       Evidence{evidence.before, *apart, evidence.significance}.difference(columns_of({}, evidence.count()));
-  if (standing.rank == 0 || standing.statistic > rest_of_best + kAsLikely) return;
-  if (chi_square_tail(standing.statistic, standing.rank) < evidence.significance) return;
+  return standing.rank > 0 && standing.statistic < rest_of_best + kAsLikely &&
+         chi_square_tail(standing.statistic, standing.rank) >= evidence.significance;
+}
+
+// Another board accuses cameras that did nothing; a lens that changed accuses the right one.
+void doubt_errors(const Evidence& evidence, double rest_of_best, MovedReport* report) {
+  std::vector<std::string> accused;
+  for (const CameraShift& camera : report->cameras)
+    if (camera.verdict == MovedVerdict::kMoved) accused.push_back(camera.camera);
+  const auto is_accused = [&](const LastingErrors::Owner& owner) {
+    return std::find(accused.begin(), accused.end(), owner.camera) != accused.end();
+  };
+  if (others_explain(evidence, rest_of_best, is_accused))
+    report->reasons.push_back(Finding("moved.or_lens").of(accused));
+  if (!others_explain(evidence, rest_of_best, [](const LastingErrors::Owner& owner) { return owner.board > 0; }))
+    return;
   report->reasons.emplace_back("moved.or_board");
   for (CameraShift& camera : report->cameras)
     if (camera.verdict == MovedVerdict::kMoved) camera.verdict = MovedVerdict::kSuspect;
@@ -235,7 +252,7 @@ void name_who_moved(const Evidence& evidence, MovedReport* report) {
       single.begin(), single.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.rest() < b.rest(); });
   if (!best.explains(evidence.significance)) {
     accuse(several_cameras(evidence, best.rig ? std::vector<std::size_t>() : best.cameras), report);
-    return doubt_boards(evidence, std::numeric_limits<double>::infinity(), report);
+    return doubt_errors(evidence, std::numeric_limits<double>::infinity(), report);
   }
   const std::vector<const Hypothesis*> suspects = suspects_of(single, best, evidence.significance);
   if (suspects.size() > 1) {
@@ -246,7 +263,7 @@ void name_who_moved(const Evidence& evidence, MovedReport* report) {
     if (best.rig) report->reasons.push_back(of_the_rig(evidence));
     accuse(best, report);
   }
-  doubt_boards(evidence, best.rest(), report);
+  doubt_errors(evidence, best.rest(), report);
 }
 
 // What the rig as one body could do unnoticed.

@@ -40,10 +40,11 @@ TEST(MainSources, AreALineForAxesThatHaveThemAlikeWithSizesAndRemedy) {
                             camera("right", worse, budget)};
   EXPECT_THAT(
       worded(main_sources(result)),
-      ElementsAre(testing::AllOf(StartsWith("x, y: 0.50 cm, of it 0.50 from where the robot turns: measure it"),
+      ElementsAre(testing::AllOf(StartsWith("x, y: 0.50 cm (right), of it 0.50 from where the robot turns: measure it"),
                                  HasSubstr("`rotation_centre_mm`")),
-                  StartsWith("z: 0.30 cm, of it 0.24 from board: measure the side of ten squares"),
-                  "roll, pitch: up to 0.020 deg, of it 0.020 from corners", "yaw: 0.50 deg, of it 0.43 from odometry"));
+                  StartsWith("z: 0.30 cm (right), of it 0.24 from board: measure the side of ten squares"),
+                  "roll, pitch: up to 0.020 deg (right), of it 0.020 from corners",
+                  "yaw: 0.50 deg (right), of it 0.43 from odometry"));
 }
 
 TEST(MainSources, AreNoneOfAxesThatAreNotAnswered) {

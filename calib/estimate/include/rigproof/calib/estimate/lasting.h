@@ -19,6 +19,7 @@ struct LastingUnknown {
   int place;            ///< among the globals
   double units_per_si;  ///< what the name says = this * the global
   double stated_sigma;  ///< of the global, before any data
+  double drift;         ///< by how much it is another one the next day, one sigma; at most what is stated
 };
 
 /// All that are not believed.

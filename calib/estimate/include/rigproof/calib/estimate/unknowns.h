@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -88,17 +89,20 @@ struct NuisanceRow {
   struct Part {
     const char* name;     ///< with the unit in which it is reported
     double units_per_si;  ///< what is reported = this * value
+    /// By how much it is another one the next day, one sigma; absent: nothing is known of tomorrow's.
+    std::optional<double> drift = std::nullopt;
   };
   std::vector<Part> parts;
   Each each;             ///< whole rig, camera or board
   bool increments_only;  ///< no residual of absolute odometry knows it
   bool reported;         ///< in Result::also_estimated
-  bool lasts;            ///< another drive of the same robot meets the same value
   const char* source;    ///< of uncertainty: what its prior is called in the budget
   /// Covariance of the prior (parts x parts, mean zero) of each; zero = believed.
   std::vector<Eigen::MatrixXd> (*prior)(const PriorSource& source);
 
   int size() const { return static_cast<int>(parts.size()); }
+  /// Whether another drive of the same robot meets the same values.
+  bool lasts() const { return parts.front().drift.has_value(); }
 };
 /// What a quantity of a board is called: board_size_percent of the second one board_2_size_percent.
 std::string name_of_board(const std::string& quantity, int board);
