@@ -67,8 +67,14 @@ double half_width(int count, int trials) {
 }
 
 void tell(int stops, std::uint64_t seed, const MovedReport& report) {
-  std::printf("  %d stops, seed %llu: p %.2g, chi-square %.1f of %d\n", stops, static_cast<unsigned long long>(seed),
+  std::printf("  %d stops, seed %llu: p %.2g, chi-square %.1f of %d", stops, static_cast<unsigned long long>(seed),
               report.p_value, report.statistic, report.degrees_of_freedom);
+  for (const auto* findings : {&report.reasons, &report.notes})
+    for (const Finding& finding : *findings) {
+      std::printf(" %s", finding.code.c_str());
+      for (const Finding& because : finding.because) std::printf(" (%s)", because.code.c_str());
+    }
+  std::printf("\n");
 }
 
 // Nothing in these drives contradicts anything.
@@ -92,7 +98,7 @@ void false_alarms(const std::vector<Calibrated>& previous, int trials, bool verb
       for (std::size_t k = 0; k < levels.size(); ++k) alarms[k] += report.p_value < levels[k] ? 1 : 0;
       ratio += report.statistic / std::max(1, report.degrees_of_freedom) / trials;
       blamed += blames_the_data(report) ? 1 : 0;
-      if (verbose && report.p_value < levels[1]) tell(stops, seed, report);
+      if (verbose && (report.p_value < levels[1] || blames_the_data(report))) tell(stops, seed, report);
     }
     std::printf("%5d", stops);
     for (const int count : alarms)
