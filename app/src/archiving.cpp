@@ -9,10 +9,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_whole(const fs::path& archive) {
-  return fs::is_regular_file(archive / "SHA256SUMS") && fs::is_regular_file(archive / "index.csv");
-}
-
 bool contains(const fs::path& folder, const fs::path& other) {
   const fs::path inside = fs::weakly_canonical(other).lexically_relative(fs::weakly_canonical(folder));
   return !inside.empty() && *inside.begin() != "..";
@@ -23,12 +19,14 @@ bool contains(const fs::path& folder, const fs::path& other) {
 void check_archive(const fs::path& run, const fs::path& archive) {
   if (contains(run, archive) || contains(archive, run))
     throw Error("--archive: " + archive.string() + " must neither lie in the run " + run.string() + " nor hold it");
-  if (fs::exists(fs::symlink_status(archive)) && !is_whole(archive))
-    throw Error("--archive: " + archive.string() + " exists already and holds no archive; name a new folder");
+  if (fs::exists(fs::symlink_status(archive)) && !is_archive_of(run, archive))
+    throw Error("--archive: " + archive.string() + " exists already and is no archive of " + run.string() +
+                "; name a new folder");
 }
 
 bool is_archive_of(const fs::path& run, const fs::path& archive) {
-  if (!is_whole(archive)) return false;
+  for (const fs::path& file : {archive / "SHA256SUMS", archive / "index.csv", run / "run.yaml"})
+    if (!fs::is_regular_file(file)) return false;
   const std::string manifest = ",run.yaml,", index = read_text_file(archive / "index.csv");
   const std::string ending = "," + sha256_hex_of_file(run / "run.yaml") + "\n";
   const std::size_t at = index.find(manifest);

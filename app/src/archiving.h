@@ -8,8 +8,8 @@
 
 namespace rigproof {
 
-/// Throws Error where an archive of the run cannot be made: the folder exists already and holds none, or one of the two
-/// would lie in the other.
+/// Throws Error where an archive of the run cannot be made: the folder exists already and is none of it, or one of the
+/// two would lie in the other.
 void check_archive(const std::filesystem::path& run, const std::filesystem::path& archive);
 /// Whether a run that is there is what a whole archive holds.
 bool is_archive_of(const std::filesystem::path& run, const std::filesystem::path& archive);

@@ -63,6 +63,14 @@ bool repeat(const std::vector<LastingErrors::Unknown>& unknowns) {
   });
 }
 
+// Whether it is known of each what was stated of the camera or board that it is of.
+bool all_stated(const LastingErrors& lasting) {
+  return std::all_of(lasting.unknowns.begin(), lasting.unknowns.end(), [&](const LastingErrors::Unknown& unknown) {
+    return std::any_of(lasting.stated.begin(), lasting.stated.end(),
+                       [&](const LastingErrors::Stated& stated) { return stated.of == unknown.of; });
+  });
+}
+
 // Whether all of the cameras and the errors together have variances that are positive, and no combination a negative
 // one.
 bool is_covariance_with(const Eigen::MatrixXd& joint, const LastingErrors& lasting) {
@@ -128,8 +136,9 @@ void check_and_take(FieldVisitor& visitor, const std::vector<Line>& lines, const
   if (!fit) return;
   take(lines, of_cameras, lasting);
   visitor.check(!repeat(lasting->unknowns), "unknowns", "hold one of a camera or board twice");
+  visitor.check(all_stated(*lasting), "stated", "must have a line for each camera and board of unknowns");
   visitor.check(is_covariance_with(*joint, *lasting), "unknowns",
-                "have no covariance, together with the cameras': variances must be positive, also of combinations");
+                "are no covariance together with the cameras': variances must be positive, also of combinations");
 }
 
 void visit_block(FieldVisitor& visitor, LastingErrors& lasting, const std::optional<Eigen::MatrixXd>& joint) {

@@ -353,6 +353,7 @@ TEST(Command, ARunIsArchivedAsItIsGenerated) {
                               other, "--archive", archive})
                 .exit_code,
             2);
+  EXPECT_FALSE(fs::exists(other));  // said before anything is rendered
   EXPECT_EQ(tree_content(archive), tree_content(converted));
 }
 

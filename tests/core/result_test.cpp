@@ -334,7 +334,8 @@ TEST(Result, LastingErrorsThatDoNotFitAreNamed) {
     return "  - {camera: left, name: " + name + ", value: 1, with_cameras: [" + with +
            ", 0, 0, 0, 0, 0], covariance: [" + covariance + "]}\n";
   };
-  EXPECT_EQ(f.problems(head + line("a", "1, 0") + line("b", "1")), "");
+  EXPECT_EQ(f.problems(head + line("a", "1, 0") + line("b", "1") + "  stated: [{camera: left, hash: 12}]\n"), "");
+  EXPECT_THAT(f.problems(head + line("a", "1")), HasSubstr("must have a line for each camera and board"));
   EXPECT_THAT(f.problems(head + line("a", "1, 2")), HasSubstr("must have rows of an upper triangle, and 6 numbers"));
   EXPECT_THAT(f.problems(head + line("a", "-1")), HasSubstr("variances must be positive"));
   EXPECT_THAT(f.problems(head + line("a", "1, 2") + line("b", "1")), HasSubstr("also of combinations"));
