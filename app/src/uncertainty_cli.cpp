@@ -75,7 +75,10 @@ void add_moved(CLI::App& app, Action& action) {
       "rigproof moved tuesday/ monday/results/ml.yaml", moved_command,
       "Exit codes: 0 nothing moved, 1 a camera moved, 3 the images cannot tell.\n");
   command->add_option("INPUT", arguments.input, "New images: " + inputs_in_words(false))->required();
-  command->add_option("RESULT", arguments.previous, "The earlier result, with its uncertainty")->required();
+  command
+      ->add_option("RESULT", arguments.previous,
+                   "The earlier result, with its uncertainty; show the same board as then")
+      ->required();
   command
       ->add_option("--significance", arguments.significance_percent,
                    "Probability of a false alarm when nothing moved, for all cameras together, per cent")
