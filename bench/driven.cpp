@@ -49,7 +49,8 @@ std::vector<Stop> stops_of(const std::vector<TrueStop>& truth, const std::vector
 
 GeometricRun drive(const Options& options, std::uint64_t seed) {
   GenerateConfig config = parse_generate_config(
-      "motion: drive\nseed: " + std::to_string(seed) + "\n" + joined(options.lines, "\n"), "arguments");
+      "include: plain.yaml\nmotion: drive\nseed: " + std::to_string(seed) + "\n" + joined(options.lines, "\n"),
+      "arguments");
   config.poses = options.poses;
   const Scenario scenario = resolve_scenario(config);
   GeometricConfig geometric;

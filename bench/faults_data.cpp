@@ -99,8 +99,8 @@ std::string world_of(std::uint64_t seed) {
 }
 
 std::string run_text(const fs::path& rig_file, std::uint64_t seed, const DriveSize& size) {
-  return "scene: " + world_of(seed) + "\nseed: " + std::to_string(seed) + "\nrig: \"" + rig_file.string() +
-         "\"\nimage_scale: " + number_text(size.image_scale) + "\n";
+  return "include: plain.yaml\nscene: " + world_of(seed) + "\nseed: " + std::to_string(seed) + "\nrig: \"" +
+         rig_file.string() + "\"\nimage_scale: " + number_text(size.image_scale) + "\n";
 }
 
 void generate_run(const std::string& text, const fs::path& folder) {

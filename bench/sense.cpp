@@ -28,11 +28,18 @@ const char* const kDepthEffects =
 const std::vector<std::pair<std::string, std::string>>& cases() {
   static const std::vector<std::pair<std::string, std::string>> list = {
       {"clean", "sensor_noise: none\n"},
-      {"default noise", ""},
+      {"noise", ""},
       {"image effects", std::string("sensing: {") + kImageEffects + "}\n"},
       {"depth effects", std::string("sensing: {") + kDepthEffects + "}\n"},
       {"all of these", std::string("sensing: {") + kImageEffects + ", " + kDepthEffects + "}\n"},
-      {"as JPEG", "sensing: {image: {jpeg_quality: 95}}\n"}};
+      {"as JPEG", "sensing: {image: {jpeg_quality: 90}}\n"},
+      {"demosaicing", "sensing: {image: {demosaicing: true}}\n"},
+      {"sharpening", "sensing: {image: {sharpening: true}}\n"},
+      {"defocus", "sensing: {image: {defocus_sigma_px: 0.3}}\n"},
+      {"as by default",
+       std::string(
+           "sensing: {image: {pixel_pattern: true, vignetting: true, exposure_jitter_percent: 2, demosaicing: ") +
+           "true, sharpening: true, defocus_sigma_px: 0.3, jpeg_quality: 90}, " + kDepthEffects + "}\n"}};
   return list;
 }
 
@@ -67,7 +74,8 @@ void measure(const std::string& poses, const std::string& only, const fs::path& 
 int main(int argc, char** argv) {
   try {
     const ScratchFolder folder("bench-sense");
-    measure("poses: " + std::string(argc > 1 ? argv[1] : "20") + "\n", argc > 2 ? argv[2] : "", folder.path());
+    measure("include: plain.yaml\nposes: " + std::string(argc > 1 ? argv[1] : "20") + "\n", argc > 2 ? argv[2] : "",
+            folder.path());
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

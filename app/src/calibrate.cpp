@@ -72,6 +72,9 @@ int calibrate_command(const CalibrateArguments& arguments) {
   const std::filesystem::path folder = product_place(input, arguments.output, "results");
   const FrameTree chain = load_chain(product_folder(input));
   const auto methods = methods_by_name(arguments.methods, {folder, [] { return !interrupted(); }});
+  for (const auto& method : methods)
+    check_can_be_written(folder / (result_name(method->traits().name, arguments.vision) + ".yaml"));
+  if (!arguments.junit.empty()) check_can_be_written(arguments.junit);
   const Observations observations = observe_with_progress(input, vision, arguments.common.jobs, terminal);
   const MethodInput given = method_input(input, observations, vision, arguments.common.jobs);
   bool all_solved = true;

@@ -82,7 +82,7 @@ void prove_and_say(const RunFolder& run, const Input& input, const Observations&
 
 int run_command(const RunArguments& arguments) {
   const GenerateConfig config = configuration_of(arguments.generate);
-  methods_by_name(arguments.methods);  // an unknown method is told before anything is rendered
+  const auto methods = methods_by_name(arguments.methods);  // an unknown method is told before anything is rendered
   const Vision vision(arguments.vision);
   budget_of(arguments.budget);
   if (!arguments.accept.empty()) accept_criteria_of(arguments.accept);
@@ -90,6 +90,9 @@ int run_command(const RunArguments& arguments) {
   const CommonArguments& common = arguments.generate.common;
   const Terminal terminal(common.quiet || common.json);
   const RunFolder run{output_of(arguments.generate, config)};
+  for (const auto& method : methods)
+    check_can_be_written(run.result_file(result_name(method->traits().name, arguments.vision)));
+  if (!arguments.junit.empty()) check_can_be_written(arguments.junit);
   RunsAhead ahead({{arguments.generate, config}});
   generate_with_progress(&ahead, 0, terminal, [&](const std::string& gl_renderer) {
     terminal.line(terminal.colored(headline(config, gl_renderer, common.jobs), Color::kDim));

@@ -102,21 +102,6 @@ void write_through(const fs::path& file, const char* data, std::size_t size) {
   write_all(descriptor.get(), data, size, file);
 }
 
-// What is no regular file is never replaced: a link in a folder of somebody else may lead anywhere, and a device that
-// became a file is missed by every other program.
-// @return whether the name leads to a pipe or a character device (/dev/null, /dev/stdout), which takes the bytes itself
-bool takes_bytes_itself(const fs::path& file) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(file, ignored);
-  if (fs::is_fifo(status) || fs::is_character_file(status)) return true;
-  if (fs::is_symlink(fs::symlink_status(file, ignored)))
-    throw Error(file.string() + ": cannot write: it is a link to " + fs::read_symlink(file, ignored).string() +
-                ", and links are not followed; name the file itself, or remove the link");
-  if (fs::is_block_file(status) || fs::is_socket(status))
-    throw Error(file.string() + ": cannot write: it is no regular file");
-  return false;
-}
-
 void write_bytes(const fs::path& file, const char* data, std::size_t size, bool sync) {
   if (takes_bytes_itself(file)) return write_through(file, data, size);
   create_parent(file);
@@ -211,6 +196,20 @@ bool is_within(const fs::path& folder, const fs::path& path) {
 }
 
 }  // namespace
+
+// A link in a folder of somebody else may lead anywhere, and a device that became a file is missed by every other
+// program.
+bool takes_bytes_itself(const fs::path& file) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(file, ignored);
+  if (fs::is_fifo(status) || fs::is_character_file(status)) return true;
+  if (fs::is_symlink(fs::symlink_status(file, ignored)))
+    throw Error(file.string() + ": cannot write: it is a link to " + fs::read_symlink(file, ignored).string() +
+                ", and links are not followed; name the file itself, or remove the link");
+  if (fs::is_block_file(status) || fs::is_socket(status))
+    throw Error(file.string() + ": cannot write: it is no regular file");
+  return false;
+}
 
 void write_file_atomically(const fs::path& file, std::string_view bytes) {
   write_bytes(file, bytes.data(), bytes.size(), true);

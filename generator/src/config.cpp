@@ -44,9 +44,15 @@ void BoardConfig::visit(FieldVisitor& visitor) {
   visitor.check(is_board_size(squares), "squares", "must be empty or two whole numbers from 3 to 64, e.g. [5, 4]");
 }
 
-static void visit_more_boards(FieldVisitor& visitor, std::vector<BoardConfig>& boards) {
+static void visit_more_boards(FieldVisitor& visitor, const BoardConfig& first, std::vector<BoardConfig>& boards) {
   if (!takes_more_boards(visitor, !boards.empty())) return;
-  const auto visit = [](FieldVisitor& of_board, BoardConfig& board) {
+  const auto resize = [&](std::size_t size) {
+    BoardConfig as_good;
+    as_good.defects = first.defects;
+    boards.resize(size, as_good);
+  };
+  const auto visit = [&boards](std::size_t index, FieldVisitor& of_board) {
+    BoardConfig& board = boards[index];
     for (const char* key : {"x_m", "y_m", "facing_deg"})
       of_board.require(key, "a number or a distribution: where the board stands");
     board.visit(of_board);
@@ -62,10 +68,13 @@ static void visit_more_boards(FieldVisitor& visitor, std::vector<BoardConfig>& b
     of_board.check(board.place == "given" || of_board.given("z_m") == nullptr, "z_m",
                    "is used with place: given alone");
   };
-  visitor.nested_list("more_boards", boards,
-                      "boards that stand elsewhere, each as `board`, with markers of a dictionary of its own; place "
-                      "fitted: where x_m, y_m and the angles put it, at the height that lets all cameras see it",
-                      visit);
+  visitor.list(
+      "more_boards", [&boards] { return boards.size(); }, resize, visit,
+      "boards that stand elsewhere, each as `board`, with markers of a dictionary of its own and, where it says "
+      "nothing, "
+      "the first one's defects; place fitted: where x_m, y_m and the angles put it, at the height that lets all "
+      "cameras "
+      "see it");
 }
 
 void ListedViewpoint::visit(FieldVisitor& visitor) {
@@ -186,7 +195,7 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
                 "drives there by physics, and its encoders tell what they count");
   visitor.nested("drive", drive, "motion drive: how it drives");
   visitor.nested("board", board, "the calibration board and where it stands");
-  visit_more_boards(visitor, more_boards);
+  visit_more_boards(visitor, board, more_boards);
   visitor.nested("viewpoints", viewpoints, "where the robot stands when it takes images");
   visitor.nested("straight_drive", straight_drive, "frames along a straight line, for methods that need them");
   visitor.nested("odometry", odometry, "what the wheels tell");

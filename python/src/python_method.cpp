@@ -46,6 +46,7 @@ PythonMethod::PythonMethod(py::object function) : function_(std::move(function))
     throw py::type_error("a method must be a name or a function that takes Observations");
   name_ = py::str(py::getattr(function_, "__name__", py::type::of(function_).attr("__name__")));
   if (!is_word(name_)) name_ = "function";  // "<lambda>"
+  several_boards_ = py::bool_(py::getattr(function_, "several_boards", py::bool_(false)));
 }
 
 PythonMethod::~PythonMethod() {
@@ -54,7 +55,9 @@ PythonMethod::~PythonMethod() {
 }
 
 MethodTraits PythonMethod::traits() const {
-  return {name_, "a Python function", "as it says", "as it says", MethodReads::kObservations};
+  MethodTraits traits = {name_, "a Python function", "as it says", "as it says", MethodReads::kObservations};
+  traits.several_boards = several_boards_;
+  return traits;
 }
 
 std::string PythonMethod::settings_text() const {

@@ -27,6 +27,7 @@ class PythonMethod : public Method {
  private:
   py::object function_;
   std::string name_;
+  bool several_boards_ = false;  ///< the function has an attribute of this name that is true
 };
 
 }  // namespace rigproof::python

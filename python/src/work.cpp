@@ -72,7 +72,8 @@ Result calibrate(const Data& data, const py::object& method, int threads, const 
   }
   if (const auto* input = std::get_if<Input>(&opened)) recording = input->recording;
   const Observations observations = observe_data(opened, threads, progress);
-  if (const auto* ours = dynamic_cast<const PythonMethod*>(chosen.get())) return ours->call(observations);
+  if (const auto* ours = dynamic_cast<const PythonMethod*>(chosen.get()))
+    return refusal_of(*ours, {observations}) ? run_method(*ours, {observations}) : ours->call(observations);
   return watched(progress, [&](Watch& watch) {
     MethodInput input{observations, recording ? &*recording : nullptr, threads};
     input.progress = [&watch](std::size_t done, std::size_t all) { return watch.tell(done, all); };

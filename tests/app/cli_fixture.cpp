@@ -23,7 +23,7 @@ fs::path small_run() {
   const fs::path folder = RIGPROOF_SMALL_RUN;
   if (fs::exists(folder / "run.yaml")) return folder;
   const ProcessOutput output =
-      rigproof_command({"generate", "-o", folder.string(), "--set", "name=small", "--set", "poses=10", "--set",
+      rigproof_command({"generate", "plain", "-o", folder.string(), "--set", "name=small", "--set", "poses=10", "--set",
                         "image_scale=0.5", "--set", "sensor_noise=none", "--set", "odometry.lambda=0", "--set",
                         "viewpoints.planner=sampled", "--set", "board.place=scene"});
   if (output.exit_code != 0) throw std::runtime_error("the small run could not be generated: " + output.err);

@@ -326,8 +326,8 @@ TEST(Command, TheSameCommandAgainRendersNothingAndChangesNothing) {
   fs::copy(small_run(), copy, fs::copy_options::recursive);
   const auto before = tree_content(copy);
   const ProcessOutput output =
-      rigproof_command({"generate", "-o", copy.string(), "--set", "poses=10", "--set", "image_scale=0.5", "--set",
-                        "sensor_noise=none", "--set", "odometry.lambda=0", "--set", "name=small", "--set",
+      rigproof_command({"generate", "plain", "-o", copy.string(), "--set", "poses=10", "--set", "image_scale=0.5",
+                        "--set", "sensor_noise=none", "--set", "odometry.lambda=0", "--set", "name=small", "--set",
                         "viewpoints.planner=sampled", "--set", "board.place=scene"});
   EXPECT_EQ(output.exit_code, 0) << output.err;
   EXPECT_THAT(output.out, HasSubstr("all there already"));

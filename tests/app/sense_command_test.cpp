@@ -22,7 +22,7 @@ TEST(SenseCommand, MakesAnotherRealisationWithoutRendering) {
   ASSERT_EQ(sensed.exit_code, 0) << sensed.err;
   EXPECT_EQ(nlohmann::json::parse(sensed.out)["seed"], 7);
   EXPECT_EQ(nlohmann::json::parse(sensed.out)["images"], 6);
-  const std::string image = "recording/left/color/000000.png";
+  const std::string image = "recording/left/color/000000.jpg";
   EXPECT_NE(read_whole_file(fs::path(other) / image), read_whole_file(fs::path(run) / image));
   ASSERT_EQ(rigproof_command({"sense", run, "--cache", cache, "-o", same}).exit_code, 0);
   EXPECT_EQ(tree_content(same), tree_content(run));

@@ -67,11 +67,12 @@ TEST(RepeatingErrors, AreInTheTruthAndGrantedByTheRecording) {
     return resolve_scenario(parse_generate_config(
         "scene: " + world.scene() + "\nrig: husky_1x_d455\nimage_scale: 0.1\nposes: 1\n" + more, "repeat.yaml"));
   };
-  const Scenario without = resolved("");
+  const Scenario without = resolved("include: plain.yaml\n");
   EXPECT_FALSE(without.truth.cameras[0].lens_residual);
   EXPECT_TRUE(without.truth.printed_corners.empty());
   EXPECT_EQ(without.recording.rig.cameras[0].intrinsics_sigma.residual_px, 0.0);
-  const Scenario with = resolved("render: {lens_residual: true}\nboard: {defects: {print_error_mm: 0.08}}\n");
+  const Scenario with =
+      resolved("render: {lens_residual: true}\nboard: {defects: {bow_mm: 0, print_error_mm: 0.08}}\n");
   ASSERT_TRUE(with.truth.cameras[0].lens_residual);
   const double rms_px = with.truth.cameras[0].sensing.at("lens_residual_px");
   EXPECT_GT(rms_px, 0.0);

@@ -7,6 +7,7 @@
 
 #include "error_text.h"
 #include "paths.h"
+#include "rigproof/core/data_path.h"
 #include "rigproof/core/files.h"
 
 namespace rigproof {
@@ -14,6 +15,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 std::string error_of(const std::string& text) {
   return error_text([&] { parse_generate_config(text); });
@@ -29,6 +31,43 @@ TEST(GenerateConfig, EmptyFileIsValid) {
   EXPECT_EQ(config.sensor_noise, "realistic");
   EXPECT_EQ(config.clouds, "none");
   parse_generate_config("{}");
+}
+
+GenerateConfig shipped(const std::string& name) { return load_generate_config(find_data_file("config", name)); }
+
+TEST(GenerateConfig, ARunIsRealisticByDefault) {
+  EXPECT_THAT(differences(shipped("realistic"), parse_generate_config("", "realistic.yaml")), IsEmpty());
+}
+
+// What the experiments that change one thing at a time stand on.
+TEST(GenerateConfig, PlainHasNothingButNoise) {
+  GenerateConfig plain = shipped("plain");
+  EXPECT_FALSE(plain.render.lens_residual);
+  for (const Distribution& defect : {plain.board.defects.bow_mm, plain.board.defects.print_error_mm}) {
+    EXPECT_EQ(defect.lowest(), 0.0);
+    EXPECT_EQ(defect.highest(), 0.0);
+  }
+  EXPECT_EQ(plain.sensing.image.jpeg_quality, 0);
+  DeviceDraws draws;
+  EXPECT_TRUE(plain.sensing.image.effects.resolved(&draws).empty());
+  for (const char* name : {"paper/world", "stress/base", "bench-v1/clean_lab", "bench-v1/worn_devices"}) {
+    GenerateConfig other = shipped(name);
+    EXPECT_FALSE(other.render.lens_residual) << name;
+    EXPECT_EQ(other.board.defects.print_error_mm.highest(), 0.0) << name;
+    EXPECT_EQ(other.sensing.image.jpeg_quality, 0) << name;
+  }
+}
+
+TEST(GenerateConfig, FurtherBoardsAreAsGoodAsTheFirst) {
+  const std::string board =
+      "rig: husky_1x_d455\nboard: {preset: charuco_7x5_100mm, defects: {bow_mm: 0, dirt: 0.5}}\n"
+      "more_boards: [{preset: aprilgrid_6x4_130mm, x_m: 1, y_m: 2, facing_deg: 3";
+  const GenerateConfig like = parse_generate_config(board + "}]\n");
+  EXPECT_EQ(like.more_boards.at(0).defects.dirt.mean(), 0.5);
+  EXPECT_EQ(like.more_boards.at(0).defects.bow_mm.highest(), 0.0);
+  const GenerateConfig other = parse_generate_config(board + ", defects: {dirt: 0.1}}]\n");
+  EXPECT_EQ(other.more_boards.at(0).defects.dirt.mean(), 0.1);
+  EXPECT_EQ(other.more_boards.at(0).defects.bow_mm.highest(), 0.0);
 }
 
 TEST(GenerateConfig, ResolvedTextReadsBackToTheSame) {

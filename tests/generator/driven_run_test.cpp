@@ -27,7 +27,7 @@ const TinyWorld& world() {
 }
 
 GenerateConfig driven_config(const std::string& more = "") {
-  return parse_generate_config("scene: " + world().scene() +
+  return parse_generate_config("include: plain.yaml\nscene: " + world().scene() +
                                    "\nrig: husky_1x_d455\nimage_scale: 0.1\nmotion: drive\nviewpoints: {planner: list, "
                                    "list: [{x_m: 1, y_m: -1, yaw_deg: 0}, {x_m: 1.6, y_m: -0.8, yaw_deg: 20}, "
                                    "{x_m: 1.2, y_m: 0.2, yaw_deg: 5}]}\n" +

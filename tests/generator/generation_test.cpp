@@ -35,7 +35,8 @@ using testing::HasSubstr;
 
 // Twelve frames with everything that a run can have, as quick as can be.
 GenerateConfig small_config() {
-  return parse_generate_config("{poses: 4, image_scale: 0.2, clouds: pcd, odometry: {rate_hz: 5}}", "small.yaml");
+  return parse_generate_config("{include: plain.yaml, poses: 4, image_scale: 0.2, clouds: pcd, odometry: {rate_hz: 5}}",
+                               "small.yaml");
 }
 
 GenerateOptions into(const fs::path& folder, int jobs = 2) {
@@ -387,7 +388,7 @@ double board_depth_m(const Camera& camera, const Rigid3& T_camera_board, const E
 // The loop closed: what the truth projects to is where the detector finds it, and where the depth image says it is.
 TEST(Generation, CornersAndDepthAreWhereTheTruthProjectsThem) {
   const TempFolder folder;
-  GenerateConfig config = parse_generate_config("{poses: 2, sensor_noise: none}");
+  GenerateConfig config = parse_generate_config("{include: plain.yaml, poses: 2, sensor_noise: none}");
   generate(config, into(folder.path() / "run"));
   const RunFolder run{folder.path() / "run"};
   const Recording recording = load_recording(run.recording());

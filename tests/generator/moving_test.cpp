@@ -29,14 +29,15 @@ using testing::HasSubstr;
 // Blur and rolling shutter far beyond what the presets say; one camera, from one viewpoint to the next.
 GenerateConfig moving_config(const std::string& render = "exposure_ms: 20, readout_ms: 20") {
   return parse_generate_config(
-      "{motion: drive, drive: {capture: moving, frame_rate_hz: 1}, poses: 2, seed: 3, "
+      "{include: plain.yaml, motion: drive, drive: {capture: moving, frame_rate_hz: 1}, poses: 2, seed: 3, "
       "image_scale: 0.3, rig: husky_1x_d455, render: {" +
           render + "}}",
       "moving.yaml");
 }
 
 GenerateConfig raw_config(const std::string& more = "") {
-  return parse_generate_config("poses: 3\nimage_scale: 0.5\ndepth_frame: raw\n" + more, "raw.yaml");
+  return parse_generate_config("include: plain.yaml\nposes: 3\nimage_scale: 0.5\ndepth_frame: raw\n" + more,
+                               "raw.yaml");
 }
 
 GenerateOptions into(const fs::path& folder, const fs::path& cache = {}, bool render = true) {
@@ -364,8 +365,9 @@ TEST(RawDepth, ComesFromTheCacheWithTheSameBytes) {
 TEST(RawDepth, AgreesWithRegisteredDepthInGroundAndBoardPlanes) {
   const TempFolder folder;
   generate(raw_config("sensing: {told: exact}\n"), into(folder.path() / "raw"));
-  generate(parse_generate_config("poses: 3\nimage_scale: 0.5\nsensing: {told: exact}\n", "raw.yaml"),
-           into(folder.path() / "registered"));
+  generate(
+      parse_generate_config("include: plain.yaml\nposes: 3\nimage_scale: 0.5\nsensing: {told: exact}\n", "raw.yaml"),
+      into(folder.path() / "registered"));
   const SeenRun raw(folder.path() / "raw"), registered(folder.path() / "registered");
   const auto compare = [](const std::vector<PlaneObservation>& a, const std::vector<PlaneObservation>& b) {
     double chi_square = 0.0;

@@ -48,7 +48,7 @@ TEST(Parameters, KindsAreAsTheyShould) {
 
 TEST(Parameters, ChangedRenderKeysAreNamed) {
   GenerateConfig there, here;
-  change(&here, "sensing: {depth: {edges: true}}");
+  change(&here, "sensing: {depth: {edges: false}}");
   here.odometry.lambda = 3.0;
   EXPECT_TRUE(changed_render_keys(there, here).empty());
   here.poses = 7;
@@ -81,7 +81,7 @@ TEST(Parameters, WithoutSenseKeysNoneIsLeft) {
   changed.odometry.lambda += 3.0;
   changed.sensor_noise = "none";
   changed.depth_scale_bias_percent = 1.0;
-  change(&changed, "sensing: {depth: {edges: true}}");
+  change(&changed, "sensing: {depth: {edges: false}}");
   changed.clouds = "pcd";
   changed.cloud_stride_px += 1;
   changed.png_level += 1;

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 GenerateConfig small_config(const std::string& more = "") {
-  return parse_generate_config("poses: 2\nimage_scale: 0.2\n" + more, "small.yaml");
+  return parse_generate_config("include: plain.yaml\nposes: 2\nimage_scale: 0.2\n" + more, "small.yaml");
 }
 
 // Everything that can be switched on.

@@ -166,7 +166,8 @@ TEST(SensingDepth, CoarseNoiseKeepsTheLawAndAddsPatches) {
   EXPECT_NEAR(fine, 4.0 / 144.0, 0.01);  // correlated over 2 x 2 pixels
   // Ripples of 12 pixels average out over a block.
   DeviceDraws draws;
-  add_effects(switched(device.depth.effects, "coarse_noise: true", "ripple_px: 12"), false, &draws, &model);
+  add_effects(switched(device.depth.effects, kNoDepthEffects, "coarse_noise: true", "ripple_px: 12"), false, &draws,
+              &model);
   SensorModel sensor;
   sensor.depth = model;
   const double patchy_share = sensor.labels().at("depth_patchy_share");

@@ -114,7 +114,7 @@ TEST(SensingLens, ToldIntrinsicsAreOffAsAskedFor) {
   RigCamera rig_camera;
   Camera& camera = rig_camera.camera;
   camera = Camera::symmetric(1280, 720, 640.0);
-  GenerateConfig run;
+  GenerateConfig run = plain_config();
   run.sensing.told = "exact";
   EXPECT_EQ(told_of(rig_camera, run, 0).camera.fx_px, 640.0);
   EXPECT_EQ(told_of(rig_camera, run, 0).intrinsics_sigma, IntrinsicsSigma::exact());
@@ -168,7 +168,7 @@ TEST(SensingTold, LensesAreDrawnAsWellAsTheyAreSaidToBeKnown) {
 TEST(SensingTold, AnErrorThatIsAskedForReplacesTheOneDrawn) {
   RigCamera camera;
   camera.camera = Camera::symmetric(1280, 720, 640.0);
-  GenerateConfig run;
+  GenerateConfig run = plain_config();
   run.sensing.lens.focal_error_percent = 1.0;
   const Camera told = told_of(camera, run, 3).camera;
   EXPECT_DOUBLE_EQ(told.fx_px, 646.4);
@@ -179,7 +179,7 @@ TEST(SensingTold, AnErrorThatIsAskedForReplacesTheOneDrawn) {
 TEST(SensingTold, NothingIsDrawnForSensorsWithoutNoiseOrWhereAllIsKnown) {
   RigCamera camera;
   camera.camera = Camera::symmetric(1280, 720, 640.0);
-  GenerateConfig run;
+  GenerateConfig run = plain_config();
   run.sensor_noise = "none";
   EXPECT_EQ(told_of(camera, run, 0).camera.fx_px, 640.0);
   EXPECT_EQ(told_of(camera, run, 0).intrinsics_sigma, IntrinsicsSigma::exact());
@@ -191,7 +191,7 @@ TEST(SensingTold, NothingIsDrawnForSensorsWithoutNoiseOrWhereAllIsKnown) {
 // People know the readout of a camera where they know everything of it.
 TEST(SensingTold, TheReadoutOfImagesTakenAtSpeedIsToldWhereNothingIsDrawn) {
   const auto told = [](const std::string& capture, const std::string& told_is) {
-    GenerateConfig run;
+    GenerateConfig run = plain_config();
     run.motion = "drive";
     run.drive.capture = capture;
     run.sensing.told = told_is;
@@ -205,7 +205,7 @@ TEST(SensingTold, TheReadoutOfImagesTakenAtSpeedIsToldWhereNothingIsDrawn) {
 }
 
 TEST(SensingTold, SquaresAndDepthScalesAreDrawnWithWhatCamerasOfASensorShare) {
-  GenerateConfig run;
+  GenerateConfig run = plain_config();
   Rig rig;
   rig.cameras.resize(3);
   for (RigCamera& camera : rig.cameras) {
@@ -249,7 +249,7 @@ TEST(SensingSeed, IsTheRunsUnlessItHasItsOwn) {
 TEST(SensingSwitches, NoneLeavesTheSensorsClean) {
   GenerateConfig config;
   config.sensor_noise = "none";
-  change(&config, "sensing: {depth: {edges: true}, image: {vignetting: true}}");
+  change(&config, "sensing: {depth: {bias_field: false}}");
   Rig rig;
   rig.cameras.emplace_back().sensor = "d455";
   rig.cameras[0].depth = load_sensor_preset("d455").depth;

@@ -25,7 +25,7 @@ using testing::HasSubstr;
 // The lab's board ahead, one to the left, an AprilGrid behind.
 GenerateConfig around(const std::string& more = "", const std::string& of_second = "") {
   return parse_generate_config(
-      "scene: indoor_lab\nrig: cart_5x_mixed\nimage_scale: 0.5\nboard: {preset: charuco_7x5_100mm}\n"
+      "include: plain.yaml\nrig: cart_5x_mixed\nimage_scale: 0.5\nboard: {preset: charuco_7x5_100mm}\n"
       "more_boards:\n"
       "  - {preset: charuco_7x5_100mm, dictionary: DICT_4X4_50, x_m: 0, y_m: 4.3, facing_deg: -90" +
           of_second +

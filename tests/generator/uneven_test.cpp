@@ -18,7 +18,7 @@ namespace {
 
 GenerateConfig uneven_config(const std::string& scene, int millimetres) {
   return parse_generate_config(
-      "scene: " + scene +
+      "include: plain.yaml\nscene: " + scene +
           "\nmotion: drive\nrig: husky_1x_d455\nimage_scale: 0.4\nposes: 3\nseed: 2\nsensing: {told: exact}\n"
           // A board that stands low hides much of the ground.
           "board: {place: scene}\nviewpoints: {planner: sampled}\n"

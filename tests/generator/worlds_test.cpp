@@ -98,7 +98,7 @@ TEST_P(Worlds, AreDrivenInWithoutATouchAndTheirGroundIsFoundInDepth) {
   GenerateOptions options;
   options.output = folder / "run";
   options.jobs = 1;
-  const GenerateConfig config = parse_generate_config("scene: " + GetParam() +
+  const GenerateConfig config = parse_generate_config("include: plain.yaml\nscene: " + GetParam() +
                                                           "\nmotion: drive\nrig: husky_3x_d455\nimage_scale: 0.4\n"
                                                           "poses: 4\nseed: 5\nstraight_drive: {frames: 3}\n"
                                                           "sensing: {told: exact}\n",

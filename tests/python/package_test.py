@@ -205,6 +205,23 @@ class OwnMethods(unittest.TestCase):
         result = rigproof.calibrate(self.observations, method=lambda o: rigproof.Result.refused("x", "It rained."))
         self.assertEqual((result.status, str(result.reasons[0])), ("refused", "It rained."))
 
+    def test_several_boards_go_to_functions_that_say_so(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "observations.json"
+            self.observations.save(file)
+            told = json.loads(file.read_text())
+            marked = {**told["board"], "type": "charuco", "marker_mm": 60}
+            told["board"] = {**marked, "dictionary": "DICT_4X4_50"}
+            told["more_boards"] = [{**marked, "dictionary": "DICT_5X5_50"}]
+            file.write_text(json.dumps(told))
+            def oracle(observations):
+                self.assertEqual(len(observations.more_boards), 1)
+                return self.truth.poses
+            result = rigproof.calibrate(file, method=oracle)
+            self.assertEqual((result.status, result.reasons[0].code), ("refused", "method.one_board"))
+            oracle.several_boards = True
+            self.assertEqual(rigproof.calibrate(file, method=oracle).status, "solved")
+
     def test_what_is_raised_or_wrong_comes_out(self):
         def raises(_):
             raise ZeroDivisionError("mine")

@@ -96,6 +96,24 @@ TEST_F(External, GetsObservationsThatNameNoFolder) {
   EXPECT_EQ(copy.source, "");
 }
 
+TEST_F(External, TakesSeveralBoardsIfItSaysSo) {
+  Board marked;
+  marked.type = "charuco";
+  marked.dictionary = "DICT_4X4_50";
+  observations_.board = marked;
+  marked.dictionary = "DICT_5X5_50";
+  observations_.more_boards = {marked};
+  const std::string answer = "cp \"$1\" \"$3/copy.json\"; cp \"$3/answer.yaml\" \"$2\"";
+  const Result refused = run(answer, "input: observations\n");
+  EXPECT_EQ(refused.status, ResultStatus::kRefused);
+  EXPECT_THAT(text(refused.reasons), HasSubstr("has 2 boards"));
+  const Result result = run(answer, "input: observations\nseveral_boards: true\n");
+  EXPECT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons);
+  EXPECT_EQ(load_observations(scratch_ / "copy.json").boards(), 2);
+  EXPECT_THAT(error_text([&] { script("true", "input: memroc\nseveral_boards: true\n"); }),
+              HasSubstr("several_boards: true: must be false with input memroc"));
+}
+
 TEST_F(External, GetsTheMemrocLayout) {
   const Result result = run("cp -r \"$1\" \"$3/copy\"; cp \"$3/answer.yaml\" \"$2\"", "input: memroc\n");
   EXPECT_EQ(result.status, ResultStatus::kSolved) << text(result.reasons);

@@ -102,6 +102,7 @@ TEST_F(Reprojection, ABoardThatTheResultFoundBentLeavesNoMoreThanAFlatOne) {
     }
   }
   EXPECT_GT(fitted_over_expected(*this, 0), 1.4) << "as flat";
+  const double carried_flat_px = rms_px(carried_over(observations, result, 1));
   for (const auto& [name, value] :
        {std::pair{"board_ratio_percent", 100.0 * shape[1]}, std::pair{"board_bow_x_mm", 1000.0 * shape[2]},
         std::pair{"board_bow_y_mm", 1000.0 * shape[3]}}) {
@@ -111,6 +112,9 @@ TEST_F(Reprojection, ABoardThatTheResultFoundBentLeavesNoMoreThanAFlatOne) {
   }
   for (std::size_t camera = 0; camera < truth.cameras.size(); ++camera)
     EXPECT_NEAR(fitted_over_expected(*this, camera), 1.0, 0.1) << camera;
+  const double carried_px = rms_px(carried_over(observations, result, 1));
+  EXPECT_LT(carried_px, 0.3) << "as flat " << carried_flat_px;
+  EXPECT_GT(carried_flat_px, 1.5 * carried_px);
 }
 
 TEST_F(Reprojection, AWrongPoseOrBoardShowsInTheRatio) {

@@ -31,7 +31,8 @@ using testing::HasSubstr;
 // One camera, small images: eight of them.
 // As many pictures show the same things as when these figures were written down.
 const char* const kRun =
-    "run: {rig: husky_1x_d455, poses: 8, image_scale: 0.3, sensor_noise: none, board: {place: scene}, "
+    "run: {include: plain.yaml, rig: husky_1x_d455, poses: 8, image_scale: 0.3, sensor_noise: none, "
+    "board: {place: scene}, "
     "viewpoints: {planner: sampled}}\n";
 constexpr std::uint64_t kImages = 8;
 
@@ -185,8 +186,8 @@ TEST_F(RenderedSweep, TheGeometricModeAgreesWithIt) {
   const std::string common =
       "odometry: {lambda: 2}}\nseeds: {count: " + std::to_string(kSeeds) + ", field: sensing.seed}\nmethods: [ml]\n";
   const std::string run =
-      "run: {rig: husky_1x_d455, poses: 12, image_scale: 0.3, sensing: {told: exact}, board: {place: scene}, "
-      "viewpoints: {planner: sampled}, ";
+      "run: {include: plain.yaml, rig: husky_1x_d455, poses: 12, image_scale: 0.3, sensing: {told: exact}, "
+      "board: {place: scene}, viewpoints: {planner: sampled}, ";
   sweep_of("pictures", run + common);
   const fs::path pictures = folder_ / "cache" / "pictures";
   const auto set = std::find_if(fs::directory_iterator(pictures), fs::directory_iterator(),

@@ -56,7 +56,7 @@ class BiasField final : public ClonedEffect<DepthEffect, BiasField> {
   }
 
  private:
-  bool on_ = false, stereo_ = true;
+  bool on_ = true, stereo_ = true;
   double bias_px_ = 0.05, bias_m_ = 0.003, cell_deg_ = 15.0;
   double bias_ = 0.0;  ///< px of disparity, or metres
   double over_noise_ = 0.0, disparity_m_ = 1.0, focal_px_ = 1.0, cell_px_ = 160.0;

@@ -75,7 +75,7 @@ class CoarseNoise final : public ClonedEffect<DepthEffect, CoarseNoise> {
     for (std::size_t x = 0; x < width; ++x) row[x] += cosine * sine_[x] + sine * cosine_[x];
   }
 
-  bool on_ = false;
+  bool on_ = true;
   double patchy_share_ = 0.0, ripple_share_ = 0.0, ripple_px_ = 12.0, patch_px_ = 24.0;
   int width_ = 0, height_ = 0;
   std::vector<float> sine_, cosine_;

@@ -65,7 +65,7 @@ class Defocus final : public ClonedEffect<ImageEffect, Defocus> {
   void change_image(ImageF* electrons) const override { blur_samples(sigma_px_, electrons); }
 
  private:
-  Distribution drawn_px_ = 0.0;
+  Distribution drawn_px_ = Distribution::Kind(Distribution::Uniform{0.0, 0.4});
   double sigma_px_ = 0.0;
 };
 

@@ -27,7 +27,7 @@ class Demosaicing final : public ClonedEffect<ImageEffect, Demosaicing> {
   }
 
  private:
-  bool on_ = false;
+  bool on_ = true;
 };
 
 }  // namespace

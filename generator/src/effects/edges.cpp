@@ -102,7 +102,7 @@ class Edges final : public ClonedEffect<DepthEffect, Edges> {
   }
 
  private:
-  bool on_ = false;
+  bool on_ = true;
   double jitter_px_ = 1.0, flying_share_ = 0.3, step_per_m_ = 0.02;
 };
 

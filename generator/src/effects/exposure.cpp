@@ -27,7 +27,7 @@ class ExposureError final : public ClonedEffect<ImageEffect, ExposureError> {
 
  private:
   Distribution drawn_ = 1.0;
-  double jitter_percent_ = 0.0, exposure_ = 1.0, jitter_ = 0.0;
+  double jitter_percent_ = 2.0, exposure_ = 1.0, jitter_ = 0.0;
 };
 
 }  // namespace

@@ -54,7 +54,7 @@ class Occlusion final : public ClonedEffect<DepthEffect, Occlusion> {
   }
 
  private:
-  bool on_ = false;
+  bool on_ = true;
   std::vector<double> imagers_x_m_;
   double focal_px_ = 0.0;
 };

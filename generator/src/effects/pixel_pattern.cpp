@@ -64,7 +64,7 @@ class PixelPattern final : public ClonedEffect<ImageEffect, PixelPattern> {
   double pedestal_electrons() const override { return 4.0 * offset_electrons_; }
 
  private:
-  bool on_ = false;
+  bool on_ = true;
   double offset_electrons_ = 1.0, gain_percent_ = 0.8, gain_ = 0.0;
   std::vector<std::uint8_t> gain_draws_, offset_draws_;  ///< a random byte for every sample
   std::vector<float> gain_of_draw_, offset_of_draw_;

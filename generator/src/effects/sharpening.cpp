@@ -38,7 +38,7 @@ class Sharpening final : public ClonedEffect<ImageEffect, Sharpening> {
   }
 
  private:
-  bool on_ = false;
+  bool on_ = true;
   double amount_ = 0.5, sigma_px_ = 1.0;
 };
 

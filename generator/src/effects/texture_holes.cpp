@@ -75,7 +75,7 @@ class TextureHoles final : public ClonedEffect<DepthEffect, TextureHoles> {
   }
 
  private:
-  bool on_ = false;
+  bool on_ = true;
   double min_contrast_levels_ = 6.0, reach_m_ = 5.0, reach_outdoors_m_ = 1.0;
 };
 

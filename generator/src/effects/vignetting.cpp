@@ -42,7 +42,7 @@ class Vignetting final : public ClonedEffect<ImageEffect, Vignetting> {
   }
 
  private:
-  bool on_ = false;
+  bool on_ = true;
   double corner_light_percent_ = 60.0, corner_light_ = 1.0;
   float falloff_ = 0.0F, half_x_ = 0.0F, half_y_ = 0.0F;
 };

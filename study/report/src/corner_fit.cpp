@@ -60,14 +60,6 @@ bool project(const PlacedView& placed, const BoardInRobot& seen, const Eigen::Ve
   return true;
 }
 
-// A board as it was estimated.
-struct ShapedBoard {
-  const Board& stated;  ///< with the estimated size
-  Eigen::Vector4d shape;
-
-  Eigen::Vector3d corner(int id) const { return ml::corner_of_board(stated, shape, stated.corner(id)).point; }
-};
-
 std::optional<Rigid3> first_guess(const std::vector<PlacedView>& views, const Board& board) {
   const auto most = std::max_element(views.begin(), views.end(), [](const PlacedView& a, const PlacedView& b) {
     return a.view->corners.size() < b.view->corners.size();
@@ -134,6 +126,16 @@ bool is_left_out(const Result& result, const std::string& camera, const BoardVie
 }
 
 }  // namespace
+
+Eigen::Vector3d ShapedBoard::corner(int id) const {
+  return ml::corner_of_board(stated, shape, stated.corner(id)).point;
+}
+
+std::optional<Rigid3> pose_of_board(const BoardView& view, const ShapedBoard& board, const Camera& camera) {
+  const std::optional<BoardInRobot> seen = fit_board({{&view, 0, Rigid3(), camera}}, board);
+  if (!seen) return std::nullopt;
+  return seen->T_robot_board;
+}
 
 double CornerFit::shrink() const {
   return corners == 0

@@ -2,12 +2,23 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "rigproof/core/observations.h"
 #include "rigproof/core/result.h"
 
 namespace rigproof::inspect_detail {
+
+/// A board as it was estimated.
+struct ShapedBoard {
+  const Board& stated;    ///< with the estimated size
+  Eigen::Vector4d shape;  ///< as board_shapes() has it
+
+  Eigen::Vector3d corner(int id) const;  ///< [m, board frame]
+};
+/// T_camera_board of one view of a robot that stands, weighted by the corners' covariances; absent where nothing fits.
+std::optional<Rigid3> pose_of_board(const BoardView& view, const ShapedBoard& board, const Camera& camera);
 
 /// Detected corners minus those of the board that fits all views of a stop best, through the rig, the lenses and the
 /// size of the board as the result has them.

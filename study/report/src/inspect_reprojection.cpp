@@ -3,8 +3,8 @@
 #include <map>
 
 #include "as_estimated.h"
+#include "corner_fit.h"
 #include "inspect_pictures.h"
-#include "rigproof/calib/geometry/pnp.h"
 
 namespace rigproof::inspect_detail {
 namespace {
@@ -23,7 +23,9 @@ std::map<int, Rigid3> poses_of(const Observations& observations, const Result& r
 class CarryOver {
  public:
   CarryOver(const Observations& observations, const Result& result)
-      : observations_(as_estimated(observations, result)), poses_(poses_of(observations, result)) {}
+      : observations_(as_estimated(observations, result)),
+        shapes_(board_shapes(observations, result)),
+        poses_(poses_of(observations, result)) {}
 
   const Observations& observations() const { return observations_; }
 
@@ -41,14 +43,15 @@ class CarryOver {
 
   void add(const BoardView& source, const BoardView& target, std::vector<Residual>* residuals) const {
     const Camera& source_camera = observations_.cameras[static_cast<std::size_t>(source.camera)].camera;
-    const auto board = estimate_board_pose(source.corners, observations_.board_of(source), source_camera);
-    if (!board) return;
+    const ShapedBoard board{observations_.board_of(source), shapes_[static_cast<std::size_t>(source.board)]};
+    const std::optional<Rigid3> T_source_board = pose_of_board(source, board, source_camera);
+    if (!T_source_board) return;
     const Camera& target_camera = observations_.cameras[static_cast<std::size_t>(target.camera)].camera;
     const Rigid3 T_target_board = poses_.at(target.camera).inverse() * odometry(target.stop).inverse() *
-                                  odometry(source.stop) * poses_.at(source.camera) * board->T_camera_board;
+                                  odometry(source.stop) * poses_.at(source.camera) * *T_source_board;
     for (const CornerObservation& corner : target.corners) {
       Eigen::Vector2d projected;
-      if (target_camera.project(T_target_board * observations_.board_of(target).corner(corner.id), &projected))
+      if (target_camera.project(T_target_board * board.corner(corner.id), &projected))
         residuals->push_back({corner.pixel, projected - corner.pixel});
     }
   }
@@ -60,6 +63,7 @@ class CarryOver {
   }
 
   const Observations observations_;
+  const std::vector<Eigen::Vector4d> shapes_;
   const std::map<int, Rigid3> poses_;
 };
 

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "page_parts.h"
+#include "rigproof/calib/plan/main_sources.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/exclusions.h"
 #include "rigproof/validate/body_angles.h"
@@ -203,6 +204,7 @@ Json result_json(const InspectInput& input, const Result& result, const std::vec
   json["nees"] = comparison ? nees_json(*comparison) : Json();
   json["reasons"] = findings_list(result.reasons);
   json["notes"] = findings_list(result.notes);
+  json["sources"] = words::sentences_of(main_sources(result));
   json["use"] = use_json(result);
   json["residuals"] = Json::array();
   for (const ResidualSummary& group : result.residuals)

@@ -138,10 +138,20 @@ std::size_t sample_at(const std::vector<OdometrySample>& odometry, double stamp_
   return static_cast<std::size_t>(std::min_element(odometry.begin(), odometry.end(), nearer) - odometry.begin());
 }
 
+BoardDefectsConfig as_printed() {
+  BoardDefectsConfig defects;
+  defects.bow_mm = defects.print_error_mm = 0.0;
+  return defects;
+}
+
 // Rig, stops and odometry as the run plans them; corners and planes drawn.
 TaskData planned_data(const TaskSettings& task) {
   GenerateConfig planned = task.config;
-  planned.sensing.told = "exact";  // corners and planes are drawn through the lenses that are told
+  // Corners and planes are drawn through the lenses, and on the boards, that are told.
+  planned.sensing.told = "exact";
+  planned.render.lens_residual = false;
+  planned.board.defects = as_printed();
+  for (BoardConfig& board : planned.more_boards) board.defects = as_printed();
   PlannedRun plan = plan_run(planned);
   const std::int64_t seed = task.config.sensing.seed >= 0 ? task.config.sensing.seed : task.config.seed;
   GeometricConfig config = noise_of(task.geometric, static_cast<std::uint64_t>(seed));

@@ -71,8 +71,10 @@ class ExternalMethod : public Method {
 
   MethodTraits traits() const override {
     const std::string what = config_.summary.empty() ? joined(config_.command, " ") : config_.summary;
-    return {config_.name, what, "as it says; it is given a copy of the " + config_.input, "as it says",
-            config_.input == "observations" ? MethodReads::kObservations : MethodReads::kFiles};
+    MethodTraits traits = {config_.name, what, "as it says; it is given a copy of the " + config_.input, "as it says",
+                           config_.input == "observations" ? MethodReads::kObservations : MethodReads::kFiles};
+    traits.several_boards = config_.several_boards;
+    return traits;
   }
 
   std::optional<Finding> why_not(const MethodInput& input) const override {
@@ -251,6 +253,9 @@ void ExternalConfig::visit(FieldVisitor& visitor) {
   visitor.field("direction", direction, TextChoices{{"robot_from_camera", "camera_from_robot"}},
                 "Of matrices: what they map to what; robot_from_camera is the camera's pose in the robot");
   visitor.field("cameras", cameras, "Of matrices: the cameras in their order; default the rig's order");
+  visitor.field("several_boards", several_boards, "It can take recordings of more than one board");
+  visitor.check(!several_boards || input == "observations" || writable_format(input).several_boards, "several_boards",
+                "must be false with input " + input + ", which knows one board");
   visitor.field("time_limit_s", time_limit_s, NumberRange{0.01, 1e6}, "The program is killed after this many seconds");
   visitor.check(!command.empty() && !command.front().empty(), "command", "must name a program");
   visitor.check(name.empty() || is_word(name), "name", "must be letters, digits, _, -, + and .");

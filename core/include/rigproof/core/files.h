@@ -23,6 +23,10 @@ void write_file_atomically_unsynced(const std::filesystem::path& file, std::stri
 /// in it. Throws Error that names the file.
 void sync_files(const std::vector<std::filesystem::path>& files);
 
+/// Whether the name leads to a pipe or a character device (/dev/null, /dev/stdout), which takes the bytes itself.
+/// Throws Error for a link and for what else is no regular file, which is never replaced.
+bool takes_bytes_itself(const std::filesystem::path& file);
+
 /// Reads a regular file of at most max_bytes. Throws Error that names the file.
 std::string read_text_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 64U << 20U);
 std::vector<std::uint8_t> read_binary_file(const std::filesystem::path& file, std::uintmax_t max_bytes = 512U << 20U);

@@ -21,8 +21,8 @@ std::string key_of_board(std::size_t index);
 struct BoardDefectsConfig {
   Distribution print_scale_x = 1.0;
   Distribution print_scale_y = 1.0;
-  Distribution bow_mm = 0.0;
-  Distribution print_error_mm = 0.0;
+  Distribution bow_mm = Distribution::Kind(Distribution::Normal{0.0, 0.3});
+  Distribution print_error_mm = Distribution::Kind(Distribution::Uniform{0.05, 0.1});
   Distribution border_mm = 50.0;
   Distribution glare = 0.0;
   Distribution covered_percent = 0.0;

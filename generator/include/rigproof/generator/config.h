@@ -101,7 +101,7 @@ struct RenderConfig {
   double psf_sigma_px = 0.6;
   bool board_at_double = true;
   bool whole_at_double = false;
-  bool lens_residual = false;
+  bool lens_residual = true;
   // Of a robot that takes images while it moves:
   bool motion_blur = true;
   bool rolling_shutter = true;

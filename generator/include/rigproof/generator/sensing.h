@@ -14,7 +14,7 @@ namespace rigproof {
 struct ImageSensingConfig {
   bool noise = true;
   EffectList<ImageEffect> effects = image_effects();
-  std::int64_t jpeg_quality = 0;
+  std::int64_t jpeg_quality = 90;
 
   void visit(FieldVisitor& visitor);
 };

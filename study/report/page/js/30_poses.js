@@ -100,6 +100,15 @@ function forest(data, transforms, between) {
   return holder;
 }
 
+// What the drive determines, in a sentence.
+function determinedInWords(result) {
+  const open = result.poses.map((pose) => [pose.child, AXES.filter((_, axis) => !pose.observable[axis])]).filter(([, axes]) => axes.length);
+  if (!result.poses.length) return "";
+  if (open.length) return `The drive leaves open ${open.map(([name, axes]) => `${axes.length === AXES.length ? "all" : axes.join(", ")} of ${name}`).join("; ")}. `;
+  const count = result.poses.length;
+  return `The drive determines all six degrees of freedom of ${count === 1 ? result.poses[0].child : `all ${count} cameras`}. `;
+}
+
 function posesSection(data, result) {
   const head = ["camera", ...poseHead()];
   const rows = poseRows(data, result);
@@ -123,8 +132,8 @@ function posesSection(data, result) {
     show(0);
     cards.push(card);
   }
-  const lead = data.has_truth
+  const lead = determinedInWords(result) + (data.has_truth
     ? "Angles of a pose are roll, pitch and yaw of the camera's body axes; errors are along and about the parent's axes. The bound is the least standard deviation that any unbiased method can have with these data."
-    : "Angles of a pose are roll, pitch and yaw of the camera's body axes; sigmas are standard deviations that the method states.";
+    : "Angles of a pose are roll, pitch and yaw of the camera's body axes; sigmas are standard deviations that the method states.");
   return section("poses", "Poses", lead, ...cards);
 }

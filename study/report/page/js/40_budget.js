@@ -46,6 +46,8 @@ function budgetSection(data, result) {
   card.append(h("div", { class: "bar" }, choice("of", names, (i) => { shown = known[i]; tell(); draw(); }, known.indexOf(shown))), node, words);
   const draw = chart(node, option, 320);
   tell();
+  if (result.sources.length)
+    card.append(h("p", { class: "small" }, "The least certain camera, and what would help:"), h("ul", { class: "small" }, result.sources.map((sentence) => h("li", {}, sentence))));
   return section("budget", "Uncertainty budget",
     "Where the stated uncertainty comes from: shares of the variance of each degree of freedom. What is largest is what to measure or record better.", card);
 }

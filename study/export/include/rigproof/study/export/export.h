@@ -141,5 +141,7 @@ struct WrittenFile {
 /// Writes whole or not at all; a file that is there is kept as FILE.bak, with its permissions on the new one. Throws
 /// Error for a link, a device's name that cannot be written, and a file that is read-only.
 WrittenFile write_with_backup(const std::filesystem::path& file, const std::string& text);
+/// For those who make the text for minutes: throws now what write_with_backup() would throw then.
+void check_can_be_written(const std::filesystem::path& file);
 
 }  // namespace rigproof

@@ -23,6 +23,7 @@ struct ExternalConfig {
   std::string output_file = "result.yaml";      ///< that the program writes; "-" is its standard output
   std::string direction = "robot_from_camera";  ///< of matrices: robot_from_camera | camera_from_robot
   std::vector<std::string> cameras;             ///< in the order of the matrices; empty = the rig's
+  bool several_boards = false;                  ///< takes recordings of more than one
   double time_limit_s = 600.0;
 
   void visit(FieldVisitor& visitor);
