@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr int kBadInput = 2;
 constexpr int kRefused = 3;
@@ -205,6 +206,25 @@ TEST(BadInput, UnwritableOutput) {
       rigproof_command({"calibrate", small_run().string(), "-m", "joint_memroc", "-o", (scratch / "file/x").string()}),
       HasSubstr("file/x"));
   expect_error(rigproof_command({"generate", "--set", "poses=3", "-o", "/proc/rigproof"}), HasSubstr("/proc/rigproof"));
+}
+
+// Solving takes minutes, rendering longer: where the result cannot go is told before.
+TEST(BadInput, ResultsThatCouldNotBeWrittenAreRefusedBeforeAnythingIsLookedAt) {
+  const TempFolder scratch;
+  const fs::path result = scratch.write("results/ml.yaml", "mine");
+  fs::permissions(result, fs::perms(0444));
+  const ProcessOutput calibrated =
+      rigproof_command({"calibrate", small_run().string(), "-o", (scratch / "results").string()});
+  expect_error(calibrated, AllOf(HasSubstr("ml.yaml: cannot write"), HasSubstr("read-only")));
+  EXPECT_THAT(calibrated.out, Not(HasSubstr("cameras")));
+  expect_error(rigproof_command({"calibrate", small_run().string(), "--accept", "default", "-o",
+                                 (scratch / "fine").string(), "--junit", scratch.path().string()}),
+               HasSubstr("there is a folder of this name"));
+  EXPECT_FALSE(fs::exists(scratch / "fine"));
+  const ProcessOutput run = rigproof_command({"run", "--set", "poses=3", "-o", (scratch / "run").string(), "--junit",
+                                              (scratch / "results/ml.yaml/gate.xml").string()});
+  expect_error(run, HasSubstr("is no folder"));
+  EXPECT_FALSE(fs::exists(scratch / "run"));
 }
 
 // A limit on the size of files stands in for a full disk: writing fails in the same place.

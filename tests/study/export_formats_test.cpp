@@ -455,6 +455,15 @@ TEST(ExportFiles, LinksAndReadOnlyFilesAreRefused) {
   std::filesystem::permissions(file, std::filesystem::perms(0444));
   EXPECT_THAT(error_text([&] { write_with_backup(file, "new"); }), HasSubstr("read-only"));
   EXPECT_EQ(scratch.read("a"), "old");
+  // The same is known before there is a text.
+  EXPECT_THAT(error_text([&] { check_can_be_written(scratch / "link"); }), HasSubstr("it is a link"));
+  EXPECT_THAT(error_text([&] { check_can_be_written(file); }), HasSubstr("read-only"));
+  EXPECT_THAT(error_text([&] { check_can_be_written(scratch.path()); }), HasSubstr("there is a folder of this name"));
+  EXPECT_THAT(error_text([&] { check_can_be_written(file / "deeper/b"); }), HasSubstr("is no folder"));
+  for (const std::filesystem::path& good :
+       {scratch / "new", scratch / "not/yet/there", std::filesystem::path("/dev/null")})
+    EXPECT_NO_THROW(check_can_be_written(good)) << good;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "not"));
   EXPECT_FALSE(std::filesystem::exists(scratch / "a.bak"));
 }
 
