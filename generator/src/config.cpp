@@ -70,11 +70,9 @@ static void visit_more_boards(FieldVisitor& visitor, const BoardConfig& first, s
   };
   visitor.list(
       "more_boards", [&boards] { return boards.size(); }, resize, visit,
-      "boards that stand elsewhere, each as `board`, with markers of a dictionary of its own and, where it says "
-      "nothing, "
-      "the first one's defects; place fitted: where x_m, y_m and the angles put it, at the height that lets all "
-      "cameras "
-      "see it");
+      "boards that stand elsewhere, each as `board`, with markers of a dictionary of its own; where it says "
+      "nothing of defects, with the first one's; place fitted: where x_m, y_m and the angles put it, at the height "
+      "that lets all cameras see it");
 }
 
 void ListedViewpoint::visit(FieldVisitor& visitor) {
