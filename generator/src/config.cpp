@@ -202,7 +202,8 @@ void GenerateConfig::visit(FieldVisitor& visitor) {
   visitor.check(motion != "drive" || odometry.seed < 0, "odometry.seed",
                 "must be -1 with motion drive: its odometry is what the wheels count");
   visitor.field("sensor_noise", sensor_noise, TextChoices{{"realistic", "none"}},
-                "realistic: image and depth noise of the camera's sensor preset; none: clean images");
+                "realistic: noise and effects of the camera's sensor preset; none: no error of a sensor (the lenses' "
+                "fields and the board's print stay: render.lens_residual, board.defects)");
   visitor.field("depth_scale_bias_percent", depth_scale_bias_percent, {-20.0, 20.0},
                 "measured depth is too large by this, drawn for each camera");
   visitor.nested("sensing", sensing, "sensor_noise realistic: which effects of the sensors are simulated");
