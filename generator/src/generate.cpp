@@ -33,10 +33,10 @@ constexpr double kPatienceS = 300.0;
 
 // Bytes a pixel and milliseconds a megapixel on one core, measured in the indoor lab: CPU time of `generate` less that
 // of `--dry-run`, with llvmpipe on a shared machine of two cores, three runs each. Clean images took 66 to 76 ms, noisy
-// ones 69 to 93.
-constexpr double kColorBytesClean = 1.15, kColorBytesNoisy = 1.5;
+// ones 69 to 93; with all that is on by default 2.0 times noisy ones.
+constexpr double kColorBytesClean = 1.15, kColorBytesNoisy = 1.5, kColorBytesJpeg = 0.17;  // JPEG of quality 90
 constexpr double kDepthBytesClean = 0.3, kDepthBytesNoisy = 0.72;
-constexpr double kMillisecondsClean = 70.0, kMillisecondsNoisy = 78.0;
+constexpr double kMillisecondsClean = 70.0, kMillisecondsNoisy = 78.0, kMillisecondsEffects = 155.0;
 // Of each further picture of an image that is put together from several: 49 to 54.
 constexpr double kMillisecondsPicture = 50.0;
 constexpr double kCloudBytes = 12.0;
@@ -61,12 +61,17 @@ double megapixels(const Scenario& scenario) {
   return sum;
 }
 
+double milliseconds_a_megapixel(const Scenario& scenario, const FrameJob& job) {
+  if (scenario.config.sensor_noise == "none") return kMillisecondsClean;
+  const std::optional<ImageSensing>& image = scenario.sensors[job.camera].image;
+  return !image || image->is_noise_alone() ? kMillisecondsNoisy : kMillisecondsEffects;
+}
+
 double expected_seconds(const Scenario& scenario, int jobs) {
-  const double each = scenario.config.sensor_noise == "none" ? kMillisecondsClean : kMillisecondsNoisy;
   double milliseconds = 0.0;
   for (const FrameJob& job : scenario.frames) {
     const auto more = static_cast<double>(pictures_of(scenario, job) - 1);
-    milliseconds += megapixels(scenario, job) * (each + more * kMillisecondsPicture);
+    milliseconds += megapixels(scenario, job) * (milliseconds_a_megapixel(scenario, job) + more * kMillisecondsPicture);
   }
   // More processes than cores take as long.
   const int processes = jobs > 0 ? std::min(jobs, available_cores()) : available_cores();
@@ -76,6 +81,7 @@ double expected_seconds(const Scenario& scenario, int jobs) {
 double expected_mb(const Scenario& scenario) {
   const bool noisy = scenario.config.sensor_noise != "none";
   double bytes = noisy ? kColorBytesNoisy + kDepthBytesNoisy : kColorBytesClean + kDepthBytesClean;
+  if (scenario.sensor_images_are_jpeg()) bytes += kColorBytesJpeg - kColorBytesNoisy;
   if (scenario.config.clouds != "none") {
     bytes += kCloudBytes / static_cast<double>(scenario.config.cloud_stride_px * scenario.config.cloud_stride_px);
   }

@@ -363,6 +363,10 @@ TEST(Generation, PlanTellsWhatWillCome) {
   EXPECT_EQ(plan.pictures, 21U);
   EXPECT_GT(plan.expected_mb, 7.0);
   EXPECT_GT(plan.expected_minutes, 0.0);
+  // Effects take time; JPEG takes less of the disk, and a run is refused where the disk has too little.
+  const GeneratePlan plain = plan_generation(parse_generate_config("{include: plain.yaml, poses: 7}"));
+  EXPECT_LT(plan.expected_mb, 0.5 * plain.expected_mb);
+  EXPECT_GT(plan.expected_minutes, 1.2 * plain.expected_minutes);
   EXPECT_THAT(plan.coverage, HasSubstr("7 stops"));
 }
 
