@@ -311,6 +311,23 @@ double print_contrast(const Image8& grey, const Homography& H, const Board& boar
   return sum > 0.0 ? difference / sum : 0.0;
 }
 
+// Where a colour filter shows, corners are measured again without its effect: it moves edges that run along the pixels'
+// rows and columns by hundredths of a pixel, all along them alike.
+void unfilter(const Image8& grey, std::vector<MeasuredCorner>* corners) {
+  FilterEquations equations;
+  for (const MeasuredCorner& corner : *corners)
+    if (corner.fit.status == SaddleStatus::kFitted) equations += filter_equations(grey, corner.window, corner.fit);
+  const std::optional<ColourFilter> filter = solve_filter(equations);
+  if (!filter) return;
+  for (MeasuredCorner& corner : *corners) {
+    if (corner.fit.status != SaddleStatus::kFitted) continue;
+    SaddleWindow window = corner.window;
+    window.filter = &*filter;
+    const SaddleFit again = fit_saddle(grey, window);
+    if (again.status == SaddleStatus::kFitted) corner.fit = again;
+  }
+}
+
 // A picture whose edges are sharper than a pixel's own area leaves them was made of few rays a pixel: every edge is
 // known to their distance alone, and where it runs along the pixels' rows the error is the same all along it, so that
 // no residual shows it. The distance is told by the residuals of the whole board.
@@ -543,6 +560,7 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
     result.why_not = Finding("board.goes_on", {{"long", longer}, {"short", shorter}});
   }
   if (result.why_not) return result;
+  unfilter(grey, &corners);
   const Aliasing aliasing = aliasing_of(corners);
   for (const MeasuredCorner& corner : corners) {
     if (corner.fit.status != SaddleStatus::kFitted) continue;

@@ -8,31 +8,14 @@
 #include <optional>
 #include <vector>
 
-#include "rigproof/core/conventions.h"
+#include "saddle_model.h"
 
 namespace rigproof::detection {
 namespace {
 
+using namespace saddle;
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-
-enum Parameter {
-  kX,
-  kY,
-  kAngle1,
-  kAngle2,
-  kBlur1,
-  kBlur2,
-  kMean,
-  kContrast,
-  kSlopeX,
-  kSlopeY,
-  kCurve1,
-  kCurve2,
-  kCount
-};
-using Parameters = Eigen::Matrix<double, kCount, 1>;
-using Normal = Eigen::Matrix<double, kCount, kCount>;
 
 // Farthest pixel used: farther ones tell little more, and lens distortion bends the edges [px].
 constexpr double kMaxReach = 12.0;
@@ -50,171 +33,6 @@ constexpr double kFirstNoiseVariance = 4.0;
 constexpr int kMaxIterations = 25;
 // A tenth of what a corner can be measured to, and enough to centre the window [px].
 constexpr double kConvergedStep = 3e-4, kCoarseStep = 0.03;
-
-/// erf(s / sqrt 2) and the density exp(-s^2/2) / sqrt(2 pi), from a table with cubic interpolation: error 1e-9.
-class NormalTable {
- public:
-  static const NormalTable& instance() {
-    static const NormalTable table;
-    return table;
-  }
-  double step(double s) const { return step(Place(s)); }
-  // Both at once; the density is 0 beyond the table's end.
-  void look_up(double s, double* step_at, double* density_at) const {
-    const Place at(s);
-    *step_at = step(at);
-    *density_at = std::abs(s) > kLimit ? 0.0 : density(at);
-  }
-
- private:
-  static constexpr double kLimit = 6.0, kPerUnit = 64.0, kHalf = kLimit * kPerUnit;
-  static constexpr std::size_t kSize = 2 * 384 + 1;
-
-  // Where an argument lies in the tables.
-  struct Place {
-    std::size_t index;
-    double t;  ///< from that entry to the next one
-    explicit Place(double s) {
-      const double x = std::clamp(s, -kLimit, kLimit) * kPerUnit + kHalf;
-      index = std::min(static_cast<std::size_t>(x), kSize - 2);
-      t = x - static_cast<double>(index);
-    }
-    // Hermite's cubic, from values and slopes at both ends.
-    double between(double value0, double slope0, double value1, double slope1) const {
-      const double rest = 1.0 - t;
-      return rest * rest * (value0 * (1.0 + 2.0 * t) + slope0 * (t / kPerUnit)) +
-             t * t * (value1 * (3.0 - 2.0 * t) - slope1 * (rest / kPerUnit));
-    }
-  };
-
-  double step(const Place& at) const {
-    const Entry &low = entries_[at.index], &high = entries_[at.index + 1];
-    return at.between(low.step, 2.0 * low.density, high.step, 2.0 * high.density);
-  }
-  double density(const Place& at) const {
-    const Entry &low = entries_[at.index], &high = entries_[at.index + 1];
-    return at.between(low.density, low.slope, high.density, high.slope);
-  }
-
-  NormalTable() {
-    constexpr double kInverseRoot = 0.39894228040143268;
-    for (std::size_t i = 0; i < kSize; ++i) {
-      const double s = (static_cast<double>(i) - kHalf) / kPerUnit;
-      const double density = std::exp(-0.5 * s * s) * kInverseRoot;
-      entries_[i] = {std::erf(s / std::sqrt(2.0)), density, -s * density};
-    }
-  }
-  struct Entry {
-    double step, density, slope;  ///< the slope is the density's
-  };
-  std::array<Entry, kSize> entries_;
-};
-
-/// Mean of sign(s1 + e1) sign(s2 + e2) under unit normals with correlation rho, and its derivatives by s1 and s2.
-struct BlurredSign {
-  double value, by_s1, by_s2;
-};
-
-/// Signs of normals with one correlation.
-class CorrelatedSigns {
- public:
-  explicit CorrelatedSigns(double rho) : rho_(rho), inverse_root_(1.0 / std::sqrt(1.0 - rho * rho)) {
-    const Eigen::Array4d nodes(0.06943184420297371, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629);
-    const Eigen::Array4d weights(0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693);
-    correlation_ = rho * nodes;
-    const Eigen::Array4d remainder = 1.0 - correlation_.square();
-    exponent_ = -0.5 / remainder;
-    weight_ = 4.0 * rho / (2.0 * kPi) * weights / remainder.sqrt();
-  }
-
-  BlurredSign at(double s1, double s2) const {
-    BlurredSign result;
-    double step1, step2, density1, density2;
-    table_.look_up(s1, &step1, &density1);
-    table_.look_up(s2, &step2, &density2);
-    result.value = step1 * step2;
-    const bool at_both = std::abs(s1) < 4.5 && std::abs(s2) < 4.5;
-    if (at_both && std::abs(rho_) > 0.01) result.value += correlation_term(s1, s2);
-    result.by_s1 = density1 > 0.0 ? 2.0 * density1 * table_.step((s2 - rho_ * s1) * inverse_root_) : 0.0;
-    result.by_s2 = density2 > 0.0 ? 2.0 * density2 * table_.step((s1 - rho_ * s2) * inverse_root_) : 0.0;
-    return result;
-  }
-
- private:
-  // 4 * integral of the bivariate normal density over the correlation from 0 to rho (Plackett 1954; Drezner and
-  // Wesolowsky 1990), four Gauss-Legendre points: error below 1e-4 up to |rho| = 0.9.
-  double correlation_term(double s1, double s2) const {
-    const double squares = s1 * s1 + s2 * s2, twice_product = 2.0 * s1 * s2;
-    return (weight_ * ((squares - correlation_ * twice_product) * exponent_).exp()).sum();
-  }
-
-  const NormalTable& table_ = NormalTable::instance();
-  double rho_, inverse_root_;
-  Eigen::Array4d correlation_, exponent_, weight_;
-};
-
-struct Pixel {
-  double x, y;  ///< relative to the window's centre
-  double grey;
-  double marker = 0.0;  ///< share of its light that markers take, twice, with the sign of light squares
-};
-
-struct Edge {
-  Vector2d along, across;
-  explicit Edge(double angle) : along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x()) {}
-};
-
-double correlation_of(const Edge& first, const Edge& second) {
-  return std::clamp(first.across.dot(second.across), -0.95, 0.95);
-}
-
-/// Brightness of a window's pixels under some parameters: what all of them share is worked out once.
-class SaddleModel {
- public:
-  explicit SaddleModel(const Parameters& p)
-      : p_(p),
-        first_(p[kAngle1]),
-        second_(p[kAngle2]),
-        signs_(correlation_of(first_, second_)),
-        sharpness1_(1.0 / p[kBlur1]),
-        sharpness2_(1.0 / p[kBlur2]) {}
-
-  /// Brightness of a pixel and its derivative.
-  template <typename Column>
-  double at(const Pixel& pixel, Column&& d) const {
-    const Vector2d r(pixel.x - p_[kX], pixel.y - p_[kY]);
-    const double t1 = first_.along.dot(r), t2 = second_.along.dot(r);
-    const double u1 = first_.across.dot(r), u2 = second_.across.dot(r);
-    const double bend1 = p_[kCurve1] * t1, bend2 = p_[kCurve2] * t2;
-    const double s1 = (u1 - 0.5 * bend1 * t1) * sharpness1_, s2 = (u2 - 0.5 * bend2 * t2) * sharpness2_;
-    const BlurredSign sign = signs_.at(s1, s2);
-    const double light = 1.0 + p_[kSlopeX] * pixel.x + p_[kSlopeY] * pixel.y;
-    const double seen = sign.value - pixel.marker;
-    const double flat = p_[kMean] + p_[kContrast] * seen;
-    const double w1 = light * p_[kContrast] * sign.by_s1 * sharpness1_;
-    const double w2 = light * p_[kContrast] * sign.by_s2 * sharpness2_;
-    const Vector2d toward1 = first_.across - bend1 * first_.along, toward2 = second_.across - bend2 * second_.along;
-    d[kX] = -(w1 * toward1.x() + w2 * toward2.x());
-    d[kY] = -(w1 * toward1.y() + w2 * toward2.y());
-    d[kAngle1] = -w1 * t1 * (1.0 + p_[kCurve1] * u1);
-    d[kAngle2] = -w2 * t2 * (1.0 + p_[kCurve2] * u2);
-    d[kBlur1] = -w1 * s1;
-    d[kBlur2] = -w2 * s2;
-    d[kMean] = light;
-    d[kContrast] = light * seen;
-    d[kSlopeX] = flat * pixel.x;
-    d[kSlopeY] = flat * pixel.y;
-    d[kCurve1] = -0.5 * w1 * t1 * t1;
-    d[kCurve2] = -0.5 * w2 * t2 * t2;
-    return flat * light;
-  }
-
- private:
-  const Parameters& p_;
-  Edge first_, second_;
-  CorrelatedSigns signs_;
-  double sharpness1_, sharpness2_;
-};
 
 /// Squared error and its normal equations.
 struct System {
@@ -372,7 +190,8 @@ std::optional<std::vector<Pixel>> gather(const Image8& grey, const SaddleWindow&
       const double cover = markers.cover(offset);
       if (cover > kMaxMarkerCover) continue;
       if (inside(grey, x, y))
-        pixels.push_back({offset.x(), offset.y(), static_cast<double>(grey.at(x, y)), sign * markers.dark(offset)});
+        pixels.push_back(
+            {offset.x(), offset.y(), static_cast<double>(grey.at(x, y)), sign * markers.dark(offset), x, y});
       else
         ++missing;
     }
@@ -461,6 +280,74 @@ Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, doub
   return best;
 }
 
+/// Brightness of a window's model, and by how much that beside a pixel differs from it.
+class Neighbours {
+ public:
+  Neighbours(const std::vector<Pixel>& pixels, const Parameters& p)
+      : pixels_(pixels), model_(p), column_(pixels.front().column - kMiddle), row_(pixels.front().row - kMiddle) {
+    brightness_.reserve(pixels.size());
+    at_.fill(kNone);
+    for (const Pixel& pixel : pixels) {
+      at_[index(pixel.column, pixel.row)] = static_cast<int>(brightness_.size());
+      brightness_.push_back(brightness_of(pixel));
+    }
+  }
+  /// Mean of both sides less the pixel itself, along x and along y.
+  Vector2d beside(std::size_t i) const {
+    const Pixel& pixel = pixels_[i];
+    return {0.5 * (at(pixel, -1, 0) + at(pixel, 1, 0)) - brightness_[i],
+            0.5 * (at(pixel, 0, -1) + at(pixel, 0, 1)) - brightness_[i]};
+  }
+
+ private:
+  // The first pixel lies anywhere along the window's upper side.
+  static constexpr int kMiddle = 2 * static_cast<int>(kMaxReach) + 4, kSide = 2 * kMiddle + 1, kNone = -1;
+
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>((row - row_) * kSide + column - column_);
+  }
+  double brightness_of(const Pixel& pixel) const {
+    Parameters unused;
+    return model_.at(pixel, unused);
+  }
+  double at(const Pixel& pixel, int dx, int dy) const {
+    const int known = at_[index(pixel.column + dx, pixel.row + dy)];
+    if (known != kNone) return brightness_[static_cast<std::size_t>(known)];
+    Pixel neighbour = pixel;
+    neighbour.x += dx;
+    neighbour.y += dy;
+    return brightness_of(neighbour);
+  }
+
+  const std::vector<Pixel>& pixels_;
+  SaddleModel model_;
+  int column_, row_;  ///< of the table's first entry, in the image
+  std::array<int, static_cast<std::size_t>(kSide) * kSide> at_{};
+  std::vector<double> brightness_;
+};
+
+// Of a pixel's share from beside it; that from above and below comes four further on.
+int place_of(const Pixel& pixel) { return (pixel.column & 1) + 2 * (pixel.row & 1); }
+
+// The pixels as they were before a colour filter that a model tells the effect of.
+std::vector<Pixel> unfiltered(std::vector<Pixel> pixels, const Parameters& model, const ColourFilter& filter) {
+  const Neighbours neighbours(pixels, model);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const int place = place_of(pixels[i]);
+    pixels[i].grey -= neighbours.beside(i).dot(Vector2d(filter[place], filter[place + 4]));
+  }
+  return pixels;
+}
+
+// The filter changes by the model, and the model by the filter: the second round is within a thousandth of a pixel.
+Minimum minimise_unfiltered(const std::vector<Pixel>& pixels, const ColourFilter& filter, Minimum minimum,
+                            double noise_variance, double reach) {
+  for (int round = 0; round < 2; ++round)
+    minimum = minimise(unfiltered(pixels, minimum.parameters, filter), minimum.parameters, noise_variance, reach,
+                       kConvergedStep);
+  return minimum;
+}
+
 }  // namespace
 
 SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
@@ -482,7 +369,8 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
   Minimum minimum = minimise(used, first_guess(window, used), kFirstNoiseVariance, reach, kCoarseStep);
   const double noise_variance = noise_variance_of(minimum.system, used.size());
   if (minimum.converged && !window.coarse)
-    minimum = minimise(used, minimum.parameters, noise_variance, reach, kConvergedStep);
+    minimum = window.filter == nullptr ? minimise(used, minimum.parameters, noise_variance, reach, kConvergedStep)
+                                       : minimise_unfiltered(used, *window.filter, minimum, noise_variance, reach);
   const Parameters& p = minimum.parameters;
   const bool right_colours = (p[kContrast] > 0.0) == window.dark_diagonal;
   if (!minimum.converged || !right_colours) return fit;
@@ -494,9 +382,40 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
   fit.blur_px = p.segment<2>(kBlur1);
   fit.edge_rad = p.segment<2>(kAngle1);
   fit.contrast = std::abs(p[kContrast]);
+  fit.unknowns = p;
   fit.pixels = static_cast<int>(pixels->size());
   fit.residual_rms = std::sqrt(minimum.system.residual_squares / static_cast<double>(pixels->size()));
   return fit;
+}
+
+FilterEquations filter_equations(const Image8& grey, const SaddleWindow& window, const SaddleFit& fit) {
+  FilterEquations equations;
+  const std::optional<std::vector<Pixel>> gathered = gather(grey, window, window.blur_px);
+  if (!gathered || gathered->empty()) return equations;
+  const std::vector<Pixel>& pixels = *gathered;
+  const SaddleModel model(fit.unknowns);
+  const Neighbours neighbours(pixels, fit.unknowns);
+  Normal normal = Normal::Zero();
+  Eigen::Matrix<double, kCount, 8> shared = Eigen::Matrix<double, kCount, 8>::Zero();
+  Parameters derivative;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const double error = model.at(pixels[i], derivative) - pixels[i].grey;
+    const Vector2d beside = neighbours.beside(i);
+    const int x = place_of(pixels[i]), y = x + 4;
+    normal += derivative * derivative.transpose();
+    shared.col(x) += beside.x() * derivative;
+    shared.col(y) += beside.y() * derivative;
+    equations.normal(x, x) += beside.x() * beside.x();
+    equations.normal(x, y) += beside.x() * beside.y();
+    equations.normal(y, y) += beside.y() * beside.y();
+    equations.gradient[x] += beside.x() * error;
+    equations.gradient[y] += beside.y() * error;
+    equations.residual_squares += error * error;
+  }
+  equations.normal.triangularView<Eigen::StrictlyLower>() = equations.normal.transpose();
+  equations.normal -= shared.transpose() * normal.ldlt().solve(shared);
+  equations.pixels = static_cast<int>(pixels.size());
+  return equations;
 }
 
 }  // namespace rigproof::detection

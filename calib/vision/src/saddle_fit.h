@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "colour_filter.h"
 #include "rigproof/core/image.h"
 
 namespace rigproof::detection {
@@ -26,6 +27,7 @@ struct SaddleWindow {
   /// How far the edges along x (first) and y go on between areas as clean as the squares above, beyond the corner and
   /// before it [squares].
   Eigen::Vector2d clean_ahead = Eigen::Vector2d::Ones(), clean_behind = Eigen::Vector2d::Ones();
+  const ColourFilter* filter = nullptr;  ///< the picture's; null: none. Not owned.
 };
 
 enum class SaddleStatus { kFitted, kOutsideImage, kNoSaddle, kTooSmall };
@@ -42,11 +44,16 @@ struct SaddleFit {
   double contrast = 0.0;      ///< half of light minus dark [grey levels]
   double residual_rms = 0.0;  ///< [grey levels]
   int pixels = 0;
+  Eigen::Matrix<double, 12, 1> unknowns =
+      Eigen::Matrix<double, 12, 1>::Zero();  ///< the model's, for filter_equations()
 };
 
 /// I = (m + c E) (1 + g . p), with E the product of two step edges blurred by a Gaussian: exact also for edges that
 /// do not cross at right angles (the bivariate normal orthant). Free: position, both edge directions, both blurs,
 /// m, c, g, and the edges' curvature (with a prior, for lens distortion). Levenberg-Marquardt, analytic derivatives.
 SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window);
+
+/// What a window that was fitted without a filter tells of one, less what the corner's own unknowns follow of it.
+FilterEquations filter_equations(const Image8& grey, const SaddleWindow& window, const SaddleFit& fit);
 
 }  // namespace rigproof::detection
