@@ -150,6 +150,34 @@ TEST_F(Page, WrongResultsAreBadAndDoubtfulOnesSuspect) {
   EXPECT_THAT(verdict["sentence"].get<std::string>(), HasSubstr("left tz"));
 }
 
+// Each error is 2.5 sigma: every check holds, all of them together are beyond chance.
+TEST_F(Page, SigmasThatAreTooSmallAreSuspect) {
+  for (EstimatedTransform& camera : input_.results[0].camera_to_robot)
+    camera.T_parent_child.translation += Eigen::Vector3d::Constant(0.0025);
+  input_.results[0].joint_covariance = 1e-6 * Eigen::MatrixXd::Identity(18, 18);
+  json result = data()["results"][0];
+  EXPECT_EQ(result["verdict"]["word"], "SUSPECT");
+  EXPECT_EQ(result["verdict"]["level"], "suspect");
+  const std::string sentence = result["verdict"]["sentence"];
+  EXPECT_THAT(sentence, HasSubstr("checks against the truth hold (4 sigma); sigmas too small: NEES"));
+  EXPECT_THAT(result["verdict"]["why"][0].get<std::string>(), HasSubstr("larger than the stated sigmas explain"));
+  const json& shown = result["nees"]["as_in_verdict"];
+  EXPECT_THAT(sentence, HasSubstr("NEES " + shown["value"].get<std::string>() +
+                                  " (95 %: " + shown["within"].get<std::string>() + ")"));
+  for (EstimatedTransform& camera : input_.results[0].camera_to_robot) *camera.covariance *= 100.0;
+  *input_.results[0].joint_covariance *= 100.0;
+  EXPECT_EQ(data()["results"][0]["verdict"]["word"], "GOOD") << "sigmas that are too large are cautious";
+}
+
+TEST_F(Page, ImagesThatContradictAResultWithinItsSigmasAreSuspect) {
+  input_.results = {stated(exact_result(truth_), 0.05)};
+  input_.results[0].camera_to_robot[2].T_parent_child.translation.y() += 0.02;
+  const json verdict = data()["results"][0]["verdict"];
+  EXPECT_EQ(verdict["word"], "SUSPECT");
+  EXPECT_THAT(verdict["sentence"].get<std::string>(), HasSubstr("checks against the truth hold"));
+  EXPECT_THAT(verdict["why"][0].get<std::string>(), HasSubstr("contradict each other"));
+}
+
 TEST_F(Page, RefusedAndPartialResultsSayWhy) {
   Result& result = input_.results[0];
   result.status = ResultStatus::kPartial;

@@ -111,6 +111,23 @@ TEST(Format, JointNeesHasItsInterval) {
   comparison.nees = 16.9;
   comparison.nees_degrees_of_freedom = 18;
   EXPECT_EQ(format_nees(comparison), "sigmas honest: NEES 16.9 (95 %: 8.2-31.5)");
+  EXPECT_FALSE(are_sigmas_too_small(comparison));
+  comparison.nees = 31.6;
+  EXPECT_TRUE(are_sigmas_too_small(comparison));
+  comparison.nees = 0.1;
+  EXPECT_FALSE(are_sigmas_too_small(comparison)) << "too large is not too small";
+}
+
+TEST(Format, NeesOfEachCameraIsJudgedByTheOneThatIsTooHigh) {
+  Comparison comparison;
+  EXPECT_EQ(format_nees(comparison), "");
+  EXPECT_FALSE(are_sigmas_too_small(comparison));
+  comparison.camera_nees = {{"left", 0.3}, {"right", 20.0}};
+  EXPECT_EQ(format_nees(comparison), "sigmas too small: NEES of each camera left .3, right 20.0 (95 %: 1.2-14.4)");
+  EXPECT_TRUE(are_sigmas_too_small(comparison));
+  comparison.camera_nees = {{"left", 0.3}, {"right", 6.0}};
+  EXPECT_EQ(format_nees(comparison), "sigmas too large: NEES of each camera left .3, right 6.0 (95 %: 1.2-14.4)");
+  EXPECT_FALSE(are_sigmas_too_small(comparison));
 }
 
 TEST(Format, NeitherZerosNorTooManyDigits) {

@@ -23,16 +23,26 @@ std::string interval_text(const Interval& interval) {
 }
 
 std::string nees_of_cameras(const Comparison& comparison) {
-  double lowest = comparison.camera_nees.front().nees, highest = lowest;
   std::string values;
-  for (const CameraNees& camera : comparison.camera_nees) {
-    lowest = std::min(lowest, camera.nees);
-    highest = std::max(highest, camera.nees);
+  for (const CameraNees& camera : comparison.camera_nees)
     values += (values.empty() ? "" : ", ") + camera.camera + " " + figure(camera.nees, 1);
-  }
+  return values;
+}
+
+struct JudgedNees {
+  double value = 0.0;
+  Interval interval;
+};
+
+// Of all cameras together; or else of the camera that is too high, or of the lowest.
+std::optional<JudgedNees> judged_nees(const Comparison& comparison) {
+  if (comparison.nees) return JudgedNees{*comparison.nees, chi_square_interval(comparison.nees_degrees_of_freedom)};
+  if (comparison.camera_nees.empty()) return std::nullopt;
+  const auto less = [](const CameraNees& a, const CameraNees& b) { return a.nees < b.nees; };
+  const auto [lowest, highest] =
+      std::minmax_element(comparison.camera_nees.begin(), comparison.camera_nees.end(), less);
   const Interval interval = chi_square_interval(6.0);
-  const double judged = highest > interval.high ? highest : lowest;
-  return words_for(judged, interval) + ": NEES of each camera " + values + interval_text(interval);
+  return JudgedNees{highest->nees > interval.high ? highest->nees : lowest->nees, interval};
 }
 
 struct FailedSubject {
@@ -126,11 +136,16 @@ std::string notes_of(const Gate& gate, const Wording& wording) {
 }  // namespace
 
 std::string format_nees(const Comparison& comparison) {
-  if (comparison.nees) {
-    const Interval interval = chi_square_interval(comparison.nees_degrees_of_freedom);
-    return words_for(*comparison.nees, interval) + ": NEES " + figure(*comparison.nees, 1) + interval_text(interval);
-  }
-  return comparison.camera_nees.empty() ? "" : nees_of_cameras(comparison);
+  const std::optional<JudgedNees> judged = judged_nees(comparison);
+  if (!judged) return "";
+  return words_for(judged->value, judged->interval) + ": NEES " +
+         (comparison.nees ? figure(judged->value, 1) : "of each camera " + nees_of_cameras(comparison)) +
+         interval_text(judged->interval);
+}
+
+bool are_sigmas_too_small(const Comparison& comparison) {
+  const std::optional<JudgedNees> judged = judged_nees(comparison);
+  return judged && judged->value > judged->interval.high;
 }
 
 std::string format_verdict(const Comparison& comparison, const Gate& gate, const Budget& budget,

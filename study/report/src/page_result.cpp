@@ -7,6 +7,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/exclusions.h"
 #include "rigproof/validate/body_angles.h"
+#include "rigproof/validate/figures.h"
 #include "rigproof/validate/statistics.h"
 #include "rigproof/words/findings_page.h"
 #include "rigproof/words/sentences.h"
@@ -131,10 +132,12 @@ Json also_json(const Result& result) {
 Json nees_json(const Comparison& comparison) {
   if (!comparison.nees) return nullptr;
   const Interval interval = chi_square_interval(comparison.nees_degrees_of_freedom);
+  const std::string within = figure(interval.low, 1) + "-" + figure(interval.high, 1);
   return {{"value", figure_of(*comparison.nees)},
           {"degrees_of_freedom", comparison.nees_degrees_of_freedom},
           {"low", figure_of(interval.low)},
-          {"high", figure_of(interval.high)}};
+          {"high", figure_of(interval.high)},
+          {"as_in_verdict", {{"value", figure(*comparison.nees, 1)}, {"within", within}}}};
 }
 
 // Frames that this method leaves out besides those that observing did, by the frame's number.

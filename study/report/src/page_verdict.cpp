@@ -127,7 +127,17 @@ PageVerdict verdict_without_truth(const Result& result, const Observations& obse
   return {"good", "GOOD", answered + "; " + how_sure(sigmas) + ", one sigma.", {}};
 }
 
-PageVerdict verdict_with_truth(const Comparison& comparison, const Budget& budget) {
+// Why a result within the budget is not to be trusted all the same.
+std::vector<std::string> doubts_beside_checks(const Comparison& comparison, const CornerFit& fit) {
+  std::vector<std::string> doubts;
+  if (are_sigmas_too_small(comparison))
+    doubts.emplace_back(
+        "errors are larger than the stated sigmas explain: NEES lies above the interval of 95 % of honest results");
+  if (const auto found = contradiction(fit)) doubts.push_back(*found);
+  return doubts;
+}
+
+PageVerdict verdict_with_truth(const Comparison& comparison, const Budget& budget, const CornerFit& fit) {
   const Gate gate = apply_budget(comparison, budget);
   std::vector<std::string> lines = lines_of(format_verdict(comparison, gate, budget, words::sentence_of));
   std::string first = without_first_word(lines.front());
@@ -141,10 +151,12 @@ PageVerdict verdict_with_truth(const Comparison& comparison, const Budget& budge
             describe(budget) + "): " + first.substr(of_all.size());
   if (failures > 0) return {"bad", "BAD", first, lines};
   const std::string nees = format_nees(comparison);
-  return {"good", "GOOD",
-          "All " + std::to_string(count) + " checks against the truth hold (" + describe(budget) + ")" +
-              (nees.empty() ? "" : "; " + nees) + ".",
-          lines};
+  const std::string held = "All " + std::to_string(count) + " checks against the truth hold (" + describe(budget) +
+                           ")" + (nees.empty() ? "" : "; " + nees) + ".";
+  const std::vector<std::string> doubts = doubts_beside_checks(comparison, fit);
+  lines.insert(lines.begin(), doubts.begin(), doubts.end());
+  if (!doubts.empty()) return {"suspect", "SUSPECT", held, lines};
+  return {"good", "GOOD", held, lines};
 }
 
 }  // namespace
@@ -156,7 +168,7 @@ PageVerdict verdict_of(const Result& result, const std::optional<Comparison>& co
   if (result.status == ResultStatus::kRefused)
     return {"bad", "REFUSED", "The data cannot answer what was asked, and nothing is guessed.", std::move(reasons)};
   PageVerdict verdict =
-      comparison ? verdict_with_truth(*comparison, budget) : verdict_without_truth(result, observations, fit);
+      comparison ? verdict_with_truth(*comparison, budget, fit) : verdict_without_truth(result, observations, fit);
   const std::vector<Finding> suspicions = suspicions_of(result);
   if (result.status == ResultStatus::kPartial) {
     const bool holds = verdict.level != "bad";

@@ -25,7 +25,7 @@ function tiles(data, result) {
   const [errorPlace, errorAngle] = worstOf(result.poses, "error");
   if (errorPlace !== null) list.push(tile(`${figure(errorPlace)} cm`, "largest error of a position" + answered));
   if (errorAngle !== null) list.push(tile(`${figure(errorAngle)}\u00b0`, "largest error of an angle" + answered));
-  if (result.nees) list.push(tile(figure(result.nees.value, 3), `NEES; 95 % lie in ${figure(result.nees.low)}\u2013${figure(result.nees.high)}`));
+  if (result.nees) list.push(tile(result.nees.as_in_verdict.value, `NEES; 95 % lie in ${result.nees.as_in_verdict.within.replace("-", "\u2013")}`));
   return h("div", { class: "tiles" }, list);
 }
 

@@ -30,6 +30,9 @@ std::string format_same_run(const Comparison& comparison, const Budget& budget,
 /// "sigmas honest: NEES 16.9 (95 %: 8.2-31.5)" without a newline; empty where no covariance was stated.
 std::string format_nees(const Comparison& comparison);
 
+/// Whether format_nees() says so: NEES of all cameras, or else of one of them, lies above the 95 % interval.
+bool are_sigmas_too_small(const Comparison& comparison);
+
 /// "It matches the truth only when inverted ...": empty without a suspicion.
 std::string format_suspicion(const Comparison& comparison);
 
