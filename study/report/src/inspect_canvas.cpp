@@ -111,6 +111,12 @@ double Canvas::text_width(const std::string& text, double height) {
          static_cast<double>(kScale);
 }
 
+std::string Canvas::shortened(std::string text, double height, double width) {
+  if (text_width(text, height) <= width) return text;
+  while (!text.empty() && text_width(text + "...", height) > width) text.pop_back();
+  return text + "...";
+}
+
 void Canvas::text(const Eigen::Vector2d& at, const std::string& text, double height, const Color& color, Align align,
                   bool bold) {
   const double width = text_width(text, height);
@@ -141,19 +147,24 @@ std::filesystem::path Canvas::save(const std::filesystem::path& file) const {
   return file;
 }
 
-void draw_title(Canvas* canvas, const std::string& title, const std::string& subtitle) {
-  canvas->text({kMargin, 32.0}, title, 13.0, kInk, Align::kLeft, true);
+double draw_title(Canvas* canvas, const std::string& title, const std::string& subtitle) {
+  constexpr double kHeight = 13.0;
+  canvas->text({kMargin, 32.0}, title, kHeight, kInk, Align::kLeft, true);
   canvas->text({kMargin, 54.0}, subtitle, 9.5, kGrey);
+  return kMargin + Canvas::text_width(title, kHeight);
 }
 
-void draw_camera_legend(Canvas* canvas, const std::vector<std::string>& names, double baseline) {
-  constexpr double kHeight = 9.5;
+void draw_camera_legend(Canvas* canvas, const std::vector<std::string>& names, double left, double baseline) {
+  constexpr double kHeight = 9.5, kBetween = 34.0;
   double x = canvas->width() - kMargin;
   for (std::size_t i = names.size(); i-- > 0;) {
-    x -= Canvas::text_width(names[i], kHeight);
-    canvas->text({x, baseline}, names[i], kHeight, kInk);
+    // What short names leave, those before them may have.
+    const double room = (x - left) / static_cast<double>(i + 1) - kBetween;
+    const std::string name = Canvas::shortened(names[i], kHeight, room);
+    x -= Canvas::text_width(name, kHeight);
+    canvas->text({x, baseline}, name, kHeight, kInk);
     canvas->disc({x - 12.0, baseline - 0.5 * kHeight}, 5.0, camera_color(i));
-    x -= 34.0;
+    x -= kBetween;
   }
 }
 

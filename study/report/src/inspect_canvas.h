@@ -47,6 +47,8 @@ class Canvas {
   void text(const Eigen::Vector2d& at, const std::string& text, double height, const Color& color,
             Align align = Align::kLeft, bool bold = false);
   static double text_width(const std::string& text, double height);
+  /// As much of a text as is at most so wide, with dots where some is cut off.
+  static std::string shortened(std::string text, double height, double width);
   /// A BGR image scaled into a rectangle.
   void image(const cv::Mat& bgr, const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
 
@@ -58,13 +60,14 @@ class Canvas {
   cv::Mat pixels_;
 };
 
-/// Title in the top left corner with a lighter line below it.
-void draw_title(Canvas* canvas, const std::string& title, const std::string& subtitle);
+/// Title in the top left corner with a lighter line below it; returns where the title ends.
+double draw_title(Canvas* canvas, const std::string& title, const std::string& subtitle);
 inline constexpr double kTitleHeight = 72.0;
 inline constexpr double kMargin = 28.0;
 
-/// Cameras' names in their colors, in a row that ends at the right margin.
-void draw_camera_legend(Canvas* canvas, const std::vector<std::string>& names, double baseline);
+/// Cameras' names in their colors, in a row that ends at the right margin; long ones are cut so that it begins behind
+/// `left`.
+void draw_camera_legend(Canvas* canvas, const std::vector<std::string>& names, double left, double baseline);
 
 /// 1, 2 or 5 times a power of ten that is nearest below `value`.
 double round_step(double value);

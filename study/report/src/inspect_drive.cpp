@@ -156,9 +156,24 @@ void draw_stop(const Drive& drive, std::size_t i, Canvas* canvas) {
   const std::vector<Point> arrow = {at(0.0, size), at(2.5, size), at(kPi, 0.35 * size), at(-2.5, size)};
   canvas->polygon(arrow, kInk.pale(0.45 + 0.55 * age));
   canvas->polyline(arrow, kPaper, 0.5, true);
-  const std::size_t every = drive.driven.size() > 40 ? 10 : drive.driven.size() > 15 ? 5 : 1;
-  if (i % every == 0 || i + 1 == drive.driven.size())
-    canvas->text(centre + Point(8.0, -7.0), std::to_string(i), 8.0, kInk);
+}
+
+// Those of the first and the last stop come first; others only where they hide none.
+void draw_numbers(const Drive& drive, Canvas* canvas) {
+  constexpr double kHeight = 8.0, kBetween = 3.0;
+  const std::size_t stops = drive.driven.size(), every = stops > 40 ? 10 : stops > 15 ? 5 : 1;
+  std::vector<std::size_t> numbered = {0, stops - 1};
+  for (std::size_t i = every; i + 1 < stops; i += every) numbered.push_back(i);
+  std::vector<cv::Rect2d> taken;
+  for (const std::size_t i : numbered) {
+    const std::string text = std::to_string(i);
+    const Point at = drive.map(drive.driven[i].translation) + Point(8.0, -7.0);
+    const cv::Rect2d place(at.x(), at.y() - kHeight, Canvas::text_width(text, kHeight) + kBetween, kHeight + kBetween);
+    if (std::any_of(taken.begin(), taken.end(), [&](const cv::Rect2d& other) { return (other & place).area() > 0.0; }))
+      continue;
+    canvas->text(at, text, kHeight, kInk);
+    taken.push_back(place);
+  }
 }
 
 // The rig at the first stop, cameras strong.
@@ -186,8 +201,9 @@ std::string summary(const Drive& drive) {
 void draw_legend(const Drive& drive, Canvas* canvas) {
   const double x = kMargin + kMapWidth + 24.0;
   double y = kTitleHeight + 14.0;
+  constexpr double kHeight = 9.0, kIndent = 34.0, kWidth = kLegendWidth - kIndent;
   const auto entry = [&](const std::string& text) {
-    canvas->text({x + 34.0, y}, text, 9.0, kInk);
+    canvas->text({x + kIndent, y}, text, kHeight, kInk);
     y += 26.0;
   };
   for (std::size_t camera = 0; camera < drive.input.observations.cameras.size(); ++camera) {
@@ -195,7 +211,15 @@ void draw_legend(const Drive& drive, Canvas* canvas) {
     canvas->polyline({{x, y - 4.0}, {x + 22.0, y - 13.0}, {x + 22.0, y + 5.0}}, camera_color(camera), 1.5, true);
     std::size_t views = 0;
     for (const auto& [stop, seen_camera] : drive.seen) views += seen_camera == camera ? 1 : 0;
-    entry(drive.input.observations.cameras[camera].name + ", board in " + std::to_string(views));
+    const std::string& name = drive.input.observations.cameras[camera].name;
+    const std::string count = "board in " + std::to_string(views);
+    if (Canvas::text_width(name + ", " + count, kHeight) <= kWidth) {
+      entry(name + ", " + count);
+      continue;
+    }
+    entry(Canvas::shortened(name, kHeight, kWidth));
+    y -= 10.0;
+    entry(count);
   }
   y += 8.0;
   canvas->polygon({{x + 22.0, y - 4.0}, {x + 4.0, y - 10.0}, {x + 9.0, y - 4.0}, {x + 4.0, y + 2.0}}, kInk);
@@ -232,6 +256,7 @@ Written draw_drive(const InspectInput& input, const std::filesystem::path& folde
   draw_tracks(drive, &canvas);
   draw_boards(drive, &canvas);
   for (std::size_t i = 0; i < stops; ++i) draw_stop(drive, i, &canvas);
+  draw_numbers(drive, &canvas);
   draw_rig(drive, &canvas);
   canvas.rectangle({kMargin + kMapWidth + 1.0, 0.0}, {kLegendWidth + kMargin, std::floor(height)}, kPaper);
   canvas.frame({kMargin, kTitleHeight}, {kMapWidth, kMapHeight}, kRule, 1.0);

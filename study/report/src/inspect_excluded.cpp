@@ -10,12 +10,6 @@ namespace {
 constexpr double kThumbWidth = 280.0, kGap = 14.0, kCaption = 40.0, kRow = 22.0;
 constexpr std::size_t kColumns = 4, kMaxReasons = 12;
 
-std::string shortened(std::string text, double height, double width) {
-  if (Canvas::text_width(text, height) <= width) return text;
-  while (!text.empty() && Canvas::text_width(text + "...", height) > width) text.pop_back();
-  return text + "...";
-}
-
 class ExcludedSheet {
  public:
   ExcludedSheet(const InspectInput& input, const InspectOptions& options) : input_(input) {
@@ -37,8 +31,10 @@ class ExcludedSheet {
     const double width = 2.0 * kMargin + kColumns * (kThumbWidth + kGap) - kGap;
     Canvas canvas(static_cast<int>(width),
                   static_cast<int>(kTitleHeight + table + rows * (thumb_height_ + kCaption + kGap) + kMargin));
-    draw_title(&canvas, "Frames that were left out",
-               std::to_string(all_.size()) + " left out, " + std::to_string(shown_.size()) + " of them shown");
+    const double end =
+        draw_title(&canvas, "Frames that were left out",
+                   std::to_string(all_.size()) + " left out, " + std::to_string(shown_.size()) + " of them shown");
+    draw_camera_legend(&canvas, camera_names(input_.observations), end, 32.0);
     draw_counts(&canvas);
     for (std::size_t i = 0; i < shown_.size(); ++i)
       draw_frame(&canvas, *shown_[i],
@@ -64,7 +60,7 @@ class ExcludedSheet {
     const double per_frame = std::min(12.0, 420.0 / static_cast<double>(std::max<std::size_t>(1, kinds[0].first)));
     double y = kTitleHeight + 8.0;
     for (const auto& [total, kind] : kinds) {
-      canvas->text({kMargin, y}, shortened(kind, 9.0, 380.0), 9.0, kInk);
+      canvas->text({kMargin, y}, Canvas::shortened(kind, 9.0, 380.0), 9.0, kInk);
       double x = kMargin + 400.0;
       for (const auto& [camera, count] : counts_.at(kind)) {
         const double length = per_frame * static_cast<double>(count);
@@ -74,7 +70,6 @@ class ExcludedSheet {
       canvas->text({x + 8.0, y}, std::to_string(total), 9.0, kInk);
       y += kRow;
     }
-    draw_camera_legend(canvas, camera_names(input_.observations), 32.0);
   }
 
   void draw_frame(Canvas* canvas, const Exclusion& exclusion, const Eigen::Vector2d& corner) const {
@@ -87,9 +82,10 @@ class ExcludedSheet {
     canvas->frame(corner, size, camera_color(camera_of(exclusion)), 1.5);
     const std::string where =
         exclusion.file.empty() ? camera.name + ", stop " + std::to_string(exclusion.stop) : exclusion.file;
-    canvas->text(corner + Eigen::Vector2d(1.0, size.y() + 15.0), shortened(where, 7.5, kThumbWidth), 7.5, kGrey);
+    canvas->text(corner + Eigen::Vector2d(1.0, size.y() + 15.0), Canvas::shortened(where, 7.5, kThumbWidth), 7.5,
+                 kGrey);
     canvas->text(corner + Eigen::Vector2d(1.0, size.y() + 30.0),
-                 shortened(words::sentence_of(exclusion.why), 8.5, kThumbWidth), 8.5, kInk);
+                 Canvas::shortened(words::sentence_of(exclusion.why), 8.5, kThumbWidth), 8.5, kInk);
   }
 
   const InspectInput& input_;

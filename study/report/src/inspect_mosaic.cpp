@@ -39,10 +39,11 @@ class Mosaic {
     }
     const double width = 2.0 * kMargin + static_cast<double>(columns) * (kThumbWidth + kGap) - kGap;
     Canvas canvas(static_cast<int>(std::max(width, 720.0)), static_cast<int>(height + kMargin));
-    draw_title(&canvas, "Views with detected corners",
-               std::to_string(input_.observations.board_views.size()) + " views of the board at " +
-                   std::to_string(input_.observations.stops.size()) + " stops; the first corner has a ring");
-    draw_camera_legend(&canvas, camera_names(input_.observations), 32.0);
+    const double end =
+        draw_title(&canvas, "Views with detected corners",
+                   std::to_string(input_.observations.board_views.size()) + " views of the board at " +
+                       std::to_string(input_.observations.stops.size()) + " stops; the first corner has a ring");
+    draw_camera_legend(&canvas, camera_names(input_.observations), end, 32.0);
     double y = kTitleHeight;
     for (std::size_t row = 0; row < rows_.size(); ++row) {
       for (std::size_t i = 0; i < rows_[row].size(); ++i)
@@ -66,9 +67,12 @@ class Mosaic {
     draw_corners_of(canvas, view, corner, kThumbWidth / camera.camera.width_px, color);
     if (!picture.empty()) draw_inset(canvas, view, picture, corner, size);
     canvas->frame(corner, size, color, 1.5);
-    std::string caption = camera.name + ", stop " + std::to_string(view.stop);
-    if (const auto distance = distance_to_board(input_, view)) caption += ", " + number(*distance) + " m";
-    canvas->text(corner + Eigen::Vector2d(2.0, size.y() + 16.0), caption, 8.5, kInk);
+    constexpr double kHeight = 8.5;
+    std::string where = ", stop " + std::to_string(view.stop);
+    if (const auto distance = distance_to_board(input_, view)) where += ", " + number(*distance) + " m";
+    const double room = kThumbWidth - Canvas::text_width(where, kHeight);
+    canvas->text(corner + Eigen::Vector2d(2.0, size.y() + 16.0), Canvas::shortened(camera.name, kHeight, room) + where,
+                 kHeight, kInk);
   }
 
   // A board that is small in the image is shown again, larger, in the corner that is farthest from it.
