@@ -43,6 +43,8 @@ std::vector<Result> results_beside(const Input& input) {
 }
 
 std::filesystem::path report_sweep(const ReportArguments& arguments, const Terminal& terminal) {
+  if (!arguments.method.empty()) throw Error("--method: the report of a sweep shows all of its methods");
+  if (!arguments.budget.empty()) throw Error("--budget: judges one run against its truth, not a sweep");
   const std::filesystem::path& folder = arguments.inputs.front();
   const std::filesystem::path file = arguments.output.empty() ? folder / kReportName : arguments.output;
   write_file_atomically(file, page_html(sweep_page_content(load_sweep_rows(folder))));

@@ -45,6 +45,18 @@ TEST(ReportCommand, SaysWhatIsMissing) {
   EXPECT_THAT(unknown.err, HasSubstr("did you mean \"ml\""));
 }
 
+TEST(ReportCommand, OfASweepKnowsNeitherOneMethodNorABudget) {
+  const TempFolder scratch;
+  scratch.write("sweep.yaml", "methods: [ml]\n");
+  const std::string folder = scratch.path().string();
+  const ProcessOutput method = rigproof_command({"report", folder, "-m", "foo"});
+  EXPECT_EQ(method.exit_code, 2);
+  EXPECT_THAT(method.err, HasSubstr("--method: the report of a sweep shows all of its methods"));
+  const ProcessOutput budget = rigproof_command({"report", folder, "--budget", "ci"});
+  EXPECT_EQ(budget.exit_code, 2);
+  EXPECT_THAT(budget.err, HasSubstr("--budget: judges one run against its truth"));
+}
+
 // A rig that was recorded and calibrated on several days, as observations with dates.
 class ReportHistory : public testing::Test {
  protected:

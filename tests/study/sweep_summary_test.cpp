@@ -9,7 +9,9 @@
 namespace rigproof {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
+using testing::Not;
 
 /// Two cameras; errors of tx as the tests say, of all other axes a tenth of it; bound 1 on every axis.
 class MadeUpSweep {
@@ -122,9 +124,31 @@ TEST(SweepSummary, FailuresAreCountedAndNamed) {
   ASSERT_EQ(summary.failures.size(), 2U);
   EXPECT_EQ(summary.failures[0].method, "theirs");
   const std::string text = format_summary(summary);
-  EXPECT_THAT(text, HasSubstr("1/4"));
+  EXPECT_THAT(text, HasSubstr("1/3")) << "what is not run has not failed";
+  EXPECT_THAT(text, HasSubstr("Not everything is run: success is of the tasks that are"));
   EXPECT_THAT(text, HasSubstr("1 x theirs failed: crashed"));
   EXPECT_THAT(summary_as_markdown(summary), HasSubstr("- 1 x theirs refused: no turn"));
+}
+
+TEST(SweepSummary, WhatIsNotRunIsNoSuccessAndNoFailure) {
+  MadeUpSweep sweep(2, 2, {"ml"});
+  for (std::size_t seed = 0; seed < 2; ++seed) sweep.solve(0, seed, "ml", 1.0, 1.0);
+  const std::string text = format_summary(sweep.summary());
+  EXPECT_THAT(text, ContainsRegex("\n 0 +ml +2/2 +1\\.0"));
+  EXPECT_THAT(text, ContainsRegex("\n 1 +ml +- +- "));
+  EXPECT_THAT(text, Not(HasSubstr("0/2")));
+  for (std::size_t seed = 0; seed < 2; ++seed) sweep.solve(1, seed, "ml", 1.0, 1.0);
+  EXPECT_THAT(format_summary(sweep.summary()), Not(HasSubstr("Not everything is run")));
+}
+
+TEST(SweepSummary, AReasonThatStandsForSeveralTasksIsAnExample) {
+  MadeUpSweep sweep(1, 3, {"ml"});
+  sweep.fail(0, 0, "ml", SweepStatus::kRefused, "no turn");
+  sweep.fail(0, 1, "ml", SweepStatus::kRefused, "no turn");
+  sweep.fail(0, 2, "ml", SweepStatus::kFailed, "crashed");
+  const std::string text = format_summary(sweep.summary());
+  EXPECT_THAT(text, HasSubstr("2 x ml refused, for example: no turn"));
+  EXPECT_THAT(text, HasSubstr("1 x ml failed: crashed"));
 }
 
 TEST(SweepSummary, AnAnswerFarOffIsNone) {
@@ -180,7 +204,7 @@ TEST(SweepSummary, FailuresOfOneFindingAreOneKindWhateverTheirValues) {
   ASSERT_EQ(failures.size(), 1U);
   EXPECT_EQ(failures[0].tasks, 3);
   EXPECT_EQ(code_of(failures[0].reasons), "method.one_board");
-  EXPECT_THAT(format_summary(sweep.summary()), HasSubstr("3 x ml refused: The recording has 2 boards"));
+  EXPECT_THAT(format_summary(sweep.summary()), HasSubstr("3 x ml refused, for example: The recording has 2 boards"));
 }
 
 TEST(SweepSummary, AMethodThatNeverAnswersAnAxisDoesNotEmptyTheCommonTasks) {

@@ -62,7 +62,11 @@ void visit_columns(const SummaryRow& row, const Text& text, const Number& number
 
 using Optional = std::optional<double>;
 
-std::string success_of(const SummaryRow& row) { return std::to_string(row.answered) + "/" + std::to_string(row.tasks); }
+// Of the tasks that have a result: what is not run yet has not failed.
+std::string success_of(const SummaryRow& row) {
+  const int run = row.tasks - row.missing;
+  return run == 0 ? "-" : std::to_string(row.answered) + "/" + std::to_string(run);
+}
 
 // The cell of one axis: mean |error|, and whether the reference is significantly better or worse.
 std::string cell_of(const SummaryRow& row) {
@@ -168,8 +172,9 @@ std::vector<std::string> failure_lines(const SweepSummary& summary) {
       lines.push_back(std::to_string(summary.failures.size() - kShownFailures) + " more kinds in rows.csv");
       break;
     }
+    const std::string lead = failure.tasks > 1 ? ", for example: " : ": ";
     lines.push_back(std::to_string(failure.tasks) + " x " + failure.method + " " + sweep_status_name(failure.status) +
-                    (failure.reasons.empty() ? "" : ": " + for_message(words::text_of(failure.reasons), kShownReason)));
+                    (failure.reasons.empty() ? "" : lead + for_message(words::text_of(failure.reasons), kShownReason)));
   }
   return lines;
 }
@@ -200,9 +205,15 @@ std::string far_line(const SweepSummary& summary, const std::vector<Line>& lines
              : "More than " + far_limits_in_words() + " off, counted as no answer: " + joined(counts, ", ") + ".\n";
 }
 
+std::string unfinished_line(const SweepSummary& summary) {
+  const bool is_unfinished =
+      std::any_of(summary.rows.begin(), summary.rows.end(), [](const SummaryRow& row) { return row.missing > 0; });
+  return is_unfinished ? "Not everything is run: success is of the tasks that are, - where none is.\n" : "";
+}
+
 std::string legend(const SweepSummary& summary) {
   return "success: tasks in which every camera has every axis that the method gives at all, none more than " +
-         far_limits_in_words() + " off;\nthen mean |error| of answers within that.\n" +
+         far_limits_in_words() + " off;\nthen mean |error| of answers within that.\n" + unfinished_line(summary) +
          (summary.methods.size() < 2
               ? std::string()
               : "* significantly worse than " + summary.reference + ", ! better (paired Wilcoxon test, Holm, 5 %).\n");
