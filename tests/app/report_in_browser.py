@@ -161,6 +161,20 @@ def check_rig(browser):
     changes("an arrow key")
 
 
+def check_ellipses(browser):
+    """They are as large as the corner's covariance and what no lens model follows make them."""
+    drawn, expected = browser.js("""(() => {
+      const box = { "lens_residual_px": 0.3 }, frame = data.frames.findIndex((one, index) => one.corners && fitOf(data.results[0], index));
+      const camera = data.cameras[data.frames[frame].camera], before = camera.lens_residual_px;
+      Object.assign(camera, box);
+      const ellipse = cornersClose(data, data.results[0], frame, 10).querySelector("ellipse"), [corner] = cornersOf(data.frames[frame]);
+      camera.lens_residual_px = before;
+      const drawn = ellipse.getAttribute("rx") ** 2 + ellipse.getAttribute("ry") ** 2;
+      return [drawn, 400 * (corner.uu + corner.vv + 2 * 0.3 ** 2)];
+    })()""")
+    expect(abs(drawn / expected - 1) < 1e-6, f"ellipses of detector and lens: {drawn}, {expected}")
+
+
 def check_images(browser):
     browser.js("document.getElementById('images').scrollIntoView({behavior: 'instant'})")
     browser.settle()
@@ -169,6 +183,7 @@ def check_images(browser):
     click(browser, ".frame")
     expect(browser.js("document.querySelector('dialog').open"), "an image opens")
     expect(browser.js("document.querySelectorAll('dialog ellipse').length") > 5, "expected corners with their ellipses")
+    check_ellipses(browser)
     expect("null" not in browser.js("document.querySelector('dialog').innerText"), "nothing missing is written there")
     expect(browser.js("document.querySelectorAll('dialog svg.ground rect').length") > 5, "where the ground is")
     expect("on the ground plane" in browser.js("document.querySelector('dialog').innerText"), "and what green means")
@@ -244,7 +259,62 @@ def check_paper(browser):
     expect(shown == 0, f"{shown} controls are printed")
     expect(browser.js("document.querySelector('#images .printed').getClientRects().length") == 1, "what is chosen is")
     expect(browser.js("getComputedStyle(document.querySelector('h2')).breakAfter") == "avoid", "no heading ends a page")
+    expect(browser.js("document.querySelector('footer').getClientRects().length") == 0, "nor do licences have one")
+    wide = "document.querySelector('#view3d').clientWidth / document.querySelector('#view3d').clientHeight"
+    expect(abs(browser.js("lastView.paper.width / lastView.paper.height") - browser.js(wide)) < 0.01, "the rig is not squeezed")
     browser.paper(False)
+    canvas = "document.querySelector('#view3d canvas')"
+    expect(abs(browser.js(f"{canvas}.width / {canvas}.height") - browser.js(wide)) < 0.01, "nor is it afterwards")
+    folded = "document.querySelectorAll('details:not([open])').length"
+    before = browser.js(folded)
+    browser.js("dispatchEvent(new Event('beforeprint'))")
+    expect(before > 0 and browser.js(folded) == 0, "what is folded is printed")
+    browser.js("dispatchEvent(new Event('afterprint'))")
+    expect(browser.js(folded) == before, "and folded again")
+
+
+def check_theme(browser):
+    """Dots beside names follow the theme, and are light on paper."""
+    dot = "getComputedStyle(document.querySelector('#poses tbody .dot')).backgroundColor"
+    browser.dark(True)
+    browser.settle()
+    on_dark = browser.js(dot)
+    browser.paper(True)
+    on_paper = browser.js(dot)
+    browser.paper(False)
+    browser.dark(False)
+    browser.settle()
+    expect(browser.js(dot) == on_paper != on_dark, f"{on_dark} on dark, {on_paper} on paper")
+    expect(browser.js("['#0072b2', '#e69f00', '#56b4e9'].map(inkOn)") == ["#fff", "#111", "#111"], "numbers can be read on bars")
+
+
+def give_long_names(data):
+    """Cameras as ROS names their frames, one as long as names may be; a finding with code in it."""
+    names = ["front_left_camera_color_optical_frame", "front_right_camera_color_optical_frame", "r" * 64]
+    renamed = {camera["name"]: name for camera, name in zip(data["cameras"], names)}
+    text = json.dumps({key: data[key] for key in ("cameras", "results")})
+    for old, new in renamed.items():
+        text = text.replace(json.dumps(old), json.dumps(new))
+    data.update(json.loads(text))
+    for result in data["results"]:
+        result["notes"].append({"code": "a.code", "severity": "suspect", "sentence": "State `square_mm` and `sigma`.", "remedy": "Use `rig.yaml`."})
+
+
+def check_long_names(browser, page):
+    for width, height in ((1280, 900), (390, 844)):
+        browser.size(width, height, width < 600)
+        browser.open(url_of(page))
+        expect(browser.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), f"nothing sticks out of {width}")
+        cut = browser.js("""[...document.querySelectorAll(".frame .caption")].filter((node) => node.scrollWidth > node.clientWidth).length""")
+        expect(cut == 0, f"{cut} captions are cut at {width}")
+        name, dot = browser.js("""["#corners .named .dot + span", "#corners .named .dot"].map((selector) =>
+            document.querySelector(selector).getBoundingClientRect().top)""")
+        expect(0 <= dot - name < 16, f"a name begins beside its dot: {name}, {dot}")
+    expect(browser.js("labelNames(['front_left_camera_optical_frame', 'front_right_camera_optical_frame'])")
+           == ["front_left", "front_right"], "labels leave out what all share")
+    expect(max(len(name) for name in browser.js("lastView.names")) <= 18, "and are short")
+    finding = browser.js("[...document.querySelectorAll('#findings li')].at(-1).innerHTML")
+    expect("<code>square_mm</code>" in finding and "<code>rig.yaml</code>" in finding and "`" not in finding, f"code is code: {finding}")
 
 
 def check_whole_page(browser, name, folder):
@@ -291,27 +361,49 @@ def bands(browser):
     return browser.js("""document.querySelectorAll("#errors svg path[fill-opacity='0.16']").length""")
 
 
+def click_legend(browser, method):
+    browser.js("document.getElementById('errors').scrollIntoView({behavior: 'instant'})")
+    browser.settle()
+    browser.click_at(*browser.js("""((method) => { const text = [...document.querySelectorAll("#errors svg text")]
+        .find((node) => node.textContent === method).getBoundingClientRect();
+        return [text.x + text.width / 2, text.y + text.height / 2]; })(METHOD)""".replace("METHOD", json.dumps(method))))
+
+
 def check_legend(browser, page):
     """A method that is switched off takes its band along, and stays off when something else is chosen."""
     browser.open(url_of(page))
     expect(bands(browser) == 2, f"a band for each of two methods: {bands(browser)}")
-    browser.js("document.getElementById('errors').scrollIntoView({behavior: 'instant'})")
-    browser.settle()
-    browser.click_at(*browser.js("""(() => { const text = [...document.querySelectorAll("#errors svg text")]
-        .find((node) => node.textContent === "joint_memroc").getBoundingClientRect();
-        return [text.x + text.width / 2, text.y + text.height / 2]; })()"""))
+    click_legend(browser, "joint_memroc")
     expect(bands(browser) == 1, f"the band of the other method alone: {bands(browser)}")
     choose_in(browser, "controls", 1, 7)
     expect(bands(browser) == 1, "it stays off")
 
 
-def check_fields(browser, page):
-    """A logarithmic axis ends at the data; names are boxes, not lines."""
+def check_method_boxes(browser, page):
+    """Without a mouse: a box for each method, of all charts."""
     browser.open(url_of(page))
-    browser.js("document.querySelectorAll('#controls input')[1].click()")
+    box = """[...document.querySelectorAll("#controls label")].find((label) => label.textContent === "ml").querySelector("input")"""
+    boxes = "document.querySelectorAll('#boxes svg path[fill=\"transparent\"], #boxes svg path').length"
+    before = browser.js(boxes)
+    browser.js(box + ".click()")
     browser.settle()
-    labels = set(browser.js("[...document.querySelectorAll('#success svg text')].map((node) => node.textContent)"))
-    expect({"0.5", "8"} <= labels and not {"0.1", "10"} & labels, f"the axis goes from 0.5 to 8: {labels}")
+    expect(bands(browser) == 1, "the band of the other method alone")
+    expect(browser.js(boxes) < before, "and its box")
+    browser.js(box + ".click()")
+    browser.settle()
+    expect(bands(browser) == 2 and browser.js(boxes) == before, "and back")
+    click_legend(browser, "ml")
+    expect(bands(browser) == 1 and not browser.js(box + ".checked"), "a legend is of all charts, too, and the box follows")
+
+
+def check_fields(browser, page):
+    """An axis of numbers ends at the data; names are boxes, not lines."""
+    browser.open(url_of(page))
+    for _ in ("linear", "logarithmic"):
+        labels = set(browser.js("[...document.querySelectorAll('#success svg text')].map((node) => node.textContent)"))
+        expect({"0.5", "8"} <= labels and not {"0", "0.1", "10"} & labels, f"the axis goes from 0.5 to 8: {labels}")
+        browser.js("document.querySelectorAll('#controls input')[1].click()")
+        browser.settle()
     expect(bands(browser) == 2, "bands over numbers")
     choose_in(browser, "controls", 3, 1)
     expect(bands(browser) == 0, "no bands over names")
@@ -319,12 +411,24 @@ def check_fields(browser, page):
     expect(browser.js("document.querySelectorAll('#controls label[hidden]').length") == 2, "no log axis, no filter of itself")
 
 
-def with_refusals(page):
-    """The same sweep, had it begun at 0 and one method refused half of it."""
+def changed(page, name, change):
+    """The same report with other data; columns are plain lists."""
     text = page.read_text()
     start = text.index('id="report-data">') + len('id="report-data">')
     end = text.index("</script>", start)
     data = json.loads(text[start:end])
+    for column, values in data.get("rows", {}).items():
+        if isinstance(values, dict):
+            runs = values["runs"]
+            data["rows"][column] = [value for value, count in zip(runs[::2], runs[1::2]) for _ in range(count)]
+    change(data)
+    other = page.with_name(name)
+    other.write_text(text[:start] + json.dumps(data).replace("<", "\\u003c") + text[end:])
+    return other
+
+
+def begin_at_0_with_refusals(data):
+    """Had the sweep begun at 0, and one method refused half of it."""
     data["axes"][0].update(levels=["0", "8"], values=[0, 8])
     data["statuses"].append("refused")
     rows = data["rows"]
@@ -332,9 +436,48 @@ def with_refusals(page):
         if data["tasks"][task][0] == 1 and rows["method"][i] == 1:
             rows["error"][i] = rows["sigma"][i] = rows["nees"][i] = None
             rows["status"][i] = len(data["statuses"]) - 1
-    other = page.with_name("refusals.html")
-    other.write_text(text[:start] + json.dumps(data).replace("<", "\\u003c") + text[end:])
-    return other
+
+
+def leave_half_undone(data):
+    """Had one method not been run at the second level yet, and one task of the other."""
+    rows = data["rows"]
+    undone = {(1, task) for task, levels in enumerate(data["tasks"]) if levels[0] == 1}
+    undone.add((0, min(task for _, task in undone)))
+    kept = [i for i, task in enumerate(rows["task"]) if (rows["method"][i], task) not in undone]
+    for column in rows:
+        rows[column] = [rows[column][i] for i in kept]
+
+
+def check_unfinished(browser, page):
+    """What is not run is a gap and no failure."""
+    browser.open(url_of(page))
+    answered = browser.js("[...document.querySelectorAll('#figures tbody tr')].map((row) => row.cells[2].innerText)")
+    expect([text.split()[-1] for text in answered] == ["6", "6", "5", "\u2013"], f"of what is run: {answered}")
+    points = browser.js("""((view) => successOption(view, view.gather()).series
+                           .map((series) => series.data.map(([, share]) => share)))(new SweepView(data))""")
+    expect(points[0] == [100, 100] and points[1][0] > 0 and points[1][1] is None, f"a gap where nothing is run: {points}")
+    browser.js("document.querySelectorAll('#controls input')[0].click()")
+    expect(not browser.said, "and nothing else minds")
+
+
+def write_long_titles(data):
+    """Fields with titles as long as a sentence, and a reason of three lines."""
+    for axis in data["axes"]:
+        axis["title"] = "standard deviation of the wheels' angles about the vertical axis of " + axis["title"]
+    reason = "The drive does not determine `x` and `y`: every stop has the same heading. " * 3
+    data["failures"] = [{"method": "joint_memroc", "status": "refused", "code": "motion.straight", "reason": reason, "tasks": 3}]
+
+
+def check_narrow(browser, page):
+    """On a phone everything is read without scrolling the page, or the table of failures, sideways."""
+    browser.size(390, 844, True)
+    browser.open(url_of(page))
+    width = browser.js("document.documentElement.scrollWidth")
+    expect(width <= 390, f"the page is {width} pixels wide")
+    expect(browser.js("document.querySelector('#failures .scroll').classList.contains('wide')") is False, "failures fit")
+    expect(browser.js("document.querySelectorAll('#failures td code').length") == 7, "code in a reason, three times two, and the code itself")
+    expect("for example" in copied(browser, "failures", "CSV"), "of several tasks a reason is an example")
+    browser.size(1280, 900)
 
 
 def check_degenerate(browser, page):
@@ -376,6 +519,9 @@ def check_history(browser, page, folder):
         expect(not {"null", "undefined", "NaN"} & set(words), "nothing that is missing is written as a word")
         expect(browser.js("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), "nothing sticks out")
         check_whole_page(browser, name, folder)
+    named = "fittingNames(['2026-01-01', '2026-02-01', '2026-03-01'], [0, PLACE, 1], 52, 326).map(({ name }) => name)"
+    expect(browser.js(named.replace("PLACE", "0.5")) == ["2026-01-01", "2026-02-01", "2026-03-01"], "a recording in the middle is named")
+    expect(browser.js(named.replace("PLACE", "0.1")) == ["2026-01-01", "2026-03-01"], "where there is room")
     before = browser.js("document.querySelectorAll('#drift svg circle').length")
     choose(browser, 0, 1)
     expect(browser.js("document.querySelectorAll('#drift svg circle').length") < before, "one camera alone")
@@ -401,14 +547,19 @@ def check(browser, page, sweep, history, folder):
             check_corners(browser)
             check_copies(browser)
             check_paper(browser)
+            check_theme(browser)
             check_methods(browser)
+    check_long_names(browser, changed(page, "long.html", give_long_names))
     for name, width, height, mobile, dark in (("sweep_phone", 390, 844, True, True), ("sweep", 1280, 900, False, False)):
         browser.size(width, height, mobile)
         browser.dark(dark)
         check_sweep(browser, sweep, name, folder)
     check_legend(browser, sweep)
     check_fields(browser, sweep)
-    check_degenerate(browser, with_refusals(sweep))
+    check_method_boxes(browser, sweep)
+    check_narrow(browser, changed(sweep, "titles.html", write_long_titles))
+    check_unfinished(browser, changed(sweep, "unfinished.html", leave_half_undone))
+    check_degenerate(browser, changed(sweep, "refusals.html", begin_at_0_with_refusals))
     check_history(browser, history, folder)
     expect(browser.pdf()[:5] == b"%PDF-", "it prints")
     expect(not browser.said, "the console says: " + "\n".join(browser.said))

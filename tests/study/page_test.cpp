@@ -424,6 +424,18 @@ TEST(SweepPage, HoldsEveryAnswerInColumns) {
   EXPECT_EQ(page["failures"][0]["code"], "motion.straight");
 }
 
+TEST(SweepPage, WritesOnceWhatManyRowsInSuccessionShare) {
+  SweepRows rows = two_answers();
+  for (int i = 0; i < 6; ++i) rows.rows.insert(rows.rows.begin(), rows.rows.front());
+  const json columns = json::parse(sweep_page_content(rows).data)["rows"];
+  EXPECT_EQ(columns["task"], json({{"runs", {1, 8}}}));
+  EXPECT_EQ(columns["status"], json({{"runs", {0, 8}}}));
+  EXPECT_EQ(columns["nees"], json({{"runs", {nullptr, 7, 7.25, 1}}}));
+  EXPECT_EQ(columns["nees_dof"], json({{"runs", {0, 7, 5, 1}}}));
+  EXPECT_EQ(columns["subject"].size(), 8U);
+  EXPECT_EQ(columns["error"].size(), 8U);
+}
+
 TEST(SweepPage, TellsWhichDriversDrewThePictures) {
   SweepRows rows = two_answers();
   EXPECT_EQ(json::parse(sweep_page_content(rows).data)["gl_renderers"], json::array());

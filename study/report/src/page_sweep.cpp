@@ -41,6 +41,19 @@ Json axes_json(const SweepRows& rows) {
   return axes;
 }
 
+// {"runs": [value, count, ..]}, where that is shorter.
+Json in_runs(Json column) {
+  Json runs = Json::array();
+  for (const Json& value : column) {
+    if (!runs.empty() && runs[runs.size() - 2] == value)
+      runs.back() = runs.back().get<std::size_t>() + 1;
+    else
+      runs.insert(runs.end(), {value, 1});
+  }
+  if (runs.size() >= column.size()) return column;
+  return {{"runs", std::move(runs)}};
+}
+
 // Columns, so that names of columns are written once. The levels of a task are told with the task.
 Json rows_json(const SweepRows& rows, Names* subjects, Names* statuses) {
   std::map<std::string, std::size_t> tasks, methods;
@@ -68,9 +81,10 @@ Json rows_json(const SweepRows& rows, Names* subjects, Names* statuses) {
     errors.push_back(std::move(error));
     sigmas.push_back(std::move(sigma));
   }
-  return {{"task", std::move(task)},     {"method", std::move(method)},    {"subject", std::move(subject)},
-          {"status", std::move(status)}, {"error", std::move(errors)},     {"sigma", std::move(sigmas)},
-          {"nees", std::move(nees)},     {"nees_dof", std::move(nees_dof)}};
+  return {{"task", in_runs(std::move(task))}, {"method", in_runs(std::move(method))},
+          {"subject", std::move(subject)},    {"status", in_runs(std::move(status))},
+          {"error", std::move(errors)},       {"sigma", std::move(sigmas)},
+          {"nees", in_runs(std::move(nees))}, {"nees_dof", in_runs(std::move(nees_dof))}};
 }
 
 Json tasks_json(const SweepRows& rows) {

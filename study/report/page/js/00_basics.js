@@ -16,13 +16,17 @@ const h = (tag, properties, ...children) => fill(document.createElement(tag), pr
 const s = (tag, properties, ...children) => fill(document.createElementNS(SVG, tag), properties, children);
 
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
-// Okabe and Ito's palette, told apart by the colour-blind: the same camera has the same colour everywhere.
-const CAMERA_COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a6a3f", "#7070d8"];
-const ON_DARK = ["#4da3e0", "#f58a3d", "#2fc295", "#e39cc4", "#7cc7f2", "#f0b429", "#b8976a", "#9a9af0"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
 const isPrinted = () => matchMedia("print").matches;
-const isDark = () => dark.matches && !isPrinted();
-const cameraColor = (index) => (isDark() ? ON_DARK : CAMERA_COLORS)[index % CAMERA_COLORS.length];
+// The same camera has the same colour everywhere; the style sheet has them.
+const CAMERA_COLORS = 8;
+const cameraColorName = (index) => "camera-" + (index % CAMERA_COLORS);
+const cameraColor = (index) => color(cameraColorName(index));
+// Black or white, whichever is read better on "#rrggbb": by the contrast of WCAG 2.
+function inkOn(background) {
+  const [red, green, blue] = [1, 3, 5].map((at) => parseInt(background.slice(at, at + 2), 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+  return 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.179 ? "#111" : "#fff";
+}
 
 const AXES = ["tx", "ty", "tz", "rx", "ry", "rz"];
 const ANGLES = ["roll", "pitch", "yaw"];
@@ -53,6 +57,8 @@ const figure = (value, digits = 2) => {
   return fixed(value, decimals);
 };
 const sentence = (text) => text.replaceAll("+-", "\u00b1");
+// A sentence for a person: what stands between backticks is code.
+const prose = (text) => sentence(text).split(/`([^`]+)`/).map((part, i) => (i % 2 ? h("code", {}, part) : part));
 const plural = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 const rms = (values) => Math.sqrt(values.reduce((sum, v) => sum + v * v, 0) / Math.max(1, values.length));
 const quantile = (values, q) => {
@@ -80,13 +86,11 @@ function checkbox(label, checked, onchange) {
   const box = h("input", { type: "checkbox", checked, onchange: () => onchange(box.checked) });
   return h("label", {}, box, label);
 }
-const swatch = (index) => h("span", { class: "dot", style: { background: cameraColor(index) }, "aria-hidden": "true" });
-// Long names may break after an underscore, and never after the dot.
-const breakable = (name) => name.split(/(?<=_)/).map((part, i) => (i ? [h("wbr", {}), part] : part));
-function withSwatch(index, name) {
-  const [first, ...rest] = breakable(name);
-  return h("span", {}, h("span", { class: "nowrap" }, swatch(index), first), rest);
-}
+const swatch = (index) => h("span", { class: "dot", style: { background: `var(--${cameraColorName(index)})` }, "aria-hidden": "true" });
+// Long names may break after an underscore, and parts of more than twenty letters anywhere.
+const pieces = (part) => (part.length > 20 ? part.match(/.{1,10}/gsu) : part);
+const breakable = (name) => name.split(/(?<=_)/).flatMap(pieces).map((part, i) => (i ? [h("wbr", {}), part] : part));
+const withSwatch = (index, name) => h("span", { class: "named" }, swatch(index), h("span", {}, breakable(name)));
 
 // What depends on the theme or on the size of its place is drawn once it has one, and again when the theme changes.
 const redraws = [];
@@ -99,13 +103,25 @@ function redrawAll() { for (const draw of redraws) draw(); }
 dark.addEventListener("change", redrawAll);
 matchMedia("print").addEventListener("change", redrawAll);
 
-function chart(node, optionOf, height) {
+// Paper cannot be clicked: what is folded is printed, too.
+let folded = [];
+addEventListener("beforeprint", () => {
+  folded = [...document.querySelectorAll("details:not([open])")];
+  for (const node of folded) node.open = true;
+});
+addEventListener("afterprint", () => { for (const node of folded) node.open = false; });
+
+// `legend`: which names it shows, since a chart that is drawn anew would forget them; several charts may share one.
+function chart(node, optionOf, height, legend = { selected: {} }) {
   if (height) node.style.height = height + "px";
-  let instance = null, selected = {};  // names that the legend shows: drawn anew, a chart would forget them
+  let instance = null;
   const draw = () => {
     if (!instance) {
       instance = echarts.init(node, null, { renderer: "svg" });
-      instance.on("legendselectchanged", (event) => { selected = event.selected; });
+      instance.on("legendselectchanged", (event) => {
+        Object.assign(legend.selected, event.selected);
+        if (legend.onchange) legend.onchange();
+      });
       new ResizeObserver(() => instance.resize()).observe(node);
     }
     if (isPrinted()) instance.resize();
@@ -115,7 +131,7 @@ function chart(node, optionOf, height) {
       textStyle: { fontFamily: getComputedStyle(document.body).fontFamily, color: color("ink") },
       aria: { enabled: true },
       ...option,
-      ...(option.legend ? { legend: { ...option.legend, selected } } : {}),
+      ...(option.legend ? { legend: { ...option.legend, selected: legend.selected } } : {}),
     }, true);
   };
   whenShown(draw);

@@ -3,6 +3,9 @@
 // A head with a list as `raw` stands for so many columns.
 const plain = (cell) => (cell === null || cell === undefined ? "" : typeof cell === "object" ? cell.plain ?? cell.text : String(cell));
 
+// A sentence, with code as code; copied as it is.
+const textCell = (text) => ({ node: h("span", {}, prose(text)), plain: sentence(text) });
+
 // Digits beyond the twelfth come from the change of units.
 const rawText = (value) => (typeof value === "number" ? (isFinite(value) ? String(Number(value.toPrecision(12))) : "") : value ?? "");
 const rawOf = (cell) => (cell && typeof cell === "object" && cell.raw !== undefined ? cell.raw : plain(cell).replaceAll("\u2212", "-").replace(/^[\u2013]$/, ""));

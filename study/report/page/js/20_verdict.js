@@ -37,8 +37,8 @@ function drawHead(data, result, onmethod) {
     h("div", { class: "top" }, h("h1", {}, data.title), h("span", { class: "brand" }, ["Rigproof report", ...scene].join(" \u00b7 ")),
       methods.length > 1 ? h("span", { class: "bar push" }, choice("method", methods, onmethod, data.results.indexOf(result)))
         : h("span", { class: "brand" }, "method " + result.method)),
-    h("div", { class: "verdict " + level, role: "status" }, h("div", { class: "word" }, word), h("p", { class: "sentence" }, sentence(result.verdict.sentence)),
-      why.length ? h("ul", {}, why.map((line) => h("li", {}, sentence(line)))) : null),
+    h("div", { class: "verdict " + level, role: "status" }, h("div", { class: "word" }, word), h("p", { class: "sentence" }, prose(result.verdict.sentence)),
+      why.length ? h("ul", {}, why.map((line) => h("li", {}, prose(line)))) : null),
     tiles(data, result));
 }
 

@@ -24,7 +24,7 @@ function budgetSection(data, result) {
     series: sources.map((source, k) => {
       const entry = shown[0].budget.find((b) => b.source === source);
       return { name: source, type: "bar", stack: "all", barWidth: "62%", color: SOURCE_COLORS[k % SOURCE_COLORS.length],
-        label: { show: true, color: "#fff", fontSize: 11, formatter: ({ value }) => (value >= 9 ? `${Math.round(value)}` : "") },
+        label: { show: true, color: inkOn(SOURCE_COLORS[k % SOURCE_COLORS.length]), fontSize: 11, formatter: ({ value }) => (value >= 9 ? `${Math.round(value)}` : "") },
         data: axes().map((i) => (entry ? 100 * entry.share[i] : 0)) };
     }).filter((series) => series.data.some((v) => v > 0.05)),
   });
@@ -47,7 +47,7 @@ function budgetSection(data, result) {
   const draw = chart(node, option, 320);
   tell();
   if (result.sources.length)
-    card.append(h("p", { class: "small" }, "The least certain camera, and what would help:"), h("ul", { class: "small" }, result.sources.map((sentence) => h("li", {}, sentence))));
+    card.append(h("p", { class: "small" }, "The least certain camera, and what would help:"), h("ul", { class: "small" }, result.sources.map((sentence) => h("li", {}, prose(sentence)))));
   return section("budget", "Uncertainty budget",
     "Where the stated uncertainty comes from: shares of the variance of each degree of freedom. What is largest is what to measure or record better.", card);
 }

@@ -48,6 +48,16 @@ function pictureTexture(canvas) {
   return texture;
 }
 
+// Names for labels: without the end that all of them share, and cut where they are still long.
+function labelNames(names) {
+  const longest = 18, parts = names.map((name) => name.split("_"));
+  if (Math.max(...names.map((name) => name.length)) <= longest) return names;
+  const shared = (count) => parts.length > 1 && parts.every((own) => own.length > count && own.slice(-count).join() === parts[0].slice(-count).join());
+  let count = 0;
+  while (shared(count + 1)) ++count;
+  return parts.map((own) => shortened(own.slice(0, own.length - count).join("_"), longest));
+}
+
 // Of the same height on the screen, near or far.
 function labelSprite(text, value, size) {
   const canvas = h("canvas", { height: 96 }), pen = canvas.getContext("2d"), font = "600 56px " + getComputedStyle(document.body).fontFamily;
@@ -171,7 +181,7 @@ let lastView = null;
 
 class RigView {
   constructor(data, result, holder) {
-    Object.assign(this, { data, result, holder, stop: 0, k: 1, where: "rig", parts: { estimated: true, true: true, uncertainty: true, drive: true, odometry: false, board: true, ground: true } });
+    Object.assign(this, { data, result, holder, names: labelNames(data.cameras.map(({ name }) => name)), stop: 0, k: 1, where: "rig", parts: { estimated: true, true: true, uncertainty: true, drive: true, odometry: false, board: true, ground: true } });
     this.renderer = theRenderer();
     this.camera = new three.PerspectiveCamera(38, 1, 0.02, 300);
     this.camera.up.set(0, 0, 1);
@@ -210,6 +220,7 @@ class RigView {
   // Everything again: a few hundred lines.
   build() {
     this.scene = new three.Scene();
+    this.labels = [];
     this.scene.background = new three.Color(color("faint"));
     this.scene.add(new three.AmbientLight(0xffffff, 1.6));
     const sun = new three.DirectionalLight(0xffffff, 1.6);
@@ -270,9 +281,10 @@ class RigView {
       mesh.position.setFromMatrixPosition(shown);
       robot.add(mesh);
     }
-    const label = labelSprite(camera.name, value, this.letters());
+    const label = labelSprite(this.names[index], value, this.letters());
     label.position.setFromMatrixPosition(shown).add(new three.Vector3(0, 0, 0.09));
     robot.add(label);
+    this.labels.push(label);
   }
   // Poses of those that are known.
   boards() {
@@ -327,16 +339,43 @@ class RigView {
     const { clientWidth, clientHeight } = this.holder;
     if (!clientWidth || !clientHeight) return;
     const first = this.camera.aspect === 1;
+    this.fit();
+    if (first) this.look(this.where);
+    this.build();
+  }
+  // To its place, which paper makes another one and the screen the old one again, without telling.
+  fit() {
+    const { clientWidth, clientHeight } = this.holder, { domElement } = this.renderer, ratio = this.renderer.getPixelRatio();
+    const isSame = domElement.width === Math.floor(clientWidth * ratio) && domElement.height === Math.floor(clientHeight * ratio);
+    if (!clientWidth || !clientHeight || (isSame && this.camera.aspect === clientWidth / clientHeight)) return;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
-    if (first) this.look(this.where);
-    this.build();
+  }
+  // Labels rise until none hides another, the lowest first.
+  spreadLabels() {
+    this.scene.updateMatrixWorld();
+    this.camera.updateMatrixWorld();
+    const half = Math.tan((this.camera.fov * Math.PI) / 360), taken = [];
+    const placed = this.labels.map((label) => ({ label, ...label.getWorldPosition(new three.Vector3()).project(this.camera) })).sort((a, b) => a.y - b.y);
+    for (const { label, x, y } of placed) {
+      const width = label.scale.x / (half * this.camera.aspect), height = (0.8 * label.scale.y) / half;
+      const isHidden = (at) => taken.some((other) => x < other.right && other.left < x + width && Math.abs(at - other.at) < height);
+      let rise = 0;
+      while (isHidden(y + rise * height)) ++rise;
+      label.center.y = 0.5 - 0.8 * rise;
+      taken.push({ left: x, right: x + width, at: y + rise * height });
+    }
+  }
+  render() {
+    this.fit();
+    this.spreadLabels();
+    this.renderer.render(this.scene, this.camera);
   }
   // No frame comes before the paper, and browsers print the last one: a copy is printed instead.
   drawOnPaper() {
     const { domElement } = this.renderer;
-    this.renderer.render(this.scene, this.camera);
+    this.render();
     if (!this.paper) this.holder.append((this.paper = h("canvas", { class: "paper", "aria-hidden": "true" })));
     this.paper.width = domElement.width;
     this.paper.height = domElement.height;
@@ -345,7 +384,7 @@ class RigView {
   draw() {
     if (isPrinted()) return this.drawOnPaper();
     if (this.waiting) return;
-    this.waiting = requestAnimationFrame(() => { this.waiting = 0; this.renderer.render(this.scene, this.camera); });
+    this.waiting = requestAnimationFrame(() => { this.waiting = 0; this.render(); });
   }
 }
 

@@ -63,12 +63,13 @@ function frameTitle(data, index) {
 function cornersClose(data, result, index, magnified) {
   const frame = data.frames[index], camera = data.cameras[frame.camera];
   const fit = fitOf(result, index), box = frame.crop || [0, 0, camera.width, camera.height], unit = Math.max(box[2], box[3]) / 420;
-  const nodes = [], value = cameraColor(frame.camera);
+  // What no lens model follows comes on top of the detector's noise, the same in all directions.
+  const nodes = [], value = cameraColor(frame.camera), lens2 = (camera.lens_residual_px || 0) ** 2;
   cornersOf(frame).forEach((c, i) => {
     const fitted = fit && fit[2 * i] !== null, difference = fitted ? [fit[2 * i], fit[2 * i + 1]] : [0, 0];
     const at = [c.u - difference[0], c.v - difference[1]], far = (d) => [at[0] + magnified * d[0], at[1] + magnified * d[1]];
     if (fitted) {
-      const half = 0.5 * Math.atan2(2 * c.uv, c.uu - c.vv), mean = (c.uu + c.vv) / 2, away = Math.hypot((c.uu - c.vv) / 2, c.uv);
+      const half = 0.5 * Math.atan2(2 * c.uv, c.uu - c.vv), mean = (c.uu + c.vv) / 2 + lens2, away = Math.hypot((c.uu - c.vv) / 2, c.uv);
       nodes.push(s("ellipse", { cx: at[0], cy: at[1], rx: 2 * magnified * Math.sqrt(mean + away), ry: 2 * magnified * Math.sqrt(Math.max(0, mean - away)),
         transform: `rotate(${(half * 180) / Math.PI} ${at[0]} ${at[1]})`, fill: "#ffe14d", "fill-opacity": 0.35, stroke: "#ffe14d", "stroke-width": unit }));
       const [x, y] = far(difference);
@@ -134,7 +135,7 @@ class FrameDialog {
     this.facts.textContent = [`image ${frame.file || "(none)"}`, frame.corners ? plural(frame.corners.length / STRIDE, "corner") : "",
       size !== null ? `rms ${figure(size)} px` : ""].filter(Boolean).join(" \u00b7 ");
     replace(this.content,
-      out ? h("p", { style: { color: color("bad"), marginTop: "6px" } }, `left out: ${out.sentence} `, h("code", {}, out.code)) : null,
+      out ? h("p", { style: { color: color("bad"), marginTop: "6px" } }, "left out: ", prose(out.sentence), " ", h("code", {}, out.code)) : null,
       h("div", { class: "big" }, this.wholeImage(index), frame.corners ? this.closeUp(index) : null));
   }
   wholeImage(index) {
@@ -155,7 +156,7 @@ class FrameDialog {
     };
     draw();
     return h("div", {}, place, h("div", { class: "bar", style: { marginTop: "8px" } }, h("label", {}, "differences", slider, told)),
-      h("p", { class: "small soft", style: { marginTop: "6px" } }, "Dot: detected. Ellipse: expected place with twice the detector's stated sigma",
+      h("p", { class: "small soft", style: { marginTop: "6px" } }, "Dot: detected. Ellipse: expected place with twice the sigma that detector and lens let expect",
         data.has_truth ? "; green cross: true." : ".", " The expected place is that of the board that fits all views of this stop best through the calibrated rig."));
   }
 }
@@ -181,8 +182,8 @@ function framesSection(data, result) {
     const frame = data.frames[index], camera = data.cameras[frame.camera], out = leftOut(data, result, index), size = frameRms(result, index);
     return h("button", { type: "button", class: "frame" + (out ? " out" : ""), "data-index": index, onclick: () => dialog.open(list, at) },
       h("span", { class: "picture", style: { aspectRatio: `${camera.width} / ${camera.height}` } }),
-      h("span", { class: "caption" }, h("b", {}, frameTitle(data, index)), h("br"),
-        h("span", { class: "soft" }, out ? out.sentence : size !== null ? `rms ${figure(size)} px` : frame.corners ? plural(frame.corners.length / STRIDE, "corner") : "")));
+      h("span", { class: "caption" }, h("b", {}, breakable(frameTitle(data, index))), h("br"),
+        h("span", { class: "soft" }, out ? prose(out.sentence) : size !== null ? `rms ${figure(size)} px` : frame.corners ? plural(frame.corners.length / STRIDE, "corner") : "")));
   }
   function show() {
     let list = data.frames.map((_, i) => i).filter((i) => (filter.camera === 0 || data.frames[i].camera === filter.camera - 1) &&

@@ -100,7 +100,7 @@ function cornersSection(data, result) {
       facts.textContent = known.length ? `rms ${figure(found)} px; the detector's sigma alone would leave ${figure(stated)} px` : "no differences";
       plane.textContent = `${plural(list.length, "corner")} in ${Math.round(100 * drawn.filled)} % of the cells` + (drawn.magnified ? `; differences drawn ${drawn.magnified} times too long` : "");
     };
-    columns.append(h("div", { class: "card" }, h("h3", {}, swatch(index), camera.name), canvas, plane, node, facts));
+    columns.append(h("div", { class: "card" }, h("h3", {}, withSwatch(index, camera.name)), canvas, plane, node, facts));
     draws.push(tell);
     // What the lens may do beyond its model comes on top of the detector's noise.
     const others2 = () => (against === "fit" ? (camera.lens_residual_px || 0) ** 2 : 0);

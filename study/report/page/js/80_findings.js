@@ -4,7 +4,7 @@ const SEVERITY = { cause: "bad", contradiction: "bad", refusal: "bad", suspect: 
 function findingsSection(result) {
   const all = [...result.reasons, ...result.notes];
   const list = all.map((finding) => h("li", {}, h("span", { class: "badge " + (SEVERITY[finding.severity] || "") }, finding.severity.replace("_", " ")),
-    h("div", {}, h("div", {}, sentence(finding.sentence)), finding.remedy && finding.severity !== "note" ? h("div", { class: "soft small" }, finding.remedy) : null, h("code", { class: "soft" }, finding.code))));
+    h("div", {}, h("div", {}, prose(finding.sentence)), finding.remedy && finding.severity !== "note" ? h("div", { class: "soft small" }, prose(finding.remedy)) : null, h("code", { class: "soft" }, finding.code))));
   return section("findings", "Findings", all.length ? "What speaks against the answer, and what is worth knowing; the codes are in docs/reference/findings.md." : null,
     h("div", { class: "card" }, all.length ? h("ul", { class: "findings" }, list) : "Nothing speaks against the answer."));
 }
@@ -24,7 +24,7 @@ function leftOutSection(data, result) {
   for (const use of result.use) {
     const name = nameCell(data, use.camera);
     if (!use.left_out.length) rows.push([name, String(use.used), "0", "", ""]);
-    use.left_out.forEach((group, i) => rows.push(Object.assign([named(name, i === 0), i === 0 ? String(use.used) : "", String(group.stops.length), (group.depth ? "depth: " : "") + group.reason, stopList(group.stops)], { first: i === 0 && rows.length > 0 })));
+    use.left_out.forEach((group, i) => rows.push(Object.assign([named(name, i === 0), i === 0 ? String(use.used) : "", String(group.stops.length), textCell((group.depth ? "depth: " : "") + group.reason), stopList(group.stops)], { first: i === 0 && rows.length > 0 })));
   }
   if (!rows.length) return null;
   return section("left-out", "What was left out", null, h("div", { class: "card" }, h("div", { class: "bar" }, copyButtons(() => [head, rows])), table(head, rows, { text: [0, 3, 4], caption: "Left out" })));

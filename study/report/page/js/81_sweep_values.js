@@ -23,16 +23,20 @@ const sortedQuantile = (sorted, q) => {
 const ascending = (a, b) => a - b;
 const mean = (list) => (list.length ? list.reduce((a, b) => a + b, 0) / list.length : null);
 
-// Of one method at one place. `open`: tasks with whether each camera (or pair) has the quantity; `status`: how each task
+// Of one method at one place. `tasks`: how many have a result; `open`: tasks with whether each camera (or pair) has the quantity; `status`: how each task
 // ended; `nees`: of all cameras of a task together, with its degrees of freedom.
 const newCell = () => ({ values: [], answered: 0, refused: 0, tasks: 0, open: new Map(), status: new Map(), nees: [] });
 function count(cell) {
   cell.values.sort(ascending);
+  cell.tasks = cell.status.size;
   for (const [task, status] of cell.status) {
     if (cell.open.get(task)) cell.answered++;
     else if (status === "refused" || status === "partial") cell.refused++;
   }
 }
+
+// Columns as the report has them: a list, or {runs: [value, count, ..]}.
+const asList = (column) => (Array.isArray(column) ? column : column.runs.flatMap((value, i, runs) => (i % 2 ? [] : new Array(runs[i + 1]).fill(value))));
 
 // Values and counts of each (level of x, method) among the tasks that the filters leave.
 class SweepView {
@@ -42,8 +46,9 @@ class SweepView {
     const free = data.axes.map((_, i) => i).filter((i) => !data.axes[i].pooled && data.axes[i].levels.length > 1);
     this.choices = free.length ? free : data.axes.map((_, i) => i);
     const numeric = this.choices.find((i) => this.isNumeric(i));
-    Object.assign(this, { x: numeric ?? this.choices[0] ?? -1, q: 6, kind: 0, subject: 0, band: 0, log: true, logX: false, fixed: {} });
+    Object.assign(this, { x: numeric ?? this.choices[0] ?? -1, q: 6, kind: 0, subject: 0, band: 0, log: true, logX: false, fixed: {}, legend: { selected: {} } });
   }
+  isShown(method) { return this.legend.selected[this.data.methods[method]] !== false; }
   // Ordered levels are joined by lines; names are not.
   isNumeric(axis) { return this.data.axes[axis].levels.every((label) => label !== "" && isFinite(Number(label))); }
   levels() { return this.x < 0 ? ["all"] : this.data.axes[this.x].levels; }
@@ -57,7 +62,6 @@ class SweepView {
     const { rows, methods, tasks, subjects, statuses } = this.data;
     const [isRig, isWanted] = ["rig", this.subjects[this.subject][0]].map((kind) => subjects.map((name) => name.startsWith(kind + ":")));
     const cells = Array.from({ length: places }, () => methods.map(newCell)), isIn = tasks.map((_, t) => this.taskIsIn(t, free));
-    tasks.forEach((_, t) => { if (isIn[t]) for (const cell of cells[place(t)]) cell.tasks++; });
     for (let i = 0; i < rows.task.length; ++i) {
       const t = rows.task[i];
       if (!isIn[t]) continue;

@@ -9,9 +9,9 @@ function nameAxis(names) {
 }
 function levelAxis(view) {
   if (!view.isOrdered()) return nameAxis(view.levels());
-  const { title, values } = view.data.axes[view.x], common = { ...axisStyle(), name: title, nameLocation: "middle", nameGap: 30 };
+  const { title, values } = view.data.axes[view.x], common = { ...axisStyle(), name: title, nameLocation: "middle", nameGap: 30, nameTruncate: { maxWidth: Math.min(1100, innerWidth - 90), ellipsis: "\u2026" } };
   const number = (v) => String(+v.toPrecision(3)), label = { ...common.axisLabel, formatter: number };
-  return view.logX && !view.whyNotLog() ? { type: "log", ...common, min: Math.min(...values), max: Math.max(...values), axisLabel: label } : { type: "value", scale: true, ...common, axisLabel: label };
+  return { type: view.logX && !view.whyNotLog() ? "log" : "value", ...common, min: Math.min(...values), max: Math.max(...values), axisLabel: label };
 }
 // By the field, in whatever order its levels stand.
 const inOrder = (view, points) => (view.isOrdered() ? [...points].sort((a, b) => (a.value ?? a)[0] - (b.value ?? b)[0]) : points);
@@ -76,7 +76,7 @@ function errorOption(view, cells) {
 }
 
 function boxOption(view) {
-  const cells = view.gather(() => 0, 1)[0], known = view.data.methods.map((_, m) => m).filter((m) => cells[m].values.length);
+  const cells = view.gather(() => 0, 1)[0], known = view.data.methods.map((_, m) => m).filter((m) => cells[m].values.length && view.isShown(m));
   return {
     grid: { left: 8, right: 16, top: 14, bottom: 8, containLabel: true }, tooltip: { trigger: "item", ...tooltipStyle(), confine: true },
     xAxis: nameAxis(known.map((m) => view.data.methods[m])), yAxis: valueAxis(view.log, known.flatMap((m) => fiveOf(view, cells[m]))),

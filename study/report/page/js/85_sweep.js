@@ -5,7 +5,7 @@ function sweepTable(view, cells) {
   const head = [view.xTitle(), "method", { text: "answered", raw: ["answered", "tasks"] }, ...figures, ...(against < 0 || methods.length < 2 ? [] : [`median / ${reference}\u2019s`])], rows = [];
   cells.forEach((row, level) => view.data.methods.forEach((name, m) => {
     const { values, answered, tasks } = row[m], median = sortedQuantile(values, 0.5), other = against < 0 ? null : sortedQuantile(row[against].values, 0.5);
-    rows.push(Object.assign([named(view.levels()[level], m === 0), { node: withSwatch(m, name), plain: name }, { text: `${answered} of ${tasks}`, raw: [answered, tasks] },
+    rows.push(Object.assign([named(view.levels()[level], m === 0), { node: withSwatch(m, name), plain: name }, { text: tasks ? `${answered} of ${tasks}` : "\u2013", raw: [answered, tasks] },
       ...[median, mean(values), sortedQuantile(values, 0.95), values.length ? values[values.length - 1] : null, median !== null && other > 0 ? median / other : null].slice(0, head.length - 3).map(number)], { first: m === 0 && level > 0 }));
   }));
   return [head, rows];
@@ -13,7 +13,7 @@ function sweepTable(view, cells) {
 
 function sweepHead(data, view) {
   const all = view.gather(() => 0, 1)[0], order = data.methods.map((_, m) => m).sort((a, b) => all[b].answered - all[a].answered || (sortedQuantile(all[a].values, 0.5) ?? Infinity) - (sortedQuantile(all[b].values, 0.5) ?? Infinity));
-  const share = (m) => (all[m].answered === 0 ? `${data.methods[m]} gives nothing for ${view.subjects[0][1]}` : `${data.methods[m]} answers ${Math.round((100 * all[m].answered) / Math.max(1, all[m].tasks))} % of the tasks` + (all[m].values.length ? ` with a median position error of ${figure(sortedQuantile(all[m].values, 0.5))} cm` : ""));
+  const share = (m) => (all[m].tasks === 0 ? `${data.methods[m]} has no result yet` : all[m].answered === 0 ? `${data.methods[m]} gives nothing for ${view.subjects[0][1]}` : `${data.methods[m]} answers ${Math.round((100 * all[m].answered) / all[m].tasks)} % of the tasks` + (all[m].values.length ? ` with a median position error of ${figure(sortedQuantile(all[m].values, 0.5))} cm` : ""));
   const rigs = data.rows.subject.filter((s) => data.subjects[s].startsWith("rig:")).length, wanted = data.tasks.length * data.methods.length;
   replace(document.getElementById("head"), h("div", { class: "top" }, h("h1", {}, data.title), h("span", { class: "brand" }, `Rigproof ${data.version} \u00b7 sweep`)),
     h("div", { class: "verdict " + (rigs < wanted ? "suspect" : "plain"), role: "status" }, h("div", { class: "word" }, `${plural(data.tasks.length, "task")}, ${plural(data.methods.length, "method")}`),
@@ -29,18 +29,21 @@ function mixedDrivers({ gl_renderers: drivers }) {
 function sweepControls(view, draw) {
   const { data } = view, set = (key, map = (v) => v) => (value) => { view[key] = map(value); draw(); };
   const filters = view.choices.map((axis) => choice(data.axes[axis].title, ["all", ...data.axes[axis].levels], (v) => { view.fixed[axis] = v === 0 ? null : v - 1; draw(); }));
+  const shows = data.methods.map((name) => checkbox(name, true, (on) => { view.legend.selected[name] = on; draw(); }));
   const logAxis = checkbox("log axis", view.logX, set("logX")), noLog = h("span", { class: "soft" });
   const node = h("div", { class: "card controls", id: "controls" }, h("div", { class: "bar" },
     choice("show", KINDS, set("kind"), view.kind), choice("of", QUANTITIES, set("q"), view.q),
     view.subjects.length > 1 ? choice("", view.subjects.map(([, name]) => name), set("subject")) : null,
     view.choices.length > 1 ? choice("over", view.choices.map((i) => data.axes[i].title), set("x", (i) => view.choices[i]), view.choices.indexOf(view.x)) : null,
     checkbox("log errors", view.log, set("log")), logAxis, noLog),
+  shows.length > 1 ? h("div", { class: "bar", style: { marginTop: "8px" } }, h("span", { class: "soft" }, "methods"), shows) : null,
   filters.length > 1 ? h("div", { class: "bar", style: { marginTop: "8px" } }, h("span", { class: "soft" }, "only"), filters) : null);
   // What the field over which all is drawn allows.
   const follow = () => {
     const reason = view.whyNotLog();
     logAxis.hidden = !view.isOrdered() || Boolean(reason);
     noLog.textContent = reason ? `no log axis: ${reason}` : "";
+    shows.forEach((label, m) => { label.querySelector("input").checked = view.isShown(m); });
     filters.forEach((filter, i) => { filter.hidden = view.choices[i] === view.x; });
   };
   return { node, follow };
@@ -48,7 +51,7 @@ function sweepControls(view, draw) {
 
 function failuresSection(data) {
   if (!data.failures.length) return null;
-  const head = ["method", "tasks", "status", "why", "code"], rows = data.failures.map((f) => [f.method, String(f.tasks), f.status.replaceAll("_", " "), sentence(f.reason), { node: h("code", {}, f.code), plain: f.code }]);
+  const head = ["method", "tasks", "status", "for example", "code"], rows = data.failures.map((f) => [f.method, String(f.tasks), f.status.replaceAll("_", " "), textCell(f.reason), { node: h("code", {}, f.code), plain: f.code }]);
   return section("failures", "What was not answered, and why", null, h("div", { class: "card" }, h("div", { class: "bar" }, copyButtons(() => [head, rows])), table(head, rows, { text: [0, 2, 3, 4], caption: "Failures" })));
 }
 
@@ -62,7 +65,7 @@ function sweepCard(view, draws, { height, title, option, width = () => widthFor(
     follow();
   };
   whenShown(setUp);
-  const draw = chart(node, option);
+  const draw = chart(node, option, null, view.legend);
   draws.push(() => { setUp(); draw(); });
   return h("div", { class: "card" }, h("div", { class: "bar" }, heading, above), scrolling("chart", node));
 }
@@ -75,7 +78,8 @@ function neesSection(view, draws, now) {
       follow: () => replace(words, ...neesWords(view, now()).map((line) => h("li", {}, line))) }), words);
 }
 
-function showSweep(data) {
+function showSweep(written) {
+  const data = { ...written, rows: Object.fromEntries(Object.entries(written.rows).map(([name, column]) => [name, asList(column)])) };
   const view = new SweepView(data), draws = [], tableCard = h("div", { class: "card" });
   let cells = view.gather();
   const now = () => cells, over = () => (view.xTitle() ? " over " + view.xTitle() : ""), titled = () => view.title() + over();
@@ -86,9 +90,10 @@ function showSweep(data) {
   const draw = () => { cells = view.gather(); controls.follow(); for (const each of draws) each(); drawTable(); };
   const controls = sweepControls(view, draw), band = choice("band", BANDS.map(([name]) => name), (value) => { view.band = value; draw(); });
   const boxWords = h("span", { class: "soft" }, "box: middle half; whiskers: 5 and 95 %");
+  view.legend.onchange = draw;
   sweepHead(data, view);
   const parts = [
-    section("success", "Answered", "Share of the tasks in which a method gives the quantity for every camera (or pair).",
+    section("success", "Answered", "Share of the tasks with a result in which a method gives the quantity for every camera (or pair).",
       sweepCard(view, draws, { height: 300, title: () => "Share of the tasks answered" + over(), option: () => successOption(view, cells) })),
     section("errors", "Errors", "Median and quantiles over tasks and cameras.",
       sweepCard(view, draws, { height: 400, title: titled, option: () => errorOption(view, cells), follow: () => { band.hidden = !view.isOrdered(); boxWords.hidden = view.isOrdered(); } }, band, boxWords)),

@@ -11,6 +11,20 @@ function placesOf(data) {
   return days.map((day, i) => (data.is_dated && last > first ? (day.date_s - first) / (last - first) : i / (days.length - 1)));
 }
 
+// The first and the last name, and those between that have room beside the one before.
+function fittingNames(names, places, left, right) {
+  const letter = 6, between = 10, last = names.length - 1, widthOf = (i) => letter * names[i].length;
+  const fitting = [{ name: names[0], x: left, anchor: "start" }];
+  let end = left + widthOf(0);
+  for (let i = 1; i < last; ++i) {
+    const x = left + 12 + places[i] * (right - left - 24), half = widthOf(i) / 2;
+    if (x - half < end + between || x + half > right - widthOf(last) - between) continue;
+    fitting.push({ name: names[i], x, anchor: "middle" });
+    end = x + half;
+  }
+  return [...fitting, { name: names[last], x: right, anchor: "end" }];
+}
+
 // One axis: shift of each camera with its sigma, 1 thick and 2 thin.
 function driftPanel(data, axis, shown) {
   const width = 340, height = 170, left = 52, right = 14, top = 26, bottom = 22, places = placesOf(data);
@@ -27,8 +41,8 @@ function driftPanel(data, axis, shown) {
     nodes.push(s("line", { x1: left, x2: width - right, y1: y(value), y2: y(value), stroke: value === 0 ? color("soft") : color("line") }));
     nodes.push(s("text", { x: left - 7, y: y(value) + 4, "text-anchor": "end" }, value === 0 ? "0" : minus(String(+value.toPrecision(2)))));
   }
-  const ends = data.recordings.map((day) => (data.is_dated ? dateOf(day).slice(0, 10) : shortened(day.name, 18)));
-  nodes.push(s("text", { x: left, y: height - 4 }, ends[0]), s("text", { x: width - right, y: height - 4, "text-anchor": "end" }, ends[ends.length - 1]));
+  const names = data.recordings.map((day) => (data.is_dated ? dateOf(day).slice(0, 10) : shortened(day.name, 18)));
+  for (const { name, x, anchor } of fittingNames(names, places, left, width - right)) nodes.push(s("text", { x, y: height - 4, "text-anchor": anchor }, name));
   data.cameras.forEach((_, c) => {
     const own = points.filter((p) => p.c === c), stroke = cameraColor(c);
     nodes.push(s("polyline", { points: own.map((p) => `${x(p)},${y(p.value)}`).join(" "), fill: "none", stroke, "stroke-width": 1.4, opacity: 0.55 }));
@@ -87,15 +101,15 @@ function historyPosesSection(data) {
 
 function historyFindings(data) {
   const list = data.recordings.flatMap((day) => day.findings.map((finding) => h("li", {}, h("span", { class: "badge " + (SEVERITY[finding.severity] || "") }, finding.severity.replace("_", " ")),
-    h("div", {}, h("div", {}, dayText(data, day) + ": " + sentence(finding.sentence)), h("code", { class: "soft" }, finding.code)))));
+    h("div", {}, h("div", {}, dayText(data, day) + ": ", prose(finding.sentence)), h("code", { class: "soft" }, finding.code)))));
   return list.length ? section("findings", "Findings", "What the comparisons and the results say besides.", h("div", { class: "card" }, h("ul", { class: "findings" }, list))) : null;
 }
 
 function showHistory(data) {
   const { level, word, why } = data.verdict;
   replace(document.getElementById("head"), h("div", { class: "top" }, h("h1", {}, data.title), h("span", { class: "brand" }, `Rigproof ${data.version} \u00b7 ${plural(data.recordings.length, "recording")} \u00b7 method ${data.method}`)),
-    h("div", { class: "verdict " + level, role: "status" }, h("div", { class: "word" }, word), h("p", { class: "sentence" }, data.verdict.sentence),
-      why.length ? h("ul", {}, why.map((line) => h("li", {}, line))) : null));
+    h("div", { class: "verdict " + level, role: "status" }, h("div", { class: "word" }, word), h("p", { class: "sentence" }, prose(data.verdict.sentence)),
+      why.length ? h("ul", {}, why.map((line) => h("li", {}, prose(line)))) : null));
   const parts = [driftSection(data), verdictsSection(data), historyPosesSection(data), historyFindings(data)].filter(Boolean);
   document.getElementById("head").append(drawNavigation(parts));
   replace(document.getElementById("main"), ...parts);
