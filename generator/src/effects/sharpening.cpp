@@ -1,11 +1,30 @@
 // Unsharp masking, as processors of cameras do it: level + amount (Y - Y blurred), of all colours alike.
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
+#include "rigproof/core/vector_clones.h"
 #include "rigproof/generator/effect.h"
 
 namespace rigproof {
 namespace {
+
+// Once for each of the three colours, so that the sum over a row is one loop over bytes.
+RIGPROOF_VECTOR_CLONES
+void detail_of_row(const std::uint8_t* sharp, const std::uint8_t* soft, int scaled, int width, std::int16_t* detail) {
+  for (int x = 0; x < width; ++x) {
+    const auto added = static_cast<std::int16_t>((scaled * (sharp[x] - soft[x])) / 256);
+    for (int c = 0; c < 3; ++c) detail[3 * x + c] = added;
+  }
+}
+
+RIGPROOF_VECTOR_CLONES
+void add_saturated(const std::vector<std::int16_t>& detail, std::uint8_t* row) {
+  for (std::size_t i = 0; i < detail.size(); ++i)
+    row[i] = static_cast<std::uint8_t>(std::clamp(row[i] + detail[i], 0, 255));
+}
 
 class Sharpening final : public ClonedEffect<ImageEffect, Sharpening> {
  public:
@@ -26,14 +45,10 @@ class Sharpening final : public ClonedEffect<ImageEffect, Sharpening> {
     cv::cvtColor(colors, gray, cv::COLOR_RGB2GRAY);
     cv::GaussianBlur(gray, blurred, cv::Size(), sigma_px_);
     const int scaled = static_cast<int>(std::lround(256.0 * amount_));
+    std::vector<std::int16_t> detail(image->row_length());
     for (int y = 0; y < image->height; ++y) {
-      const std::uint8_t *sharp = gray.ptr(y), *soft = blurred.ptr(y);
-      std::uint8_t* row = image->row(y);
-      for (int x = 0; x < image->width; ++x) {
-        const int detail = (scaled * (sharp[x] - soft[x])) / 256;
-        for (int c = 0; c < 3; ++c)
-          row[3 * x + c] = static_cast<std::uint8_t>(std::clamp(row[3 * x + c] + detail, 0, 255));
-      }
+      detail_of_row(gray.ptr(y), blurred.ptr(y), scaled, image->width, detail.data());
+      add_saturated(detail, image->row(y));
     }
   }
 
