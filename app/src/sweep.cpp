@@ -1,9 +1,11 @@
 // `rigproof sweep`.
 #include "rigproof/study/sweep/sweep.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "commands.h"
@@ -161,23 +163,35 @@ nlohmann::json state_json(const SweepState& state) {
 }
 
 // "sweep      1200/10000 answers  12/s  about 12 min left".
-void follow(SweepState state, const fs::path& folder, const Terminal& terminal) {
+std::string progress_text(const SweepState& state, std::size_t first, double seconds) {
+  const auto there = static_cast<double>(state.answers_there), all = static_cast<double>(state.answers);
+  const double rate = std::max(0.0, there - static_cast<double>(first)) / seconds;
+  std::string line = state.name + "  " + std::to_string(state.answers_there) + "/" + std::to_string(state.answers) +
+                     " answers  " + short_text(rate, 2) + "/s";
+  return rate > 0.0 ? line + "  about " + duration((all - there) / rate) : line;
+}
+
+void pause_between_looks() {
   constexpr std::chrono::seconds kPause{5};
+  for (auto waited = std::chrono::milliseconds(0); waited < kPause; waited += std::chrono::milliseconds(100)) {
+    if (interrupted()) throw Error("interrupted; the sweep goes on", ExitCode::kTryAgain);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+void follow(SweepState state, const fs::path& folder, const Terminal& terminal) {
   const auto begin = std::chrono::steady_clock::now();
   const std::size_t first = state.answers_there;
+  bool gone = false;
   while (state.answers_there < state.answers) {
-    for (auto waited = std::chrono::milliseconds(0); waited < kPause; waited += std::chrono::milliseconds(100)) {
-      if (interrupted()) throw Error("interrupted; the sweep goes on", ExitCode::kTryAgain);
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    }
-    state = sweep_state(folder);
+    pause_between_looks();
+    const std::optional<SweepState> now = sweep_state_unless_gone(folder);
+    if (!now && !gone) terminal.line(folder.string() + ": is gone; waiting until it is there again");
+    gone = !now;
+    if (gone) continue;
+    state = *now;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    const double rate = static_cast<double>(state.answers_there - first) / seconds;
-    std::string line = state.name + "  " + std::to_string(state.answers_there) + "/" + std::to_string(state.answers) +
-                       " answers  " + short_text(rate, 2) + "/s";
-    if (rate > 0.0) line += "  about " + duration(static_cast<double>(state.answers - state.answers_there) / rate);
-    terminal.line(line);
-    std::fflush(stdout);
+    terminal.line(progress_text(state, first, seconds));
   }
 }
 

@@ -118,9 +118,10 @@ TEST_F(SweepCommand, SaysWhatIsWrong) {
   const ProcessOutput redo = sweep({"start", "small.yaml", "--redo", "lii"});
   EXPECT_EQ(redo.exit_code, 2);
   EXPECT_THAT(redo.err, HasSubstr("did you mean \"li\""));
-  const ProcessOutput nothing = sweep({"status", "nowhere"});
-  EXPECT_EQ(nothing.exit_code, 2);
-  EXPECT_THAT(nothing.err, HasSubstr("holds no sweep"));
+  folder_.write("emptied/sweep.yaml", "");
+  const ProcessOutput emptied = sweep({"start", "emptied"});
+  EXPECT_EQ(emptied.exit_code, 2);
+  EXPECT_THAT(emptied.err, HasSubstr("emptied/sweep.yaml: is empty"));
 }
 
 TEST_F(SweepCommand, AnInterruptKeepsWhatIsFinished) {
@@ -166,20 +167,39 @@ TEST_F(SweepCommand, ShardsAreMergedOrWhatIsMissingIsNamed) {
 }
 
 TEST_F(SweepCommand, OnlyAFolderThatIsNotThereIsWorthAnotherTry) {
-  const ProcessOutput nowhere = sweep({"run", "nowhere"});
-  EXPECT_EQ(nowhere.exit_code, 75);
-  EXPECT_THAT(nowhere.err, HasSubstr("nowhere: is not there"));
-  EXPECT_FALSE(fs::exists(folder_ / "nowhere"));
   fs::create_directory(folder_ / "empty");
-  const ProcessOutput empty = sweep({"run", "empty"});
-  EXPECT_EQ(empty.exit_code, 2);
-  EXPECT_THAT(empty.err, HasSubstr("empty: holds no sweep"));
+  for (const char* command : {"run", "status", "merge"}) {
+    const ProcessOutput nowhere = sweep({command, "nowhere"});
+    EXPECT_EQ(nowhere.exit_code, 75) << command;
+    EXPECT_THAT(nowhere.err, HasSubstr("nowhere: is not there"));
+    EXPECT_FALSE(fs::exists(folder_ / "nowhere"));
+    const ProcessOutput empty = sweep({command, "empty"});
+    EXPECT_EQ(empty.exit_code, 2) << command;
+    EXPECT_THAT(empty.err, HasSubstr("empty: holds no sweep"));
+  }
   folder_.write("file", "");
   EXPECT_EQ(sweep({"run", "file"}).exit_code, 2);
   EXPECT_EQ(sweep({"run", "file/sweep"}).exit_code, 2);
   const ProcessOutput unnamed = sweep({"run", ""});
   EXPECT_EQ(unnamed.exit_code, 2);
   EXPECT_THAT(unnamed.err, HasSubstr("the folder's name is empty"));
+}
+
+TEST_F(SweepCommand, WhoeverFollowsWaitsForAFolderThatIsGone) {
+  folder_.write("small.yaml", kSweep);
+  ASSERT_EQ(sweep({"plan", "small.yaml", "-q", "-o", "a"}).exit_code, 0);
+  BackgroundProcess follower({"sh", "-c", "exec " + program_path() + " sweep status a --follow > said.txt"},
+                             folder_.path().string());
+  const auto said = [this](const std::string& text) {
+    return fs::exists(folder_ / "said.txt") && folder_.read("said.txt").find(text) != std::string::npos;
+  };
+  follower.wait_until([&] { return said("0/8 answers"); });
+  fs::rename(folder_ / "a", folder_ / "unmounted");
+  follower.wait_until([&] { return said("a: is gone; waiting until it is there again"); });
+  fs::rename(folder_ / "unmounted", folder_ / "a");
+  ASSERT_EQ(sweep({"run", "a", "-q"}).exit_code, 0);
+  EXPECT_EQ(follower.wait().exit_code, 0);
+  EXPECT_TRUE(said("8/8 answers  "));
 }
 
 // Slurm in a few lines of shell: an array is a loop.

@@ -251,7 +251,8 @@ TEST_F(SweepRun, TwoSweepsInOneFolderAreRefused) {
 }
 
 TEST_F(SweepRun, TellsHowFarItIs) {
-  EXPECT_THAT(error_text([&] { sweep_state(folder_ / "nowhere"); }), HasSubstr("holds no sweep"));
+  EXPECT_THAT(error_text([&] { sweep_state(folder_ / "nowhere"); }), HasSubstr("nowhere: is not there"));
+  EXPECT_THAT(error_text([&] { sweep_state(folder_.path()); }), HasSubstr("holds no sweep"));
   run_sweep(config(), options("a"));
   const SweepState state = sweep_state(folder_ / "a");
   EXPECT_EQ(state.answers, 8U);

@@ -195,6 +195,39 @@ TEST_F(SweepShards, AnotherProgramOrAnotherFileIsRefused) {
   EXPECT_THAT(error_text([&] { run(1, 2); }), HasSubstr("was planned with other files or by another program"));
 }
 
+// The tasks of a plan are places among the axes and levels of the configuration.
+TEST_F(SweepShards, AConfigurationThatLostAPartIsRefused) {
+  plan(R"(
+mode: geometric
+axes:
+  lambda: {field: odometry.lambda, values: [0.5, 2]}
+  stops: {field: poses, values: [4, 8]}
+methods: [ml, li]
+)");
+  const std::string whole = folder_.read("a/sweep.yaml");
+  const auto refused = [&](const std::string& text) {
+    folder_.write("a/sweep.yaml", text);
+    EXPECT_EQ(exit_code_of_run(), ExitCode::kBadInput) << text;
+    return error_text([&] { run(3, 4); });
+  };
+  const auto with_instead = [&](const std::string& part, const std::string& instead) {
+    std::string text = whole;
+    const std::size_t at = text.find(part);
+    return at == std::string::npos ? "no " + part : text.replace(at, part.size(), instead);
+  };
+  EXPECT_THAT(refused(""), HasSubstr("a/sweep.yaml: is empty"));
+  const std::size_t axes = whole.find("axes:"), seeds = whole.find("seeds:");
+  ASSERT_LT(axes, seeds) << whole;
+  EXPECT_THAT(refused(with_instead(whole.substr(axes, seeds - axes), "")),
+              HasSubstr("a/sweep.yaml: axes: none; planned were lambda, stops"));
+  EXPECT_THAT(refused(with_instead("      - 8\n", "")), HasSubstr("levels of axis stops: 4; planned were 4, 8"));
+  EXPECT_THAT(refused(with_instead("  - li\n", "")), HasSubstr("methods: ml; planned were ml, li"));
+  EXPECT_THAT(refused(with_instead("  - li\n", "  - li\n  - memroc\n")), HasSubstr("planned were ml, li"));
+  folder_.write("a/sweep.yaml", whole);
+  EXPECT_EQ(exit_code_of_run(), ExitCode::kGood);
+  expect_whole();
+}
+
 TEST_F(SweepShards, MachinesAreRecordedAndMixedDriversKnown) {
   plan();
   run(0, 2);

@@ -5,6 +5,7 @@
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/folders.h"
 
 namespace rigproof {
 namespace {
@@ -65,6 +66,19 @@ bool is_sound(const SweepRows& table) {
   });
 }
 
+// A share may not be mounted yet on a node that has just come up, or be gone for a while; a folder without a plan stays
+// without one.
+void require_root(const SweepFolder& folder) {
+  if (folder.root.empty()) throw Error("sweep: the folder's name is empty");
+  std::error_code error;
+  if (std::filesystem::exists(std::filesystem::status(folder.root, error))) return;
+  if (error == std::errc::no_such_file_or_directory)
+    throw Error(folder.root.string() + ": is not there; once its share is mounted the same command goes on, or " +
+                    "`rigproof sweep plan CONFIG -o " + folder.root.string() + "` makes it",
+                ExitCode::kTryAgain);
+  throw_system_error(folder.root, "look at the folder", error.value());
+}
+
 }  // namespace
 
 SweepPlan sweep_plan_of(const SweepConfig& config, std::vector<SweepTask> tasks,
@@ -101,6 +115,7 @@ void save_folder_plan(const SweepFolder& folder, const SweepPlan& plan) {
 }
 
 SweepPlan load_folder_plan(const SweepFolder& folder) {
+  require_root(folder);
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(folder.plan_file(), ignored))
     throw Error(folder.root.string() + ": holds no sweep; `rigproof sweep start CONFIG -o " + folder.root.string() +

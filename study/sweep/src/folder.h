@@ -37,7 +37,7 @@ struct SweepPlan {
 SweepPlan sweep_plan_of(const SweepConfig& config, std::vector<SweepTask> tasks,
                         const std::vector<SweepMethod>& methods, std::vector<std::string> added);
 void save_folder_plan(const SweepFolder& folder, const SweepPlan& plan);
-/// Throws Error if the folder holds no sweep.
+/// Throws Error if the folder holds no sweep, with ExitCode::kTryAgain if it is not there (yet).
 SweepPlan load_folder_plan(const SweepFolder& folder);
 
 /// A finished answer in a file of its own; nothing if there is none, a damaged one, or that of another program.

@@ -9,6 +9,7 @@
 #include "rigproof/core/folder_lock.h"
 #include "rigproof/core/growing_file.h"
 #include "rigproof/core/text.h"
+#include "rigproof/core/yaml.h"
 #include "rigproof/study/sweep/table_text.h"
 #include "rigproof/words/sentences.h"
 
@@ -238,6 +239,21 @@ SweepState sweep_state(const std::filesystem::path& folder) {
   return state;
 }
 
+std::optional<SweepState> sweep_state_unless_gone(const std::filesystem::path& folder) {
+  const auto is_there = [plan = SweepFolder{folder}.plan_file()] {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(plan, ignored);
+  };
+  try {
+    SweepState state = sweep_state(folder);
+    // It may have gone while its answers were counted.
+    return is_there() ? std::optional<SweepState>(std::move(state)) : std::nullopt;
+  } catch (const Error& error) {
+    if (error.exit_code() == ExitCode::kTryAgain || !is_there()) return std::nullopt;
+    throw;
+  }
+}
+
 std::map<std::string, std::size_t> answers_by_renderer(const std::vector<SweepMachineCount>& machines) {
   std::map<std::string, std::size_t> answers;
   for (const SweepMachineCount& entry : machines)
@@ -252,8 +268,13 @@ bool has_mixed_renderers(const std::vector<SweepMachineCount>& machines) {
 std::filesystem::path sweep_config_file(const std::filesystem::path& file_or_folder) {
   if (!std::filesystem::is_directory(file_or_folder)) return file_or_folder;
   const SweepFolder folder{file_or_folder};
-  if (std::filesystem::is_regular_file(folder.config_file())) return folder.config_file();
-  throw Error(file_or_folder.string() + ": holds no sweep.yaml: give a sweep's configuration, or its folder");
+  if (!std::filesystem::is_regular_file(folder.config_file()))
+    throw Error(file_or_folder.string() + ": holds no sweep.yaml: give a sweep's configuration, or its folder");
+  // What is written there says something; a file that lost its content would be a sweep of one default run.
+  if (read_yaml_file(folder.config_file()).is_null())
+    throw Error(folder.config_file().string() +
+                ": is empty, so it is damaged: give the configuration that it was made of, and -o with its folder");
+  return folder.config_file();
 }
 
 }  // namespace rigproof

@@ -10,7 +10,6 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/folder_lock.h"
-#include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
 #include "stock.h"
 #include "task_process.h"
@@ -302,23 +301,32 @@ void write_plan(const SweepStart& start) {
   remove_leftovers(start.folder.packs());
 }
 
-void refuse_other_methods(const SweepStart& start) {
-  for (std::size_t i = 0; i < start.methods.size(); ++i)
-    if (i >= start.plan.hashes.size() || start.methods[i].hash != start.plan.hashes[i])
-      throw Error(start.folder.root.string() + ": was planned by another build of rigproof, or with another " +
-                  start.methods[i].name + ": the same program and files must be on every machine; else plan again");
+std::string shown(const std::vector<std::string>& names) { return names.empty() ? "none" : joined(names); }
+
+void require_same(const SweepFolder& folder, const std::string& what, const std::vector<std::string>& now,
+                  const std::vector<std::string>& planned) {
+  if (now != planned)
+    throw Error(folder.config_file().string() + ": " + what + ": " + shown(now) + "; planned were " + shown(planned) +
+                ": the file is damaged, or was changed after the plan was made; put it back, or plan again");
 }
 
-// A share may not be mounted yet on a node that has just come up; a folder without a plan stays without one.
-void require_root(const SweepFolder& folder) {
-  if (folder.root.empty()) throw Error("sweep run: the folder's name is empty");
-  std::error_code error;
-  if (fs::exists(fs::status(folder.root, error))) return;
-  if (error == std::errc::no_such_file_or_directory)
-    throw Error(folder.root.string() + ": is not there; once its share is mounted the same command goes on, or " +
-                    "`rigproof sweep plan CONFIG -o " + folder.root.string() + "` makes it",
-                ExitCode::kTryAgain);
-  throw_system_error(folder.root, "look at the folder", error.value());
+// The tasks of the plan are indices into these.
+void refuse_other_axes(const SweepStart& start) {
+  const SweepRows now = sweep_plan_of(start.config, {}, start.methods, {}).table;
+  const SweepRows& planned = start.plan.table;
+  require_same(start.folder, "axes", now.axes, planned.axes);
+  for (std::size_t i = 0; i < planned.axes.size(); ++i)
+    require_same(start.folder, "levels of axis " + planned.axes[i], now.levels[i], planned.levels[i]);
+}
+
+void refuse_other_methods(const SweepStart& start) {
+  std::vector<std::string> names;
+  for (const SweepMethod& method : start.methods) names.push_back(method.name);
+  require_same(start.folder, "methods", names, start.plan.table.methods);
+  for (std::size_t i = 0; i < start.methods.size(); ++i)
+    if (start.methods[i].hash != start.plan.hashes[i])
+      throw Error(start.folder.root.string() + ": was planned by another build of rigproof, or with another " +
+                  start.methods[i].name + ": the same program and files must be on every machine; else plan again");
 }
 
 std::vector<SweepTask> tasks_of_shard(const SweepStart& start) {
@@ -363,13 +371,13 @@ SweepReport run_sweep(const SweepConfig& config, const SweepOptions& options) {
 SweepReport run_shard(const SweepOptions& options, const SweepShard& shard) {
   const auto begin = Clock::now();
   const SweepFolder folder{options.folder};
-  require_root(folder);
   SweepPlan plan = load_folder_plan(folder);
-  const SweepConfig config = load_sweep_config(folder.config_file());
+  const SweepConfig config = load_sweep_config(sweep_config_file(folder.root));
   const FolderLock lock(folder.root, kInUse, FolderLock::Kind::kShared);
   SweepStart start = start_of(config, options);
   start.plan = std::move(plan);
   start.take_shard(shard);
+  refuse_other_axes(start);
   refuse_other_methods(start);
   check_planned(config, tasks_of_shard(start));
   Stock stock = take_stock(start, false);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -101,6 +102,8 @@ SweepState sweep_state(const std::filesystem::path& folder);
 
 /// The file that describes a sweep: the argument itself, or what a sweep's folder holds. Throws Error.
 std::filesystem::path sweep_config_file(const std::filesystem::path& file_or_folder);
+/// The same of a folder that was there before: nothing while it is gone, as a share that is mounted again.
+std::optional<SweepState> sweep_state_unless_gone(const std::filesystem::path& folder);
 
 /// Writes rows.csv, rows.jsonl, times.csv and the summary's files from the answers in the folder.
 SweepTables gather_sweep(const std::filesystem::path& folder);
