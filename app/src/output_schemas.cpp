@@ -391,6 +391,7 @@ Lines sweep_start_dry_run_keys() {
           {"images_to_render", "integer", "how many"},
           {"expected_mb", "number", "on disk"},
           {"expected_minutes", "number", "that it would take"},
+          {"answers_not_timed", "integer", "of programs from outside, counted with a second each"},
           {"task_lines", "texts", "each task in words"},
           {"cannot_run", "texts", "methods that cannot run, and why"}};
 }

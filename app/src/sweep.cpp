@@ -61,6 +61,7 @@ int print_forecast(const SweepForecast& forecast, const SweepOptions& options, c
                                  {"images_to_render", forecast.images_to_render},
                                  {"expected_mb", forecast.megabytes},
                                  {"expected_minutes", forecast.minutes},
+                                 {"answers_not_timed", forecast.answers_not_timed},
                                  {"task_lines", forecast.task_lines},
                                  {"cannot_run", forecast.cannot_run}};
     std::puts(json_text(json).c_str());
@@ -80,7 +81,9 @@ int print_forecast(const SweepForecast& forecast, const SweepOptions& options, c
                   std::to_string(forecast.images_to_render) + " images to render, " +
                   megabytes(forecast.megabytes * 1e6));
   for (const std::string& line : forecast.cannot_run) terminal.line("cannot run: " + line);
-  terminal.line("about " + duration(60.0 * forecast.minutes));
+  const std::string guessed = std::to_string(forecast.answers_not_timed) + " answers of programs from outside, which ";
+  terminal.line("about " + duration(60.0 * forecast.minutes) +
+                (forecast.answers_not_timed == 0 ? "" : ", with 1 s for each of " + guessed + "nobody has timed yet"));
   terminal.line("would write " + options.folder.string());
   return 0;
 }

@@ -139,6 +139,22 @@ TEST_F(SweepRun, AddsAMethodBesideFinishedOnes) {
   EXPECT_EQ(rig_rows("a", "theirs")[0].status, SweepStatus::kFailed);
 }
 
+TEST_F(SweepRun, TheForecastTakesProgramsFromOutsideForAsLongAsTheyTook) {
+  SweepOptions first = options("a");
+  first.add = {script("theirs",
+                      "sleep 0.5; echo '- {parent: base_footprint, child: left, translation_m: [0.3, 0.1, 0.6], "
+                      "quaternion_xyzw: [-0.5, 0.5, -0.5, 0.5]}' > \"$2\"")};
+  EXPECT_EQ(forecast_sweep(config(), first).answers_not_timed, 4U);
+  run_sweep(config(), first);
+  std::string more = kSmall;
+  more.replace(more.find("count: 2"), 8, "count: 7");
+  const SweepForecast forecast = forecast_sweep(config(more), options("a", 1));
+  EXPECT_EQ(forecast.answers_not_timed, 0U);
+  EXPECT_GE(60.0 * forecast.minutes, 10 * 0.5);
+  EXPECT_LE(60.0 * forecast.minutes, 10 * 0.5 * 1.5);
+  EXPECT_GE(60.0 * forecast_sweep(config(more), options("a", 8)).minutes, 2 * 0.5) << "8 tasks, then 2";
+}
+
 TEST_F(SweepRun, WhatBreaksIsAFailedRowWithItsReason) {
   SweepOptions run = options("a");
   run.add = {folder_.write("gone.yaml", "command: [/no/such/program]\ninput: observations\n").string(),

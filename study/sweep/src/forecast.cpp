@@ -2,6 +2,7 @@
 // docs/guides/sweeps.md.
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -14,7 +15,8 @@
 namespace rigproof {
 namespace {
 
-constexpr double kOutside_s = 1.0;                           // nobody knows what a program of somebody else's takes
+constexpr double kOutside_s = 1.0;                           // a program of somebody else's that was not timed yet
+constexpr std::size_t kTimedAnswers = 100;                   // of a program: more say no more
 constexpr double kProcess_s = 0.005, kObserve_s = 8e-5;      // a task, a view
 constexpr double kSearchStart_s = 0.012, kSearch_s = 0.045;  // an image, a megapixel: to find board and planes
 constexpr double kMatching_s = 0.35;                         // a megapixel: to match an image with the next one
@@ -61,16 +63,49 @@ std::vector<std::string> those_that_cannot_run(const std::vector<SweepMethod>& m
   return lines;
 }
 
-double seconds_of_answers(const SweepConfig& config, const std::vector<PendingTask>& tasks) {
+// What a program from outside took for each of the answers that are there, on average; absent where there are none.
+std::optional<double> timed_seconds(const SweepStart& start, const AnswerStore& store, std::size_t method) {
+  double seconds = 0.0;
+  std::size_t count = 0;
+  for (const WorkItem& item : start.order) {
+    const std::optional<SweepAnswer> answer = store.load(item.task->key, method);
+    if (!answer) continue;
+    seconds += answer->times.solve_s;
+    if (++count == kTimedAnswers) break;
+  }
+  return count == 0 ? std::nullopt : std::optional<double>(seconds / static_cast<double>(count));
+}
+
+std::map<std::string, double> timed_methods(const SweepStart& start) {
+  const AnswerStore store(start.folder, start.plan);
+  std::map<std::string, double> seconds;
+  for (std::size_t i = 0; i < start.methods.size(); ++i)
+    if (start.methods[i].outside)
+      if (const auto timed = timed_seconds(start, store, i)) seconds[start.methods[i].name] = *timed;
+  return seconds;
+}
+
+// A task is one process's: of four processes, three wait for the fifth task as long as they worked. Above 1 by that.
+double longer_by_whole_tasks(std::size_t tasks, std::size_t processes) {
+  if (tasks == 0) return 1.0;
+  const std::size_t rounds = (tasks + processes - 1) / processes;
+  return static_cast<double>(rounds * processes) / static_cast<double>(tasks);
+}
+
+void add_answers(const SweepStart& start, const std::vector<PendingTask>& tasks, SweepForecast* forecast) {
   double seconds = 0.0;
   std::map<std::string, double> rigs;
+  const std::map<std::string, double> timed = timed_methods(start);
   for (const PendingTask& pending : tasks) {
-    const double views = views_of(settings_of(config, *pending.task), !pending.task->pictures.empty(), &rigs);
+    const double views = views_of(settings_of(start.config, *pending.task), !pending.task->pictures.empty(), &rigs);
     seconds += kProcess_s + kObserve_s * views;
-    for (const SweepMethod* method : pending.methods)
-      seconds += method->outside ? kOutside_s : method->seconds_a_view * views;
+    for (const SweepMethod* method : pending.methods) {
+      const auto known = timed.find(method->name);
+      forecast->answers_not_timed += method->outside && known == timed.end() ? 1 : 0;
+      seconds += !method->outside ? method->seconds_a_view * views : known == timed.end() ? kOutside_s : known->second;
+    }
   }
-  return seconds;
+  forecast->minutes += seconds * longer_by_whole_tasks(tasks.size(), start.processes()) / 60.0;
 }
 
 // By the first of the sets that are to be made.
@@ -117,7 +152,7 @@ SweepForecast forecast_sweep(const SweepConfig& config, const SweepOptions& opti
   for (const PendingTask& pending : stock.tasks) left[pending.task->key] = pending.methods.size();
   for (const SweepTask& task : tasks) forecast.task_lines.push_back(line_of(start, task, left));
   if (config.geometric) forecast.cannot_run = those_that_cannot_run(start.methods);
-  forecast.minutes = seconds_of_answers(config, stock.tasks) / 60.0;
+  add_answers(start, stock.tasks, &forecast);
   add_pictures(start, to_make, &forecast);
   forecast.minutes /= static_cast<double>(start.processes());
   return forecast;

@@ -78,12 +78,14 @@ SweepReport run_shard(const SweepOptions& options, const SweepShard& shard);
 /// What a start would do.
 struct SweepForecast {
   std::size_t points = 0, tasks = 0, answers = 0;
-  std::size_t answers_there = 0;        ///< finished in the folder or in the cache
-  std::size_t picture_sets = 0;         ///< that the tasks need
-  std::size_t picture_sets_there = 0;   ///< whose pictures or detections the cache has
-  std::size_t images_to_render = 0;     ///< about
-  double megabytes = 0.0;               ///< about
-  double minutes = 0.0;                 ///< about
+  std::size_t answers_there = 0;       ///< finished in the folder or in the cache
+  std::size_t picture_sets = 0;        ///< that the tasks need
+  std::size_t picture_sets_there = 0;  ///< whose pictures or detections the cache has
+  std::size_t images_to_render = 0;    ///< about
+  double megabytes = 0.0;              ///< about
+  double minutes = 0.0;                ///< about
+  /// Of programs from outside that have no answer here yet: taken for a second each.
+  std::size_t answers_not_timed = 0;
   std::vector<std::string> task_lines;  ///< one a task: "lambda 0, seed 3: 2 of 6 answers"
   std::vector<std::string> cannot_run;  ///< methods that can answer no task, and why
 };
@@ -98,12 +100,13 @@ struct SweepState {
   std::vector<SweepMachineCount> machines;
   SweepCounters counters;  ///< of all starts on one machine
 };
+/// Throws Error, with ExitCode::kTryAgain if the folder is not there (yet).
 SweepState sweep_state(const std::filesystem::path& folder);
+/// The same of a folder that was there before: nothing while it is gone, as a share that is mounted again.
+std::optional<SweepState> sweep_state_unless_gone(const std::filesystem::path& folder);
 
 /// The file that describes a sweep: the argument itself, or what a sweep's folder holds. Throws Error.
 std::filesystem::path sweep_config_file(const std::filesystem::path& file_or_folder);
-/// The same of a folder that was there before: nothing while it is gone, as a share that is mounted again.
-std::optional<SweepState> sweep_state_unless_gone(const std::filesystem::path& folder);
 
 /// Writes rows.csv, rows.jsonl, times.csv and the summary's files from the answers in the folder.
 SweepTables gather_sweep(const std::filesystem::path& folder);
