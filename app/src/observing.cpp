@@ -47,6 +47,11 @@ Observations observe_with_progress(const Input& input, int jobs, const Terminal&
   return observations;
 }
 
+std::optional<Observations> observed_before(const Input& input) {
+  if (!input.recording) return std::nullopt;
+  return recall_observations(observations_key(*input.recording, {}), *input.recording);
+}
+
 Observations observe_with_progress(const Input& input, const Vision& vision, int jobs, const Terminal& terminal) {
   const GroundSource source = ground_source_by_name(vision.ground);
   if (source == GroundSource::kImages && !input.recording)

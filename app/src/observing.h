@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "commands.h"
@@ -21,6 +22,9 @@ std::filesystem::path product_place(const Input& input, const std::filesystem::p
 
 /// Throws Error with ExitCode::kTryAgain if the user interrupts.
 Observations observe_with_progress(const Input& input, int jobs, const Terminal& terminal);
+
+/// Those of an earlier look at the same images; absent where there was none, or where there are no images.
+std::optional<Observations> observed_before(const Input& input);
 
 /// What the user named to look at images with. Made before anything is read, so that a wrong name or network is told at
 /// once.

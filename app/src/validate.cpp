@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "judging.h"
+#include "observing.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/core/text.h"
@@ -53,12 +54,22 @@ std::vector<Comparison> comparisons_of_run(const RunFolder& run, const Truth& tr
   return comparisons;
 }
 
+// The run's own, else those of an earlier look at its images.
+std::optional<Observations> observations_at_hand(const RunFolder& run) {
+  if (std::filesystem::is_regular_file(run.observations_file())) return load_observations(run.observations_file());
+  try {
+    return observed_before(open_input(run.root));
+  } catch (const Error&) {
+    return std::nullopt;  // without its recording a run can be judged as well
+  }
+}
+
 // What the data allow, where the observations are at hand. Those that cannot be read are a record, too.
 std::optional<DataBound> bound_of_run(const RunFolder& run, const Truth& truth,
                                       std::vector<ValidationRecord>* records) {
-  if (!std::filesystem::is_regular_file(run.observations_file())) return std::nullopt;
   try {
-    return data_bound(load_observations(run.observations_file()), truth);
+    const std::optional<Observations> observations = observations_at_hand(run);
+    return observations ? data_bound(*observations, truth) : std::nullopt;
   } catch (const Error& error) {
     ValidationRecord& record = records->emplace_back();
     record.subject = run.observations_file().filename().string();
@@ -120,6 +131,9 @@ int validate_command(const ValidateArguments& arguments) {
     if (arguments.paper) terminal.text(format_paper(record.comparison));
   }
   terminal.text(bound ? format_bound(*bound) : "");
+  if (!bound && !all_passed(judged))
+    terminal.line("What the data allow is not known: `rigproof observe " + shell_word(run.root.string()) +
+                  "` looks at the images for it.");
   throw_if_unreadable(records);
   return static_cast<int>(all_passed(records) ? ExitCode::kGood : ExitCode::kGateFailed);
 }

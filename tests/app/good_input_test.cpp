@@ -1,6 +1,9 @@
 // The main job and its parts, as a user types them.
+#include <chrono>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "cli_fixture.h"
 #include "rigproof/core/conventions.h"
@@ -252,6 +255,27 @@ TEST(Command, ReadOnlyRunCalibratesIntoAnotherFolder) {
       rigproof_command({"calibrate", recording.string(), "-m", "joint_memroc", "-o", (scratch / "out").string()});
   EXPECT_EQ(output.exit_code, 0) << output.err;
   EXPECT_EQ(before, tree_content(recording));
+}
+
+// What the data allow is known from an earlier look at the images, too.
+TEST(Command, ABiasOfAllCamerasIsNotBlamedOnOdometry) {
+  const TempFolder scratch;
+  const std::string run = small_run().string(), results = (scratch / "r").string();
+  ASSERT_EQ(rigproof_command({"calibrate", run, "-m", "joint_memroc", "-o", results}).exit_code, 0);
+  Result biased = load_result(scratch / "r/joint_memroc.yaml");
+  for (EstimatedTransform& estimate : biased.camera_to_robot) estimate.T_parent_child.translation.x() += 0.05;
+  const std::string file = (scratch / "biased.yaml").string();
+  save_result(biased, file, {});
+  const auto judged = [&] { return rigproof_command({"validate", run, file, "--budget", "ci"}).out; };
+  EXPECT_THAT(judged(), AllOf(HasSubstr("all cameras share this error: they are"),
+                              HasSubstr("What the data allow is not known: `rigproof observe ")));
+  ::setenv("RIGPROOF_OBSERVATIONS", (scratch / "cache").c_str(), 1);
+  std::this_thread::sleep_for(std::chrono::seconds(2));  // files that have just been made are not relied on
+  EXPECT_EQ(rigproof_command({"calibrate", run, "-m", "joint_memroc", "-o", results}).exit_code, 0);
+  const std::string known = judged();
+  ::setenv("RIGPROOF_OBSERVATIONS", "", 1);
+  EXPECT_THAT(known, AllOf(HasSubstr("all cameras share this error, far more than the data allow: they are"),
+                           Not(HasSubstr("odometry"))));
 }
 
 // Published: 0.66 cm and 0.15 deg over 100 poses; ten clean poses at half the resolution do better than 2 cm and 1 deg.

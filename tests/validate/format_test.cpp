@@ -49,7 +49,7 @@ TEST(Format, ErrorsWithSigmas) {
             " left    +.07+-.09  -.14+-.13  +.002+-.003   +.0010+-.0011  +.0002+-.0012  +.017+-.024\n"
             " center  +.07+-.09  -.15+-.13  +.001+-.003   +.0010+-.0011  +.0001+-.0012  +.017+-.024\n"
             " right   +.08+-.09  -.15+-.13  +.003+-.003   +.0002+-.0011  -.0002+-.0012  +.018+-.024\n"
-            " The cameras share this error (odometry). Between cameras: worst .012 cm, .0013 deg.\n");
+            " The cameras share this error. Between cameras: worst .012 cm, .0013 deg.\n");
 }
 
 TEST(Format, ErrorsWithoutSigmasAndWithAGate) {

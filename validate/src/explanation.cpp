@@ -77,7 +77,6 @@ double mean_error(const Comparison& comparison, int axis) {
 // What odometry and ground leave open is in the bound; a shared error far beyond it is of the method's own making.
 bool is_beyond_bound(const Comparison& comparison, int axis) {
   constexpr double kDeviations = 4.0;
-  if (!comparison.bound) return false;
   const std::optional<double>& sigma = comparison.bound->camera_to_robot[static_cast<std::size_t>(axis)];
   return sigma && std::abs(mean_error(comparison, axis)) > kDeviations * *sigma;
 }
@@ -190,6 +189,7 @@ std::optional<Explanation> shared_motion(const Failures& failures) {
 
 // What all cameras share comes from the odometry along x, y and about z, and from the ground in the other three.
 std::string source_of_shared(const Comparison& comparison, const std::vector<int>& axes) {
+  if (!comparison.bound) return "";
   bool odometry = false, ground = false;
   for (const int axis : axes) {
     if (is_beyond_bound(comparison, axis)) return ", far more than the data allow";

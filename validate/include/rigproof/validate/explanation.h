@@ -27,6 +27,7 @@ struct Explanation {
 
 /// " (odometry)", " (ground)": where an error along or about these axes comes from that all cameras share; ", far more
 /// than the data allow" where it is beyond four standard deviations of the comparison's bound, so that neither can be.
+/// Empty without a bound: who can say.
 /// @param axes 0 to 5 = tx .. rz
 std::string source_of_shared(const Comparison& comparison, const std::vector<int>& axes);
 
