@@ -46,12 +46,7 @@ bool states_no_uncertainty(const Result& result) {
 }  // namespace
 
 AcceptCriteria accept_criteria_of(const std::string& file_or_name) {
-  const std::string shipped = "accept/" + file_or_name;
-  const std::vector<std::string> presets = list_presets("config");
-  std::error_code ignored;
-  const bool is_shipped = !std::filesystem::is_regular_file(file_or_name, ignored) &&
-                          std::find(presets.begin(), presets.end(), shipped) != presets.end();
-  return load_accept_criteria(find_data_file("config", is_shipped ? shipped : file_or_name));
+  return load_accept_criteria(find_config_file("accept", file_or_name));
 }
 
 std::optional<Gates> gates_for(const std::string& file_or_name, const std::optional<AcceptLimits>& of_rig) {

@@ -28,16 +28,9 @@ namespace fs = std::filesystem;
 
 const std::string kCases = "bench-v1/";
 
-std::vector<std::string> case_names() {
-  std::vector<std::string> names;
-  for (const std::string& preset : list_presets("config"))
-    if (preset.rfind(kCases, 0) == 0 && preset != kCases + "bench-v1") names.push_back(preset.substr(kCases.size()));
-  return names;
-}
-
 // The run of a case, generated where it is not there yet.
 fs::path run_of_case(const BenchExportArguments& arguments, const fs::path& folder, const Terminal& terminal) {
-  const std::vector<std::string> known = case_names();
+  const std::vector<std::string> known = bench_cases();
   if (std::find(known.begin(), known.end(), arguments.name) == known.end())
     throw Error("case: \"" + for_message(arguments.name) + "\": must be a run's folder or a case; " +
                 suggestion(arguments.name, known));
@@ -124,6 +117,12 @@ bool names_a_run(const std::string& name) {
 }
 
 }  // namespace
+
+std::vector<std::string> bench_cases() {
+  std::vector<std::string> names = list_presets("config", "bench-v1");
+  names.erase(std::remove(names.begin(), names.end(), "bench-v1"), names.end());  // the sweep over all
+  return names;
+}
 
 std::vector<std::string> bench_layouts() { return {"mcalib", "mrcal", "opencv", "euroc", kBagLayout, "colmap"}; }
 

@@ -1,5 +1,6 @@
 // The command line of `bench`.
 #include "command_line.h"
+#include "one_of.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
@@ -15,9 +16,7 @@ void add_bench_command(CLI::App& app, Action& action) {
       "`validate` and score.py, OUTPUT/run the run that it was made of. config/bench-v1/README.md\n");
   command->add_option("CASE", arguments.name, "A case of bench-v1, which is generated; or the folder of a run")
       ->required();
-  command->add_option("--to", arguments.to, joined(bench_layouts(), ", "))
-      ->check(CLI::IsMember(bench_layouts()))
-      ->required();
+  command->add_option("--to", arguments.to, joined(bench_layouts(), ", "))->check(one_of(bench_layouts()))->required();
   command->add_option("-o,--output", arguments.output, "Folder for all layouts of the case; default bench/CASE");
   add_overrides(command, arguments.set, "Override a field of the case, e.g. --set seed=2; may be repeated");
   add_cache(command, arguments.cache, "Folder that keeps clean renders; what it holds is not rendered again");

@@ -245,6 +245,8 @@ struct BenchExportArguments {
   int device = -2;
 };
 std::vector<std::string> bench_layouts();
+/// The cases of bench-v1.
+std::vector<std::string> bench_cases();
 int bench_export_command(const BenchExportArguments& arguments);
 
 struct DoctorArguments {
@@ -292,5 +294,7 @@ int plot_sensor_command(const PlotSensorArguments& arguments);
 
 /// Prints the JSON Schema of a file that people or rigproof write: run, rig, result, ... Without a name it lists them.
 int schema_command(const std::string& name);
+/// All of them, and "all".
+std::vector<std::string> schema_names();
 
 }  // namespace rigproof

@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "command_texts.h"
+#include "offers.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
 
@@ -30,17 +31,42 @@ std::vector<std::string> option_names(const CommandFacts& command) {
   return names;
 }
 
-// What may stand where no option does: commands, and the choices of what is known by its place.
-std::vector<std::string> words_of(const CommandFacts& command) {
-  std::vector<std::string> words;
-  for (const CommandFacts& below : command.commands) words.push_back(below.name());
-  for (const OptionFacts& option : command.options)
-    if (option.is_positional()) words.insert(words.end(), option.choices.begin(), option.choices.end());
+// What is offered for the value of an option, or for what is known by its place.
+struct Values {
+  std::vector<std::string> names;
+  bool or_file = false;
+};
+
+Values values_of(const OptionFacts& option) {
+  if (!option.choices.empty()) return {option.choices, false};
+  const bool is_named = option.is_positional() && option.value == "TEXT";
+  const std::string type = is_named ? option.names.front() : option.value;
+  std::vector<std::string> offers = offers_of(type);
+  const bool or_file = offers.empty() || may_be_file(type);
+  return {std::move(offers), or_file};
+}
+
+// What may stand where no option does: commands, and the values of what is known by its place.
+Values words_of(const CommandFacts& command) {
+  Values words;
+  for (const CommandFacts& below : command.commands) words.names.push_back(below.name());
+  for (const OptionFacts& option : command.options) {
+    if (!option.is_positional()) continue;
+    const Values values = values_of(option);
+    words.names.insert(words.names.end(), values.names.begin(), values.names.end());
+    words.or_file = words.or_file || values.or_file;
+  }
   return words;
 }
 
 // -----------------------------------------------------------------------------------------------------------------
 // bash
+
+// Without names nothing is offered, and the shell completes those of files.
+std::string bash_offer(const Values& values) {
+  if (values.names.empty()) return "COMPREPLY=()";
+  return std::string("_rigproof_") + (values.or_file ? "names_or_files " : "names ") + in_sh(joined(values.names, " "));
+}
 
 std::string bash_values(const CommandFacts& command) {
   std::string text;
@@ -48,10 +74,7 @@ std::string bash_values(const CommandFacts& command) {
     if (option.is_positional() || option.value.empty()) continue;
     std::vector<std::string> patterns;
     for (const std::string& name : option.names) patterns.push_back(in_sh(joined(command.path, " ") + " " + name));
-    // Without choices nothing is offered, and the shell completes names of files.
-    text += "    " + joined(patterns, "|") + ") COMPREPLY=(" +
-            (option.choices.empty() ? "" : "$(compgen -W " + in_sh(joined(option.choices, " ")) + " -- \"$word\")") +
-            "); return ;;\n";
+    text += "    " + joined(patterns, "|") + ") " + bash_offer(values_of(option)) + "; return ;;\n";
   }
   return text;
 }
@@ -62,14 +85,19 @@ std::string bash_script(const CommandFacts& program) {
   for_each(program, [&](const CommandFacts& command) {
     const std::string path = joined(command.path, " ");
     if (!command.path.empty()) paths.push_back(in_sh(path));
-    words += "    " + in_sh(path) + ") options=" + in_sh(joined(option_names(command), " ")) +
-             " words=" + in_sh(joined(words_of(command), " ")) + " ;;\n";
+    const std::string options = "_rigproof_names " + in_sh(joined(option_names(command), " "));
+    words += "    " + in_sh(path) + ") if [[ $word == -* ]]; then " + options + "; else " +
+             bash_offer(words_of(command)) + "; fi ;;\n";
     values += bash_values(command);
   });
   return "# bash completion of rigproof: `source <(rigproof completion bash)`\n"
+         "_rigproof_names() { mapfile -t COMPREPLY < <(compgen -W \"$1\" -- \"$word\"); }\n"
+         "_rigproof_names_or_files() {\n"
+         "  mapfile -t COMPREPLY < <(compgen -W \"$1\" -- \"$word\"; compgen -f -- \"$word\")\n"
+         "  compopt -o filenames 2>/dev/null\n"
+         "}\n"
          "_rigproof() {\n"
-         "  local word=\"${COMP_WORDS[COMP_CWORD]}\" before=\"${COMP_WORDS[COMP_CWORD-1]}\" command= options= words= "
-         "i\n"
+         "  local word=\"${COMP_WORDS[COMP_CWORD]}\" before=\"${COMP_WORDS[COMP_CWORD-1]}\" command= i\n"
          "  for ((i = 1; i < COMP_CWORD; i++)); do\n"
          "    case \"${command:+$command }${COMP_WORDS[i]}\" in\n"
          "    " +
@@ -83,8 +111,6 @@ std::string bash_script(const CommandFacts& program) {
          "  case \"$command\" in\n" +
          words +
          "  esac\n"
-         "  [[ $word == -* ]] && words=$options\n"
-         "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
          "}\n"
          "complete -o default -F _rigproof rigproof\n";
 }
@@ -100,8 +126,14 @@ std::string zsh_escaped(const std::string& text) {
   return out;
 }
 
+std::string zsh_values(const Values& values) {
+  if (values.names.empty()) return "_files";
+  const std::string names = joined(values.names, " ");
+  return values.or_file ? "{compadd -- " + names + "; _files}" : "(" + names + ")";
+}
+
 std::string zsh_option(const OptionFacts& option) {
-  const std::string values = option.choices.empty() ? "_files" : "(" + joined(option.choices, " ") + ")";
+  const std::string values = zsh_values(values_of(option));
   if (option.is_positional()) return in_sh("*:" + zsh_escaped(option.names.front()) + ":" + values);
   const std::string tail = "[" + zsh_escaped(option.description) + "]" +
                            (option.value.empty() ? "" : ":" + zsh_escaped(option.value) + ":" + values);
@@ -151,8 +183,10 @@ std::string fish_option(const OptionFacts& option) {
   std::string text;
   for (const std::string& name : option.names)
     text += name.rfind("--", 0) == 0 ? " -l " + name.substr(2) : option.is_positional() ? "" : " -s " + name.substr(1);
-  if (!option.choices.empty())
-    text += " -x -a " + in_fish(joined(option.choices, " "));
+  const Values values = values_of(option);
+  if (!values.names.empty())
+    text +=
+        (values.or_file ? option.is_positional() ? " -a " : " -r -a " : " -x -a ") + in_fish(joined(values.names, " "));
   else if (!option.value.empty() && !option.is_positional())
     text += " -r";
   return text + (option.is_positional() ? "" : " -d " + in_fish(option.description));
@@ -165,7 +199,7 @@ std::string fish_script(const CommandFacts& program) {
     for (const CommandFacts& below : command.commands)
       text += head + " -f -a " + below.name() + " -d " + in_fish(below.description) + "\n";
     for (const OptionFacts& option : command.options)
-      if (!option.is_positional() || !option.choices.empty()) text += head + fish_option(option) + "\n";
+      if (!option.is_positional() || !values_of(option).names.empty()) text += head + fish_option(option) + "\n";
   });
   return text;
 }

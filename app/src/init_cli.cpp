@@ -1,6 +1,7 @@
 // The command line of `init`.
 #include "command_line.h"
 #include "number_in.h"
+#include "one_of.h"
 
 namespace rigproof {
 
@@ -13,7 +14,8 @@ void add_init_command(CLI::App& app, Action& action) {
                    "A bag: its folder, or a file .mcap or .db3 (also .zstd); or a folder of images with a trajectory")
       ->required();
   command->add_option("-o,--output", arguments.output, "Folder of the recording, a new one")->required();
-  command->add_option("--board", arguments.board, "The board: as `rigproof boards` lists them, or a file");
+  command->add_option("--board", arguments.board, "The board: as `rigproof boards` lists them, or a file")
+      ->type_name("BOARD");
   command->add_option("--squares", arguments.squares, "In place of --board: columns x rows of squares, e.g. 6x5");
   command->add_option("--square-mm", arguments.square_mm, "Side of a square, measured")->check(number_in(1.0, 1000.0));
   command->add_option(
@@ -38,7 +40,7 @@ void add_init_command(CLI::App& app, Action& action) {
   command
       ->add_option("--stamps", arguments.stamps,
                    "header: when images and poses were taken; log: when they were recorded, for clocks that differ")
-      ->check(CLI::IsMember({"header", "log"}))
+      ->check(one_of({"header", "log"}))
       ->capture_default_str();
   command->add_flag("--every-image", arguments.every_image,
                     "Keep every image, also those taken while the robot moves; default: a few of each stop");

@@ -12,6 +12,7 @@
 #include "command_texts.h"
 #include "export_command.h"
 #include "number_in.h"
+#include "one_of.h"
 #include "rigproof/calib/vision/ground_source.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -46,8 +47,10 @@ CLI::Option* add_shards(CLI::App* command, int& shard_mib) {
 }
 
 void add_generate_options(CLI::App* command, GenerateArguments& arguments) {
-  command->add_option("CONFIG", arguments.config,
-                      "Configuration file, or the name of a shipped one; without it every default applies");
+  command
+      ->add_option("CONFIG", arguments.config,
+                   "Configuration file, or the name of a shipped one; without it every default applies")
+      ->type_name("RUN");
   command->add_option("-o,--output", arguments.output, "Folder of the run; default runs/<name of the config>");
   add_overrides(command, arguments.set,
                 "Override a field, e.g. --set poses=20 --set odometry.lambda=5; may be repeated");
@@ -97,7 +100,7 @@ void add_features(CLI::App* command, VisionArguments& vision) {
           "--ground", vision.ground,
           "Where the ground plane comes from: depth, images (triangulated features), or auto (images for the cameras "
           "whose depth shows too little ground)")
-      ->check(CLI::IsMember(ground_source_names()))
+      ->check(one_of(ground_source_names()))
       ->capture_default_str();
   command
       ->add_option("--features", vision.features,
@@ -124,11 +127,13 @@ void add_observe(CLI::App& app, Action& action) {
 }
 
 void add_accept(CLI::App* command, std::string& accept) {
-  command->add_option(
-      "--accept", accept,
-      "Check results without truth (stated uncertainty, two halves, held-out stops) against the limits in a file; "
-      "`default` is the shipped one. The accept limits of rig.yaml are always checked, and replace the limits on "
-      "uncertainty in the file");
+  command
+      ->add_option(
+          "--accept", accept,
+          "Check results without truth (stated uncertainty, two halves, held-out stops) against the limits in a file; "
+          "`default` is the shipped one. The accept limits of rig.yaml are always checked, and replace the limits on "
+          "uncertainty in the file")
+      ->type_name("LIMITS");
 }
 
 void add_calibrate(CLI::App& app, Action& action) {
@@ -136,7 +141,7 @@ void add_calibrate(CLI::App& app, Action& action) {
       add_command(app, action, "calibrate", "Solve for the pose of every camera; write results/METHOD.yaml",
                   "rigproof calibrate monday/ --method joint_memroc", calibrate_command);
   command->add_option("INPUT", arguments.input, "Input: " + inputs_in_words(false))->required();
-  command->add_option("-m,--method", arguments.methods, kMethodHelp);
+  command->add_option("-m,--method", arguments.methods, kMethodHelp)->type_name("METHOD");
   command->add_option("-o,--output", arguments.output, "Folder for the results; default results/ beside the input");
   add_vision(command, arguments.vision);
   add_accept(command, arguments.accept);
@@ -158,7 +163,7 @@ void add_validate(CLI::App& app, Action& action) {
                   "rigproof validate runs/demo theirs.yaml --budget ci.yaml --junit out.xml", validate_command);
   command->add_option("RUN", arguments.run, "Folder of a generated run, with its truth/")->required();
   command->add_option("RESULT", arguments.results, "Result files; default every one in the run's results/");
-  command->add_option("--budget", arguments.budget, kBudgetHelp);
+  command->add_option("--budget", arguments.budget, kBudgetHelp)->type_name("BUDGET");
   command->add_option("--junit", arguments.junit, kJunitHelp);
   command->add_flag("--paper", arguments.paper, "Also print the errors that the MEMROC paper published");
   add_common(command, arguments.common);
@@ -169,8 +174,8 @@ void add_run(CLI::App& app, Action& action) {
       add_command(app, action, "run", "Generate, calibrate and validate, then draw the pictures and the report",
                   "rigproof run demo.yaml", run_command);
   add_generate_options(command, arguments.generate);
-  command->add_option("-m,--method", arguments.methods, kMethodHelp);
-  command->add_option("--budget", arguments.budget, kBudgetHelp);
+  command->add_option("-m,--method", arguments.methods, kMethodHelp)->type_name("METHOD");
+  command->add_option("--budget", arguments.budget, kBudgetHelp)->type_name("BUDGET");
   add_vision(command, arguments.vision);
   add_accept(command, arguments.accept);
   command->add_option("--junit", arguments.junit, kJunitHelp);
@@ -198,10 +203,14 @@ void add_report(CLI::App& app, Action& action) {
       ->required();
   command->add_option("-o,--output", arguments.output,
                       "File; default report.html beside the input, history.html beside the last of several");
-  command->add_option("-m,--method", arguments.method,
-                      "Result to show first, or whose history; default ml. All of results/ are in a report of one");
-  command->add_option("--budget", arguments.budget,
-                      "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations");
+  command
+      ->add_option("-m,--method", arguments.method,
+                   "Result to show first, or whose history; default ml. All of results/ are in a report of one")
+      ->type_name("METHOD");
+  command
+      ->add_option("--budget", arguments.budget,
+                   "Limits on the error: a file, or ci, paper, honest; default: 4 stated standard deviations")
+      ->type_name("BUDGET");
   add_jobs(command, arguments.common);
   add_common(command, arguments.common);
 }
@@ -218,7 +227,7 @@ void add_convert(CLI::App& app, Action& action) {
   command
       ->add_option("--to", arguments.to,
                    joined(layouts, ", ") + "; default mcap for FILE.mcap, else memroc, of other layouts recording")
-      ->check(CLI::IsMember(layouts));
+      ->check(one_of(layouts));
   command
       ->add_option("--cloud-points", arguments.cloud_points,
                    "Limit on the points of a cloud that is made from a depth image")
@@ -228,7 +237,7 @@ void add_convert(CLI::App& app, Action& action) {
   command->add_flag("--compressed", arguments.compressed,
                     "Pictures in a bag stay PNG or JPEG (CompressedImage); default: unpacked (Image)");
   command->add_option("--packing", arguments.packing, "Of a bag's chunks: " + joined(bag_packings(), ", "))
-      ->check(CLI::IsMember(bag_packings()))
+      ->check(one_of(bag_packings()))
       ->capture_default_str();
   add_common(command, arguments.common);
 }
@@ -246,14 +255,15 @@ void add_board(CLI::App& app, Action& action) {
   const auto [command, arguments] =
       add_command(app, action, "board", "Write a board to print, at true size with rulers: PDF, SVG or DXF",
                   "rigproof board --squares 6x5 --square-mm 110 --paper a0 -o board.pdf", board_command);
-  command->add_option("PRESET", arguments.preset,
-                      "As `rigproof boards` lists them; without it give --squares and --square-mm");
-  command->add_option("--type", arguments.type, "checkerboard, charuco or aprilgrid")
-      ->check(CLI::IsMember(board_types()));
+  command
+      ->add_option("PRESET", arguments.preset,
+                   "As `rigproof boards` lists them; without it give --squares and --square-mm")
+      ->type_name("BOARD");
+  command->add_option("--type", arguments.type, "checkerboard, charuco or aprilgrid")->check(one_of(board_types()));
   command->add_option("--squares", arguments.squares, "Columns x rows of squares, e.g. 6x5");
   command->add_option("--square-mm", arguments.square_mm, "Side of a square")->check(number_in(1.0, 1000.0));
   command->add_option("--paper", arguments.paper, "Size of the page; fit: as large as the board needs")
-      ->check(CLI::IsMember(paper_names()))
+      ->check(one_of(paper_names()))
       ->capture_default_str();
   command->add_option("--border-mm", arguments.border_mm, "White around the squares")
       ->check(number_in(0.0, 200.0))
@@ -293,7 +303,8 @@ void add_sensors(CLI::App& app, Action& action) {
   const auto [command, arguments] =
       add_command(app, action, "sensors", "The sensor presets; --plot draws the noise of one over distance",
                   "rigproof sensors --plot d455 -o d455.png", sensors_command);
-  command->add_option("--plot", arguments.name, "Name of a preset: simulate its depth noise and draw it over distance");
+  command->add_option("--plot", arguments.name, "Name of a preset: simulate its depth noise and draw it over distance")
+      ->type_name("SENSOR");
   command->add_option("-o,--output", arguments.output,
                       "File of --plot: PNG, PDF or SVG; a CSV is written beside it. Default NAME_noise.png");
   add_common(command, arguments.common);
@@ -318,7 +329,7 @@ void add_schema(CLI::App& app, Action& action) {
   const auto [command, name] =
       add_command(app, action, "schema", "Print the JSON Schema of a file that you write, for your editor",
                   "rigproof schema run > run.schema.json", schema_command);
-  command->add_option("NAME", name, "Which file; without it the names are listed");
+  command->add_option("NAME", name, "Which file; without it the names are listed")->type_name("SCHEMA");
 }
 
 int print_text(const std::string& text) {
@@ -331,7 +342,7 @@ void add_completion(CLI::App& app, Action& action) {
       app.add_subcommand("completion", "Print a script that completes the command line in bash, zsh or fish");
   command->footer("Example:\n  source <(rigproof completion bash)");
   const auto shell = std::make_shared<std::string>();
-  command->add_option("SHELL", *shell, "For which shell")->required()->check(CLI::IsMember(completion_shells()));
+  command->add_option("SHELL", *shell, "For which shell")->required()->check(one_of(completion_shells()));
   command->callback([&app, &action, shell] {
     action = [&app, shell] { return print_text(completion_script(facts_of(app), *shell)); };
   });

@@ -1,6 +1,7 @@
 // The command line of `record-check`.
 #include "command_line.h"
 #include "number_in.h"
+#include "one_of.h"
 
 namespace rigproof {
 
@@ -18,9 +19,10 @@ void add_record_check_command(CLI::App& app, Action& action) {
       ->add_option("--until-idle", arguments.until_idle_s,
                    "With --follow: end when nothing has changed for so many seconds")
       ->check(number_in(1.0, 86400.0));
-  command->add_option(
-      "--board", arguments.board,
-      "The board: as `rigproof boards` lists them, or a file; default a recording's, else as images show");
+  command
+      ->add_option("--board", arguments.board,
+                   "The board: as `rigproof boards` lists them, or a file; default a recording's, else as images show")
+      ->type_name("BOARD");
   command->add_option("--squares", arguments.squares, "In place of --board: columns x rows of squares, e.g. 6x5");
   command->add_option(
       "--odometry", arguments.odometry,
@@ -37,7 +39,7 @@ void add_record_check_command(CLI::App& app, Action& action) {
   command
       ->add_option("--stamps", arguments.stamps,
                    "header: when images and poses were taken; log: when they were recorded, for clocks that differ")
-      ->check(CLI::IsMember({"header", "log"}))
+      ->check(one_of({"header", "log"}))
       ->capture_default_str();
   add_common(command, arguments.common);
 }

@@ -71,13 +71,10 @@ const char* const kWrittenTitle = "What you write";
 const char* const kProducedTitle = "What rigproof writes";
 
 const FileSchema& find_schema(const std::string& name) {
-  std::vector<std::string> names;
   for (const auto* list : {&kWritten, &produced()})
-    for (const FileSchema& schema : *list) {
+    for (const FileSchema& schema : *list)
       if (name == schema.name) return schema;
-      names.emplace_back(schema.name);
-    }
-  throw Error("schema " + for_message(name) + ": there is none; " + suggestion(name, names));
+  throw Error("schema " + for_message(name) + ": there is none; " + suggestion(name, schema_names()));
 }
 
 void list_schemas() {
@@ -111,6 +108,14 @@ std::string schema_reference_page() {
     for (const FileSchema& schema : *list) page += page_of(schema);
   }
   return page;
+}
+
+std::vector<std::string> schema_names() {
+  std::vector<std::string> names;
+  for (const auto* list : {&kWritten, &produced()})
+    for (const FileSchema& schema : *list) names.push_back(schema.name);
+  names.emplace_back(kAll);
+  return names;
 }
 
 int schema_command(const std::string& name) {

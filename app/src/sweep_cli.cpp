@@ -20,7 +20,7 @@ void add_start(CLI::App* sweep, Action& action) {
                   "rigproof sweep start odometry.yaml -j 2 --add theirs.yaml", sweep_start_command,
                   "Interrupted or killed, the same command goes on where it was. Exit codes: 0 done, 2 bad input or "
                   "environment,\n75 interrupted, or another process works in the folder.\n");
-  command->add_option("CONFIG", arguments.config, kConfigHelp)->required();
+  command->add_option("CONFIG", arguments.config, kConfigHelp)->required()->type_name("SWEEP");
   command->add_option("-o,--output", arguments.output, "Folder of the results; default sweeps/<name>");
   add_cache(command, arguments.cache, kSweepCacheHelp);
   command
@@ -30,8 +30,9 @@ void add_start(CLI::App* sweep, Action& action) {
       ->capture_default_str();
   add_overrides(command, arguments.set, kSetHelp);
   command->add_flag("--dry-run", arguments.dry_run, "Only print the tasks and about how long they take");
-  command->add_option("--add", arguments.add, kAddHelp);
-  command->add_option("--redo", arguments.redo, "Forget the finished answers of this method; may be repeated");
+  command->add_option("--add", arguments.add, kAddHelp)->type_name("METHOD");
+  command->add_option("--redo", arguments.redo, "Forget the finished answers of this method; may be repeated")
+      ->type_name("METHOD");
   add_jobs(command, arguments.common, "Processes; 0 = one for each core");
   add_device(command, arguments.device);
   add_common(command, arguments.common);
@@ -42,10 +43,10 @@ void add_plan(CLI::App* sweep, Action& action) {
       add_command(*sweep, action, "plan", "Plan a sweep that many processes or machines share",
                   "rigproof sweep plan odometry.yaml -o /shared/odometry", sweep_plan_command,
                   "`sweep run` does its shards, `sweep merge` makes the tables: docs/guides/cluster.md.\n");
-  command->add_option("CONFIG", arguments.config, kConfigHelp)->required();
+  command->add_option("CONFIG", arguments.config, kConfigHelp)->required()->type_name("SWEEP");
   command->add_option("-o,--output", arguments.output, "Folder that all of them see; default sweeps/<name>");
   add_overrides(command, arguments.set, kSetHelp);
-  command->add_option("--add", arguments.add, kAddHelp);
+  command->add_option("--add", arguments.add, kAddHelp)->type_name("METHOD");
   add_common(command, arguments.common);
 }
 

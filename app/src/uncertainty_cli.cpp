@@ -1,6 +1,7 @@
 // The command line of `suggest` and `moved`.
 #include "command_line.h"
 #include "number_in.h"
+#include "one_of.h"
 #include "rigproof/formats/format.h"
 
 namespace rigproof {
@@ -55,7 +56,7 @@ void add_suggest(CLI::App& app, Action& action) {
       ->add_option("--criterion", arguments.criterion,
                    "What to shrink: worst, the largest standard deviation relative to its accept limit; D, the "
                    "determinant of the covariance; E, its largest eigenvalue")
-      ->check(CLI::IsMember({"worst", "D", "E"}))
+      ->check(one_of({"worst", "D", "E"}))
       ->capture_default_str();
   command->add_option("-o,--output", arguments.output,
                       "Write all stops as a configuration that `rigproof generate` replays");
@@ -63,6 +64,7 @@ void add_suggest(CLI::App& app, Action& action) {
       ->add_option(
           "-m,--method", arguments.method,
           "The method that `calibrate` will be asked for: ml, ml:KEY=VALUE,.. or ml:FILE.yaml, with its priors")
+      ->type_name("METHOD")
       ->capture_default_str();
   add_places(command, arguments);
   add_common(command, arguments.common);

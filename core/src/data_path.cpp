@@ -163,9 +163,33 @@ fs::path find_data_file(const std::string& kind, const std::string& name_or_path
   return find_preset(kind, name_or_path);
 }
 
+fs::path find_config_file(const std::string& folder, const std::string& name_or_path) {
+  const fs::path path(name_or_path);
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored) || path.has_parent_path()) return find_data_file("config", name_or_path);
+  const bool is_file_name = path.extension() == ".yaml" || path.extension() == ".yml";
+  const std::string name = is_file_name ? path.stem().string() : name_or_path;
+  const std::vector<std::string> known = list_presets("config", folder), all = list_presets("config");
+  const auto has = [](const std::vector<std::string>& names, const std::string& wanted) {
+    return std::find(names.begin(), names.end(), wanted) != names.end();
+  };
+  if (has(known, name)) return find_preset("config", folder + "/" + name);
+  if (has(all, name)) return find_preset("config", name);
+  throw Error("there is no \"" + for_message(name_or_path) + "\" among the presets of config/" + folder + "; " +
+              suggestion(name, known));
+}
+
 std::vector<std::string> list_presets(const std::string& kind) {
   std::vector<std::string> names;
   for (const Preset& preset : presets_of(kind)) names.push_back(preset.name);
+  return names;
+}
+
+std::vector<std::string> list_presets(const std::string& kind, const std::string& folder) {
+  const std::string prefix = folder + "/";
+  std::vector<std::string> names;
+  for (const Preset& preset : presets_of(kind))
+    if (preset.name.rfind(prefix, 0) == 0) names.push_back(preset.name.substr(prefix.size()));
   return names;
 }
 

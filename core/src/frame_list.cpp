@@ -5,6 +5,7 @@
 #include <set>
 
 #include "csv.h"
+#include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
@@ -245,6 +246,17 @@ void sort_by_stamp(const fs::path& recording, const RigCamera& camera, std::vect
   limited.move_to(problems);
 }
 
+// With those beside it: a camera's name may be misspelled.
+[[noreturn]] void throw_no_folder(const fs::path& folder) {
+  constexpr std::size_t kMostNames = 20;
+  std::vector<std::string> there;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : folder_entries(folder.parent_path()))
+    if (entry.is_directory(ignored)) there.push_back(entry.path().filename().string());
+  throw Error(folder.string() + ": no such folder" +
+              (there.empty() || there.size() > kMostNames ? "" : "; " + suggestion(folder.filename().string(), there)));
+}
+
 }  // namespace
 
 std::vector<CameraFrame> list_frames(const fs::path& recording, const RigCamera& camera,
@@ -253,7 +265,7 @@ std::vector<CameraFrame> list_frames(const fs::path& recording, const RigCamera&
   try {
     const fs::path folder = path_inside(recording, camera.folder);
     std::error_code ignored;
-    if (!fs::is_directory(folder, ignored)) throw Error(folder.string() + ": no such folder");
+    if (!fs::is_directory(folder, ignored)) throw_no_folder(folder);
     const bool listed = fs::exists(path_inside(recording, (fs::path(camera.folder) / "frames.csv").string()), ignored);
     frames = listed ? FramesCsvReader(recording, camera, problems).read()
                     : frames_from_names(recording, camera, odometry, problems);

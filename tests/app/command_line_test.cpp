@@ -1,4 +1,6 @@
 // What the command line says of itself: help, mistakes, completion, the manual.
+#include <cstdlib>
+
 #include "cli_fixture.h"
 
 namespace rigproof {
@@ -29,11 +31,26 @@ TEST(CommandLine, MistypedOptionsAndCommandsNameTheNearest) {
       << "before what is missing";
 }
 
+TEST(CommandLine, MistypedValuesNameTheNearest) {
+  const auto expect_near = [](const std::vector<std::string>& command, const char* value) {
+    const ProcessOutput output = rigproof_command(command);
+    EXPECT_EQ(output.exit_code, 2);
+    EXPECT_THAT(output.err, HasSubstr("did you mean \"" + std::string(value) + "\"? known: ")) << command[0];
+  };
+  expect_near({"calibrate", "monday", "--ground", "dpth"}, "depth");
+  expect_near({"board", "--paper", "a5"}, "a4");
+  expect_near({"completion", "bsh"}, "bash");
+  expect_near({"calibrate", "monday", "--accept", "defalt"}, "default");
+  expect_near({"run", "demo", "--budget", "cii"}, "ci");
+  EXPECT_THAT(rigproof_command({"run", "demo", "--budget", "cii"}).err, Not(HasSubstr("bench-v1"))) << "budgets alone";
+}
+
 // What bash offers for a line of words, the last of which is being typed.
-std::string completed(const std::string& script, const std::string& words) {
+std::string completed(const std::string& script, const std::string& words, const std::string& folder = "") {
   const std::string call = "source " + script + "; COMP_WORDS=(" + words +
                            "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _rigproof; echo \"${COMPREPLY[*]}\"";
-  const ProcessOutput output = run_process({"/bin/bash", "-c", call});
+  const ProcessOutput output =
+      run_process({"/bin/bash", "-c", call}, folder.empty() ? TempFolder().path().string() : folder);
   EXPECT_EQ(output.err, "");
   return output.out;
 }
@@ -48,6 +65,33 @@ TEST(CommandLine, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(completed(script, "rigproof sweep s"), "start slurm status summary\n");
   EXPECT_EQ(completed(script, "rigproof sweep start --dry"), "--dry-run\n");
   EXPECT_EQ(completed(script, "rigproof completion ''"), "bash zsh fish\n");
+}
+
+TEST(CommandLine, BashCompletesPresetsMethodsAndSchemas) {
+  const TempFolder scratch;
+  scratch.write("mine/models/boards/checkerboard_of_mine.yaml", "");
+  ::setenv("RIGPROOF_PATH", (scratch / "mine").c_str(), 1);
+  const std::string script = scratch.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
+  ::unsetenv("RIGPROOF_PATH");
+  EXPECT_EQ(completed(script, "rigproof init --sensor d4"), "d415 d435 d455\n");
+  EXPECT_THAT(completed(script, "rigproof board ch"),
+              AllOf(HasSubstr("checkerboard_5x4_100mm"), HasSubstr("checkerboard_of_mine")));
+  EXPECT_EQ(completed(script, "rigproof generate dem"), "demo\n");
+  EXPECT_EQ(completed(script, "rigproof generate bud"), "\n") << "is no run";
+  EXPECT_EQ(completed(script, "rigproof sweep start sweeps/"), "sweeps/geometric\n");
+  EXPECT_EQ(completed(script, "rigproof calibrate --method ml"), "ml\n");
+  EXPECT_EQ(completed(script, "rigproof validate runs/demo --budget c"), "ci\n");
+  EXPECT_EQ(completed(script, "rigproof run --accept d"), "default\n");
+  EXPECT_EQ(completed(script, "rigproof schema ri"), "rig\n");
+  EXPECT_EQ(completed(script, "rigproof paper ''"), "table1 quantity odometry table3 why\n");
+  EXPECT_EQ(completed(script, "rigproof bench export stra"), "straight_line\n");
+}
+
+TEST(CommandLine, BashCompletesFilesBesidePresets) {
+  const TempFolder scratch;
+  const std::string script = scratch.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
+  scratch.write("demo of mine.yaml", "");
+  EXPECT_EQ(completed("completion.sh", "rigproof generate dem", scratch.path().string()), "demo demo of mine.yaml\n");
 }
 
 TEST(CommandLine, EveryShellAndTheManualKnowEveryCommand) {

@@ -78,6 +78,16 @@ TEST(DataPath, UnknownNamesSayWhatThereIs) {
   EXPECT_THAT(error_text([] { find_data_file("rig", "x"); }), HasSubstr("did you mean \"rigs\"?"));
 }
 
+TEST(DataPath, FilesOfAFolderAreFoundByTheirNamesThere) {
+  const OwnData data;
+  const fs::path ci = data / "config/budgets/ci.yaml", file = data.write("mine/cii.yaml", "");
+  for (const char* name : {"ci", "ci.yaml", "budgets/ci"}) EXPECT_EQ(find_config_file("budgets", name), ci) << name;
+  EXPECT_EQ(find_config_file("budgets", file.string()), file);
+  EXPECT_THAT(list_presets("config", "budgets"), testing::ElementsAre("ci"));
+  EXPECT_EQ(error_text([] { find_config_file("budgets", "cii"); }),
+            "there is no \"cii\" among the presets of config/budgets; did you mean \"ci\"? known: ci");
+}
+
 TEST(DataPath, AWrongRigproofDataIsNamed) {
   const OwnData data;
   setenv("RIGPROOF_DATA", (data / "config").c_str(), 1);

@@ -209,7 +209,9 @@ TEST(Recording, ACameraWithoutImagesIsNamed) {
   const SmallRecording folder;
   fs::remove_all(folder / "left/color");
   EXPECT_THAT(folder.problems(), HasSubstr("left: holds no image"));
-  fs::remove_all(folder / "left");
+  fs::rename(folder / "left", folder / "lfet");
+  EXPECT_THAT(folder.problems(), HasSubstr("left: no such folder; did you mean \"lfet\"? known: lfet"));
+  fs::remove_all(folder / "lfet");
   EXPECT_THAT(folder.problems(), HasSubstr("left: no such folder"));
 }
 

@@ -28,7 +28,8 @@ object that is printed has the `version` of the program (a list has none: its co
 `scenes SCENE`, `paper`).
 
 Completion comes with an installation; from a checkout: `source <(rigproof completion bash)` in `~/.bashrc`,
-`rigproof completion zsh > _rigproof` in a folder of `$fpath`, `rigproof completion fish | source` in `config.fish`.
+`rigproof completion zsh > _rigproof` in a folder of `$fpath`, `rigproof completion fish | source` in `config.fish`. It knows
+the presets that are there when it is made, those in folders of `RIGPROOF_PATH` among them.
 `rigproof manual > rigproof.1; man ./rigproof.1` is this page for `man`.
 """
 

@@ -1,7 +1,5 @@
 #include "rigproof/study/workflow/workflow.h"
 
-#include <algorithm>
-
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/folders.h"
@@ -50,12 +48,7 @@ std::optional<std::size_t> find_result(const std::vector<Result>& results, const
 
 Budget budget_of(const std::filesystem::path& file) {
   if (file.empty()) return default_budget();
-  std::error_code ignored;
-  const std::string shipped = "budgets/" + file.stem().string();
-  const std::vector<std::string> presets = list_presets("config");
-  const bool is_shipped = !file.has_parent_path() && !std::filesystem::is_regular_file(file, ignored) &&
-                          std::find(presets.begin(), presets.end(), shipped) != presets.end();
-  return load_budget(find_data_file("config", is_shipped ? shipped : file.string()));
+  return load_budget(find_config_file("budgets", file.string()));
 }
 
 Verdict judge(const Result& result, const Truth& truth, const Budget& budget, const std::string& file) {

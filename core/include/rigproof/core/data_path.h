@@ -26,10 +26,15 @@ std::vector<std::filesystem::path> user_data_folders();
 /// Throws Error that names the nearest preset and all of them.
 std::filesystem::path find_data_file(const std::string& kind, const std::string& name_or_path);
 
+/// The same with the names of a folder of config/: "ci" in "budgets", where a message lists that folder's alone.
+std::filesystem::path find_config_file(const std::string& folder, const std::string& name_or_path);
+
 /// The same for presets alone: a name never reaches a file elsewhere. For names that stand in files.
 std::filesystem::path find_preset(const std::string& kind, const std::string& name);
 
 /// Names of all presets of a kind, sorted.
 std::vector<std::string> list_presets(const std::string& kind);
+/// Of those in a folder, by their names there: "ci" of "budgets/ci".
+std::vector<std::string> list_presets(const std::string& kind, const std::string& folder);
 
 }  // namespace rigproof
