@@ -287,6 +287,30 @@ TEST(RosPictures, DepthInCountsAndMetres) {
       10000);
 }
 
+// A row of 100 depths from half a metre on.
+std::string metres_in_steps(float step_m, const std::function<float(float)>& changed) {
+  ImageFields image;
+  image.width = 100;
+  image.height = 1;
+  image.encoding = "32FC1";
+  image.step = 400;
+  for (int i = 0; i < 100; ++i) image.data += float_bytes(changed(step_m * static_cast<float>(2000 + 7 * i)));
+  return image_message(image);
+}
+
+TEST(RosPictures, MetresOfADeviceThatCountsKeepItsUnit) {
+  const auto same = [](float metres) { return metres; };
+  EXPECT_EQ(unit_of_metres(metres_in_steps(2.5e-4F, same)), 2.5e-4);
+  EXPECT_EQ(unit_of_metres(metres_in_steps(1e-3F, same)), 1e-3);
+  EXPECT_EQ(unit_of_metres(metres_in_steps(1e-4F, same)), 1e-4);
+  EXPECT_EQ(unit_of_metres(metres_in_steps(2.5e-4F, [](float metres) { return metres > 0.6F ? metres : NAN; })),
+            2.5e-4);
+  EXPECT_EQ(unit_of_metres(metres_in_steps(2.5e-4F, [](float metres) { return metres * 1.0001F; })), 1e-4)
+      << "of no unit";
+  EXPECT_EQ(unit_of_metres(metres_in_steps(2.5e-4F, [](float) { return 1.5F; })), std::nullopt) << "a single value";
+  EXPECT_EQ(unit_of_metres(metres_in_steps(2.5e-4F, same).substr(0, 200)), std::nullopt) << "cut off";
+}
+
 // The coder of the paper: runs of zeros and of others, differences in zigzag, three bits a nibble.
 class RvlCoder {
  public:

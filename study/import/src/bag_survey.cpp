@@ -111,6 +111,7 @@ class BagSurveyor::Impl {
       topic.width = kind.width;
       topic.height = kind.height;
     }
+    if (topic.encoding == "32FC1" && !topic.unit_m) topic.unit_m = unit_of_metres(message.data);
     topic.frame_ids.insert(header.frame_id);
     topic.images.push_back({stamp_of(header, message), message.place});
   }

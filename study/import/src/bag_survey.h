@@ -26,6 +26,7 @@ struct ImageTopic {
   std::string encoding;              ///< of the first picture; "png", "jpeg" or "compressedDepth" for compressed ones
   bool is_depth = false;             ///< clouds are, too
   int width = 0, height = 0;         ///< of the first picture
+  std::optional<double> unit_m;      ///< of depth in metres: unit_of_metres()
   std::vector<StampedPlace> images;  ///< by stamp
 
   bool is_compressed() const { return type == kCompressedImageType; }

@@ -47,7 +47,7 @@ std::optional<DepthStream> depth_of_topic(const BagSurvey& survey, const ImageTo
                                           const Camera& camera, std::vector<std::string>* notes) {
   DepthStream stream;
   if (depth.is_cloud()) return stream_of_cloud(survey, depth, images, notes);
-  stream.unit_m = depth_unit_m(depth.encoding);
+  stream.unit_m = depth.unit_m.value_or(depth_unit_m(depth.encoding));
   const bool same_frame = depth.frame_id() == images.frame_id();
   const bool same_size = depth.width == camera.width_px && depth.height == camera.height_px;
   if (same_frame && same_size) return stream;

@@ -1,6 +1,7 @@
 #include "ros_pictures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "rigproof/bags/messages.h"
@@ -147,19 +149,38 @@ std::uint16_t counts(double depth_m, double unit_m) {
   return value >= 1.0 && value <= 65535.0 ? static_cast<std::uint16_t>(value) : std::uint16_t{0};
 }
 
+double metres_at(const RosImage& image, int x, int y) {
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, row_of(image, y) + 4 * static_cast<std::size_t>(x), sizeof bits);
+  if (image.is_bigendian) bits = __builtin_bswap32(bits);
+  float metres = 0.0F;
+  std::memcpy(&metres, &bits, sizeof metres);
+  return static_cast<double>(metres);
+}
+
 Image16 depth_of_floats(const RosImage& image, double unit_m) {
   Image16 depth(static_cast<int>(image.width), static_cast<int>(image.height));
   for (int y = 0; y < depth.height; ++y) {
     for (int x = 0; x < depth.width; ++x) {
-      std::uint32_t bits = 0;
-      std::memcpy(&bits, row_of(image, y) + 4 * static_cast<std::size_t>(x), sizeof bits);
-      if (image.is_bigendian) bits = __builtin_bswap32(bits);
-      float metres = 0.0F;
-      std::memcpy(&metres, &bits, sizeof metres);
-      depth.at(x, y) = std::isfinite(metres) ? counts(static_cast<double>(metres), unit_m) : std::uint16_t{0};
+      const double metres = metres_at(image, x, y);
+      depth.at(x, y) = std::isfinite(metres) ? counts(metres, unit_m) : std::uint16_t{0};
     }
   }
   return depth;
+}
+
+std::set<double> distinct_metres(const RosImage& image) {
+  std::set<double> all;
+  for (int y = 0; y < static_cast<int>(image.height); ++y)
+    for (int x = 0; x < static_cast<int>(image.width); ++x)
+      if (const double metres = metres_at(image, x, y); std::isfinite(metres) && metres > 0.0) all.insert(metres);
+  return all;
+}
+
+// But for the rounding of whoever multiplied counts by the unit in single precision.
+bool is_multiple(double metres, double unit_m) {
+  constexpr double kRounding = 1.0 / (1 << 22);
+  return std::abs(metres - unit_m * std::round(metres / unit_m)) <= kRounding * metres;
 }
 
 Image16 decoded_depth(std::string_view png) {
@@ -212,6 +233,24 @@ PictureFile checked_picture(std::string_view data) {
 }  // namespace
 
 double depth_unit_m(const std::string& encoding) { return encoding.find("32FC1") != std::string::npos ? 1e-4 : 1e-3; }
+
+std::optional<double> unit_of_metres(std::string_view message) {
+  constexpr std::size_t kFewest = 32;  // values that would be multiples of a tenth by chance once in 1e32 times
+  constexpr std::array<double, 5> kUnits = {1e-3, 5e-4, 2.5e-4, 2e-4, 1.25e-4};
+  std::set<double> metres;
+  try {
+    const RosImage image = read_image(message);
+    check_size(image, layout_of(image));
+    metres = distinct_metres(image);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  if (metres.size() < kFewest) return std::nullopt;
+  for (const double unit_m : kUnits)
+    if (std::all_of(metres.begin(), metres.end(), [unit_m](double value) { return is_multiple(value, unit_m); }))
+      return unit_m;
+  return depth_unit_m("32FC1");
+}
 
 PictureKind kind_of_picture(const std::string& type, const std::string& topic, std::string_view message) {
   if (type == kCompressedImageType) return kind_of_compressed(topic, message);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -48,5 +49,10 @@ class PictureMaker {
 /// Metres of one count in which depth of an encoding is written: floating-point metres reach 6.5 m, at a tenth of a
 /// millimetre; everything else has millimetres.
 double depth_unit_m(const std::string& encoding);
+
+/// The largest unit, of 1 mm down to the tenth, that all metres of a 32FC1 image are whole multiples of: that of a
+/// device whose counts became metres, which are kept exactly in it. A tenth of a millimetre where there is none;
+/// nothing where the image has too few different values to tell, or cannot be read.
+std::optional<double> unit_of_metres(std::string_view message);
 
 }  // namespace rigproof
