@@ -54,12 +54,21 @@ std::optional<Distribution> distribution_of(Kind kind) {
 // What may lie anywhere within two turns is a direction, in degrees.
 bool is_direction(const NumberRange& range) { return range.min == -360.0 && range.max == 360.0; }
 
-// Of directions from low on to the left: [170, -170] are those around 180.
+// Directions from low on to the left, within two turns: [170, -170] are 170 to 190, [350, 10] are -10 to 10.
+void unwrap(std::vector<double>* ends) {
+  double &low = (*ends)[0], &high = (*ends)[1];
+  while (high < low) high += 360.0;
+  if (high <= 360.0) return;
+  low -= 360.0;
+  high -= 360.0;
+}
+
 std::optional<Distribution> read_uniform(const YamlTree& tree, const std::string& path, const NumberRange& range,
                                          Problems* problems) {
   auto ends = read_numbers(tree, path, 2, 2, {}, problems);
   if (!ends) return std::nullopt;
-  if (is_direction(range) && (*ends)[0] > (*ends)[1]) (*ends)[1] += 360.0;
+  const auto lies_within = [&range](double end) { return end >= range.min && end <= range.max; };
+  if (is_direction(range) && std::all_of(ends->begin(), ends->end(), lies_within)) unwrap(&*ends);
   if ((*ends)[0] <= (*ends)[1]) return distribution_of(Distribution::Uniform{(*ends)[0], (*ends)[1]});
   problems->add({tree.file, tree.line, path, number_text((*ends)[0]) + ", " + number_text((*ends)[1]),
                  "must be [low, high] with low <= high"});

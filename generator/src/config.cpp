@@ -102,7 +102,7 @@ void ViewpointConfig::visit(FieldVisitor& visitor) {
                 "covering, sampled: direction from the board to the robot, 0 = straight in front of it");
   visitor.field("heading_deg", heading_deg, {-360.0, 360.0},
                 "sampled: robot's heading against the direction to the board, 0 = towards it; uniform [170, -170] goes "
-                "across 180, away from it");
+                "across 180, away from it, and [350, 10] across 0");
   visitor.field("min_cameras", min_cameras, {0.0, 8.0},
                 "covering, sampled, grid: cameras that must see the whole board");
   visitor.field("all_cameras_share", all_cameras_share, {0.0, 1.0},

@@ -112,6 +112,16 @@ TEST(GenerateConfig, HeadingsMayGoAcrossTheBack) {
     EXPECT_EQ(heading(range).lowest(), 170.0) << range;
     EXPECT_EQ(heading(range).highest(), 190.0) << range;
   }
+  const auto expect_drawn = [&](const std::string& range, double low, double high) {
+    EXPECT_EQ(heading(range).lowest(), low) << range;
+    EXPECT_EQ(heading(range).highest(), high) << range;
+  };
+  expect_drawn("[350, 10]", -10.0, 10.0);
+  expect_drawn("[350, -10]", 350.0, 350.0);
+  expect_drawn("[350, -20]", -10.0, 340.0);
+  expect_drawn("[-10, -20]", -10.0, 340.0);
+  expect_drawn("[350, 360]", 350.0, 360.0);
+  EXPECT_THAT(error_of("viewpoints: {planner: sampled, heading_deg: {uniform: [400, 10]}}"), HasSubstr("low <= high"));
   EXPECT_THAT(error_of("viewpoints: {planner: sampled, heading_deg: {uniform: [170, 400]}}"), HasSubstr("-360 to 360"));
   EXPECT_THAT(error_of("viewpoints: {distance_m: {uniform: [3, 2]}}"), HasSubstr("low <= high"));
 }
