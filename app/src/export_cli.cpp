@@ -3,6 +3,7 @@
 
 #include "command_line.h"
 #include "export_command.h"
+#include "number_in.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/export/export.h"
 
@@ -21,8 +22,13 @@ std::string formats_in_words() {
 void add_frames(CLI::App* command, ExportArguments& arguments) {
   command
       ->add_option("--parent", arguments.parent,
-                   "What the robot's tree of frames calls the robot frame of the result; default the same")
+                   "The frame of the robot's tree to give poses in; where tf_static.json beside the rig does not have "
+                   "it, another name of the robot frame of the result; default that frame")
       ->type_name("LINK");
+  command
+      ->add_option("--parent-height-mm", arguments.parent_height_mm,
+                   "How high that frame stands above the ground, where tf_static.json does not say")
+      ->check(number_in(-10000.0, 10000.0));
   command
       ->add_option("--link", arguments.links,
                    "Link of a camera in the robot's tree of frames; default `link` of the rig, else the camera's name. "

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct ExportArguments {
   std::filesystem::path output;  ///< empty = standard output, or `into` itself
   std::filesystem::path rig;     ///< empty = what lies beside the result
   std::string parent;            ///< empty = the result's
+  std::optional<double> parent_height_mm;
   std::vector<std::string> cameras;
   // [CAMERA=]VALUE each:
   std::vector<std::string> links, opticals, joints;

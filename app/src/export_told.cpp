@@ -63,6 +63,7 @@ ExportOptions export_options(const ExportArguments& arguments, const Result& res
   options.cameras = arguments.cameras;
   options.partial = arguments.partial;
   options.parent = arguments.parent;
+  if (arguments.parent_height_mm) options.parent_height_m = 1e-3 * *arguments.parent_height_mm;
   Problems problems;
   const std::optional<std::string> single = single_camera(arguments, result);
   for (const Told& told : split(arguments.links, "--link", single, &problems)) options.links[told.camera] = told.value;

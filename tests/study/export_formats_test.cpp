@@ -20,6 +20,7 @@ namespace rigproof {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -410,6 +411,43 @@ TEST(ExportJobs, TheRigKnowsTheRobotsFrames) {
   const std::vector<TreeTransform> below = tree_transforms(sample.job(options));
   EXPECT_EQ(below[0].parent, "footprint");
   EXPECT_TRUE(IsPoseNear(sample.T_robot(0), below[0].T_parent_child * sample.T_link_rear, 1e-12, 1e-12));
+}
+
+// Heights are counted from the ground, whatever the frame is called.
+TEST(ExportJobs, AParentOfTheRobotsTreeIsWhereTheTreeHasIt) {
+  ExportSample sample;
+  const Rigid3 T_ground_base(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())), {0.2, 0.0, 0.13});
+  sample.rig.tf_static.add("base_footprint", "base_link", T_ground_base);
+  ExportOptions options;
+  options.parent = "base_link";
+  const ExportJob job = sample.job(options);
+  EXPECT_EQ(job.cameras[0].estimate.parent, "base_link");
+  EXPECT_TRUE(IsPoseNear(sample.T_robot(0), T_ground_base * job.cameras[0].estimate.T_parent_child, 1e-12, 1e-12));
+  EXPECT_THAT(exported(job, "matrix"), HasSubstr("at 20, 0, 13 cm in the point on the ground"));
+  // A recording that calls base_link its robot frame has its point on the ground all the same.
+  for (EstimatedTransform& estimate : sample.result.camera_to_robot) estimate.parent = "base_link";
+  const ExportJob own = sample.job();
+  EXPECT_NEAR(own.cameras[0].estimate.T_parent_child.translation.z(), sample.T_robot(0).translation.z() - 0.13, 1e-12);
+  EXPECT_NEAR(own.cameras[0].estimate.T_parent_child.translation.x(), sample.T_robot(0).translation.x(), 1e-12);
+  EXPECT_THAT(remarks_of(own), Contains(HasSubstr("base_link, 13 cm above base_footprint")));
+}
+
+TEST(ExportJobs, AParentWhoseHeightNobodyKnowsIsSaid) {
+  ExportSample sample;
+  ExportOptions options;
+  sample.rig.tf_static.add("base_link", "left_link", Rigid3());
+  EXPECT_THAT(remarks_of(sample.job()),
+              Contains(AllOf(HasSubstr("hangs left_link below base_link, which nothing joins with base_footprint"),
+                             HasSubstr("`--parent base_link --parent-height-mm H`"))));
+  options.parent = "base_link";
+  EXPECT_THAT(
+      remarks_of(sample.job(options)),
+      Contains(AllOf(HasSubstr("base_link is taken to be what the result calls"), HasSubstr("--parent-height-mm"))));
+  options.parent_height_m = 0.1;
+  const ExportJob job = sample.job(options);
+  EXPECT_EQ(job.cameras[0].estimate.parent, "base_link");
+  EXPECT_NEAR(job.cameras[0].estimate.T_parent_child.translation.z(), sample.T_robot(0).translation.z() - 0.1, 1e-12);
+  EXPECT_THAT(remarks_of(job), Contains(HasSubstr("base_link, 10 cm above the ground")));
 }
 
 // What the rig says of its own link is not taken for that of another.

@@ -328,7 +328,9 @@ TEST(IntoUrdf, LinksThatAreNotThereGetASuggestion) {
                     HasSubstr("did you mean \"camera_link\"?"), HasSubstr("camera_color_optical_frame")));
   OneCamera cam;
   cam.camera().estimate.parent = "base_footprnt";
-  EXPECT_THAT(cam.problem(kRobot), HasSubstr("did you mean \"base_footprint\"?"));
+  EXPECT_THAT(cam.problem(kRobot),
+              AllOf(HasSubstr("did you mean \"base_footprint\"?"), HasSubstr("; --parent base_link gives poses in")));
+  EXPECT_THAT(OneCamera("camera_lnik").problem(kRobot), HasSubstr("; --link cam=LINK names"));
   EXPECT_THAT(OneCamera().problem(replaced(kRobot, "<link name=\"camera_color_frame\"/>", "")),
               AllOf(HasSubstr("names the link camera_color_frame"), HasSubstr("not defined")));
 }

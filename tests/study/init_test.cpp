@@ -578,6 +578,59 @@ TEST_F(Init, FramesWithoutAPathToTheRobotAreSaid) {
   EXPECT_THAT(failure(options), HasSubstr("/tf_static does not join it with base_link"));
 }
 
+// What calibrates is the point on the ground: no other height may go by its name.
+TEST_F(Init, ARobotFrameAboveTheGroundOrUnknownIsRefused) {
+  InitOptions options = options_for(Robot());
+  options.robot_frame = "base_link";
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("--robot-frame base_link: /tf_static has it 10 cm above"),
+                                      HasSubstr("give --robot-frame base_footprint")));
+  options.robot_frame = "base_lnk";
+  EXPECT_THAT(failure(options), AllOf(HasSubstr("/tf_static has no such frame; did you mean \"base_link\"?"),
+                                      HasSubstr("left_optical, right_link")));
+  scratch_.write("bag.mcap", WithFrames{{{"base_footprint", "base_link", {}},
+                                         {"base_link", "left_optical", {}},
+                                         {"base_link", "right_optical", {}}}}
+                                 .bytes());
+  options.robot_frame = "base_link";
+  EXPECT_THAT(init_recording(options).notes, Not(Contains(HasSubstr("above the ground")))) << "it lies there";
+  EXPECT_EQ(load_recording(options.output).rig.robot_frame, "base_link");
+}
+
+TEST_F(Init, AHeightThatNobodyKnowsIsSaid) {
+  InitOptions options = options_for(Robot());
+  scratch_.write("bag.mcap",
+                 WithFrames{{{"base_link", "left_optical", {}}, {"base_link", "right_optical", {}}}}.bytes());
+  const auto says_where = HasSubstr("`export --parent base_link --parent-height-mm H`");
+  EXPECT_THAT(init_recording(options).notes,
+              Contains(AllOf(HasSubstr("/tf_static has no base_footprint: it stands for the point on the ground below "
+                                       "base_link"),
+                             says_where)));
+  options.output = scratch_ / "tuesday";
+  options.robot_frame = "base_link";
+  EXPECT_THAT(init_recording(options).notes, Contains(AllOf(HasSubstr("on the ground below base_link"), says_where)));
+}
+
+TEST_F(Init, OdometryOfAFrameWithoutANameOrAPathIsTakenAsItSays) {
+  InitOptions options = options_for(Robot());
+  const auto moving = [](const std::string& child) {
+    std::vector<Recorded> messages = messages_of(Robot());
+    for (Recorded& message : messages)
+      if (message.topic == "/odom") message.data = odometry_message(message.log_s, PoseFields(), child);
+    return mcap_bytes(messages);
+  };
+  scratch_.write("bag.mcap", moving(""));
+  const InitReport nameless = init_recording(options);
+  EXPECT_THAT(nameless.notes, Contains(HasSubstr("/odom does not say which frame it moves")));
+  EXPECT_THAT(nameless.notes, Not(Contains(HasSubstr("does not join"))));
+  EXPECT_EQ(nameless.robot_frame, "base_footprint");
+  scratch_.write("bag.mcap", moving("chassis"));
+  options.output = scratch_ / "tuesday";
+  const InitReport other = init_recording(options);
+  EXPECT_THAT(other.notes, Contains(AllOf(HasSubstr("/tf_static does not join base_footprint with chassis"),
+                                          HasSubstr("results are given in chassis"))));
+  EXPECT_EQ(load_recording(options.output).rig.robot_frame, "chassis");
+}
+
 // ------------------------------------------------------------------------------------------------------------- clouds
 
 std::string cloud_message(double stamp_s, const std::string& frame, float z_m) {

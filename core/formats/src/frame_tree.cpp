@@ -1,6 +1,7 @@
 #include "rigproof/formats/frame_tree.h"
 
 #include <algorithm>
+#include <set>
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/fields.h"
@@ -110,6 +111,18 @@ std::string FrameTree::mount_link(const std::string& optical, const std::vector<
     last = way[i];
   }
   return way.size() > 1 && robot_frames.empty() ? last : way.front();
+}
+
+std::optional<std::string> FrameTree::ground_frame(const std::string& frame) const {
+  for (const std::string& name : frames())
+    if (name.find("footprint") != std::string::npos && between(name, frame)) return name;
+  return std::nullopt;
+}
+
+std::vector<std::string> FrameTree::frames() const {
+  std::set<std::string> names;
+  for (const auto& [child, edge] : edges_) names.insert({child, edge.parent});
+  return {names.begin(), names.end()};
 }
 
 bool is_optical_name(const std::string& frame) { return frame.find("optical") != std::string::npos; }

@@ -77,6 +77,20 @@ std::string chain_note(const UrdfTree& tree, const ExportCamera& camera, const P
          " than the rig says; the file's place counts, --optical gives another";
 }
 
+std::string link_remedy(const ExportCamera& camera) {
+  return "--link " + for_message(camera.name) + "=LINK names the camera's link there, or --optical " +
+         for_message(camera.name) + "=FRAME its optical frame";
+}
+
+// The frame that poses are given in. Robots without one on the ground usually begin with base_link.
+std::string robot_link(const UrdfTree& tree, const std::string& name) {
+  const bool has_base = name != "base_link" && tree.find_link("base_link");
+  return tree.link(name, has_base
+                             ? "--parent base_link gives poses in that (--parent-height-mm says how high it stands "
+                               "above the ground)"
+                             : "--parent LINK gives poses in one that it has");
+}
+
 void locate_link(const UrdfTree& tree, const ExportCamera& camera, Place* place) {
   if (camera.rig_says_frames && tree.find_link(camera.optical_frame)) {
     place->mount = tree.link(camera.link);
@@ -85,13 +99,13 @@ void locate_link(const UrdfTree& tree, const ExportCamera& camera, Place* place)
     return;
   }
   if (camera.T_link_camera) {
-    place->link = place->mount = tree.link(camera.link);
+    place->link = place->mount = tree.link(camera.link, link_remedy(camera));
     place->T_link_camera = *camera.T_link_camera;
     return;
   }
   // Without a link that anybody named, the optical frame says all.
   const bool is_told = camera.link != camera.name || tree.find_link(camera.link).has_value();
-  if (is_told || camera.optical_frame.empty()) place->mount = tree.link(camera.link);
+  if (is_told || camera.optical_frame.empty()) place->mount = tree.link(camera.link, link_remedy(camera));
   if (!camera.optical_frame.empty()) {
     place->link = tree.link(camera.optical_frame);
   } else if (const auto optical = optical_below(tree, place->mount)) {
@@ -200,7 +214,7 @@ std::vector<Place> find_places(const ExportJob& job, const UrdfTree& tree) {
     places.back().camera = &camera;
   }
   for_all(&places, [&](Place* place) {
-    place->robot = tree.link(place->camera->estimate.parent);
+    place->robot = robot_link(tree, place->camera->estimate.parent);
     locate_link(tree, *place->camera, place);
   });
   for_all(&places, [&](Place* place) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "parent_frame.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -112,11 +113,10 @@ void take_parent(const FrameTree& tree, ExportCamera* camera) {
 }
 
 ExportCamera export_camera(const Result& result, const EstimatedTransform& estimate, const RigFacts& rig,
-                           const ExportOptions& options) {
+                           const ExportOptions& options, const exporting::ParentFrame& parent) {
   ExportCamera camera;
   camera.name = camera.link = estimate.child;
-  camera.estimate = heading_free(estimate);
-  if (!options.parent.empty()) camera.estimate.parent = options.parent;
+  camera.estimate = parent.given_here(heading_free(estimate));
   for (const RigCamera& from : rig.cameras)
     if (from.name == camera.name) take_rig(from, &camera);
   take_options(options, &camera);
@@ -153,12 +153,17 @@ ExportJob prepare_export(const Result& result, const RigFacts& rig, const Export
   job.rig_source = rig.source;
   job.date = options.date;
   job.warnings = options.warnings;
+  const exporting::ParentFrame parent =
+      exporting::parent_frame(result.camera_to_robot.front().parent, rig.tf_static, options);
   std::set<std::string> wanted;
   for (const EstimatedTransform& estimate : result.camera_to_robot) {
     if (!options.cameras.empty() && !holds(options.cameras, estimate.child)) continue;
-    job.cameras.push_back(export_camera(result, estimate, rig, options));
+    job.cameras.push_back(export_camera(result, estimate, rig, options, parent));
     wanted.insert(estimate.child);
   }
+  job.frame_notes = parent.notes;
+  const std::string note = options.parent.empty() ? exporting::note_of_other_parents(job.cameras, rig.tf_static) : "";
+  if (!note.empty()) job.frame_notes.push_back(note);
   for (const EstimatedTransform& between : result.camera_to_camera)
     if (wanted.count(between.parent) > 0 && wanted.count(between.child) > 0) job.camera_to_camera.push_back(between);
   return job;

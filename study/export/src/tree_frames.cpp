@@ -5,6 +5,7 @@
 #include <map>
 
 #include "numbers.h"
+#include "parent_frame.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -25,6 +26,7 @@ std::string optical_frame_of(const ExportCamera& camera) {
 namespace {
 
 using exporting::body_from_optical;
+using exporting::place_text;
 
 std::string list_of_sigmas(const Matrix6d& covariance, Eigen::Index first, double scale) {
   std::vector<std::string> words;
@@ -49,12 +51,6 @@ std::string lens_remark(const ExportCamera& camera, const std::string& told_by) 
   if (camera.told)
     text += ", up to " + short_text(largest_pixel_difference(*camera.told, lens), 2) + " px from those of " + told_by;
   return text + "; to project with intrinsics that are told, calibrate with -m ml:told=exact";
-}
-
-std::string place_text(const Rigid3& T) {
-  std::vector<std::string> words;
-  for (Eigen::Index i = 0; i < 3; ++i) words.push_back(number_text(std::round(1e4 * T.translation[i]) / 100.0 + 0.0));
-  return joined(words) + " cm";
 }
 
 // What the rig says of the tree of frames, so that nobody has to ask which numbers were composed.
@@ -94,6 +90,7 @@ std::string sigma_text(const ExportCamera& camera) {
 
 std::vector<std::string> remarks_of(const ExportJob& job) {
   std::vector<std::string> remarks = job.warnings;
+  remarks.insert(remarks.end(), job.frame_notes.begin(), job.frame_notes.end());
   const std::string told_by = job.rig_source.empty() ? "the rig" : job.rig_source;
   for (const ExportCamera& camera : job.cameras) {
     if (!camera.is_known()) {

@@ -117,9 +117,10 @@ std::optional<std::string> UrdfTree::find_link(const std::string& name) const {
   return found;
 }
 
-std::string UrdfTree::link(const std::string& name) const {
+std::string UrdfTree::link(const std::string& name, const std::string& remedy) const {
   if (const auto found = find_link(name)) return *found;
-  throw Error(urdf_.file + ": has no link " + for_message(name) + link_suggestion(name, links_));
+  throw Error(urdf_.file + ": has no link " + for_message(name) + (remedy.empty() ? "" : "; " + remedy) +
+              link_suggestion(name, links_));
 }
 
 std::size_t UrdfTree::joint(const std::string& name) const {

@@ -28,7 +28,8 @@ class UrdfTree {
   /// The link of that name, or the only one that has it behind expressions of xacro.
   std::optional<std::string> find_link(const std::string& name) const;
   /// The same; throws Error that names the nearest, and links that sound like cameras.
-  std::string link(const std::string& name) const;
+  /// @param remedy what else to do, "--link names it"
+  std::string link(const std::string& name, const std::string& remedy = "") const;
   /// By name. Throws Error that names the nearest.
   std::size_t joint(const std::string& name) const;
   /// Throws Error where there is none, at loops, several parents, links that nobody defines and joints that move.

@@ -11,12 +11,11 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/text.h"
+#include "robot_frame.h"
 #include "topic_names.h"
 
 namespace rigproof {
 namespace {
-
-constexpr const char* kGroundFrame = "base_footprint";
 
 void append(const std::vector<std::string>& notes, std::vector<std::string>* to) {
   to->insert(to->end(), notes.begin(), notes.end());
@@ -40,8 +39,9 @@ void check_image_size(const ImageTopic& images, const Camera& camera) {
 // The cameras of a plan, one after the other.
 class CameraPlanner {
  public:
-  CameraPlanner(const BagSurvey& survey, const InitOptions& options, const PoseTopic& odometry)
-      : survey_(survey), options_(options), odometry_(odometry) {}
+  CameraPlanner(const BagSurvey& survey, const InitOptions& options, const PoseTopic& odometry,
+                const std::string& robot_frame)
+      : survey_(survey), options_(options), odometry_(odometry), robot_frame_(robot_frame) {}
 
   // Images, depth and what to undo of each camera, its entry in rig and report, and notes.
   ImportPlan run(const std::vector<CameraTopics>& cameras) {
@@ -124,9 +124,7 @@ class CameraPlanner {
   }
 
   std::vector<std::string> robot_frames() const {
-    std::vector<std::string> frames = {kGroundFrame, "base_link", odometry_.child_frame_id};
-    if (!options_.robot_frame.empty()) frames.push_back(options_.robot_frame);
-    return frames;
+    return {"base_footprint", "base_link", odometry_.child_frame_id, robot_frame_};
   }
 
   // The images' frame, and the link above it by which the camera is mounted.
@@ -145,9 +143,10 @@ class CameraPlanner {
       if (camera->link != camera->optical_frame)
         camera->T_link_camera = tree.between(camera->link, camera->optical_frame);
       const std::string& moved = odometry_.child_frame_id;
-      if (!tree.between(moved, camera->optical_frame))
-        note("/tf_static does not join " + camera->optical_frame + " with " + for_message(moved) + ", which " +
-             odometry_.name + " moves: `export` hangs " + camera->link + " on the robot frame itself");
+      if (!tree.between(robot_frame_, camera->optical_frame) && !tree.between(moved, camera->optical_frame))
+        note("/tf_static does not join " + camera->optical_frame + " with " +
+             (moved.empty() ? for_message(robot_frame_) : for_message(moved) + ", which " + odometry_.name + " moves") +
+             ": `export` hangs " + camera->link + " on the robot frame itself");
     }
   }
 
@@ -175,25 +174,12 @@ class CameraPlanner {
   const BagSurvey& survey_;
   const InitOptions& options_;
   const PoseTopic& odometry_;
+  const std::string& robot_frame_;
   std::vector<std::string> without_sensor_;
   ImportPlan plan_;
 };
 
 // -------------------------------------------------------------------------------------------------------- odometry
-
-// The robot frame lies on the ground below the frame that odometry moves.
-Rigid3 find_T_child_robot(const BagSurvey& survey, const PoseTopic& odometry, const std::string& robot_frame,
-                          bool is_given, std::vector<std::string>* notes) {
-  const std::string& child = odometry.child_frame_id;
-  const std::optional<Rigid3> T = survey.tf_static.between(child, robot_frame);
-  if (!T && is_given && robot_frame != child && survey.tf_static.has(robot_frame))
-    throw Error("--robot-frame " + for_message(robot_frame) + ": /tf_static does not join it with " + child +
-                ", which " + odometry.name + " moves");
-  if (!T)
-    notes->push_back("/tf_static has no " + robot_frame + ": it stands for the point on the ground below " + child +
-                     ", which " + odometry.name + " moves");
-  return T.value_or(Rigid3());
-}
 
 // A few poses that are none are a node's hiccup, many a broken one. Empty where there are none.
 std::string note_of_bad_poses(const PoseTopic& topic) {
@@ -298,19 +284,18 @@ bool takes_frames(const InitOptions& options) {
 ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options) {
   const TopicChoice choice = choose_topics(survey, topic_rules(options.topics));
   const PoseTopic& odometry = *choice.odometry;
-  ImportPlan plan = CameraPlanner(survey, options, odometry).run(choice.cameras);
+  const RobotFrame robot = robot_frame_of(survey.tf_static, odometry, options.robot_frame);
+  ImportPlan plan = CameraPlanner(survey, options, odometry, robot.name).run(choice.cameras);
   Recording& recording = plan.recording;
   InitReport& report = plan.report;
   recording.rig.name = options.output.filename().string();
   if (options.board) recording.rig.board = *options.board;
-  const std::vector<std::string> of_choice = notes_of_choice(choice, survey);
+  std::vector<std::string> of_choice = notes_of_choice(choice, survey);
+  append(robot.notes, &of_choice);
   report.notes.insert(report.notes.begin(), of_choice.begin(), of_choice.end());
   if (const std::string text = note_of_bad_poses(odometry); !text.empty()) report.notes.push_back(text);
-  report.robot_frame = options.robot_frame.empty() ? kGroundFrame : options.robot_frame;
-  recording.rig.robot_frame = report.robot_frame;
-  const Rigid3 T =
-      find_T_child_robot(survey, odometry, report.robot_frame, !options.robot_frame.empty(), &report.notes);
-  recording.odometry = odometry_of(odometry, T, &report);
+  report.robot_frame = recording.rig.robot_frame = robot.name;
+  recording.odometry = odometry_of(odometry, robot.T_child_robot, &report);
   append(notes_of_clocks(survey, options.log_stamps, odometry.name, plan), &report.notes);
   const FrameChoice kept =
       choose_frames(stamps_of(plan.images), recording.odometry, {options.every_image, options.images_per_stop});

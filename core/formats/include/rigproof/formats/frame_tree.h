@@ -37,6 +37,10 @@ class FrameTree {
   /// The link by which the camera is mounted: the nearest frame above the optical one whose name ends in _link, else
   /// the last one below `robot_frames`, else the optical frame itself.
   std::string mount_link(const std::string& optical, const std::vector<std::string>& robot_frames) const;
+  /// The robot's frame on the ground in the tree of `frame`, known by its name: base_footprint, my_robot/footprint.
+  std::optional<std::string> ground_frame(const std::string& frame) const;
+  /// Of parents and children, each once.
+  std::vector<std::string> frames() const;
 
  private:
   Rigid3 T_above(const std::string& above, const std::string& frame) const;

@@ -33,7 +33,10 @@ std::filesystem::path find_result_file(const std::filesystem::path& path);
 struct ExportOptions {
   std::vector<std::string> cameras;  ///< empty: all of the result
   bool partial = false;              ///< what is known of a partial result is exported, too
-  std::string parent;                ///< what the user's tree calls the robot frame; empty: as the result does
+  /// The frame to give poses in. Where the robot's tree has it, they are moved there; else it is another name of the
+  /// result's robot frame. Empty: that.
+  std::string parent;
+  std::optional<double> parent_height_m;  ///< of `parent`, or the result's, above the ground, whatever the tree says
   // What the user says of single cameras, by name; it prevails over the rig.
   std::map<std::string, std::string> links;           ///< in the tree, in place of RigCamera::link
   std::map<std::string, std::string> optical_frames;  ///< in the tree
@@ -74,6 +77,7 @@ struct ExportJob {
   std::vector<ExportCamera> cameras;
   std::vector<EstimatedTransform> camera_to_camera;  ///< between cameras of the list
   std::vector<std::string> warnings;
+  std::vector<std::string> frame_notes;  ///< what is taken of the frame that poses are given in, in sentences
 };
 
 /// Throws Error with every camera that options name and the result does not have.
