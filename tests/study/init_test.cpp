@@ -578,6 +578,52 @@ TEST_F(Init, FramesWithoutAPathToTheRobotAreSaid) {
   EXPECT_THAT(failure(options), HasSubstr("/tf_static does not join it with base_link"));
 }
 
+TEST_F(Init, ImagesThatCameTwiceAreLeftOutAndTwoDriversRefused) {
+  InitOptions options = options_for(Robot());
+  std::vector<Recorded> twice, of_two;
+  for (const Recorded& message : messages_of(Robot())) {
+    twice.push_back(message);
+    of_two.push_back(message);
+    if (message.type != kImageType || message.topic.rfind("/left", 0) != 0) continue;
+    twice.push_back(message);
+    if (message.topic == "/left/image_raw")
+      of_two.push_back({message.topic, message.type, message.log_s, color_message("left", message.log_s, 222)});
+  }
+  scratch_.write("bag.mcap", mcap_bytes(twice));
+  const InitReport report = init_recording(options);
+  EXPECT_EQ(report.cameras[0].images_in_source, 100U);
+  EXPECT_EQ(report.cameras[0].depth_kept, 15U);
+  EXPECT_THAT(report.notes, Contains(AllOf(HasSubstr("images that came again"),
+                                           HasSubstr("100 of /left/image_raw, 100 of /left/depth/image_raw"),
+                                           Not(HasSubstr("right")))));
+  options.output = scratch_ / "tuesday";
+  scratch_.write("bag.mcap", mcap_bytes(of_two));
+  EXPECT_THAT(failure(options),
+              AllOf(HasSubstr("camera left: /left/image_raw has different images of one stamp, at 100"),
+                    HasSubstr("the first at 1700000000.050 s: two drivers publish on /left/image_raw"),
+                    HasSubstr("--stamps log"), Not(HasSubstr("right"))));
+}
+
+TEST_F(Init, OtherOdometryIsNamedAndDamageHasARemedy) {
+  InitOptions options = options_for(Robot());
+  std::vector<Recorded> messages = messages_of(Robot());
+  std::vector<Recorded> filtered;
+  for (const Recorded& message : messages)
+    if (message.topic == "/odom") filtered.push_back({"/odometry/filtered", message.type, message.log_s, message.data});
+  messages.insert(messages.end(), filtered.begin(), filtered.end());
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  EXPECT_THAT(init_recording(options).notes,
+              Contains(AllOf(HasSubstr("odometry is /odom"), HasSubstr("--topic odometry=/odometry/filtered"))));
+  options.output = scratch_ / "named";
+  options.topics = {"odometry=/odometry/filtered"};
+  EXPECT_THAT(init_recording(options).notes, Not(Contains(HasSubstr("odometry is"))));
+  messages.back().data.resize(20);
+  options.output = scratch_ / "damaged";
+  scratch_.write("bag.mcap", mcap_bytes(messages));
+  EXPECT_THAT(failure(options),
+              AllOf(HasSubstr("topic /odometry/filtered"), HasSubstr("copy the bag without this topic")));
+}
+
 // What calibrates is the point on the ground: no other height may go by its name.
 TEST_F(Init, ARobotFrameAboveTheGroundOrUnknownIsRefused) {
   InitOptions options = options_for(Robot());

@@ -59,6 +59,8 @@ class CameraPlanner {
       }
     }
     problems.throw_if_any();
+    if (!copies_.empty())
+      note("images that came again, with the same stamp and content, are left out: " + joined(copies_));
     if (!without_sensor_.empty())
       note("depth of " + joined(without_sensor_) +
            " is taken for that of a common stereo camera; say what it is: --sensor d455, or `sensor: d455` "
@@ -93,6 +95,9 @@ class CameraPlanner {
     take_frames(images, &camera);
     report.link = camera.link;
     take_depth(topics, images, sensors, &camera, &report);
+    for (const ImageTopic* topic : {&images, plan_.depth.back()})
+      if (topic != nullptr && topic->copies > 0)
+        copies_.push_back(std::to_string(topic->copies) + " of " + topic->name);
     report.width_px = camera.camera.width_px;
     report.height_px = camera.camera.height_px;
     plan_.images.push_back(&images);
@@ -175,7 +180,7 @@ class CameraPlanner {
   const InitOptions& options_;
   const PoseTopic& odometry_;
   const std::string& robot_frame_;
-  std::vector<std::string> without_sensor_;
+  std::vector<std::string> without_sensor_, copies_;
   ImportPlan plan_;
 };
 
@@ -297,6 +302,7 @@ ImportPlan plan_import(const BagSurvey& survey, const InitOptions& options) {
   report.robot_frame = recording.rig.robot_frame = robot.name;
   recording.odometry = odometry_of(odometry, robot.T_child_robot, &report);
   append(notes_of_clocks(survey, options.log_stamps, odometry.name, plan), &report.notes);
+  check_stamps_differ(plan, options.log_stamps);
   const FrameChoice kept =
       choose_frames(stamps_of(plan.images), recording.odometry, {options.every_image, options.images_per_stop});
   report.stops = kept.stops;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <functional>
+#include <string_view>
+#include <utility>
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/text.h"
@@ -72,7 +75,9 @@ class BagSurveyor::Impl {
       dispatch(topic, message);
     } catch (const Error& error) {
       throw Error("topic " + for_message(topic.name) + " (" + for_message(topic.type) + "): a message recorded at " +
-                  fixed_text(1e-9 * static_cast<double>(message.log_time_ns), 3) + " s: " + error.what());
+                  fixed_text(1e-9 * static_cast<double>(message.log_time_ns), 3) + " s: " + error.what() +
+                  ". It is damaged, or not what its type says: record again, or copy the bag without this topic (`ros2 "
+                  "bag convert`)");
     }
   }
 
@@ -113,7 +118,7 @@ class BagSurveyor::Impl {
     }
     if (topic.encoding == "32FC1" && !topic.unit_m) topic.unit_m = unit_of_metres(message.data);
     topic.frame_ids.insert(header.frame_id);
-    topic.images.push_back({stamp_of(header, message), message.place});
+    topic.images.push_back({stamp_of(header, message), message.place, std::hash<std::string_view>()(message.data)});
   }
 
   void take_info(const std::string& name, const BagMessage& message) {
@@ -167,9 +172,15 @@ class BagSurveyor::Impl {
       survey_.tf_static.leave_out(transform.child_frame_id, transform.no_pose);
   }
 
+  // Relays and players repeat messages.
   static void sort_images(ImageTopic& topic) {
+    const auto key = [](const StampedPlace& one) { return std::pair(one.stamp_ns, one.content); };
     std::stable_sort(topic.images.begin(), topic.images.end(),
-                     [](const StampedPlace& a, const StampedPlace& b) { return a.stamp_ns < b.stamp_ns; });
+                     [&key](const StampedPlace& a, const StampedPlace& b) { return key(a) < key(b); });
+    const auto copies = std::unique(topic.images.begin(), topic.images.end(),
+                                    [&key](const StampedPlace& a, const StampedPlace& b) { return key(a) == key(b); });
+    topic.copies += static_cast<std::size_t>(topic.images.end() - copies);
+    topic.images.erase(copies, topic.images.end());
   }
 
   // A stamp that comes twice says the same: relays and players repeat.

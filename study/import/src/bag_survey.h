@@ -17,6 +17,7 @@ namespace rigproof {
 struct StampedPlace {
   std::int64_t stamp_ns = 0;  ///< of the header, or of the log
   BagPlace place;
+  std::size_t content = 0;  ///< a hash of the message
 };
 
 struct ImageTopic {
@@ -28,6 +29,7 @@ struct ImageTopic {
   int width = 0, height = 0;         ///< of the first picture
   std::optional<double> unit_m;      ///< of depth in metres: unit_of_metres()
   std::vector<StampedPlace> images;  ///< by stamp
+  std::size_t copies = 0;            ///< messages of a stamp and content that were there already; left out of them
 
   bool is_compressed() const { return type == kCompressedImageType; }
   bool is_cloud() const { return type == kPointCloudType; }

@@ -52,6 +52,15 @@ std::string note_of_lag(const std::string& images, const std::string& odometry, 
          odometry + "; if their clocks differ, `--stamps log` takes the times of recording";
 }
 
+// Stamps that several images have; images lie by stamp.
+std::vector<std::int64_t> shared_stamps(const std::vector<StampedPlace>& images) {
+  std::vector<std::int64_t> shared;
+  for (std::size_t i = 1; i < images.size(); ++i)
+    if (images[i].stamp_ns == images[i - 1].stamp_ns && (shared.empty() || shared.back() != images[i].stamp_ns))
+      shared.push_back(images[i].stamp_ns);
+  return shared;
+}
+
 }  // namespace
 
 double seconds(std::int64_t ns) {
@@ -78,6 +87,22 @@ std::vector<std::string> notes_of_clocks(const BagSurvey& survey, bool log_stamp
   }
   problems.throw_if_any();
   return notes;
+}
+
+void check_stamps_differ(const ImportPlan& plan, bool log_stamps) {
+  Problems problems;
+  for (std::size_t i = 0; i < plan.images.size(); ++i) {
+    const std::vector<std::int64_t> shared = shared_stamps(plan.images[i]->images);
+    if (shared.empty()) continue;
+    problems.add({"", 0, "camera " + plan.report.cameras[i].name, "",
+                  plan.images[i]->name + " has different images of one stamp, at " + std::to_string(shared.size()) +
+                      " times, the first at " + fixed_text(seconds(shared.front()), 3) + " s: two drivers publish on " +
+                      plan.images[i]->name + ". Each camera needs a topic of its own" +
+                      (log_stamps ? ""
+                                  : "; of a driver that repeats its stamps, `--stamps log` takes the times of "
+                                    "recording")});
+  }
+  problems.throw_if_any();
 }
 
 }  // namespace rigproof

@@ -19,4 +19,7 @@ double seconds(std::int64_t ns);
 std::vector<std::string> notes_of_clocks(const BagSurvey& survey, bool log_stamps, const std::string& odometry,
                                          const ImportPlan& plan);
 
+/// Throws Error with every camera that has several images of one stamp.
+void check_stamps_differ(const ImportPlan& plan, bool log_stamps);
+
 }  // namespace rigproof

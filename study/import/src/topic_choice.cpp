@@ -79,6 +79,19 @@ const PoseTopic* choose_odometry(const BagSurvey& survey, const std::vector<Topi
   return nullptr;
 }
 
+// Empty where there is no other, or a rule says which.
+std::string note_of_other_odometry(const BagSurvey& survey, const PoseTopic& chosen,
+                                   const std::vector<TopicRule>& rules) {
+  const bool is_given =
+      std::any_of(rules.begin(), rules.end(), [](const TopicRule& rule) { return rule.name == "odometry"; });
+  std::vector<std::string> ways;
+  for (const PoseTopic& topic : survey.odometry)
+    if (!is_given && topic.name != chosen.name) ways.push_back("--topic odometry=" + topic.name);
+  if (ways.empty()) return "";
+  return "odometry is " + chosen.name +
+         "; others that are not taken, and what takes them: " + for_message(joined(ways), 400);
+}
+
 // -------------------------------------------------------------------------------------------------------- cameras
 
 // Of the images of one camera: what is complete and unchanged first.
@@ -378,6 +391,8 @@ TopicChoice choose_topics(const BagSurvey& survey, const std::vector<TopicRule>&
   guess_depth(survey, &choice.cameras);
   for (CameraTopics& camera : choice.cameras)
     if (camera.camera_info.empty()) camera.camera_info = info_topic_of(survey, camera);
+  if (const std::string note = note_of_other_odometry(survey, *choice.odometry, rules); !note.empty())
+    choice.notes.push_back(note);
   if (const std::string note = note_of_untaken(survey, choice.cameras, left_out); !note.empty())
     choice.notes.push_back(note);
   return choice;
