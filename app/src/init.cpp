@@ -117,7 +117,11 @@ void print_report(const Terminal& terminal, const InitReport& report) {
       terminal.line(terminal.colored("WARNING", Color::kWarning) + "  " + camera.name + " never sees the whole board");
   for (const std::string& missing : report.missing)
     terminal.line(terminal.colored("MISSING", Color::kWarning) + "  " + missing);
-  terminal.line("recording  " + report.folder.string() + "  next: rigproof calibrate " + report.folder.string());
+  const std::string calibrate = "rigproof calibrate " + report.folder.string();
+  terminal.line("recording  " + report.folder.string() + "  next: " +
+                (report.missing.empty()
+                     ? calibrate
+                     : "write what is missing into " + (report.folder / "rig.yaml").string() + ", then " + calibrate));
 }
 
 }  // namespace

@@ -80,6 +80,15 @@ std::vector<OdometrySample> read_odometry_csv(const std::filesystem::path& file,
   return odometry;
 }
 
+bool has_odometry_header(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file, kMaxBytes);
+  std::vector<std::string_view> fields;
+  CsvLines lines(text);
+  Problems ignored;
+  return !lines.next(&fields) ||
+         CsvColumns().read_header(fields, kColumns, kColumns.size(), file.string(), lines.line(), &ignored);
+}
+
 std::string odometry_csv(const std::vector<OdometrySample>& odometry) {
   std::string text = joined(kColumns, ",") + "\n";
   for (const OdometrySample& s : odometry)

@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -97,11 +98,10 @@ TEST_F(InitFolder, BoardsBesideTheFirstAreNamed) {
   Board behind = ahead;
   behind.dictionary = "DICT_4X4_50";
   fs::remove_all(scratch_ / "in/left/depth");
-  for (const fs::directory_entry& entry : fs::directory_iterator(scratch_ / "in/left"))
-    if (entry.path().extension() == ".png")
-      scratch_.write("in/left/" + entry.path().filename().string(), picture_of(ahead));
-  for (int i = 0; i < 4; ++i)
-    scratch_.write("in/right/image/" + std::to_string(i) + ".png", picture_of(i == 0 ? ahead : behind, 170.0));
+  for (int i = 0; i < 4; ++i) {
+    scratch_.write("in/left/" + std::to_string(1700000000 + i) + ".25.png", picture_of(ahead, 160.0 + i));
+    scratch_.write("in/right/image/" + std::to_string(i) + ".png", picture_of(i == 0 ? ahead : behind, 170.0 + i));
+  }
   write_infos_of_pictures();
   const auto names_second =
       AllOf(HasSubstr("more_boards: [{type: charuco, squares: [5, 4], square_mm: 100, marker_mm: 7"),
@@ -111,13 +111,38 @@ TEST_F(InitFolder, BoardsBesideTheFirstAreNamed) {
   ASSERT_EQ(guessed.missing.size(), 2U);
   EXPECT_THAT(guessed.missing[0], AllOf(HasSubstr("`board: {type: charuco"), HasSubstr("DICT_5X5_50")));
   EXPECT_THAT(guessed.missing[1], names_second);
+  EXPECT_EQ(guessed.cameras[0].board_stops, 4U) << "of the boards that were guessed";
+  EXPECT_EQ(guessed.cameras[1].board_stops, 4U);
   options_.board = ahead;
   options_.output = scratch_ / "known";
-  EXPECT_THAT(init_recording(options_).notes, Not(Contains(HasSubstr("another one")))) << "right sees it once";
+  EXPECT_THAT(init_recording(options_).notes,
+              Contains(AllOf(HasSubstr("beside the board another one seems to be there"), names_second)))
+      << "right sees the first once";
   scratch_.write("in/right/image/0.png", picture_of(behind));
   options_.output = scratch_ / "blind";
   EXPECT_THAT(init_recording(options_).notes,
               Contains(AllOf(HasSubstr("where right never sees the board another one seems to be"), names_second)));
+}
+
+// Ids that are read are no chance; squares may be.
+TEST_F(InitFolder, MarkersSpeakLouderThanSquares) {
+  Board marked, chance;
+  marked.type = "charuco";
+  marked.dictionary = "DICT_5X5_50";
+  chance.squares_x = 4;
+  chance.squares_y = 3;
+  fs::remove_all(scratch_ / "in/left/depth");
+  for (int i = 0; i < 4; ++i) {
+    scratch_.write("in/left/" + std::to_string(1700000000 + i) + ".25.png", picture_of(chance, 150.0 + i));
+    scratch_.write("in/right/image/" + std::to_string(i) + ".png",
+                   i < 2 ? picture_of(marked, 160.0 + i) : picture_of(chance, 170.0 + i));
+  }
+  write_infos_of_pictures();
+  options_.board.reset();
+  const InitReport report = init_recording(options_);
+  EXPECT_THAT(report.missing, ElementsAre(HasSubstr("`board: {type: charuco, squares: [5, 4]")));
+  EXPECT_EQ(report.cameras[0].board_stops, 0U);
+  EXPECT_EQ(report.cameras[1].board_stops, 2U);
 }
 
 // That is not the same as a board that is in no image.
@@ -196,6 +221,29 @@ TEST_F(InitFolder, PosesThatLieOnTheirSideAreRefused) {
   scratch_.write("in/poses.tum",
                  "1700000000 0 0 0 0.7071068 0 0 0.7071068\n1700000009 1 0 0 0.7071068 0 0 0.7071068\n");
   EXPECT_THAT(failure(), HasSubstr("z does not point up"));
+}
+
+TEST_F(InitFolder, ColumnsThatNobodyNamesAreAskedAbout) {
+  fs::remove(scratch_ / "in/poses.tum");
+  const std::string rows = "1700000000,0,0,0\n1700000001.25,0.5,0,0\n1700000004,1.5,0,0\n";
+  scratch_.write("in/odometry.csv", rows);
+  EXPECT_THAT(failure(),
+              AllOf(HasSubstr("odometry.csv:1: what are its columns?"), HasSubstr("stamp_s,x_m,y_m,yaw_rad")));
+  scratch_.write("in/odometry.csv", "stamp_s,x_m,y_m,yaw_rad\n" + rows);
+  EXPECT_EQ(init_recording(options_).odometry_rows, 3U);
+}
+
+// Not that there is none.
+TEST_F(InitFolder, WhatIsWrongWithTheOnlyTrajectoryIsSaid) {
+  const std::string good = scratch_.read("in/poses.tum");
+  for (const auto& [row, words] : {std::pair{"1700000009 nan 0 0 0 0 0 1\n", "poses.tum:5: nan: must be a finite"},
+                                   std::pair{"1700000009 1 0 0 0 0 0 0\n", "poses.tum:5: quaternion: has the norm 0"},
+                                   std::pair{"1600000000 1 0 0 0 0 0 1\n", "does not come after the stamp before"}}) {
+    scratch_.write("in/poses.tum", good + row);
+    EXPECT_THAT(failure(), HasSubstr(words));
+  }
+  scratch_.write("in/good.txt", good);
+  EXPECT_EQ(init_recording(options_).odometry, "good.txt") << "the other one is none";
 }
 
 TEST_F(InitFolder, SeveralTrajectoriesAreAskedAbout) {

@@ -32,16 +32,22 @@ std::string_view next_line(std::string_view* rest) {
 
 bool is_comment(const std::vector<std::string_view>& fields) { return fields.empty() || fields.front().front() == '#'; }
 
-const TrajectoryFormat& format_of(const std::filesystem::path& file, std::string_view text) {
+// Null where it is none.
+const TrajectoryFormat* find_format(std::string_view text) {
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::vector<std::string_view> fields = fields_of(next_line(&rest));
     if (is_comment(fields)) continue;
     const std::string_view head = text.substr(0, text.size() - rest.size());
     for (const TrajectoryFormat& format : trajectory_formats())
-      if (format.detect(fields, head)) return format;
+      if (format.detect(fields, head)) return &format;
     break;
   }
+  return nullptr;
+}
+
+const TrajectoryFormat& format_of(const std::filesystem::path& file, std::string_view text) {
+  if (const TrajectoryFormat* format = find_format(text)) return *format;
   std::vector<std::string> known;
   for (const TrajectoryFormat& format : trajectory_formats()) known.push_back(format.name + " (" + format.layout + ")");
   throw Error(file.string() + ": is no trajectory; lines of " + joined(known, ", or of ") + " are read");
@@ -96,6 +102,10 @@ Eigen::Quaterniond quaternion_of(double x, double y, double z, double w, const s
     problems->add(
         {file.string(), line, "quaternion", "", "has the norm " + short_text(rotation.norm(), 4) + "; it must be 1"});
   return Eigen::Quaterniond::Identity();
+}
+
+bool looks_like_trajectory(const std::filesystem::path& file) {
+  return find_format(read_text_file(file, kMaxBytes)) != nullptr;
 }
 
 std::vector<TrajectoryPose> read_trajectory(const std::filesystem::path& file) {

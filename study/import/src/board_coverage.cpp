@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/calib/vision/marked_board.h"
@@ -14,11 +15,13 @@
 #include "rigproof/core/files.h"
 #include "rigproof/core/finding.h"
 #include "rigproof/core/image_cell.h"
+#include "rigproof/core/median.h"
 #include "rigproof/core/text.h"
 
 namespace rigproof {
 namespace {
 
+constexpr double kGuessedSquare_m = 0.1;   // which nobody can see
 constexpr std::size_t kGuessedImages = 8;  // of each camera: finding a board of unknown size takes a second
 
 std::vector<std::size_t> stops_with(const std::vector<BoardView>& views, std::size_t cameras) {
@@ -55,71 +58,112 @@ std::string text_of(const Board& board) {
   return text + marker + ", dictionary: " + board.dictionary + (board.legacy_pattern ? ", legacy_pattern: true" : "");
 }
 
+// Boards that images seem to show, alike but for their markers' side, which is read to a hundredth.
 struct Candidate {
   Board board;
   int images = 0;
+  int corners = 0;                    // in all of them
+  std::vector<double> marker_m = {};  // of each
 };
-using Candidates = std::map<std::string, Candidate>;  // by their text
+using Candidates = std::map<std::string, Candidate>;
 
-// In the order of how many images show them. Candidates that images do not tell from one another are one board: a part
-// of it looks like a smaller one with the same markers, and how large its markers are is read to a hundredth.
-/// @param known boards that are not meant
-std::vector<std::string> told_apart(const Candidates& candidates, const std::vector<Board>& known) {
-  constexpr int kOfFurther = 2;  // images that show a board beside another one
-  std::vector<std::pair<std::string, Candidate>> order(candidates.begin(), candidates.end());
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.second.images > b.second.images; });
-  const auto same = [](const Board& a, const Board& b) { return problem_of_telling_apart(a, b).has_value(); };
-  std::vector<std::pair<std::string, Candidate>> groups;
-  for (const auto& [text, candidate] : order) {
-    const Board& board = candidate.board;
-    if (std::any_of(known.begin(), known.end(), [&](const Board& other) { return same(other, board); })) continue;
-    const auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const auto& other) { return same(other.second.board, board); });
-    if (group == groups.end())
-      groups.emplace_back(text, candidate);
-    else
-      group->second.images += candidate.images;
+void add(Board board, Candidates* candidates) {
+  const double marker_m = kGuessedSquare_m * board.marker_side_m() / board.square_m;
+  board.square_m = kGuessedSquare_m;
+  board.marker_m.reset();
+  Candidate& candidate = (*candidates)[text_of(board)];
+  candidate.board = board;
+  ++candidate.images;
+  candidate.corners += board.corner_count();
+  candidate.marker_m.push_back(marker_m);
+}
+
+// Candidates that images do not tell from one another are one board: a part of it looks like a smaller one with the
+// same markers.
+struct Group {
+  Board board;  // the one that most corners speak for
+  int images = 0, corners = 0;
+
+  bool has_markers() const { return board.type != "checkerboard"; }
+};
+
+constexpr int kOfFurther = 2;  // images that show a board beside another one
+
+bool are_one(const Board& a, const Board& b) { return problem_of_telling_apart(a, b).has_value(); }
+
+std::vector<Group> marked_groups(const std::vector<Candidate>& order) {
+  std::vector<Group> groups;
+  for (const Candidate& one : order) {
+    if (one.board.type == "checkerboard") continue;
+    auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const Group& other) { return are_one(other.board, one.board); });
+    if (group == groups.end()) group = groups.insert(groups.end(), Group{one.board});
+    group->images += one.images;
+    group->corners += one.corners;
   }
-  std::stable_sort(groups.begin(), groups.end(),
-                   [](const auto& a, const auto& b) { return a.second.images > b.second.images; });
-  std::vector<std::string> seen;
-  for (const auto& [text, candidate] : groups)
-    if ((known.empty() && seen.empty()) || candidate.images >= kOfFurther) seen.push_back(text);
+  return groups;
+}
+
+// By what speaks for them. Ids that are read in several images are no chance, squares without any may be: a floor has
+// some.
+std::vector<Group> groups_of(const Candidates& candidates) {
+  std::vector<Candidate> order;
+  for (const auto& [text, candidate] : candidates) {
+    order.push_back(candidate);
+    if (candidate.board.type != "checkerboard") order.back().board.marker_m = median(candidate.marker_m);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.corners > b.corners; });
+  std::vector<Group> groups = marked_groups(order);
+  for (const Candidate& one : order)
+    if (one.board.type == "checkerboard") groups.push_back({one.board, one.images, one.corners});
+  const auto is_certain = [](const Group& group) { return group.has_markers() && group.images >= kOfFurther; };
+  std::stable_sort(groups.begin(), groups.end(), [&](const Group& a, const Group& b) {
+    return is_certain(a) != is_certain(b) ? is_certain(a) : a.corners > b.corners;
+  });
+  return groups;
+}
+
+// The most likely board first; further ones only where images tell them from it.
+/// @param known boards that are not meant
+std::vector<Board> told_apart(const Candidates& candidates, const std::vector<Board>& known) {
+  std::vector<Board> seen, taken = known;
+  for (const Group& group : groups_of(candidates)) {
+    if (std::any_of(taken.begin(), taken.end(), [&](const Board& other) { return are_one(other, group.board); }))
+      continue;
+    taken.push_back(group.board);
+    if ((known.empty() && seen.empty()) || group.images >= kOfFurther) seen.push_back(group.board);
+  }
   return seen;
 }
 
 void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
 
-/// @param which cameras to look through; empty: all
-/// @param known boards that are not meant
-BoardCoverage guessed(const Recording& recording, const std::vector<bool>& which, const std::vector<Board>& known,
-                      const CoverageProgress& progress) {
+/// @param known boards that are not meant; where there are any, only boards with markers can be told from them
+BoardCoverage guessed(const Recording& recording, const std::vector<Board>& known, const CoverageProgress& progress) {
   BoardCoverage coverage;
   Candidates candidates;
   std::size_t done = 0, total = 0;
-  for (std::size_t c = 0; c < recording.frames.size(); ++c)
-    total += which.empty() || which[c] ? std::min(kGuessedImages, recording.frames[c].size()) : 0;
-  for (std::size_t c = 0; c < recording.frames.size(); ++c) {
-    const std::vector<CameraFrame>& frames = recording.frames[c];
+  for (const std::vector<CameraFrame>& frames : recording.frames) total += std::min(kGuessedImages, frames.size());
+  for (const std::vector<CameraFrame>& frames : recording.frames) {
     std::size_t seen = 0, looked_at = 0;
-    const std::size_t count = which.empty() || which[c] ? std::min(kGuessedImages, frames.size()) : 0;
+    const std::size_t count = std::min(kGuessedImages, frames.size());
     for (std::size_t i = 0; i < count; ++i) {
       if (progress && !progress(done++, total)) interrupt();
       const auto image = read_grey_image(path_inside(recording.folder, frames[i * frames.size() / count].color_file));
       if (!std::holds_alternative<Image8>(image)) continue;
       ++looked_at;
-      const std::optional<Board> board = any_board(std::get<Image8>(image));
+      const auto& grey = std::get<Image8>(image);
+      const std::optional<Board> board = known.empty() ? any_board(grey) : find_any_marked_board(grey);
       if (!board) continue;
       ++seen;
-      Candidate& candidate = candidates[text_of(*board)];
-      candidate.board = *board;
-      ++candidate.images;
+      add(*board, &candidates);
     }
     coverage.stops.push_back(seen);
     coverage.looked_at.push_back(looked_at);
   }
-  coverage.seen = told_apart(candidates, known);
+  coverage.boards = told_apart(candidates, known);
+  for (const Board& board : coverage.boards) coverage.seen.push_back(text_of(board));
   return coverage;
 }
 
@@ -127,6 +171,10 @@ std::vector<Board> boards_of(const Rig& rig) {
   std::vector<Board> boards = rig.more_boards;
   boards.insert(boards.begin(), rig.board);
   return boards;
+}
+
+bool all_marked(const std::vector<Board>& boards) {
+  return std::all_of(boards.begin(), boards.end(), [](const Board& board) { return board.type != "checkerboard"; });
 }
 
 }  // namespace
@@ -142,7 +190,7 @@ std::optional<Board> any_board(const Image8& image) {
   return board;
 }
 
-BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress) {
+BoardCoverage cover_board(const Recording& recording, int threads, const CoverageProgress& progress) {
   BoardCoverage coverage;
   const std::size_t cameras = recording.rig.cameras.size();
   ObserveOptions options;
@@ -156,23 +204,29 @@ BoardCoverage find_board(const Recording& recording, int threads, const Coverage
     coverage.looked_at.assign(cameras, observations.stops.size());
   } catch (const FindingError& error) {
     if (!error.finding().is("board.nowhere")) throw;
-    coverage = guess_board(recording, progress);  // in no image: it may be another one
     coverage.stops.assign(cameras, 0);
-    return coverage;
   } catch (const Error& error) {
     if (error.exit_code() == ExitCode::kTryAgain) throw;
     coverage.problem = error.what();
-    return coverage;
   }
-  std::vector<bool> blind(cameras);
-  for (std::size_t c = 0; c < cameras; ++c) blind[c] = coverage.stops[c] == 0;
-  if (std::find(blind.begin(), blind.end(), true) != blind.end())
-    coverage.seen = guessed(recording, blind, boards_of(recording.rig), progress).seen;
+  return coverage;
+}
+
+BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress) {
+  BoardCoverage coverage = cover_board(recording, threads, progress);
+  if (!coverage.problem.empty()) return coverage;
+  const std::vector<Board> known = boards_of(recording.rig);
+  const bool any =
+      std::any_of(coverage.stops.begin(), coverage.stops.end(), [](std::size_t stops) { return stops > 0; });
+  if (any && !all_marked(known)) return coverage;  // a checkerboard may be a part of whatever is there
+  BoardCoverage guess = guessed(recording, any ? known : std::vector<Board>(), progress);
+  coverage.seen = std::move(guess.seen);
+  coverage.boards = std::move(guess.boards);
   return coverage;
 }
 
 BoardCoverage guess_board(const Recording& recording, const CoverageProgress& progress) {
-  return guessed(recording, {}, {}, progress);
+  return guessed(recording, {}, progress);
 }
 
 }  // namespace rigproof

@@ -16,10 +16,11 @@ struct BoardCoverage {
   std::vector<std::size_t> stops;      ///< [camera] stops at which the whole board was found
   std::vector<std::size_t> cells;      ///< [camera] of kImageCells, those with a corner in them; empty: a board guessed
   std::vector<std::size_t> looked_at;  ///< [camera] stops that were looked at
-  /// The board that most images show, "type: checkerboard, squares: [5, 4], square_mm: 100", and others beside it that
-  /// images tell from it, by their markers.
-  std::vector<std::string> seen;
-  std::string problem;  ///< why it could not be looked for, and the rest is empty
+  /// The board that most corners speak for, and others beside it that images tell from it, by their markers; their
+  /// squares' side means nothing.
+  std::vector<Board> boards;
+  std::vector<std::string> seen;  ///< the same as rig.yaml says it: "type: checkerboard, squares: [5, 4], ..: 100"
+  std::string problem;            ///< why it could not be looked for, and the rest is empty
 };
 
 /// Called with images looked at and in all; false interrupts.
@@ -28,7 +29,9 @@ using CoverageProgress = std::function<bool(std::uint64_t, std::uint64_t)>;
 /// The board in an image, a ChArUco board or a checkerboard of whatever size; its squares' side means nothing.
 std::optional<Board> any_board(const Image8& image);
 
-/// The boards that the recording's rig states, at every stop; others in the images of cameras that see none of them.
+/// The boards that the recording's rig states, at every stop.
+BoardCoverage cover_board(const Recording& recording, int threads, const CoverageProgress& progress);
+/// The same, and other boards in some images of each camera.
 BoardCoverage find_board(const Recording& recording, int threads, const CoverageProgress& progress);
 /// Any boards, in some images of each camera: which ones they may be.
 BoardCoverage guess_board(const Recording& recording, const CoverageProgress& progress);

@@ -1,6 +1,7 @@
 #include "folder_import.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "frame_choice.h"
@@ -43,19 +44,32 @@ std::vector<CameraFolder> find_cameras(const fs::path& source) {
   return cameras;
 }
 
-// Ours, or one of the trajectories of others.
+// Ours, or one of the trajectories of others; reading it says what is wrong with it.
 bool is_trajectory(const fs::path& file) {
   if (file.filename() == "odometry.csv") return true;
   if (file.extension() != ".txt" && file.extension() != ".csv" && file.extension() != ".tum") return false;
   if (file.filename() == "times.txt") return false;
   try {
-    return !read_trajectory(file).empty();
+    return looks_like_trajectory(file);
   } catch (const Error&) {
     return false;
   }
 }
 
+bool can_be_read(const fs::path& file) {
+  try {
+    return file.filename() == "odometry.csv" || !read_trajectory(file).empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// What columns mean that nobody names would be a guess: a fourth one may be a height, or degrees.
 std::vector<OdometrySample> rows_of_odometry(const fs::path& file) {
+  if (!has_odometry_header(file))
+    throw Error(file.string() +
+                ":1: what are its columns? Name them in a first line: stamp_s,x_m,y_m,yaw_rad, in seconds, metres and "
+                "radians, whatever lies between them. Of TUM, EuRoC or KITTI give another name, poses.txt");
   Problems problems;
   std::vector<OdometrySample> odometry = read_odometry_csv(file, &problems);
   problems.throw_if_any();
@@ -245,10 +259,12 @@ void keep_frames(const std::vector<FoundCamera>& cameras, const InitOptions& opt
 
 fs::path find_trajectory(const InitOptions& options) {
   if (!options.odometry.empty()) return options.odometry;
-  std::vector<std::string> found;
+  std::vector<std::string> found, readable;
   std::error_code ignored;
   for (const fs::directory_entry& entry : folder_entries(options.source))
     if (entry.is_regular_file(ignored) && is_trajectory(entry.path())) found.push_back(entry.path().string());
+  if (found.size() > 1) std::copy_if(found.begin(), found.end(), std::back_inserter(readable), can_be_read);
+  if (!readable.empty()) found = readable;
   if (found.size() == 1) return found.front();
   throw Error(options.source.string() + ": " +
               (found.empty() ? std::string("holds no trajectory; give one with --odometry FILE: odometry.csv "

@@ -149,14 +149,17 @@ std::string more_boards_text(const std::vector<std::string>& boards, std::size_t
 }
 
 std::string note_of_others(const BoardCoverage& coverage, const std::vector<InitCamera>& cameras) {
-  std::string blind;
+  std::vector<std::string> blind;
   for (std::size_t c = 0; c < cameras.size(); ++c)
-    if (coverage.stops[c] == 0) blind += (blind.empty() ? "" : ", ") + cameras[c].name;
-  if (std::any_of(coverage.stops.begin(), coverage.stops.end(), [](std::size_t stops) { return stops > 0; }))
-    return "where " + blind + " never sees the board another one seems to be, apart from its size: `" +
-           more_boards_text(coverage.seen, 0) + "` in rig.yaml";
-  return "the board is in no image; another one seems to be there, apart from its size: {" + coverage.seen.front() +
-         "}";
+    if (coverage.stops[c] == 0) blind.push_back(cameras[c].name);
+  if (blind.size() == cameras.size())
+    return "the board is in no image; another one seems to be there, apart from its size: {" + coverage.seen.front() +
+           "}";
+  return (blind.empty()
+              ? "beside the board " + std::string(coverage.seen.size() > 1 ? "others seem" : "another one seems") +
+                    " to be there"
+              : "where " + joined(blind) + " never sees the board another one seems to be") +
+         ", apart from its size: `" + more_boards_text(coverage.seen, 0) + "` in rig.yaml";
 }
 
 // What is wrong with the images, the first of it, by the name that the recording will have.
@@ -170,30 +173,45 @@ std::string note_of_problem(const std::string& problem, const fs::path& making, 
          std::string(end == std::string::npos ? ": " : ", too; the first reason: ") + text;
 }
 
-void look_for_board(const InitOptions& options, const Recording& recording, InitReport* to) {
-  const bool known = options.board.has_value();
+// How often each camera sees the boards that are known or guessed.
+void take_coverage(const BoardCoverage& coverage, const fs::path& making, const fs::path& output, InitReport* report) {
+  if (!coverage.problem.empty()) return report->notes.push_back(note_of_problem(coverage.problem, making, output));
+  for (std::size_t i = 0; i < report->cameras.size(); ++i) {
+    report->cameras[i].board_stops = coverage.stops[i];
+    report->cameras[i].board_cells = coverage.cells.empty() ? 0 : coverage.cells[i];
+  }
+}
+
+std::vector<std::string> missing_boards(const std::vector<std::string>& seen) {
+  const bool any = !seen.empty();
+  const std::string board = any ? seen.front() : "type: checkerboard, squares: [6, 5], square_mm: 100";
+  std::vector<std::string> missing = {
+      (any ? "the board, which seems to be this one; measure a row of its squares: `board: {"
+           : "the board, of which none was found in the images: `board: {") +
+      board + "}` in rig.yaml"};
+  if (seen.size() > 1)
+    missing.push_back("boards beside it, which seem to be there; measure their squares, too: `" +
+                      more_boards_text(seen, 1) + "` in rig.yaml");
+  return missing;
+}
+
+void look_for_board(const InitOptions& options, const Recording& recording, InitReport* report) {
   const CoverageProgress progress = [&options](std::uint64_t done, std::uint64_t total) {
     return !options.progress || options.progress("board", done, total);
   };
-  InitReport& report = *to;
-  const BoardCoverage coverage = known ? find_board(recording, options.threads, progress) : BoardCoverage();
-  const BoardCoverage guess = options.board.has_value() ? coverage : guess_board(recording, progress);
-  if (!coverage.problem.empty())
-    report.notes.push_back(note_of_problem(coverage.problem, recording.folder, options.output));
-  for (std::size_t i = 0; known && coverage.problem.empty() && i < report.cameras.size(); ++i) {
-    report.cameras[i].board_stops = coverage.stops[i];
-    report.cameras[i].board_cells = coverage.cells.empty() ? 0 : coverage.cells[i];
+  if (options.board) {
+    const BoardCoverage coverage = find_board(recording, options.threads, progress);
+    take_coverage(coverage, recording.folder, options.output, report);
+    if (!coverage.seen.empty()) report->notes.push_back(note_of_others(coverage, report->cameras));
+    return;
   }
-  if (known && !guess.seen.empty()) report.notes.push_back(note_of_others(guess, report.cameras));
-  if (options.board) return;
-  const bool any = !guess.seen.empty();
-  const std::string board = any ? guess.seen.front() : "type: checkerboard, squares: [6, 5], square_mm: 100";
-  report.missing.push_back((any ? "the board, which seems to be this one; measure a row of its squares: `board: {"
-                                : "the board, of which none was found in the images: `board: {") +
-                           board + "}` in rig.yaml");
-  if (guess.seen.size() > 1)
-    report.missing.push_back("boards beside it, which seem to be there; measure their squares, too: `" +
-                             more_boards_text(guess.seen, 1) + "` in rig.yaml");
+  const BoardCoverage guess = guess_board(recording, progress);
+  report->missing = missing_boards(guess.seen);
+  if (guess.boards.empty()) return;
+  Recording with_guess = recording;
+  with_guess.rig.board = guess.boards.front();
+  with_guess.rig.more_boards.assign(guess.boards.begin() + 1, guess.boards.end());
+  take_coverage(cover_board(with_guess, options.threads, progress), recording.folder, options.output, report);
 }
 
 std::vector<std::string> comments_of(const InitOptions& options, const InitReport& report) {

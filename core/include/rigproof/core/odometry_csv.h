@@ -12,6 +12,8 @@ namespace rigproof {
 
 /// Reads every row; numbers that are not finite, missing columns, and stamps that repeat or go back are reported.
 std::vector<OdometrySample> read_odometry_csv(const std::filesystem::path& file, Problems* problems);
+/// Whether its first line names its columns; true also of what read_odometry_csv() refuses for another reason.
+bool has_odometry_header(const std::filesystem::path& file);
 /// With a header; each number reads back to the same double.
 std::string odometry_csv(const std::vector<OdometrySample>& odometry);
 

@@ -34,6 +34,9 @@ const std::vector<TrajectoryFormat>& trajectory_formats();
 /// none of them, and for stamps that do not increase.
 std::vector<TrajectoryPose> read_trajectory(const std::filesystem::path& file);
 
+/// Whether its first line is one of a trajectory; reading it may still fail.
+bool looks_like_trajectory(const std::filesystem::path& file);
+
 // For the files of the formats.
 
 /// The numbers of the lines that are no comments, each line with its number; `width` of them in each, more are left
