@@ -11,6 +11,7 @@
 #include "finding_tree.h"
 #include "lasting_errors.h"
 #include "mcalib_result.h"
+#include "rigproof/core/bag_name.h"
 #include "rigproof/core/body_axes.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/file_schemas.h"
@@ -457,9 +458,23 @@ const EstimatedTransform* Result::find(const std::string& parent, const std::str
   return nullptr;
 }
 
+namespace {
+
+// Each of its keys would be a problem of its own.
+void refuse_rig(const YamlTree& tree, const std::filesystem::path& file) {
+  if (tree.find("format") == nullptr && tree.find("method") == nullptr && tree.find("cameras") != nullptr &&
+      tree.find("board") != nullptr)
+    throw Error(file.string() +
+                ": is a rig, not a result; `rigproof calibrate` writes results, as results/ml.yaml beside it");
+}
+
+}  // namespace
+
 Result load_result(const std::filesystem::path& file) {
   Problems problems;
+  refuse_bag(file);
   const YamlTree tree = read_yaml_file(file, kMaxBytes);
+  refuse_rig(tree, file);
   Result result = read_result(tree, &problems);
   check_repeats(result.camera_to_robot, file.string(), &problems);
   check_repeats(result.camera_to_camera, file.string(), &problems);

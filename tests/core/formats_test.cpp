@@ -6,6 +6,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/formats/format.h"
 #include "sample_data.h"
+#include "temp_folder.h"
 
 namespace rigproof {
 namespace {
@@ -139,6 +140,15 @@ TEST(Formats, WhatIsNoInputSaysWhatWasLookedForAndFound) {
 }
 
 // What a command says that it takes, and what it can be asked to write, come from the registry.
+TEST(Formats, ABagIsNamedAndWhatMakesARecordingOfIt) {
+  const TempFolder folder;
+  for (const char* name : {"a.mcap", "b/a.db3.zstd", "c/a.bag"}) {
+    const fs::path file = folder.write(name, "x");
+    EXPECT_THAT(error_text([&] { open_input(file); }), HasSubstr("is a bag of ROS; `rigproof init " + file.string()));
+  }
+  EXPECT_THAT(error_text([&] { open_input(folder / "b"); }), HasSubstr("`rigproof init " + (folder / "b").string()));
+}
+
 TEST(Formats, TellWhatTheyAre) {
   EXPECT_EQ(inputs_in_words(true), "a run, a recording, or a folder in the MEMROC layout");
   EXPECT_EQ(inputs_in_words(false), "a run, a recording, a folder in the MEMROC layout, or an observations.json");

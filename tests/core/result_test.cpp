@@ -12,6 +12,7 @@
 namespace rigproof {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -78,6 +79,17 @@ TEST(Result, RoundTripKeepsEveryValueAndEveryByte) {
   EXPECT_EQ(b.find("left", "right"), nullptr);
   save_result(b, folder / "b.yaml");
   EXPECT_EQ(folder.read("a.yaml"), folder.read("b.yaml"));
+}
+
+// Somebody who gives the wrong file is told what it is.
+TEST(Result, ARigAndABagAreNamed) {
+  const TempFolder folder;
+  folder.write("rig.yaml",
+               "name: cart\nrobot_frame: base\nboard: {squares: [5, 4]}\ncameras: {left: {folder: left}}\n");
+  EXPECT_THAT(error_text([&] { load_result(folder / "rig.yaml"); }),
+              AllOf(HasSubstr("rig.yaml: is a rig, not a result"), Not(HasSubstr("missing"))));
+  folder.write("a.mcap", "\x89MCAP");
+  EXPECT_THAT(error_text([&] { load_result(folder / "a.mcap"); }), HasSubstr("rigproof init"));
 }
 
 // Files of before, and what other programs write, hold sentences.

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "rigproof/core/bag_name.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/folders.h"
 #include "rigproof/core/text.h"
@@ -73,6 +74,7 @@ const Format& format_of_file(const fs::path& file) {
     if (!format.suffix.empty() && file.extension() == format.suffix) return format;
     if (!format.suffix.empty()) known.push_back(format.what + " (" + format.suffix + ")");
   }
+  refuse_bag(file);
   for (const Format& format : formats_that_are_read())
     if (file.filename() == format.marker) throw Error(file.string() + ": give the folder that holds this file");
   throw Error(file.string() + ": a file is expected to be " + enumerated(known, " or ") +
@@ -87,6 +89,7 @@ const Format& detect_format(const fs::path& path) {
   if (!fs::is_directory(path, ignored)) throw Error(path.string() + ": no such file or folder");
   for (const Format& format : formats())
     if (format.read != nullptr && format.detect(path)) return format;
+  refuse_bag(path);
   throw Error(path.string() + ": not an input: " + looked_for() + " were looked for; the folder " + contents_of(path));
 }
 

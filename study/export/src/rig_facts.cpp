@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "rigproof/core/bag_name.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/folders.h"
 #include "rigproof/core/recording.h"
@@ -58,6 +59,7 @@ fs::path find_result_file(const fs::path& path) {
   if (!fs::is_directory(path, ignored)) return path;
   const std::vector<fs::path> files = results_in(path);
   if (files.size() == 1) return files.front();
+  if (files.empty()) refuse_bag(path);
   std::vector<std::string> names;
   for (const fs::path& file : files) names.push_back(for_message(file.filename().string()));
   throw Error(path.string() + (files.empty() ? ": holds no result; `rigproof calibrate` writes one"
