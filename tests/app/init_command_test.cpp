@@ -212,7 +212,9 @@ TEST(InitCommand, SaysWhatItFoundAndWhatIsMissing) {
   const ProcessOutput output = rigproof_command({"init", bag.string(), "-o", (scratch / "monday").string()});
   EXPECT_EQ(output.exit_code, 0);
   EXPECT_THAT(output.out, AllOf(HasSubstr("/left/image_raw/compressed"), HasSubstr("10 of 10 images"),
-                                HasSubstr("MISSING"), HasSubstr("squares: [5, 4]"), HasSubstr("rigproof calibrate")));
+                                HasSubstr("MISSING"), HasSubstr("squares: [5, 4]"), HasSubstr("board in 10 of 10"),
+                                HasSubstr("next: write what is missing into " + (scratch / "monday/rig.yaml").string() +
+                                          ", then rigproof calibrate")));
   const ProcessOutput calibration = rigproof_command({"calibrate", (scratch / "monday").string()});
   EXPECT_EQ(calibration.exit_code, 2);
   EXPECT_THAT(calibration.err, HasSubstr("board"));

@@ -201,6 +201,27 @@ TEST_F(Watched, FindsOutWhichBoardItIs) {
   EXPECT_EQ(check.cameras[0].board_stops, 1U);
 }
 
+// The first picture may show squares that are no board.
+TEST_F(Watched, ASecondLookCorrectsTheFirst) {
+  Board chance, marked;
+  chance.squares_x = 4;
+  chance.squares_y = 3;
+  marked.type = "charuco";
+  const auto picture_of = [](const Board& board, double u) {
+    return png_of(draw_board(lens(), board, board_in_view(lens(), board, 1.0, 0.2, 0.3, 0.0, {u, 120.0}), {}));
+  };
+  write_poses({0.0, 20.0, -20.0});
+  picture("left", 0, picture_of(chance, 150.0));
+  RecordWatch watch(options(true));
+  EXPECT_EQ(watch.look().board, "checkerboard 4x3");
+  picture("left", 1, picture_of(marked, 160.0));
+  picture("left", 2, picture_of(marked, 170.0));
+  const RecordCheck check = watch.look();
+  EXPECT_EQ(check.board, "charuco 5x4");
+  EXPECT_TRUE(check.board_guessed);
+  EXPECT_EQ(check.cameras[0].board_stops, 2U);
+}
+
 TEST_F(Watched, WaitsForWhatIsHalfWritten) {
   write_poses({0.0, 10.0});
   picture("left", 0, board_at(160.0, 120.0));

@@ -58,91 +58,18 @@ std::string text_of(const Board& board) {
   return text + marker + ", dictionary: " + board.dictionary + (board.legacy_pattern ? ", legacy_pattern: true" : "");
 }
 
-// Boards that images seem to show, alike but for their markers' side, which is read to a hundredth.
-struct Candidate {
-  Board board;
-  int images = 0;
-  int corners = 0;                    // in all of them
-  std::vector<double> marker_m = {};  // of each
-};
-using Candidates = std::map<std::string, Candidate>;
-
-void add(Board board, Candidates* candidates) {
-  const double marker_m = kGuessedSquare_m * board.marker_side_m() / board.square_m;
-  board.square_m = kGuessedSquare_m;
-  board.marker_m.reset();
-  Candidate& candidate = (*candidates)[text_of(board)];
-  candidate.board = board;
-  ++candidate.images;
-  candidate.corners += board.corner_count();
-  candidate.marker_m.push_back(marker_m);
-}
-
-// Candidates that images do not tell from one another are one board: a part of it looks like a smaller one with the
-// same markers.
-struct Group {
-  Board board;  // the one that most corners speak for
-  int images = 0, corners = 0;
-
-  bool has_markers() const { return board.type != "checkerboard"; }
-};
-
 constexpr int kOfFurther = 2;  // images that show a board beside another one
 
+bool has_markers(const Board& board) { return board.type != "checkerboard"; }
+
 bool are_one(const Board& a, const Board& b) { return problem_of_telling_apart(a, b).has_value(); }
-
-std::vector<Group> marked_groups(const std::vector<Candidate>& order) {
-  std::vector<Group> groups;
-  for (const Candidate& one : order) {
-    if (one.board.type == "checkerboard") continue;
-    auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const Group& other) { return are_one(other.board, one.board); });
-    if (group == groups.end()) group = groups.insert(groups.end(), Group{one.board});
-    group->images += one.images;
-    group->corners += one.corners;
-  }
-  return groups;
-}
-
-// By what speaks for them. Ids that are read in several images are no chance, squares without any may be: a floor has
-// some.
-std::vector<Group> groups_of(const Candidates& candidates) {
-  std::vector<Candidate> order;
-  for (const auto& [text, candidate] : candidates) {
-    order.push_back(candidate);
-    if (candidate.board.type != "checkerboard") order.back().board.marker_m = median(candidate.marker_m);
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.corners > b.corners; });
-  std::vector<Group> groups = marked_groups(order);
-  for (const Candidate& one : order)
-    if (one.board.type == "checkerboard") groups.push_back({one.board, one.images, one.corners});
-  const auto is_certain = [](const Group& group) { return group.has_markers() && group.images >= kOfFurther; };
-  std::stable_sort(groups.begin(), groups.end(), [&](const Group& a, const Group& b) {
-    return is_certain(a) != is_certain(b) ? is_certain(a) : a.corners > b.corners;
-  });
-  return groups;
-}
-
-// The most likely board first; further ones only where images tell them from it.
-/// @param known boards that are not meant
-std::vector<Board> told_apart(const Candidates& candidates, const std::vector<Board>& known) {
-  std::vector<Board> seen, taken = known;
-  for (const Group& group : groups_of(candidates)) {
-    if (std::any_of(taken.begin(), taken.end(), [&](const Board& other) { return are_one(other, group.board); }))
-      continue;
-    taken.push_back(group.board);
-    if ((known.empty() && seen.empty()) || group.images >= kOfFurther) seen.push_back(group.board);
-  }
-  return seen;
-}
 
 void interrupt() { throw Error("interrupted", ExitCode::kTryAgain); }
 
 /// @param known boards that are not meant; where there are any, only boards with markers can be told from them
 BoardCoverage guessed(const Recording& recording, const std::vector<Board>& known, const CoverageProgress& progress) {
   BoardCoverage coverage;
-  Candidates candidates;
+  BoardGuess guess;
   std::size_t done = 0, total = 0;
   for (const std::vector<CameraFrame>& frames : recording.frames) total += std::min(kGuessedImages, frames.size());
   for (const std::vector<CameraFrame>& frames : recording.frames) {
@@ -157,12 +84,12 @@ BoardCoverage guessed(const Recording& recording, const std::vector<Board>& know
       const std::optional<Board> board = known.empty() ? any_board(grey) : find_any_marked_board(grey);
       if (!board) continue;
       ++seen;
-      add(*board, &candidates);
+      guess.add(*board);
     }
     coverage.stops.push_back(seen);
     coverage.looked_at.push_back(looked_at);
   }
-  coverage.boards = told_apart(candidates, known);
+  coverage.boards = guess.boards(known);
   for (const Board& board : coverage.boards) coverage.seen.push_back(text_of(board));
   return coverage;
 }
@@ -173,11 +100,65 @@ std::vector<Board> boards_of(const Rig& rig) {
   return boards;
 }
 
-bool all_marked(const std::vector<Board>& boards) {
-  return std::all_of(boards.begin(), boards.end(), [](const Board& board) { return board.type != "checkerboard"; });
-}
+bool all_marked(const std::vector<Board>& boards) { return std::all_of(boards.begin(), boards.end(), has_markers); }
 
 }  // namespace
+
+void BoardGuess::add(Board seen) {
+  const double marker_m = kGuessedSquare_m * seen.marker_side_m() / seen.square_m;
+  seen.square_m = kGuessedSquare_m;
+  seen.marker_m.reset();
+  Candidate& candidate = candidates_[text_of(seen)];
+  candidate.board = seen;
+  ++candidate.images;
+  ++images_;
+  candidate.corners += seen.corner_count();
+  candidate.marker_m.push_back(marker_m);
+}
+
+std::vector<BoardGuess::Group> BoardGuess::marked_groups(const std::vector<Candidate>& order) {
+  std::vector<Group> groups;
+  for (const Candidate& one : order) {
+    if (!has_markers(one.board)) continue;
+    auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const Group& other) { return are_one(other.board, one.board); });
+    if (group == groups.end()) group = groups.insert(groups.end(), Group{one.board});
+    group->images += one.images;
+    group->corners += one.corners;
+  }
+  return groups;
+}
+
+// By what speaks for them. Ids that are read in several images are no chance, squares without any may be: a floor has
+// some.
+std::vector<BoardGuess::Group> BoardGuess::groups() const {
+  std::vector<Candidate> order;
+  for (const auto& [text, candidate] : candidates_) {
+    order.push_back(candidate);
+    if (has_markers(candidate.board)) order.back().board.marker_m = median(candidate.marker_m);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.corners > b.corners; });
+  std::vector<Group> groups = marked_groups(order);
+  for (const Candidate& one : order)
+    if (!has_markers(one.board)) groups.push_back({one.board, one.images, one.corners});
+  const auto is_certain = [](const Group& group) { return has_markers(group.board) && group.images >= kOfFurther; };
+  std::stable_sort(groups.begin(), groups.end(), [&](const Group& a, const Group& b) {
+    return is_certain(a) != is_certain(b) ? is_certain(a) : a.corners > b.corners;
+  });
+  return groups;
+}
+
+std::vector<Board> BoardGuess::boards(const std::vector<Board>& known) const {
+  std::vector<Board> seen, taken = known;
+  for (const Group& group : groups()) {
+    if (std::any_of(taken.begin(), taken.end(), [&](const Board& other) { return are_one(other, group.board); }))
+      continue;
+    taken.push_back(group.board);
+    if ((known.empty() && seen.empty()) || group.images >= kOfFurther) seen.push_back(group.board);
+  }
+  return seen;
+}
 
 std::optional<Board> any_board(const Image8& image) {
   // First the one with markers: its corners alone look like a checkerboard's.

@@ -108,12 +108,15 @@ class RecordWatch::Impl {
       : options_(std::move(options)),
         scratch_("record-check"),
         source_(open_pictures(options_.source, options_.growing, scratch_.path() / "lists")),
-        boards_(options_.source.board ? std::vector<Board>{*options_.source.board} : std::vector<Board>()) {}
+        boards_(options_.source.board ? std::vector<Board>{*options_.source.board} : std::vector<Board>()),
+        named_(!boards_.empty()) {}
 
   RecordCheck look() {
     const Recording recording = source_->choose();
     if (boards_.empty() && source_->knows_board())
       for (int b = 0; b < recording.rig.boards(); ++b) boards_.push_back(recording.rig.board_at(b));
+    named_ = named_ || source_->knows_board();
+    guessing_ = !named_;
     const std::vector<detection::PlannedStop> stops = detection::plan_stops(recording, {}).stops;
     waiting_ = 0;
     see(recording, stops);
@@ -136,7 +139,6 @@ class RecordWatch::Impl {
         const PictureSource::Place place(camera, static_cast<std::size_t>(stop.frames[camera].front()));
         if (seen_.count(key_of(recording, place)) == 0) wanted.push_back(place);
       }
-    const bool known = !boards_.empty();
     done_ = 0;
     batch_.clear();  // of a look that was broken off
     source_->read(wanted, [&](const PictureSource::Place& place, PictureSource::Picture picture) {
@@ -145,8 +147,12 @@ class RecordWatch::Impl {
       if (batch_.size() >= (may_guess() ? 1 : most_at_once())) look_at_batch(recording, wanted.size());
     });
     look_at_batch(recording, wanted.size());
-    if (known || boards_.empty()) return;
-    seen_.clear();  // the board was guessed from one of these
+    if (!guessing_) return;
+    guessing_ = false;  // each picture counts once
+    std::vector<Board> guessed = guess_.boards();
+    if (guessed == boards_) return;
+    boards_ = std::move(guessed);
+    seen_.clear();  // looked for other boards, or none
     see(recording, stops);
   }
 
@@ -173,8 +179,12 @@ class RecordWatch::Impl {
     for (std::size_t i = 0; i < batch.size(); ++i) keep(key_of(recording, batch[i].place), std::move(results[i]));
   }
 
-  static constexpr int kGuesses = 24;  // each takes up to a second
-  bool may_guess() const { return boards_.empty() && guesses_ < kGuesses; }
+  // Pictures looked at, each up to a second. Beside a board with markers may be others; a plain one is the only one.
+  bool may_guess() const {
+    constexpr int kMost = 24, kEnoughOfPlain = 8;
+    if (!guessing_ || guesses_ >= kMost) return false;
+    return guess_.images() < kEnoughOfPlain || guess_.boards().front().type != "checkerboard";
+  }
 
   static bool fits(const Recording& recording, const PictureSource::Place& place,
                    const std::variant<Image8, Unreadable>& image) {
@@ -210,8 +220,7 @@ class RecordWatch::Impl {
     const std::variant<Image8, Unreadable> image = waiting.picture();
     if (!fits(recording, waiting.place, image)) return;
     ++guesses_;
-    if (const std::optional<Board> board = any_board(std::get<Image8>(image))) boards_ = {*board};
-    guessed_ = !boards_.empty();
+    if (const std::optional<Board> board = any_board(std::get<Image8>(image))) guess_.add(*board);
   }
 
   RecordCheck told_of(const Recording& recording, const std::vector<detection::PlannedStop>& stops) const {
@@ -219,7 +228,7 @@ class RecordWatch::Impl {
     check.stops = stops.size();
     check.waiting = waiting_;
     check.duration_s = stops.back().stop.stamp_s - stops.front().stop.stamp_s;
-    check.board_guessed = guessed_;
+    check.board_guessed = !named_ && !boards_.empty();
     for (const Board& board : boards_)
       check.board += (check.board.empty() ? "" : ", ") + board.type + " " + std::to_string(board.squares_x) + "x" +
                      std::to_string(board.squares_y);
@@ -243,7 +252,9 @@ class RecordWatch::Impl {
   ScratchFolder scratch_;
   std::unique_ptr<PictureSource> source_;
   std::vector<Board> boards_;  // none: not known; one that is named for this check, or was guessed, or the recording's
-  bool guessed_ = false;
+  bool named_ = false;         // not guessed
+  bool guessing_ = false;      // from the pictures of this look
+  BoardGuess guess_;
   int guesses_ = 0;
   std::size_t waiting_ = 0;
   std::size_t done_ = 0;
