@@ -81,7 +81,7 @@ RobotFrame robot_frame_of(const FrameTree& tree, const PoseTopic& odometry, cons
             {"/tf_static has no " + std::string(kGroundFrame) + ": it stands for the point on the ground below " +
              for_message(child) + ", which " + odometry.name + " moves" + height_remark(child)}};
   // It would be a guess that what moves is the frame that the tree knows.
-  return {child,
+  return {tree.way_up(child).front(),  // as tf2 has it, without a slash
           Rigid3(),
           {"/tf_static does not join " + std::string(kGroundFrame) + " with " + for_message(child) + ", which " +
            odometry.name + " moves: results are given in " + for_message(child) +
