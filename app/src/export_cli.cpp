@@ -27,7 +27,7 @@ void add_frames(CLI::App* command, ExportArguments& arguments) {
       ->type_name("LINK");
   command
       ->add_option("--parent-height-mm", arguments.parent_height_mm,
-                   "How high that frame stands above the ground, where tf_static.json does not say")
+                   "How high the frame of --parent stands above the ground, where tf_static.json does not say")
       ->check(number_in(-10000.0, 10000.0));
   command
       ->add_option("--link", arguments.links,

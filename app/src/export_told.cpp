@@ -65,6 +65,8 @@ ExportOptions export_options(const ExportArguments& arguments, const Result& res
   options.parent = arguments.parent;
   if (arguments.parent_height_mm) options.parent_height_m = 1e-3 * *arguments.parent_height_mm;
   Problems problems;
+  if (arguments.parent_height_mm && arguments.parent.empty())
+    problems.add({"", 0, "--parent-height-mm", "", "of which frame? Give --parent LINK, too"});
   const std::optional<std::string> single = single_camera(arguments, result);
   for (const Told& told : split(arguments.links, "--link", single, &problems)) options.links[told.camera] = told.value;
   for (const Told& told : split(arguments.joints, "--joint", single, &problems))

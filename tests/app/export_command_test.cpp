@@ -66,6 +66,23 @@ TEST(Export, IntoAUrdfSaysWhatMovedAndKeepsWhatWas) {
   EXPECT_EQ(monday.read("robot.urdf.bak"), kUrdf);
 }
 
+TEST(Export, HeightsCountFromTheParentThatIsGiven) {
+  const Monday monday;
+  const std::vector<std::string> base = {"--to", "static-tf", "--camera", "left", "--parent", "base_link"};
+  EXPECT_THAT(monday.run(base).out, AllOf(HasSubstr("base_link is taken to be what the result calls base_footprint"),
+                                          HasSubstr("--z 0.52 "), HasSubstr("--frame-id base_link")));
+  std::vector<std::string> told = base;
+  told.insert(told.end(), {"--parent-height-mm", "132"});
+  EXPECT_THAT(monday.run(told).out, AllOf(HasSubstr("base_link, 13.2 cm above the ground"), HasSubstr("--z 0.388 ")));
+  monday.write("tf_static.json",
+               R"({"transforms": [{"parent": "base_footprint", "child": "base_link", "translation_m": [0, 0, 0.132], )"
+               R"("quaternion_xyzw": [0, 0, 0, 1]}]})");
+  EXPECT_THAT(monday.run(base).out, AllOf(HasSubstr("at 0, 0, 13.2 cm in base_footprint"), HasSubstr("--z 0.388 ")));
+  const ProcessOutput nameless = monday.run({"--to", "static-tf", "--parent-height-mm", "132"});
+  EXPECT_EQ(nameless.exit_code, 2);
+  EXPECT_THAT(nameless.err, HasSubstr("--parent-height-mm: of which frame? Give --parent LINK"));
+}
+
 TEST(Export, WithoutAFileItGoesToStandardOutput) {
   const Monday monday;
   const ProcessOutput output = monday.run({"--to", "static-tf"});

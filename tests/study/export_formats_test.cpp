@@ -423,7 +423,7 @@ TEST(ExportJobs, AParentOfTheRobotsTreeIsWhereTheTreeHasIt) {
   const ExportJob job = sample.job(options);
   EXPECT_EQ(job.cameras[0].estimate.parent, "base_link");
   EXPECT_TRUE(IsPoseNear(sample.T_robot(0), T_ground_base * job.cameras[0].estimate.T_parent_child, 1e-12, 1e-12));
-  EXPECT_THAT(exported(job, "matrix"), HasSubstr("at 20, 0, 13 cm in the point on the ground"));
+  EXPECT_THAT(exported(job, "matrix"), HasSubstr("at 20, 0, 13 cm in base_footprint"));
   // A recording that calls base_link its robot frame has its point on the ground all the same.
   for (EstimatedTransform& estimate : sample.result.camera_to_robot) estimate.parent = "base_link";
   const ExportJob own = sample.job();

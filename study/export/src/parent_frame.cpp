@@ -74,8 +74,8 @@ ParentFrame parent_frame(const std::string& robot, const FrameTree& tree, const 
     ParentFrame frame{name, own.T_robot_parent * *T, {}};
     if (is_other_place(frame.T_robot_parent))
       frame.notes.push_back("poses are given in " + name + ", in the robot's tree at " +
-                            place_text(frame.T_robot_parent) + " in the point on the ground that " + robot +
-                            " stands for");
+                            place_text(frame.T_robot_parent) + " in " + (own.notes.empty() ? "" : "the ground below ") +
+                            robot);
     return frame;
   }
   ParentFrame frame{name, Rigid3(), {}};
