@@ -7,7 +7,6 @@
 #include "../validate/synthetic.h"
 #include "inspect_reprojection.h"
 #include "rigproof/calib/estimate/board_shape.h"
-#include "rigproof/core/conventions.h"
 
 namespace rigproof {
 namespace {
@@ -46,30 +45,6 @@ TEST_F(Reprojection, GoesWithTheEstimatedLensesAndBoard) {
   EXPECT_GT(carried.from_same_stop, 0U);
   ASSERT_GT(carried.residuals.size(), 100U);
   EXPECT_LT(rms_px(carried), 0.3);
-}
-
-// On a robot that does not sway: what odometry leaves unsaid is not expected.
-TEST_F(Reprojection, LeavesWhatTheCornersOfBothViewsLetExpect) {
-  Truth flat = truth;
-  for (TrueStop& stop : flat.stops)
-    stop.T_world_robot =
-        planar_pose(stop.T_world_robot.translation.x(), stop.T_world_robot.translation.y(), yaw_of(stop.T_world_robot));
-  result = exact_result(flat);
-  // Corners of a view share the error of the board that is carried to it: many drives make a mean.
-  constexpr std::uint64_t kDrives = 60;
-  for (std::size_t camera = 0; camera < truth.cameras.size(); ++camera) {
-    double found = 0.0, expected = 0.0;
-    for (std::uint64_t seed = 1; seed <= kDrives; ++seed) {
-      observations = make_observations(flat, 0.02, seed);
-      const CarriedOver carried = carried_over(observations, result, camera);
-      EXPECT_GT(carried.expected_px, 0.02) << "more than the noise of one view";
-      found += std::pow(rms_px(carried), 2);
-      expected += std::pow(carried.expected_px, 2);
-    }
-    EXPECT_NEAR(std::sqrt(found / expected), 1.0, 0.1) << camera;
-  }
-  for (RigCamera& camera : observations.cameras) camera.intrinsics_sigma.residual_px = 1.0;
-  EXPECT_GT(carried_over(observations, result, 1).expected_px, 1.0);
 }
 
 TEST_F(Reprojection, ShowsLensesThatTheResultDidNotFind) {

@@ -166,8 +166,8 @@ void UrdfTree::check_chain(const UrdfChain& chain, const std::string& from, cons
       if (!is_fixed(joint))
         throw error_of(i, "is " + (joint.type.empty() ? "of no type" : for_message(joint.type)) +
                               ", and every joint between " + for_message(from) + " and " + for_message(to) +
-                              " must be fixed: how it stood during the calibration is not in the file. Calibrate in a "
-                              "robot frame beyond it, or make it fixed if it never moves");
+                              " must be fixed: how it stood during the calibration is not in the file. Hold it still "
+                              "while you calibrate, and write it as fixed at that angle in a copy of the file");
       for (const std::string& link : {joint.parent, joint.child})
         if (!urdf_.is_xacro && std::find(urdf_.links.begin(), urdf_.links.end(), link) == urdf_.links.end())
           throw error_of(i, "names the link " + (link.empty() ? "\"\"" : for_message(link)) + ", which is not defined");

@@ -7,9 +7,7 @@ namespace rigproof::inspect_detail {
 
 struct CarriedOver {
   std::vector<Residual> residuals;  ///< reprojected minus detected [px]
-  double expected_px = 0.0;  ///< what detector and lens of both views let expect of them, calibration and odometry
-                             ///< being right
-  std::size_t from_same_stop = 0;  ///< views that another camera's view was carried to
+  std::size_t from_same_stop = 0;   ///< views that another camera's view was carried to
   std::size_t from_other_stops = 0;
 };
 /// Of each view of a camera, through the lenses and with the board that the result estimated. Empty where the result
