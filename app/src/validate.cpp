@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "judging.h"
 #include "observing.h"
+#include "rigproof/core/bag_name.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/run_folder.h"
 #include "rigproof/core/text.h"
@@ -29,6 +30,7 @@ std::vector<std::filesystem::path> result_files_of(const ValidateArguments& argu
 }
 
 Truth truth_of(const RunFolder& run) {
+  refuse_bag(run.root);
   if (!std::filesystem::is_regular_file(run.truth_file()))
     throw Error(run.truth_file().string() + ": there is no truth to compare with; validate needs a generated run");
   return load_truth(run.truth_file());

@@ -401,6 +401,12 @@ TEST(BadInput, HostileFolder) {
   expect_error(calibrate(recording, scratch), HasSubstr("../../../etc"));
 }
 
+TEST(BadInput, ABagIsNoRunToValidate) {
+  const TempFolder scratch;
+  const std::string bag = scratch.write("monday.mcap", "x").string();
+  expect_error(rigproof_command({"validate", bag}), HasSubstr("is a bag of ROS; `rigproof init " + bag));
+}
+
 TEST(BadInput, ForeignResultWithUnknownCamera) {
   const TempFolder scratch;
   const fs::path result = scratch.write(

@@ -367,6 +367,7 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
   const double reach = 0.6 * std::min(window.square.col(0).norm(), window.square.col(1).norm());
   const std::vector<Pixel>& used = *pixels;
   Minimum minimum = minimise(used, first_guess(window, used), kFirstNoiseVariance, reach, kCoarseStep);
+  // Before a filter's effect is taken off: what its model does not follow is about as large.
   const double noise_variance = noise_variance_of(minimum.system, used.size());
   if (minimum.converged && !window.coarse)
     minimum = window.filter == nullptr ? minimise(used, minimum.parameters, noise_variance, reach, kConvergedStep)
