@@ -91,13 +91,14 @@ std::string bash_script(const CommandFacts& program) {
     values += bash_values(command);
   });
   return "# bash completion of rigproof: `source <(rigproof completion bash)`\n"
-         "_rigproof_names() { mapfile -t COMPREPLY < <(compgen -W \"$1\" -- \"$word\"); }\n"
+         "_rigproof_names() { mapfile -t COMPREPLY < <(compgen -P \"$prefix\" -W \"$1\" -- \"$word\"); }\n"
          "_rigproof_names_or_files() {\n"
-         "  mapfile -t COMPREPLY < <(compgen -W \"$1\" -- \"$word\"; compgen -f -- \"$word\")\n"
+         "  mapfile -t COMPREPLY < <(compgen -P \"$prefix\" -W \"$1\" -- \"$word\"; compgen -P \"$prefix\" -f -- "
+         "\"$word\")\n"
          "  compopt -o filenames 2>/dev/null\n"
          "}\n"
          "_rigproof() {\n"
-         "  local word=\"${COMP_WORDS[COMP_CWORD]}\" before=\"${COMP_WORDS[COMP_CWORD-1]}\" command= i\n"
+         "  local word=\"${COMP_WORDS[COMP_CWORD]}\" before=\"${COMP_WORDS[COMP_CWORD-1]}\" command= prefix= i\n"
          "  for ((i = 1; i < COMP_CWORD; i++)); do\n"
          "    case \"${command:+$command }${COMP_WORDS[i]}\" in\n"
          "    " +
@@ -105,6 +106,11 @@ std::string bash_script(const CommandFacts& program) {
          ") command=\"${command:+$command }${COMP_WORDS[i]}\" ;;\n"
          "    esac\n"
          "  done\n"
+         // "--option=value" is three words where "=" breaks words, as it does unless users change that; else one.
+         "  if [[ $word == = ]]; then word=\n"
+         "  elif [[ $before == = ]]; then before=\"${COMP_WORDS[COMP_CWORD-2]}\"\n"
+         "  elif [[ $word == --*=* ]]; then before=\"${word%%=*}\"; prefix=\"$before=\"; word=\"${word#*=}\"\n"
+         "  fi\n"
          "  case \"$command $before\" in\n" +
          values +
          "  esac\n"
@@ -137,8 +143,10 @@ std::string zsh_option(const OptionFacts& option) {
   if (option.is_positional()) return in_sh("*:" + zsh_escaped(option.names.front()) + ":" + values);
   const std::string tail = "[" + zsh_escaped(option.description) + "]" +
                            (option.value.empty() ? "" : ":" + zsh_escaped(option.value) + ":" + values);
-  const std::string names = option.names.size() == 1 ? option.names.front() : "{" + joined(option.names, ",") + "}";
-  return "'*'" + names + in_sh(tail);
+  std::vector<std::string> names = option.names;
+  for (std::string& name : names)
+    if (!option.value.empty() && name.rfind("--", 0) == 0) name += "=";  // or the value as a word of its own
+  return "'*'" + (names.size() == 1 ? names.front() : "{" + joined(names, ",") + "}") + in_sh(tail);
 }
 
 std::string zsh_function(const CommandFacts& command) {

@@ -87,6 +87,16 @@ TEST(CommandLine, BashCompletesPresetsMethodsAndSchemas) {
   EXPECT_EQ(completed(script, "rigproof bench export stra"), "straight_line\n");
 }
 
+// As bash hands them over, where "=" parts words and where the user has told it not to.
+TEST(CommandLine, BashCompletesValuesBehindAnEqualsSign) {
+  const TempFolder scratch;
+  const std::string script = scratch.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
+  EXPECT_EQ(completed(script, "rigproof calibrate --ground ="), "depth images auto\n");
+  EXPECT_EQ(completed(script, "rigproof calibrate --ground = im"), "images\n");
+  EXPECT_EQ(completed(script, "rigproof calibrate --ground=im"), "--ground=images\n");
+  EXPECT_EQ(completed(script, "rigproof calibrate --junit = ''"), "\n") << "names of files, by the shell";
+}
+
 TEST(CommandLine, BashCompletesFilesBesidePresets) {
   const TempFolder scratch;
   const std::string script = scratch.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
