@@ -143,6 +143,22 @@ bool lies_unevenly(const CornerGrid& grid) {
   return median(distances) > std::max(kMostUneven * median(edges_of(grid)), kCoarse_px);
 }
 
+/// What of the board was seen, where it was not measured.
+struct BoardPart {
+  BoardHypothesis hypothesis;
+  bool on_plane = false;  ///< more corners than chance lays that evenly
+
+  explicit BoardPart(const BoardHypothesis& seen)
+      : hypothesis(seen), on_plane(seen.grid.corners.size() >= kToldFromChance && !lies_unevenly(seen.grid)) {}
+
+  bool tells_more_than(const BoardPart& other) const {
+    return std::pair(on_plane, hypothesis.corners) > std::pair(other.on_plane, other.hypothesis.corners);
+  }
+
+ private:
+  static constexpr std::size_t kToldFromChance = 8;  // four or five corners lie on some plane, whatever they are of
+};
+
 Finding reason_for_part(const BoardHypothesis& part, const Image8& grey, const Board& board) {
   if (touches_border(part.grid, grey)) return Finding("board.cut_off");
   return Finding("board.partly_hidden", {{"corners", part.corners}, {"of", board.corner_count()}});
@@ -162,12 +178,13 @@ class BoardFinder {
     }
     if (try_parts()) return std::move(fit_.corners);
     // Where corners lie unevenly nothing hides a board: it was never there. Floors and labels chain saddles by chance.
-    if (!best_part_ || lies_unevenly(best_part_->grid)) return BoardNotFound{Finding("board.not_found")};
+    if (!best_part_ || lies_unevenly(best_part_->hypothesis.grid)) return BoardNotFound{Finding("board.not_found")};
     if (why_not_) return BoardNotFound{*why_not_};
-    const Finding reason = reason_for_part(*best_part_, grey_, board_);
+    const Finding reason = reason_for_part(best_part_->hypothesis, grey_, board_);
     // So it is where many of the corners are none when looked at closely.
     constexpr double kMostAreCorners = 0.75;
-    const double least = std::max<double>(part_size(), kMostAreCorners * static_cast<double>(best_part_->corners));
+    const double least =
+        std::max<double>(part_size(), kMostAreCorners * static_cast<double>(best_part_->hypothesis.corners));
     const bool never_there = reason.code == "board.partly_hidden" && most_fitted_ < least;
     return BoardNotFound{never_there ? Finding("board.not_found") : reason};
   }
@@ -179,12 +196,17 @@ class BoardFinder {
       fit_ = fit_hypothesis(grey_, board_, hypothesis, options_);
       most_fitted_ = std::max(most_fitted_, fit_.fitted);
       if (!fit_.corners.empty()) return true;
-      const bool better = !best_part_ || hypothesis.corners > best_part_->corners;
-      if (better) best_part_ = hypothesis;
-      // Only a whole grid's fit knows better than the grid itself why it cannot be used.
-      if (better && hypothesis.corners == static_cast<std::size_t>(board_.corner_count())) why_not_ = fit_.why_not;
+      keep_as_part(hypothesis);
     }
     return false;
+  }
+  void keep_as_part(const BoardHypothesis& hypothesis) {
+    const BoardPart part(hypothesis);
+    if (best_part_ && !part.tells_more_than(*best_part_)) return;
+    best_part_ = part;
+    // Only a whole grid's fit knows better than the grid itself why it cannot be used.
+    const bool whole = hypothesis.corners == static_cast<std::size_t>(board_.corner_count());
+    why_not_ = whole ? fit_.why_not : std::nullopt;
   }
   // Parts of two boards in one image: the one with more corners, and neither where they are equal.
   bool try_parts() {
@@ -219,7 +241,7 @@ class BoardFinder {
   Pyramid pyramid_;
   std::vector<std::vector<BoardHypothesis>> hypotheses_;  ///< by level searched
   BoardFit fit_;
-  std::optional<BoardHypothesis> best_part_;
+  std::optional<BoardPart> best_part_;
   int most_fitted_ = 0;  ///< corners of one hypothesis
   std::optional<Finding> why_not_;
 };

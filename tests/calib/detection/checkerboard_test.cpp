@@ -382,6 +382,24 @@ TEST(Checkerboard, AFleckedFloorHidesNoBoard) {
     EXPECT_EQ(reason_of(detect_checkerboard(flecked(seed), board)), "no board") << seed;
 }
 
+// The grids of flecks hold more corners than what the image's edge leaves of a board: that was "no board".
+TEST(Checkerboard, ABoardCutOffBeforeAFleckedFloorIsNamed) {
+  const Camera camera = Camera::symmetric(1024, 576, 700.0);
+  const Board board = board_5x4();
+  const Rigid3 T = board_in_view(camera, board, 1.2, 0.3, 0.4, 0.5 * kPi, {960.0, 300.0});
+  const std::vector<Eigen::Vector2d> corners = true_corners(camera, board, T);
+  ASSERT_EQ(std::count_if(corners.begin(), corners.end(), [](const auto& p) { return p.x() < 1023.0; }), 8);
+  BoardPictureOptions options;
+  options.background = 0.0;
+  const Image8 before = draw_board(camera, board, T, options);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Image8 picture = flecked(seed);
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+      picture.pixels[i] = before.pixels[i] > 0 ? before.pixels[i] : picture.pixels[i];
+    EXPECT_EQ(reason_of(detect_checkerboard(picture, board)), "board cut off") << seed;
+  }
+}
+
 TEST(Checkerboard, AnotherBoardIsNotTakenAndIsNamed) {
   const Camera camera = d455();
   const Rigid3 T = board_in_view(camera, board_5x4(), 1.5, 0.4, 0.5, 0.3, {600.0, 330.0});
