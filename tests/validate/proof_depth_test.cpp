@@ -35,6 +35,21 @@ TEST_F(ProofOfDepth, CleanDataPass) {
   }
 }
 
+// Before an exact depth camera, what a sheet bends is a dozen times the noise.
+TEST_F(ProofOfDepth, ABentBoardIsExpectedBent) {
+  constexpr double kBow_m = 0.06;
+  DepthFaults faults;
+  faults.bow_m = kBow_m;
+  EXPECT_FALSE(prove_with(faults).passed) << "as the truth does not tell of it";
+  for (Eigen::Vector3d corner : truth_.board.corners()) {
+    corner.z() = bowed_z_m(truth_.board, kBow_m, corner.x());
+    truth_.printed_corners.push_back(corner);
+  }
+  const Proof proof = prove_with(faults);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  for (const CameraProof& camera : proof.cameras) EXPECT_NEAR(camera.depth_rms_mm, 1.0 / std::sqrt(12.0), 0.03);
+}
+
 // The stated noise at 6 m is 7 cm; data without noise must not hide furniture behind it. A foot within the rounding of
 // a millimetre and five spreads of the clean data (some millimetres far away) cannot be told from the ground.
 TEST_F(ProofOfDepth, FurnitureIsNoDepthErrorAndItsShareIsTold) {

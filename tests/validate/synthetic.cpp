@@ -79,7 +79,7 @@ std::vector<CornerObservation> view_of(const Truth& truth, std::size_t stop, std
   for (int id = 0; id < truth.board.corner_count(); ++id) {
     CornerObservation corner;
     corner.id = id;
-    if (!c.camera.project(T_camera_board * truth.board.corner(id), &corner.pixel)) return {};
+    if (!c.camera.project(T_camera_board * truth.corner(id), &corner.pixel)) return {};
     if (!c.camera.contains(corner.pixel, 5.0)) return {};
     corner.pixel += sigma_px * draw_vector<2>([&random] { return random.normal(); });
     corner.covariance_px2 = sigma_px * sigma_px * Eigen::Matrix2d::Identity();
@@ -99,11 +99,16 @@ RigCamera rig_camera_of(const TrueCamera& camera) {
 }
 
 // z at which a ray meets the squares of the board or the ground, whichever is nearer; 0 for the sky.
-double true_depth(const Truth& truth, const Rigid3& T_world_camera, const Eigen::Vector3d& ray) {
+double true_depth(const Truth& truth, const Rigid3& T_world_camera, const Eigen::Vector3d& ray, double bow_m) {
   const Rigid3 T_board_camera = truth.T_world_board.inverse() * T_world_camera;
   double nearest = std::numeric_limits<double>::infinity();
-  const double board_z = -T_board_camera.translation.z() / (T_board_camera.rotation * ray).z();
-  const Eigen::Vector3d p = T_board_camera * (board_z * ray);
+  double board_z = 0.0;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  for (int round = 0; round < 20; ++round) {
+    const double height = round == 0 ? 0.0 : bowed_z_m(truth.board, bow_m, p.x());
+    board_z = (height - T_board_camera.translation.z()) / (T_board_camera.rotation * ray).z();
+    p = T_board_camera * (board_z * ray);
+  }
   const double s = truth.board.square_m;
   if (board_z > 0.0 && p.x() > -s && p.y() > -s && p.x() < s * truth.board.inner_corners_x() &&
       p.y() < s * truth.board.inner_corners_y())
@@ -123,7 +128,7 @@ cv::Mat depth_image(const Truth& truth, std::size_t stop, std::size_t camera, co
     for (int u = 0; u < image.cols; ++u) {
       Eigen::Vector3d ray;
       c.camera.unproject({u, v}, &ray);
-      double z = true_depth(truth, T_world_camera, ray) * (faults.along_ray ? ray.norm() : 1.0);
+      double z = true_depth(truth, T_world_camera, ray, faults.bow_m) * (faults.along_ray ? ray.norm() : 1.0);
       if (faults.noise_sigmas > 0.0) z += faults.noise_sigmas * stream.noise.sigma_m(z) * random.normal();
       const double outward = 1.0 - 4.0 * u / image.cols;
       const bool is_ground = std::abs((T_world_camera * (z * ray)).z()) < 1e-9;
@@ -153,6 +158,11 @@ Observations make_observations(const Truth& truth, double sigma_px, std::uint64_
     }
   }
   return observations;
+}
+
+double bowed_z_m(const Board& board, double bow_m, double x_m) {
+  const double half = 0.5 * board.square_m * board.squares_x, across = (x_m - board.centre().x()) / half;
+  return -bow_m * (1.0 - across * across);
 }
 
 Recording make_depth_recording(const Truth& truth, const std::filesystem::path& folder, const DepthFaults& faults) {

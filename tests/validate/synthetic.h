@@ -37,8 +37,11 @@ struct DepthFaults {
   double factor = 1.0;
   bool mirrored_y = false;
   double noise_sigmas = 0.0;
+  double bow_m = 0.0;      ///< the middle of the board stands out towards the viewer, bent about the board's y
   bool furniture = false;  ///< something stands on the ground in the left quarter: its foot meets the ground's depth
 };
+/// z of a board's face that is bent so, at x [m].
+double bowed_z_m(const Board& board, double bow_m, double x_m);
 Recording make_depth_recording(const Truth& truth, const std::filesystem::path& folder, const DepthFaults& faults);
 
 }  // namespace rigproof::testing_support

@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "bent_face.h"
 #include "proof_parts.h"
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/conventions.h"
@@ -74,6 +75,7 @@ struct Subject {
   double scale = 1.0;
   int shift_x = 0, shift_y = 0;  // of the depth image, as the truth labels it
   double max_bias_sigmas = 0.0, max_rms_sigmas = 0.0;
+  std::vector<BentFace> faces = {};  // of each board
 };
 
 Subject subject_of(const Recording& recording, const Truth& truth, std::size_t recorded_camera, std::size_t camera,
@@ -95,6 +97,7 @@ Subject subject_of(const Recording& recording, const Truth& truth, std::size_t r
                   static_cast<int>(label_of(true_camera, "depth_shift_y_px")),
                   options.depth_max_bias_sigmas + bias_sigmas,
                   std::hypot(options.depth_max_rms_sigmas, bias_sigmas)};
+  for (int b = 0; b < truth.boards(); ++b) subject.faces.emplace_back(truth.board_at(b));
   // What is true if the truth tells, else what the recording tells; compare_frames() looks at the difference.
   const std::optional<DepthStream::OwnCamera>& own =
       true_camera.depth_camera || !rig.depth ? true_camera.depth_camera : rig.depth->own_camera;
@@ -139,11 +142,11 @@ bool read_frame(const Subject& subject, const CameraFrame& recorded, Frame* fram
   return true;
 }
 
-// Depth z at which the ray from a camera meets the plane z = 0 of `target`.
-std::optional<double> depth_of_plane(const Rigid3& T_target_camera, const Eigen::Vector3d& ray) {
+// Depth z at which the ray from a camera meets the plane z = height of `target`.
+std::optional<double> depth_of_plane(const Rigid3& T_target_camera, const Eigen::Vector3d& ray, double height_m = 0.0) {
   const double slope = (T_target_camera.rotation * ray).z();
   if (std::abs(slope) < 1e-9) return std::nullopt;
-  const double z = -T_target_camera.translation.z() / slope;
+  const double z = (height_m - T_target_camera.translation.z()) / slope;
   return z > 0.0 ? std::optional<double>(z) : std::nullopt;
 }
 
@@ -170,10 +173,17 @@ struct BoardHit {
   double z = 0.0, beyond_m = 0.0;
 };
 
-std::optional<BoardHit> meet_board(const Board& board, const Rigid3& T_board_camera, const Eigen::Vector3d& ray) {
-  const std::optional<double> z = depth_of_plane(T_board_camera, ray);
+std::optional<BoardHit> meet_board(const Board& board, const BentFace& face, const Rigid3& T_board_camera,
+                                   const Eigen::Vector3d& ray) {
+  constexpr int kRounds = 3;  // each takes what is left of a bend's height times its slope
+  std::optional<double> z = depth_of_plane(T_board_camera, ray);
   if (!z) return std::nullopt;
-  const Eigen::Vector3d p = T_board_camera * (*z * ray);
+  Eigen::Vector3d p = T_board_camera * (*z * ray);
+  for (int round = 0; round < kRounds; ++round) {
+    z = depth_of_plane(T_board_camera, ray, face.z_m(p.x(), p.y()));
+    if (!z) return std::nullopt;
+    p = T_board_camera * (*z * ray);
+  }
   return BoardHit{*z, std::max({board.along(-1) - p.x(), p.x() - board.along(board.inner_corners_x()),
                                 board.along(-1) - p.y(), p.y() - board.along(board.inner_corners_y())})};
 }
@@ -187,7 +197,8 @@ void collect_pixel(const Subject& subject, const Frame& frame, int u, int v, Sam
   int boards = 0;  // whose sheets the ray meets, or passes by closely: they hide what is behind them
   for (int b = 0; b < subject.truth.boards(); ++b) {
     const Board& board = subject.truth.board_at(b).board;
-    const auto hit = meet_board(board, frame.T_board_camera[static_cast<std::size_t>(b)], ray);
+    const auto index = static_cast<std::size_t>(b);
+    const auto hit = meet_board(board, subject.faces[index], frame.T_board_camera[index], ray);
     if (!hit || hit->beyond_m > board.square_m) continue;
     ++boards;
     // Away from the squares' edge, where depth may fly; border and rim are left out on both sides.
