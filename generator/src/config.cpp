@@ -157,10 +157,13 @@ void OdometryConfig::visit(FieldVisitor& visitor) {
 
 void RenderConfig::visit(FieldVisitor& visitor) {
   visitor.field("psf_sigma_px", psf_sigma_px, {0.0, 5.0}, "lens blur, standard deviation; 0 = none");
-  visitor.field("board_at_double", board_at_double, "render the board's region at twice the resolution");
+  visitor.field("board_at_double", board_at_double,
+                "render the board's region at twice the resolution, one with markers at four or eight times");
   visitor.field("whole_at_double", whole_at_double, "render everything at twice the resolution (slower)");
-  visitor.field("lens_residual", lens_residual,
-                "every lens displaces its image smoothly by what its model does not follow, as its preset says");
+  visitor.field(
+      "lens_residual", lens_residual,
+      "every lens displaces its image smoothly by what its model does not follow, as its preset says; none whose "
+      "intrinsics the rig or the preset states to be exact");
   visitor.field("motion_blur", motion_blur, "capture moving: images are the mean over their exposure, in linear light");
   visitor.field("rolling_shutter", rolling_shutter, "capture moving: rows are read one after the other");
   visitor.field("exposure_ms", exposure_ms, {0.0, 200.0},

@@ -5,7 +5,8 @@
 namespace rigproof {
 
 double lens_residual_rms_px(const GenerateConfig& config, const RigCamera& camera) {
-  if (!config.render.lens_residual) return 0.0;
+  // A field under intrinsics that are stated to be exact would be a lie of the rig's file.
+  if (!config.render.lens_residual || camera.intrinsics_sigma == IntrinsicsSigma::exact()) return 0.0;
   return config.image_scale * load_sensor_device(camera.sensor).color.lens_residual_px;
 }
 
