@@ -8,7 +8,8 @@
 namespace rigproof {
 namespace {
 
-constexpr int kTagBorder = 2;  // bits; Kalibr's default
+constexpr int kTagBorder = 2;     // bits; Kalibr's default
+constexpr int kMarkerBorder = 1;  // bits; OpenCV's default
 
 // Black cells of a marker, border included, each row in runs.
 void add_marker(const cv::aruco::Dictionary& dictionary, int id, int border, const DarkArea& at,
@@ -59,7 +60,7 @@ void add_charuco_markers(const Board& board, std::vector<DarkArea>* areas) {
   const cv::Ptr<cv::aruco::Dictionary> dictionary = codes_of(board);
   const double share = board.marker_side_m() / board.square_m;
   for (const BoardMarker& marker : markers_of(board))
-    add_marker(*dictionary, marker.id, 1, cell(board, marker.ix, marker.iy, share), areas);
+    add_marker(*dictionary, marker.id, kMarkerBorder, cell(board, marker.ix, marker.iy, share), areas);
 }
 
 std::vector<DarkArea> tags(const Board& board) {
@@ -86,6 +87,12 @@ std::vector<DarkArea> dark_areas(const Board& board) {
   std::vector<DarkArea> areas = squares(board);
   if (board.type == "charuco") add_charuco_markers(board, &areas);
   return areas;
+}
+
+double finest_detail_m(const Board& board) {
+  if (board.type == "checkerboard") return board.square_m;
+  const int border = board.has_tags() ? kTagBorder : kMarkerBorder;
+  return board.marker_side_m() / (dictionary_of(board).bits + 2 * border);
 }
 
 std::string marker_dictionary(const Board& board) {

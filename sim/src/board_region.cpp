@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "rigproof/sim/board_pattern.h"
 
 namespace rigproof {
 namespace {
@@ -21,6 +24,23 @@ PixelRect cut_to_image(const Camera& camera, double x_min, double x_max, double 
   rect.width = clamped(std::ceil(x_max + kExtraPixels) + 1.0, camera.width_px) - rect.x0;
   rect.height = clamped(std::ceil(y_max + kExtraPixels) + 1.0, camera.height_px) - rect.y0;
   return rect;
+}
+
+// Across the direction in which a length on the board, around its middle, is the shortest in the image; absent where
+// the lens has no picture of it.
+std::optional<double> shortest_in_image(const Camera& camera, const Rigid3& T_camera_board, const Board& board,
+                                        double length_m) {
+  const Eigen::Vector3d middle = board.centre();
+  Eigen::Matrix2d pixels;  // of a step of that length along x and along y
+  Eigen::Vector2d from, to;
+  if (!camera.project(T_camera_board * middle, &from)) return std::nullopt;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (!camera.project(T_camera_board * (middle + length_m * Eigen::Vector3d::Unit(axis)), &to)) return std::nullopt;
+    pixels.col(axis) = to - from;
+  }
+  const double squares = pixels.squaredNorm(), twice_area = 2.0 * pixels.determinant();
+  return std::sqrt(0.5 *
+                   std::max(squares - std::sqrt(std::max(squares * squares - twice_area * twice_area, 0.0)), 0.0));
 }
 
 }  // namespace
@@ -52,6 +72,15 @@ PixelRect board_region(const Camera& camera, const Rigid3& T_camera_board, const
   if (projected == 0) return {};
   if (projected < 4 * kSamplesPerEdge) return {0, 0, camera.width_px, camera.height_px};
   return cut_to_image(camera, x_min, x_max, y_min, y_max);
+}
+
+int board_refinement(const Camera& camera, const Rigid3& T_camera_board, const Board& board) {
+  if (board.type == "checkerboard") return 2;
+  constexpr double kFineEnough_px = 8.0;
+  const std::optional<double> cell_px = shortest_in_image(camera, T_camera_board, board, finest_detail_m(board));
+  int factor = 4;
+  while (factor < 8 && cell_px && factor * *cell_px < kFineEnough_px) factor *= 2;
+  return factor;
 }
 
 }  // namespace rigproof

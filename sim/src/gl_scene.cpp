@@ -24,14 +24,17 @@ void shift_by(const Eigen::Vector3d& camera, float* position) {
 
 int rounded_up(int size) { return (size + kSizeStep - 1) / kSizeStep * kSizeStep; }
 
-bool is_of_board(const mjModel* model, int texture) {
+// The board whose texture it is; null: none.
+const Board* board_of_texture(const World& world, const mjModel* model, int texture) {
   const char* name = mj_id2name(model, mjOBJ_TEXTURE, texture);
-  return name != nullptr && board_of_name(name).has_value();
+  const std::optional<std::size_t> index = name != nullptr ? board_of_name(name) : std::nullopt;
+  return index ? &world.description().board_at(*index).board : nullptr;
 }
 
-// Anisotropic filtering keeps a board's edges where they are when it is seen obliquely. On the floor it would only
-// cost time.
-void tune_textures(const GlFunctions& gl, const mjModel* model, const mjrContext& buffers) {
+// Anisotropic filtering keeps a checkerboard's edges where they are when it is seen obliquely. On the floor it would
+// only cost time. Mesa's software (22.3) moves the edges of markers by up to a fiftieth of a square, in one row of a
+// board and not in the next: boards with markers are drawn finer instead, see board_refinement().
+void tune_textures(const GlFunctions& gl, const World& world, const mjModel* model, const mjrContext& buffers) {
   GLfloat most = 1.0F;
   gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &most);
   gl.GetError();  // a driver without the extension says "invalid enum"
@@ -41,10 +44,12 @@ void tune_textures(const GlFunctions& gl, const mjModel* model, const mjrContext
     gl.GenerateMipmap(GL_TEXTURE_2D);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    if (!is_of_board(model, i)) continue;
+    const Board* board = board_of_texture(world, model, i);
+    if (board == nullptr) continue;
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    if (most > 1.0F) gl.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, std::min(most, 16.0F));
+    if (most > 1.0F && board->type == "checkerboard")
+      gl.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, std::min(most, 16.0F));
   }
   gl.BindTexture(GL_TEXTURE_2D, 0);
 }
@@ -87,7 +92,7 @@ GlScene::GlScene(World& world, int device)
   context_.gl().GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &max_size_);
   std::fill(std::begin(scene_.flags), std::end(scene_.flags), mjtByte{0});
   scene_.flags[mjRND_CULL_FACE] = 1;
-  tune_textures(context_.gl(), model, buffers_);
+  tune_textures(context_.gl(), world_, model, buffers_);
 }
 
 GlScene::~GlScene() {

@@ -1,6 +1,7 @@
 #include "rigproof/sim/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -167,8 +168,21 @@ PixelRect rows_of(const PixelRect& rect, const PixelRect& rows) {
   return {rect.x0, top, rect.width, std::max(0, bottom - top)};
 }
 
-bool covers(const std::vector<PixelRect>& regions, const PixelRect& all) {
-  return !regions.empty() && regions.front().width == all.width && regions.front().height == all.height;
+// Beside a board that is seen from so far away that its markers' cells are small, there is no larger picture of it.
+constexpr int kLargestFine_px = 4096;
+
+/// Part of an image that is drawn so many times as fine.
+struct FineRegion {
+  PixelRect rect;
+  int factor = 2;
+};
+
+bool is_all(const PixelRect& rect, const PixelRect& all) {
+  return rect.width == all.width && rect.height == all.height;
+}
+
+bool covers(const std::vector<FineRegion>& regions, const PixelRect& all) {
+  return !regions.empty() && is_all(regions.front().rect, all);
 }
 
 // When each row of an image is exposed.
@@ -214,7 +228,8 @@ struct Renderer::Impl {
         sky(world_in.description().scene, world_in.description().scene_seed),
         shadows(world_in),
         point_spread(options_in.psf_sigma_px),
-        reduction(options_in.psf_sigma_px) {
+        reductions{AreaReduction(options_in.psf_sigma_px, 2), AreaReduction(options_in.psf_sigma_px, 4),
+                   AreaReduction(options_in.psf_sigma_px, 8)} {
     for (const WorldCamera& camera : world.description().cameras) {
       plans.push_back(plan_camera(camera.camera, camera.name, camera.lens_residual));
       depth_plans.emplace_back();
@@ -234,10 +249,10 @@ struct Renderer::Impl {
   void take_color(const CameraPlan& plan, Image8* color);
   void take_depth(const CameraPlan& plan, ImageF* depth_m);
   void take_object_ids(const CameraPlan& plan, Image16* ids);
-  void refine(const CameraPlan& plan, const PixelRect& rect, Image8* color);
+  void refine(const CameraPlan& plan, const FineRegion& region, Image8* color);
   RgbaView resampled(const RgbaView& source, const RayTable& table);
-  std::vector<PixelRect> regions_at_double(const CameraPlan& plan, const Rigid3& T_world_camera,
-                                           const PixelRect& within) const;
+  std::vector<FineRegion> fine_regions(const CameraPlan& plan, const Rigid3& T_world_camera,
+                                       const PixelRect& within) const;
 
   World& world;
   RenderOptions options;
@@ -246,7 +261,7 @@ struct Renderer::Impl {
   SunShadows shadows;
   Rigid3 T_world_eye;  // of the picture that is being drawn
   PointSpread point_spread;
-  DoubleReduction reduction;
+  std::array<AreaReduction, 3> reductions;  // of 2x, 4x and 8x
   std::vector<CameraPlan> plans;
   std::vector<std::optional<CameraPlan>> depth_plans;  // where depth has a camera of its own
   RayTable region_table;
@@ -255,18 +270,21 @@ struct Renderer::Impl {
 };
 
 // Of rows of the image; where one of them is all of these, it is the only one.
-std::vector<PixelRect> Renderer::Impl::regions_at_double(const CameraPlan& plan, const Rigid3& T_world_camera,
-                                                         const PixelRect& within) const {
-  if (options.whole_at_double) return {within};
-  std::vector<PixelRect> regions;
+std::vector<FineRegion> Renderer::Impl::fine_regions(const CameraPlan& plan, const Rigid3& T_world_camera,
+                                                     const PixelRect& within) const {
+  if (options.whole_at_double) return {{within}};
+  std::vector<FineRegion> regions;
   const WorldDescription& description = world.description();
   for (std::size_t i = 0; options.board_at_double && i < description.boards(); ++i) {
     const WorldBoard& board = description.board_at(i);
-    const PixelRect region = rows_of(
-        board_region(plan.camera, T_world_camera.inverse() * board.T_world_board, board.board, board.board_margin_m),
-        within);
-    if (region.width == within.width && region.height == within.height) return {region};
-    if (!region.empty()) regions.push_back(region);
+    const Rigid3 T_camera_board = T_world_camera.inverse() * board.T_world_board;
+    const PixelRect rect =
+        rows_of(board_region(plan.camera, T_camera_board, board.board, board.board_margin_m), within);
+    if (is_all(rect, within)) return {{rect}};
+    if (rect.empty()) continue;
+    FineRegion region{rect, board_refinement(plan.camera, T_camera_board, board.board)};
+    while (region.factor > 2 && region.factor * std::max(rect.width, rect.height) > kLargestFine_px) region.factor /= 2;
+    regions.push_back(region);
   }
   return regions;
 }
@@ -332,13 +350,15 @@ void Renderer::Impl::take_object_ids(const CameraPlan& plan, Image16* ids) {
   }
 }
 
-// Draws a region at 2x, lens and PSF applied there, and puts it into the image.
-void Renderer::Impl::refine(const CameraPlan& plan, const PixelRect& rect, Image8* color) {
+// Draws a region finely, lens and PSF applied there, and puts it into the image.
+void Renderer::Impl::refine(const CameraPlan& plan, const FineRegion& region, Image8* color) {
+  const auto& [rect, factor] = region;
+  AreaReduction& reduction = reductions[factor == 2 ? 0 : factor == 4 ? 1 : 2];
   const int margin = reduction.margin_px();
   const PixelRect wide = {rect.x0 - margin, rect.y0 - margin, rect.width + 2 * margin, rect.height + 2 * margin};
-  if (plan.lens && !region_table.fill(*plan.lens, wide, 2)) return;
+  if (plan.lens && !region_table.fill(*plan.lens, wide, factor)) return;
   if (plan.lens) region_table.locate_in(region_table.source());
-  const Frustum frustum = plan.lens ? region_table.source().frustum() : frustum_of(plan.camera, wide, 2);
+  const Frustum frustum = plan.lens ? region_table.source().frustum() : frustum_of(plan.camera, wide, factor);
   gl.draw(frustum, Pass::kColor);
   const RgbaView picture = read_picture(frustum);
   reduction.apply(plan.lens ? resampled(picture, region_table) : picture, rect, color);
@@ -355,15 +375,15 @@ void Renderer::Impl::render(const CameraPlan& plan, const Rigid3& T_world_camera
   const Camera& camera = plan.camera;
   look_from(T_world_camera, with_ceiling);
   const PixelRect whole = whole_image(camera);
-  std::vector<PixelRect> regions;
-  if (options.color) regions = regions_at_double(plan, T_world_camera, whole);
+  std::vector<FineRegion> regions;
+  if (options.color) regions = fine_regions(plan, T_world_camera, whole);
   const bool color_at_single = options.color && !covers(regions, whole);
   if (color_at_single || with_depth) draw_frame(plan, Pass::kColor);
   if (color_at_single) take_color(plan, &view->color);
   if (with_depth) take_depth(plan, &view->depth_m);
   if (options.color) {
     resize(camera.width_px, camera.height_px, 3, &view->color);
-    for (const PixelRect& region : regions) refine(plan, region, &view->color);
+    for (const FineRegion& region : regions) refine(plan, region, &view->color);
   }
   if (options.object_ids) {
     draw_frame(plan, Pass::kObjectIds);
@@ -386,7 +406,7 @@ void Renderer::Impl::render_depth_camera(std::size_t camera, RenderedView* view)
 void Renderer::Impl::render_color_rows(const CameraPlan& plan, const Rigid3& T_world_camera, const PixelRect& rows,
                                        Image8* color) {
   look_from(T_world_camera, true);
-  const std::vector<PixelRect> regions = regions_at_double(plan, T_world_camera, rows);
+  const std::vector<FineRegion> regions = fine_regions(plan, T_world_camera, rows);
   if (!covers(regions, rows)) {
     // Blur reaches beyond the rows that are wanted.
     const int margin = point_spread.reach_px();
@@ -400,7 +420,7 @@ void Renderer::Impl::render_color_rows(const CameraPlan& plan, const Rigid3& T_w
     for (int y = rows.y0; y < rows.y0 + rows.height; ++y)
       std::copy_n(part_color.row(y - drawn.y0), part_color.row_length(), color->row(y));
   }
-  for (const PixelRect& region : regions) refine(plan, region, color);
+  for (const FineRegion& region : regions) refine(plan, region, color);
 }
 
 void Renderer::Impl::expose_color(std::size_t camera, const Exposure& exposure, Image8* color) {
@@ -487,8 +507,8 @@ void Renderer::render_bare(std::size_t camera) {
   if (impl_->options.color) gl.read_color();
   if (impl_->options.depth) gl.read_depth();
   if (impl_->options.color) {  // for a lens: as many pixels of about the same things
-    for (const PixelRect& region : impl_->regions_at_double(plan, T_world_camera, whole_image(plan.camera))) {
-      gl.draw(frustum_of(plan.camera, region, 2), Pass::kColor);
+    for (const FineRegion& region : impl_->fine_regions(plan, T_world_camera, whole_image(plan.camera))) {
+      gl.draw(frustum_of(plan.camera, region.rect, region.factor), Pass::kColor);
       gl.read_color();
     }
   }

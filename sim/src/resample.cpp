@@ -101,23 +101,27 @@ void PointSpread::apply(const RgbaView& source, Image8* rgb) {
   }
 }
 
-DoubleReduction::DoubleReduction(double sigma_px) {
-  const std::vector<double> half = gaussian_half(2.0 * sigma_px);
-  const int radius = static_cast<int>(half.size()) - 1;
-  // The sample j places out from the middle of the pixel pair gets half of the Gaussian seen from either.
-  const auto gaussian = [&](int i) { return i > radius ? 0.0 : half[static_cast<std::size_t>(std::abs(i))]; };
-  for (int j = 0; j <= radius; ++j) pair_weights_.push_back(static_cast<float>(0.5 * (gaussian(j) + gaussian(j + 1))));
-  margin_px_ = (radius + 1) / 2;
+AreaReduction::AreaReduction(double sigma_px, int factor) : factor_(factor) {
+  const std::vector<double> half = gaussian_half(factor * sigma_px);
+  const int radius = static_cast<int>(half.size()) - 1, beside = factor / 2;
+  // The sample j places out from the middle of the averaged ones gets the mean of the Gaussian seen from each of them.
+  const auto gaussian = [&](int i) { return std::abs(i) > radius ? 0.0 : half[static_cast<std::size_t>(std::abs(i))]; };
+  for (int j = 0; j < radius + beside; ++j) {
+    double sum = 0.0;
+    for (int i = -beside; i < beside; ++i) sum += gaussian(j - i);
+    pair_weights_.push_back(static_cast<float>(sum / factor));
+  }
+  margin_px_ = (radius + factor - 1) / factor;
 }
 
 RIGPROOF_VECTOR_CLONES
-void DoubleReduction::apply(const RgbaView& source, const PixelRect& destination, Image8* rgb) {
+void AreaReduction::apply(const RgbaView& source, const PixelRect& destination, Image8* rgb) {
   const int taps = static_cast<int>(pair_weights_.size());
   const int length = source.width * kChannels;
   line_.resize(static_cast<std::size_t>(length));
   float* line = line_.data();
   for (int y = 0; y < destination.height; ++y) {
-    const int middle = 2 * (y + margin_px_);
+    const int middle = factor_ * (y + margin_px_) + factor_ / 2 - 1;
     std::fill(line_.begin(), line_.end(), 0.0F);
     for (int j = 0; j < taps; ++j) {
       const std::uint8_t *above = source.row(middle - j), *below = source.row(middle + 1 + j);
@@ -126,7 +130,7 @@ void DoubleReduction::apply(const RgbaView& source, const PixelRect& destination
     }
     std::uint8_t* out = rgb->row(destination.y0 + y) + 3 * destination.x0;
     for (int x = 0; x < destination.width; ++x) {
-      const float* centre = line + 2 * (x + margin_px_) * kChannels;
+      const float* centre = line + (factor_ * (x + margin_px_) + factor_ / 2 - 1) * kChannels;
       float sum[kChannels] = {0.5F, 0.5F, 0.5F, 0.5F};
       for (int j = 0; j < taps; ++j) {
         const float *left = centre - j * kChannels, *right = centre + (1 + j) * kChannels;

@@ -50,17 +50,19 @@ class PointSpread {
   std::vector<std::uint8_t> line_;
 };
 
-/// Blurs a 2x image with the PSF and averages 2x2 pixels, in one pass.
-class DoubleReduction {
+/// Blurs an image drawn `factor` times as fine with the PSF and averages factor x factor pixels, in one pass.
+class AreaReduction {
  public:
   /// @param sigma_px of the point-spread function in pixels of the reduced image.
-  explicit DoubleReduction(double sigma_px);
-  /// Pixels of the reduced image that the 2x image must reach beyond the reduced rectangle, on every side.
+  /// @param factor even.
+  AreaReduction(double sigma_px, int factor);
+  /// Pixels of the reduced image that the fine one must reach beyond the reduced rectangle, on every side.
   int margin_px() const { return margin_px_; }
-  /// Fills `destination` of `rgb` from a 2x source of (width + 2 margin) * 2 by (height + 2 margin) * 2 pixels.
+  /// Fills `destination` of `rgb` from a source of (width + 2 margin) * factor by (height + 2 margin) * factor pixels.
   void apply(const RgbaView& source, const PixelRect& destination, Image8* rgb);
 
  private:
+  int factor_;
   std::vector<float> pair_weights_;  // of the two middle samples first, then outwards
   int margin_px_ = 0;
   std::vector<float> line_;

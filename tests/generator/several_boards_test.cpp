@@ -128,6 +128,37 @@ TEST(SeveralBoardsOfARun, MistakesAreNamed) {
               HasSubstr("more_boards[0].dictionary: DICT_4X4: must be one of"));
 }
 
+// As shipped, in small: with everything that real cameras leave, before bent boards and a depth camera that is exact.
+TEST(SeveralBoardsOfARun, AsShippedAreWhereTheTruthHasThem) {
+  const TempFolder folder;
+  GenerateOptions options;
+  options.output = folder.path() / "run";
+  generate(parse_generate_config("include: several_boards.yaml\nimage_scale: 0.5\nposes: 8\n", "small.yaml"), options);
+  const RunFolder run{options.output};
+  const Recording recording = load_recording(run.recording());
+  ObserveOptions observing;
+  observing.threads = 2;
+  const Proof proof = prove(recording, observe(recording, observing), load_truth(run.truth_file()));
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+}
+
+// Drawn coarsely, or with a driver's anisotropic filter, markers of small squares moved the corners of a whole row.
+TEST(SeveralBoardsOfARun, AreDrawnFinelyEnoughForSmallSquares) {
+  const TempFolder folder;
+  GenerateOptions options;
+  options.output = folder.path() / "run";
+  generate(
+      parse_generate_config("include: [plain.yaml, several_boards.yaml]\nimage_scale: 0.5\nposes: 12\n", "small.yaml"),
+      options);
+  const RunFolder run{options.output};
+  const Recording recording = load_recording(run.recording());
+  ObserveOptions observing;
+  observing.threads = 2;
+  const Proof proof = prove(recording, observe(recording, observing), load_truth(run.truth_file()));
+  for (const CameraProof& camera : proof.cameras)
+    EXPECT_LT(camera.corner_rms_px.maxCoeff(), 0.022) << camera.camera << " " << camera.corner_rms_px.transpose();
+}
+
 // The loop closed: detected corners and depth of every board are where the truth has them.
 TEST(SeveralBoardsOfARun, AreInThePicturesWhereTheTruthHasThem) {
   const TempFolder folder;

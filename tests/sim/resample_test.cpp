@@ -76,22 +76,28 @@ TEST(PointSpread, FlatStaysFlatAndZeroCopies) {
   EXPECT_EQ(out.at(3, 4), 0);
 }
 
-TEST(DoubleReduction, AveragesPixelPairsInPlace) {
-  for (const double sigma : {0.0, 0.6, 1.2}) {
-    DoubleReduction reduction(sigma);
-    const int margin = reduction.margin_px(), size = 12;
-    const int fine = 2 * (size + 2 * margin);
-    Picture ramp(fine, fine);  // grey level = 4 per fine column
-    for (int y = 0; y < fine; ++y)
-      for (int x = 0; x < fine; ++x) ramp.set(x, y, 4 * x);
-    Image8 out(size + 4, size + 6, 3);
-    reduction.apply(ramp.view(), {3, 5, size, size}, &out);
-    for (int y = 0; y < size; ++y)
-      for (int x = 0; x < size; ++x)
-        ASSERT_EQ(out.at(3 + x, 5 + y, 1), 4 * 2 * (x + margin) + 2) << sigma << " " << x;  // mean of the two columns
-    EXPECT_EQ(out.at(2, 5), 0);
-    EXPECT_EQ(out.at(3 + size, 5), 0);
-  }
+// Grey levels rise by eight a reduced pixel: the mean of its columns is half a step of theirs below its end.
+void expect_means(int factor, double sigma) {
+  AreaReduction reduction(sigma, factor);
+  const int margin = reduction.margin_px(), size = 12, step = 8 / factor;
+  const int fine = factor * (size + 2 * margin);
+  Picture ramp(fine, fine);
+  for (int y = 0; y < fine; ++y)
+    for (int x = 0; x < fine; ++x) ramp.set(x, y, step * x);
+  Image8 out(size + 4, size + 6, 3);
+  reduction.apply(ramp.view(), {3, 5, size, size}, &out);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const double mean = 8.0 * (x + margin) + 0.5 * (8 - step);
+      ASSERT_NEAR(out.at(3 + x, 5 + y, 1), mean, 0.501) << factor << " " << sigma << " " << x;
+    }
+  EXPECT_EQ(out.at(2, 5), 0);
+  EXPECT_EQ(out.at(3 + size, 5), 0);
+}
+
+TEST(AreaReduction, AveragesPixelsInPlace) {
+  for (const int factor : {2, 4, 8})
+    for (const double sigma : {0.0, 0.6, 1.2}) expect_means(factor, sigma);
 }
 
 TEST(SampleRow, BlendsLinearlyAndLeavesTheOutsideBlack) {

@@ -25,6 +25,9 @@ const std::vector<std::string>& board_types();
 /// Throws Error where there are not enough markers, or for an unknown type.
 std::vector<DarkArea> dark_areas(const Board& board);
 
+/// The side of the smallest squares that are printed: of a marker's cells, or the board's squares [m].
+double finest_detail_m(const Board& board);
+
 /// The dictionary of the board's markers, as OpenCV calls it: "DICT_5X5_50"; empty for a checkerboard.
 std::string marker_dictionary(const Board& board);
 
