@@ -1,7 +1,6 @@
 #include "board_fit.h"
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "bent_plane.h"
 #include "marker_codes.h"
 #include "rigproof/calib/geometry/homography.h"
 #include "rigproof/core/board_markers.h"
@@ -124,12 +124,16 @@ bool square_at(const Homography& H, const Vector2d& b, const Vector2d& centre, d
   return square->allFinite() && square->determinant() > 0.0;
 }
 
-std::optional<Homography> homography_of(const Board& board, const std::vector<MeasuredCorner>& corners) {
+std::vector<PlanePoint> points_of(const Board& board, const std::vector<MeasuredCorner>& corners) {
   std::vector<PlanePoint> points;
   for (const MeasuredCorner& corner : corners)
     if (corner.fit.status == SaddleStatus::kFitted)
       points.push_back({place_of_corner(board, corner.id), corner.fit.pixel});
-  return Homography::fit(points);
+  return points;
+}
+
+std::optional<Homography> homography_of(const Board& board, const std::vector<MeasuredCorner>& corners) {
+  return Homography::fit(points_of(board, corners));
 }
 
 // How the edges at a corner go on: on one side of it along each axis lies a tag.
@@ -146,6 +150,7 @@ void follow_tags(const Board& board, int id, const TagSides& sides, SaddleWindow
 struct Measuring {
   const std::optional<TagSides>& tags;
   const MarkerCells& markers;
+  const std::optional<BentPlane>& bent;  ///< of the board, where that is known
   double blur_px;
   bool coarse;
   int may_miss;  ///< after more corners that are none the others are not looked at
@@ -170,6 +175,8 @@ std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, cons
     corner.window.blur_px = how.blur_px;
     corner.window.marker_share = marker_share(board);
     corner.window.dark_cells = how.markers.at(column, row, corner.window.dark_diagonal);
+    if (how.bent) corner.window.curvature = how.bent->curvature(b);
+    if (how.bent && board.type == "charuco") corner.window.board = how.bent->near(b);
     corner.window.coarse = how.coarse;
     corner.fit = fit_saddle(grey, corner.window);
     missed += corner.fit.status == SaddleStatus::kFitted ? 0 : 1;
@@ -399,27 +406,19 @@ std::vector<std::pair<int, Vector2d>> places_of(const std::vector<MeasuredCorner
 }
 
 // How far corners lie off a plane's picture that is bent as lenses and bows bend it, beyond what they are known to: a
-// homography and a polynomial of second degree leave a hundredth of a square even of a fisheye's border, but a tenth of
-// what only looks like squares. 0 where there are too few corners to tell.
+// tenth of a square of what only looks like squares. 0 where there are too few corners to tell.
 double disorder(const Board& board, const std::vector<MeasuredCorner>& corners) {
-  // Eight unknowns are the homography's; of the polynomials' twelve it follows six.
-  constexpr int kBends = 6, kUnknowns = 14;
   constexpr double kSigmas = 2.0;
-  const std::optional<Homography> H = homography_of(board, corners);
-  const std::vector<std::pair<int, Vector2d>> places = places_of(corners);
-  const auto n = static_cast<Eigen::Index>(places.size());
-  if (!H || 2 * n < kUnknowns + kBends) return 0.0;
-  Eigen::MatrixXd bends(n, kBends), off(n, 2);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& [id, pixel] = places[static_cast<std::size_t>(i)];
-    const Vector2d b = place_of_corner(board, id);
+  const std::vector<PlanePoint> points = points_of(board, corners);
+  const std::optional<BentPlane> bent = BentPlane::fit(points);
+  if (!bent) return 0.0;
+  double squares = 0.0;
+  for (const auto& [place, pixel] : points) {
     Vector2d expected = pixel;
-    H->map(b, &expected);
-    bends.row(i) << 1.0, b.x(), b.y(), b.x() * b.x(), b.x() * b.y(), b.y() * b.y();
-    off.row(i) = pixel - expected;
+    bent->map(place, &expected);
+    squares += (pixel - expected).squaredNorm();
   }
-  const Eigen::MatrixXd left = off - bends * bends.colPivHouseholderQr().solve(off);
-  const double rms = std::sqrt(left.squaredNorm() / static_cast<double>(2 * n - kUnknowns));
+  const double rms = std::sqrt(squares / (2.0 * static_cast<double>(points.size()) - BentPlane::kUnknowns));
   const double sigma = std::sqrt(median_of(corners, [](const SaddleFit& f) { return 0.5 * f.covariance_px2.trace(); }));
   return rms > kSigmas * sigma ? rms / smallest_square(corners) : 0.0;
 }
@@ -497,7 +496,7 @@ CoarseCorners measure_coarsely(const Image8& grey, const Board& board, Homograph
   const bool part = !has_markers(board) && static_cast<int>(seeds.size()) < all;
   const int may_miss = part ? all - static_cast<int>(std::ceil(kHopeless * all)) : all;
   for (int round = 0;; ++round) {
-    CoarseCorners coarse = {measure(grey, board, H, seeds, {tags, markers, kFirstBlur, true, may_miss}), {}};
+    CoarseCorners coarse = {measure(grey, board, H, seeds, {tags, markers, {}, kFirstBlur, true, may_miss}), {}};
     coarse.H = homography_of(board, coarse.corners);
     if (!coarse.H) return coarse;
     drop_outliers(board, *coarse.H, options, &coarse.corners);
@@ -540,8 +539,10 @@ BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement&
     return result;
   }
   if (H) {
-    corners = measure(grey, board, *H, places_of(corners),
-                      {tags, markers, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false, board.corner_count()});
+    const std::optional<BentPlane> bent = BentPlane::fit(points_of(board, corners));
+    corners =
+        measure(grey, board, *H, places_of(corners),
+                {tags, markers, bent, std::clamp(median_of(corners, blur_of), 0.4, 6.0), false, board.corner_count()});
     drop_outliers(board, *H, options, &corners);
   }
   result.outside = count(corners, SaddleStatus::kOutsideImage);

@@ -21,7 +21,8 @@ using Eigen::Vector2d;
 constexpr double kMaxReach = 12.0;
 // A pixel farther than this many blurs from both edges tells only m and c.
 constexpr double kEdgeReach = 4.0;
-// Prior of an edge's curvature [1/px]: strong barrel distortion (k1 = -0.3) at fx 640 gives 4e-4.
+// Prior of an edge's curvature, about that of the board's picture [1/px]: strong barrel distortion (k1 = -0.3) at fx
+// 640 gives 4e-4, a fisheye several times as much.
 constexpr double kCurvatureSigma = 4e-4;
 // Prior of the brightness slope [1/px]: a tenth over ten pixels.
 constexpr double kSlopeSigma = 0.01;
@@ -66,12 +67,18 @@ void add_outer_products(const Derivatives& derivatives, int columns, Normal* nor
   }
 }
 
-System linearise(const std::vector<Pixel>& pixels, const Parameters& p, double noise_variance) {
+/// Pixels of a window, and what is expected of their edges.
+struct Evidence {
+  std::vector<Pixel> pixels;
+  Vector2d curvature;  ///< see SaddleWindow
+};
+
+System linearise(const Evidence& evidence, const Parameters& p, double noise_variance) {
   System system;
   const SaddleModel model(p);
   Derivatives derivatives;
   int filled = 0;
-  for (const Pixel& pixel : pixels) {
+  for (const Pixel& pixel : evidence.pixels) {
     auto derivative = derivatives.col(filled);
     const double error = model.at(pixel, derivative) - pixel.grey;
     system.residual_squares += error * error;
@@ -83,8 +90,9 @@ System linearise(const std::vector<Pixel>& pixels, const Parameters& p, double n
   add_outer_products(derivatives, filled, &system.normal);
   system.normal.triangularView<Eigen::StrictlyUpper>() = system.normal.transpose();
   system.cost = system.residual_squares;
-  for (const Parameter curve : {kCurve1, kCurve2})
-    add_prior(curve, p[curve], noise_variance / (kCurvatureSigma * kCurvatureSigma), &system);
+  const Vector2d bent = p.segment<2>(kCurve1) - evidence.curvature;
+  add_prior(kCurve1, bent[0], noise_variance / (kCurvatureSigma * kCurvatureSigma), &system);
+  add_prior(kCurve2, bent[1], noise_variance / (kCurvatureSigma * kCurvatureSigma), &system);
   for (const Parameter slope : {kSlopeX, kSlopeY})
     add_prior(slope, p[slope], noise_variance / (kSlopeSigma * kSlopeSigma), &system);
   return system;
@@ -131,6 +139,7 @@ class MarkerShade {
         share_(window.marker_share),
         per_square_(shape.height_u / blur_px, shape.height_v / blur_px),
         side_(window.dark_diagonal ? -1.0 : 1.0),
+        board_(window.board),
         dark_cells_(window.dark_cells) {}
 
   /// Share of a pixel's light that falls on the markers' area.
@@ -145,7 +154,7 @@ class MarkerShade {
 
   // Of the square ahead along x and of the one behind, which lie on opposite sides of the edge along x.
   double sum(const Vector2d& offset, const Cells& cells) const {
-    const Vector2d uv = shape_.board_from_pixel * offset;
+    const Vector2d uv = board_ ? board_->place(offset) : Vector2d(shape_.board_from_pixel * offset);
     return of_square(uv - Vector2d(0.5, 0.5 * side_), cells[0]) + of_square(uv + Vector2d(0.5, 0.5 * side_), cells[1]);
   }
   // At a place from the square's middle.
@@ -168,6 +177,7 @@ class MarkerShade {
   double share_;
   Vector2d per_square_;  ///< blurs in a square
   double side_;
+  const std::optional<LocalPlane>& board_;
   Cells dark_cells_;
 };
 
@@ -211,6 +221,7 @@ Parameters first_guess(const SaddleWindow& window, const std::vector<Pixel>& pix
   p[kAngle1] = std::atan2(window.square(1, 0), window.square(0, 0));
   p[kAngle2] = std::atan2(window.square(1, 1), window.square(0, 1));
   p[kBlur1] = p[kBlur2] = window.blur_px;
+  p.segment<2>(kCurve1) = window.curvature;
   p[kMean] = 0.5 * (low + high);
   // The first edge's normal points to +y of the board, the second one's to -x: at +x +y the product is negative.
   p[kContrast] = 0.5 * (high - low) * (window.dark_diagonal ? 1.0 : -1.0);
@@ -251,9 +262,9 @@ Parameters bounded_step(Normal normal, Parameters gradient, const Parameters& fr
 }
 
 // Levenberg-Marquardt. The noise variance only weighs the priors against the pixels.
-Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, double noise_variance, double reach,
+Minimum minimise(const Evidence& evidence, const Parameters& start, double noise_variance, double reach,
                  double converged_step) {
-  Minimum best{start, linearise(pixels, start, noise_variance), false};
+  Minimum best{start, linearise(evidence, start, noise_variance), false};
   double damping = 1e-4;
   for (int iteration = 0; iteration < kMaxIterations && damping < 1e6 && !best.converged; ++iteration) {
     Normal damped = best.system.normal;
@@ -264,7 +275,7 @@ Minimum minimise(const std::vector<Pixel>& pixels, const Parameters& start, doub
     next[kBlur2] = std::max(next[kBlur2], kMinBlur);
     const bool small = std::hypot(step[kX], step[kY]) < converged_step;
     System system;
-    if (is_plausible(next, reach)) system = linearise(pixels, next, noise_variance);
+    if (is_plausible(next, reach)) system = linearise(evidence, next, noise_variance);
     if (!is_plausible(next, reach) || !(system.cost <= best.system.cost)) {
       best.converged = small;  // no better within rounding
       damping *= 10.0;
@@ -340,11 +351,11 @@ std::vector<Pixel> unfiltered(std::vector<Pixel> pixels, const Parameters& model
 }
 
 // The filter changes by the model, and the model by the filter: the second round is within a thousandth of a pixel.
-Minimum minimise_unfiltered(const std::vector<Pixel>& pixels, const ColourFilter& filter, Minimum minimum,
+Minimum minimise_unfiltered(const Evidence& evidence, const ColourFilter& filter, Minimum minimum,
                             double noise_variance, double reach) {
   for (int round = 0; round < 2; ++round)
-    minimum = minimise(unfiltered(pixels, minimum.parameters, filter), minimum.parameters, noise_variance, reach,
-                       kConvergedStep);
+    minimum = minimise({unfiltered(evidence.pixels, minimum.parameters, filter), evidence.curvature},
+                       minimum.parameters, noise_variance, reach, kConvergedStep);
   return minimum;
 }
 
@@ -365,10 +376,10 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
     return fit;
   }
   const double reach = 0.6 * std::min(window.square.col(0).norm(), window.square.col(1).norm());
-  const std::vector<Pixel>& used = *pixels;
-  Minimum minimum = minimise(used, first_guess(window, used), kFirstNoiseVariance, reach, kCoarseStep);
+  const Evidence used{*pixels, window.curvature};
+  Minimum minimum = minimise(used, first_guess(window, *pixels), kFirstNoiseVariance, reach, kCoarseStep);
   // Before a filter's effect is taken off: what its model does not follow is about as large.
-  const double noise_variance = noise_variance_of(minimum.system, used.size());
+  const double noise_variance = noise_variance_of(minimum.system, pixels->size());
   if (minimum.converged && !window.coarse)
     minimum = window.filter == nullptr ? minimise(used, minimum.parameters, noise_variance, reach, kConvergedStep)
                                        : minimise_unfiltered(used, *window.filter, minimum, noise_variance, reach);
