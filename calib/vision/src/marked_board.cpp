@@ -28,7 +28,7 @@ constexpr std::size_t kMinGrid = 4;
 // Texture and markers chain saddles, too; the board's grids are among the largest.
 constexpr std::size_t kGridsRead = 16;
 // Of the markers of a board over those of any other board that the image may show.
-constexpr double kAheadOfOthers = 8.0;
+constexpr double kAheadOfOthers = 6.0;
 
 /// A part of an image, enlarged.
 struct Enlarged {
