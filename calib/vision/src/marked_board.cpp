@@ -58,11 +58,19 @@ std::vector<CornerGrid> grids_of(const Enlarged& part) {
   return grids;
 }
 
-// Around a grid, with as much on each side as it is large.
-cv::Rect surroundings(const CornerGrid& grid, const Image8& grey) {
+Eigen::AlignedBox2d box_of(const CornerGrid& grid) {
   Eigen::AlignedBox2d box;
   for (const auto& [at, position] : grid.corners) box.extend(position);
-  const Vector2d low = box.min() - box.sizes(), high = box.max() + box.sizes();
+  return box;
+}
+
+// Around a grid, with as much on each side as it is large: of a board that is seen from afar and aslant, a few corners
+// may be all that it holds.
+cv::Rect surroundings(const CornerGrid& grid, const Image8& grey) {
+  constexpr double kLeast_px = 40.0;
+  const Eigen::AlignedBox2d box = box_of(grid);
+  const Vector2d more = box.sizes().cwiseMax(kLeast_px);
+  const Vector2d low = box.min() - more, high = box.max() + more;
   const cv::Rect around(static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>((high - low).x()),
                         static_cast<int>((high - low).y()));
   return around & cv::Rect(0, 0, grey.width, grey.height);
@@ -122,8 +130,15 @@ class MarkedBoardFinder {
     if (std::max(grey_.width, grey_.height) > kMaxDoubled) return;
     const std::vector<CornerGrid> grids = grids_of(enlarge(grey_, cv::Rect(0, 0, grey_.width, grey_.height), 2));
     read(grids);
+    std::vector<cv::Rect> looked_at;
     for (std::size_t i = 0; i < std::min(grids.size(), kGridsEnlarged) && !is_whole(); ++i) {
       const cv::Rect part = surroundings(grids[i], grey_);
+      const Vector2d middle = box_of(grids[i]).center();
+      if (std::any_of(looked_at.begin(), looked_at.end(), [&](const cv::Rect& rect) {
+            return rect.contains(cv::Point(static_cast<int>(middle.x()), static_cast<int>(middle.y())));
+          }))
+        continue;
+      looked_at.push_back(part);
       if (std::max(part.width, part.height) <= kMaxPart && std::min(part.width, part.height) >= kLeastPart)
         read(grids_of(enlarge(grey_, part, 4)));
     }
