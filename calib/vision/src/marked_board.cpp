@@ -133,14 +133,12 @@ class MarkedBoardFinder {
     std::vector<cv::Rect> looked_at;
     for (std::size_t i = 0; i < std::min(grids.size(), kGridsEnlarged) && !is_whole(); ++i) {
       const cv::Rect part = surroundings(grids[i], grey_);
-      const Vector2d middle = box_of(grids[i]).center();
-      if (std::any_of(looked_at.begin(), looked_at.end(), [&](const cv::Rect& rect) {
-            return rect.contains(cv::Point(static_cast<int>(middle.x()), static_cast<int>(middle.y())));
-          }))
-        continue;
+      if (std::max(part.width, part.height) > kMaxPart || std::min(part.width, part.height) < kLeastPart) continue;
+      const bool seen = std::any_of(looked_at.begin(), looked_at.end(),
+                                    [&part](const cv::Rect& rect) { return (rect & part) == part; });
+      if (seen) continue;
       looked_at.push_back(part);
-      if (std::max(part.width, part.height) <= kMaxPart && std::min(part.width, part.height) >= kLeastPart)
-        read(grids_of(enlarge(grey_, part, 4)));
+      read(grids_of(enlarge(grey_, part, 4)));
     }
   }
 
