@@ -64,12 +64,10 @@ Eigen::AlignedBox2d box_of(const CornerGrid& grid) {
   return box;
 }
 
-// Around a grid, with as much on each side as it is large: of a board that is seen from afar and aslant, a few corners
-// may be all that it holds.
-cv::Rect surroundings(const CornerGrid& grid, const Image8& grey) {
-  constexpr double kLeast_px = 40.0;
+// Around a grid, with as much on each side as it is large, or as so many pixels.
+cv::Rect surroundings(const CornerGrid& grid, const Image8& grey, double least_px) {
   const Eigen::AlignedBox2d box = box_of(grid);
-  const Vector2d more = box.sizes().cwiseMax(kLeast_px);
+  const Vector2d more = box.sizes().cwiseMax(least_px);
   const Vector2d low = box.min() - more, high = box.max() + more;
   const cv::Rect around(static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>((high - low).x()),
                         static_cast<int>((high - low).y()));
@@ -103,6 +101,14 @@ BoardPlacement on_one_plane(BoardPlacement placement, const Board& board) {
   return kept.seeds.size() >= 4 ? kept : placement;
 }
 
+// Two searches find a corner within so much [px].
+constexpr double kSameCorner = 1.5;
+
+bool has_corner_at(const CornerGrid& grid, const Vector2d& pixel) {
+  return std::any_of(grid.corners.begin(), grid.corners.end(),
+                     [&pixel](const auto& corner) { return (corner.second - pixel).norm() < kSameCorner; });
+}
+
 /// Looks level by level for grids whose markers tell where they lie on the board.
 class MarkedBoardFinder {
  public:
@@ -125,14 +131,24 @@ class MarkedBoardFinder {
  private:
   // At twice the size, and where that shows grids of small squares, at four times.
   void look_closer() {
-    constexpr int kMaxDoubled = 2048, kMaxPart = 480, kLeastPart = 8;
-    constexpr std::size_t kGridsEnlarged = 8;
+    constexpr int kMaxDoubled = 2048;
+    constexpr double kFar_px = 40.0;
     if (std::max(grey_.width, grey_.height) > kMaxDoubled) return;
     const std::vector<CornerGrid> grids = grids_of(enlarge(grey_, cv::Rect(0, 0, grey_.width, grey_.height), 2));
     read(grids);
+    look_around(grids, 0.0);
+    if (!parts_.empty()) return;
+    // Of a board that is seen from afar and aslant a few corners may be all that a grid holds.
+    look_around(grids, kFar_px);
+    parts_.erase(std::remove_if(parts_.begin(), parts_.end(), [this](const auto& part) { return is_refuted(part); }),
+                 parts_.end());
+  }
+  void look_around(const std::vector<CornerGrid>& grids, double least_px) {
+    constexpr int kMaxPart = 480, kLeastPart = 8;
+    constexpr std::size_t kGridsEnlarged = 8;
     std::vector<cv::Rect> looked_at;
     for (std::size_t i = 0; i < std::min(grids.size(), kGridsEnlarged) && !is_whole(); ++i) {
-      const cv::Rect part = surroundings(grids[i], grey_);
+      const cv::Rect part = surroundings(grids[i], grey_, least_px);
       if (std::max(part.width, part.height) > kMaxPart || std::min(part.width, part.height) < kLeastPart) continue;
       const bool seen = std::any_of(looked_at.begin(), looked_at.end(),
                                     [&part](const cv::Rect& rect) { return (rect & part) == part; });
@@ -143,9 +159,11 @@ class MarkedBoardFinder {
   }
 
   void read(const std::vector<CornerGrid>& grids) {
-    for (std::size_t i = 0; i < std::min(grids.size(), kGridsRead); ++i)
-      if (auto part = reader_.read(grey_, grids[i]); part && !may_be_another(*part, grids[i]))
-        parts_.push_back(std::move(*part));
+    for (std::size_t i = 0; i < std::min(grids.size(), kGridsRead); ++i) {
+      auto part = reader_.read(grey_, grids[i]);
+      if (!part) unread_.push_back(grids[i]);
+      if (part && !may_be_another(*part, grids[i])) parts_.push_back(std::move(*part));
+    }
     std::stable_sort(parts_.begin(), parts_.end(),
                      [](const MarkedPlacement& a, const MarkedPlacement& b) { return a.evidence > b.evidence; });
   }
@@ -155,6 +173,17 @@ class MarkedBoardFinder {
       for (const Board& other : options_.others) others_.emplace_back(other);
     return std::any_of(others_.begin(), others_.end(), [&](const detection::MarkerReader& other) {
       return other.most_evidence(grey_, grid) > part.evidence - kAheadOfOthers;
+    });
+  }
+  // A few markers of another board may lie to each other as on this one: then a larger grid, of which theirs is part,
+  // could not be read.
+  bool is_refuted(const MarkedPlacement& part) const {
+    constexpr std::size_t kShared = 3;
+    const auto& seeds = part.placement.seeds;
+    return std::any_of(unread_.begin(), unread_.end(), [&seeds](const CornerGrid& grid) {
+      if (grid.corners.size() <= seeds.size()) return false;
+      const auto is_shared = [&grid](const auto& seed) { return has_corner_at(grid, seed.second); };
+      return static_cast<std::size_t>(std::count_if(seeds.begin(), seeds.end(), is_shared)) >= kShared;
     });
   }
   bool is_whole() const {
@@ -185,6 +214,7 @@ class MarkedBoardFinder {
   detection::MarkerReader reader_;
   std::vector<detection::MarkerReader> others_;  ///< made when a board is found
   std::vector<MarkedPlacement> parts_;           ///< likeliest first
+  std::vector<CornerGrid> unread_;               ///< grids that do not show the board
 };
 
 }  // namespace
