@@ -9,20 +9,19 @@
 
 namespace rigproof::detection {
 
-/// Around a place of a plane, in units of the plane: its picture to second order.
+/// The picture of a plane around one of its places, to second order, by coordinates of the plane.
 struct LocalPlane {
   Eigen::Matrix2d by_place;             ///< derivative of the pixel
   Eigen::Vector2d by_xx, by_xy, by_yy;  ///< second derivatives
 
-  /// Where on the plane, from that place, a pixel lies, which is given from the picture of the place.
+  /// From the place to where a pixel lies on the plane; the pixel is given from the place's picture.
   Eigen::Vector2d place(const Eigen::Vector2d& pixel) const;
 };
 
 /// A homography and a polynomial of second degree. They leave a hundredth of a square even at a fisheye's border.
 class BentPlane {
  public:
-  /// What points of both kinds of unknowns a fit takes from, beside the points: the homography follows six of the
-  /// polynomial's twelve.
+  /// Numbers that a fit takes up: the homography's eight and six of the polynomial's twelve, as it follows the others.
   static constexpr int kUnknowns = 14;
 
   /// Absent where there are too few points to tell.

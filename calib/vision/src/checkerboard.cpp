@@ -1,6 +1,7 @@
 #include "rigproof/calib/vision/checkerboard.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "board_fit.h"
 #include "board_search.h"
@@ -126,37 +127,47 @@ bool touches_border(const CornerGrid& grid, const Image8& grey) {
   });
 }
 
-// Whether the corners, by the median, are not where a plane of equal squares would have them. Of boards in the demo's
-// pictures they are .004 squares off, of flecks on its floor that chain by chance .09 and more.
-bool lies_unevenly(const CornerGrid& grid) {
-  constexpr double kMostUneven = 0.08, kCoarse_px = 1.0;  // corners of low squares are found that coarsely
+// How far the corners are, by the median, from where a plane of equal squares would have them [px]. Of boards in the
+// demo's pictures that is .004 squares, of flecks on its floor that chain by chance .09 and more.
+double off_plane_px(const CornerGrid& grid) {
+  constexpr double kNoPlane = std::numeric_limits<double>::infinity();
   std::vector<detection::PlanePoint> points;
   for (const auto& [place, p] : grid.corners) points.push_back({Vector2d(place.first, place.second), p});
   const std::optional<detection::Homography> H = detection::Homography::fit(points);
-  if (!H) return true;
+  if (!H) return kNoPlane;
   std::vector<double> distances;
   for (const auto& [place, p] : points) {
     Vector2d mapped;
-    if (!H->map(place, &mapped)) return true;
+    if (!H->map(place, &mapped)) return kNoPlane;
     distances.push_back((mapped - p).norm());
   }
-  return median(distances) > std::max(kMostUneven * median(edges_of(grid)), kCoarse_px);
+  return median(distances);
+}
+
+bool lies_unevenly(const CornerGrid& grid) {
+  constexpr double kMostUneven = 0.08, kCoarse_px = 1.0;  // corners of low squares are found that coarsely
+  return off_plane_px(grid) > std::max(kMostUneven * median(edges_of(grid)), kCoarse_px);
+}
+
+// Corners of the board alone, more of them and more evenly than chance lays them: four or five lie on some plane,
+// whatever they are of.
+bool lies_on_a_plane(const BoardHypothesis& part) {
+  constexpr std::size_t kToldFromChance = 8;
+  constexpr double kEven = 0.03;
+  return part.fits_exactly() && part.corners >= kToldFromChance &&
+         off_plane_px(part.grid) <= kEven * median(edges_of(part.grid));
 }
 
 /// What of the board was seen, where it was not measured.
 struct BoardPart {
   BoardHypothesis hypothesis;
-  bool on_plane = false;  ///< more corners than chance lays that evenly
+  bool on_plane = false;
 
-  explicit BoardPart(const BoardHypothesis& seen)
-      : hypothesis(seen), on_plane(seen.grid.corners.size() >= kToldFromChance && !lies_unevenly(seen.grid)) {}
+  explicit BoardPart(const BoardHypothesis& seen) : hypothesis(seen), on_plane(lies_on_a_plane(seen)) {}
 
   bool tells_more_than(const BoardPart& other) const {
     return std::pair(on_plane, hypothesis.corners) > std::pair(other.on_plane, other.hypothesis.corners);
   }
-
- private:
-  static constexpr std::size_t kToldFromChance = 8;  // four or five corners lie on some plane, whatever they are of
 };
 
 Finding reason_for_part(const BoardHypothesis& part, const Image8& grey, const Board& board) {

@@ -22,8 +22,8 @@ using Eigen::VectorXf;
 // Blur of lens and pixel that a marker is compared through [px].
 constexpr double kBlurPx = 0.7;
 // A place needs this evidence, more where more squares could agree by chance, and this much more than any other. With
-// two less of each, none of 3,000 boards in squares of 5 to 8 px was read as either of two others, in noise or in
-// pictures as cameras process them; with four less two were.
+// one to two less of each, none of 3,000 boards in squares of 5 to 8 px was read as either of two others, in noise or
+// in pictures as cameras process them; with four less two were.
 constexpr double kEvidence = 12.0, kEvidencePerRoot = 0.5, kEvidenceAhead = 6.0;
 // A marker is read where its correlation is above this; of the squares between corners that were found, this share.
 constexpr float kRead = 0.2F;
@@ -194,7 +194,7 @@ MatrixXf blur_matrix(int from, int size, int all, double sigma_cells) {
   return weights;
 }
 
-// As how many numbers that differ by chance so many blurred cells in a row count.
+// How many independent numbers a row of cells counts for that are blurred so much.
 double independent_of(int bits, double sigma_cells) {
   const MatrixXf blur = blur_matrix(3, bits, bits + 6, sigma_cells);
   const MatrixXf shared = blur * blur.transpose();

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "saddle_model.h"
@@ -366,20 +367,20 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
   if (!window.centre.allFinite() || !window.square.allFinite() || window.centre.cwiseAbs().maxCoeff() > 1e6 ||
       std::abs(window.square.determinant()) < 1.0)
     return fit;
-  const std::optional<std::vector<Pixel>> pixels = gather(grey, window, window.blur_px);
-  if (!pixels) {
+  std::optional<std::vector<Pixel>> gathered = gather(grey, window, window.blur_px);
+  if (!gathered) {
     fit.status = SaddleStatus::kOutsideImage;
     return fit;
   }
-  if (pixels->size() < 2 * kCount) {
+  if (gathered->size() < 2 * kCount) {
     fit.status = SaddleStatus::kTooSmall;
     return fit;
   }
   const double reach = 0.6 * std::min(window.square.col(0).norm(), window.square.col(1).norm());
-  const Evidence used{*pixels, window.curvature};
-  Minimum minimum = minimise(used, first_guess(window, *pixels), kFirstNoiseVariance, reach, kCoarseStep);
+  const Evidence used{std::move(*gathered), window.curvature};
+  Minimum minimum = minimise(used, first_guess(window, used.pixels), kFirstNoiseVariance, reach, kCoarseStep);
   // Before a filter's effect is taken off: what its model does not follow is about as large.
-  const double noise_variance = noise_variance_of(minimum.system, pixels->size());
+  const double noise_variance = noise_variance_of(minimum.system, used.pixels.size());
   if (minimum.converged && !window.coarse)
     minimum = window.filter == nullptr ? minimise(used, minimum.parameters, noise_variance, reach, kConvergedStep)
                                        : minimise_unfiltered(used, *window.filter, minimum, noise_variance, reach);
@@ -395,8 +396,8 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
   fit.edge_rad = p.segment<2>(kAngle1);
   fit.contrast = std::abs(p[kContrast]);
   fit.unknowns = p;
-  fit.pixels = static_cast<int>(pixels->size());
-  fit.residual_rms = std::sqrt(minimum.system.residual_squares / static_cast<double>(pixels->size()));
+  fit.pixels = static_cast<int>(used.pixels.size());
+  fit.residual_rms = std::sqrt(minimum.system.residual_squares / static_cast<double>(used.pixels.size()));
   return fit;
 }
 
