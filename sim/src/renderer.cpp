@@ -168,14 +168,18 @@ PixelRect rows_of(const PixelRect& rect, const PixelRect& rows) {
   return {rect.x0, top, rect.width, std::max(0, bottom - top)};
 }
 
-// Beside a board that is seen from so far away that its markers' cells are small, there is no larger picture of it.
-constexpr int kLargestFine_px = 4096;
-
 /// Part of an image that is drawn so many times as fine.
 struct FineRegion {
   PixelRect rect;
   int factor = 2;
 };
+
+// Pictures of a part are no larger than this [px].
+int factor_within(int factor, const PixelRect& rect) {
+  constexpr int kLargest = 4096;
+  while (factor > 2 && factor * std::max(rect.width, rect.height) > kLargest) factor /= 2;
+  return factor;
+}
 
 bool is_all(const PixelRect& rect, const PixelRect& all) {
   return rect.width == all.width && rect.height == all.height;
@@ -269,21 +273,21 @@ struct Renderer::Impl {
   Image8 imager_color, part_color;  // scratch
 };
 
-// Of rows of the image; where one of them is all of these, it is the only one.
+// Of rows of the image. Where a board takes all of these, its region is the only one; where everything is fine anyway,
+// the whole comes first, and boards that are drawn finer after it.
 std::vector<FineRegion> Renderer::Impl::fine_regions(const CameraPlan& plan, const Rigid3& T_world_camera,
                                                      const PixelRect& within) const {
-  if (options.whole_at_double) return {{within}};
   std::vector<FineRegion> regions;
+  if (options.whole_at_double) regions.push_back({within});
   const WorldDescription& description = world.description();
   for (std::size_t i = 0; options.board_at_double && i < description.boards(); ++i) {
     const WorldBoard& board = description.board_at(i);
     const Rigid3 T_camera_board = T_world_camera.inverse() * board.T_world_board;
-    const PixelRect rect =
-        rows_of(board_region(plan.camera, T_camera_board, board.board, board.board_margin_m), within);
-    if (is_all(rect, within)) return {{rect}};
-    if (rect.empty()) continue;
-    FineRegion region{rect, board_refinement(plan.camera, T_camera_board, board.board)};
-    while (region.factor > 2 && region.factor * std::max(rect.width, rect.height) > kLargestFine_px) region.factor /= 2;
+    FineRegion region{rows_of(board_region(plan.camera, T_camera_board, board.board, board.board_margin_m), within)};
+    if (region.rect.empty()) continue;
+    region.factor = factor_within(board_refinement(plan.camera, T_camera_board, board.board), region.rect);
+    if (options.whole_at_double && region.factor == 2) continue;
+    if (is_all(region.rect, within)) return {region};
     regions.push_back(region);
   }
   return regions;

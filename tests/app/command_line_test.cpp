@@ -45,63 +45,72 @@ TEST(CommandLine, MistypedValuesNameTheNearest) {
   EXPECT_THAT(rigproof_command({"run", "demo", "--budget", "cii"}).err, Not(HasSubstr("bench-v1"))) << "budgets alone";
 }
 
-// What bash offers for a line of words, the last of which is being typed.
-std::string completed(const std::string& script, const std::string& words, const std::string& folder = "") {
-  const std::string call = "source " + script + "; COMP_WORDS=(" + words +
-                           "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _rigproof; echo \"${COMPREPLY[*]}\"";
-  const ProcessOutput output =
-      run_process({"/bin/bash", "-c", call}, folder.empty() ? TempFolder().path().string() : folder);
-  EXPECT_EQ(output.err, "");
-  return output.out;
-}
+/// Bash with the completion that the program prints, in a folder of its own.
+class BashCompletion {
+ public:
+  BashCompletion() { std::filesystem::create_directories(folder()); }
+
+  /// What is offered for a line of words, the last of which is being typed.
+  std::string of(const std::string& words) const {
+    const std::string call = "source " + script_ + "; COMP_WORDS=(" + words +
+                             "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _rigproof; echo \"${COMPREPLY[*]}\"";
+    const ProcessOutput output = run_process({"/bin/bash", "-c", call}, folder().string());
+    EXPECT_EQ(output.err, "");
+    return output.out;
+  }
+  void write(const std::string& name) const { scratch_.write("here/" + name, ""); }
+
+ private:
+  std::filesystem::path folder() const { return scratch_ / "here"; }
+
+  TempFolder scratch_;
+  std::string script_ = scratch_.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
+};
 
 TEST(CommandLine, BashCompletesCommandsOptionsAndChoices) {
-  const TempFolder scratch;
-  const std::string script = scratch.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
-  EXPECT_EQ(completed(script, "rigproof cal"), "calibrate\n");
-  EXPECT_EQ(completed(script, "rigproof calibrate monday --gr"), "--ground\n");
-  EXPECT_EQ(completed(script, "rigproof calibrate --ground ''"), "depth images auto\n");
-  EXPECT_EQ(completed(script, "rigproof calibrate --junit ''"), "\n") << "names of files, by the shell";
-  EXPECT_EQ(completed(script, "rigproof sweep s"), "start slurm status summary\n");
-  EXPECT_EQ(completed(script, "rigproof sweep start --dry"), "--dry-run\n");
-  EXPECT_EQ(completed(script, "rigproof completion ''"), "bash zsh fish\n");
+  const BashCompletion completion;
+  EXPECT_EQ(completion.of("rigproof cal"), "calibrate\n");
+  EXPECT_EQ(completion.of("rigproof calibrate monday --gr"), "--ground\n");
+  EXPECT_EQ(completion.of("rigproof calibrate --ground ''"), "depth images auto\n");
+  EXPECT_EQ(completion.of("rigproof calibrate --junit ''"), "\n") << "names of files, by the shell";
+  EXPECT_EQ(completion.of("rigproof sweep s"), "start slurm status summary\n");
+  EXPECT_EQ(completion.of("rigproof sweep start --dry"), "--dry-run\n");
+  EXPECT_EQ(completion.of("rigproof completion ''"), "bash zsh fish\n");
 }
 
 TEST(CommandLine, BashCompletesPresetsMethodsAndSchemas) {
   const TempFolder scratch;
   scratch.write("mine/models/boards/checkerboard_of_mine.yaml", "");
   ::setenv("RIGPROOF_PATH", (scratch / "mine").c_str(), 1);
-  const std::string script = scratch.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
+  const BashCompletion completion;
   ::unsetenv("RIGPROOF_PATH");
-  EXPECT_EQ(completed(script, "rigproof init --sensor d4"), "d415 d435 d455\n");
-  EXPECT_THAT(completed(script, "rigproof board ch"),
+  EXPECT_EQ(completion.of("rigproof init --sensor d4"), "d415 d435 d455\n");
+  EXPECT_THAT(completion.of("rigproof board ch"),
               AllOf(HasSubstr("checkerboard_5x4_100mm"), HasSubstr("checkerboard_of_mine")));
-  EXPECT_EQ(completed(script, "rigproof generate dem"), "demo\n");
-  EXPECT_EQ(completed(script, "rigproof generate bud"), "\n") << "is no run";
-  EXPECT_EQ(completed(script, "rigproof sweep start sweeps/"), "sweeps/geometric\n");
-  EXPECT_EQ(completed(script, "rigproof calibrate --method ml"), "ml\n");
-  EXPECT_EQ(completed(script, "rigproof validate runs/demo --budget c"), "ci\n");
-  EXPECT_EQ(completed(script, "rigproof run --accept d"), "default\n");
-  EXPECT_EQ(completed(script, "rigproof schema ri"), "rig\n");
-  EXPECT_EQ(completed(script, "rigproof paper ''"), "table1 quantity odometry table3 why\n");
-  EXPECT_EQ(completed(script, "rigproof bench export stra"), "straight_line\n");
+  EXPECT_EQ(completion.of("rigproof generate dem"), "demo\n");
+  EXPECT_EQ(completion.of("rigproof generate bud"), "\n") << "is no run";
+  EXPECT_EQ(completion.of("rigproof sweep start sweeps/"), "sweeps/geometric\n");
+  EXPECT_EQ(completion.of("rigproof calibrate --method ml"), "ml\n");
+  EXPECT_EQ(completion.of("rigproof validate runs/demo --budget c"), "ci\n");
+  EXPECT_EQ(completion.of("rigproof run --accept d"), "default\n");
+  EXPECT_EQ(completion.of("rigproof schema ri"), "rig\n");
+  EXPECT_EQ(completion.of("rigproof paper ''"), "table1 quantity odometry table3 why\n");
+  EXPECT_EQ(completion.of("rigproof bench export stra"), "straight_line\n");
 }
 
 // As bash hands them over, where "=" parts words and where the user has told it not to.
 TEST(CommandLine, BashCompletesValuesBehindAnEqualsSign) {
-  const TempFolder scratch;
-  const std::string script = scratch.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
-  EXPECT_EQ(completed(script, "rigproof calibrate --ground ="), "depth images auto\n");
-  EXPECT_EQ(completed(script, "rigproof calibrate --ground = im"), "images\n");
-  EXPECT_EQ(completed(script, "rigproof calibrate --ground=im"), "--ground=images\n");
-  EXPECT_EQ(completed(script, "rigproof calibrate --junit = ''"), "\n") << "names of files, by the shell";
+  const BashCompletion completion;
+  EXPECT_EQ(completion.of("rigproof calibrate --ground ="), "depth images auto\n");
+  EXPECT_EQ(completion.of("rigproof calibrate --ground = im"), "images\n");
+  EXPECT_EQ(completion.of("rigproof calibrate --ground=im"), "--ground=images\n");
+  EXPECT_EQ(completion.of("rigproof calibrate --junit = ''"), "\n") << "names of files, by the shell";
 }
 
 TEST(CommandLine, BashCompletesFilesBesidePresets) {
-  const TempFolder scratch;
-  const std::string script = scratch.write("completion.sh", rigproof_command({"completion", "bash"}).out).string();
-  scratch.write("demo of mine.yaml", "");
-  EXPECT_EQ(completed("completion.sh", "rigproof generate dem", scratch.path().string()), "demo demo of mine.yaml\n");
+  const BashCompletion completion;
+  completion.write("demo of mine.yaml");
+  EXPECT_EQ(completion.of("rigproof generate dem"), "demo demo of mine.yaml\n");
 }
 
 TEST(CommandLine, EveryShellAndTheManualKnowEveryCommand) {

@@ -128,6 +128,15 @@ TEST(SeveralBoardsOfARun, MistakesAreNamed) {
               HasSubstr("more_boards[0].dictionary: DICT_4X4: must be one of"));
 }
 
+TEST(SeveralBoardsOfARun, HaveNoLensFieldUnderExactIntrinsics) {
+  const Scenario scenario =
+      resolve_scenario(parse_generate_config("include: several_boards.yaml\nposes: 1\n", "one.yaml"));
+  for (std::size_t i = 0; i < scenario.truth.cameras.size(); ++i) {
+    const bool exact = scenario.recording.rig.cameras[i].intrinsics_sigma == IntrinsicsSigma::exact();
+    EXPECT_NE(scenario.truth.cameras[i].lens_residual.has_value(), exact) << scenario.truth.cameras[i].name;
+  }
+}
+
 // As shipped, in small: with everything that real cameras leave, before bent boards and a depth camera that is exact.
 TEST(SeveralBoardsOfARun, AsShippedAreWhereTheTruthHasThem) {
   const TempFolder folder;

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "board_model.h"
+#include "board_region.h"
 #include "error_text.h"
 #include "printed_board.h"
 #include "rigproof/sim/board_pattern.h"
@@ -80,6 +81,21 @@ double share_that_differs(const cv::Mat& a, const cv::Mat& b, int by) {
   cv::Mat difference;
   cv::absdiff(a, b, difference);
   return static_cast<double>(cv::countNonZero(difference > by)) / static_cast<double>(a.total());
+}
+
+TEST(BoardRefinement, IsFinerWhereTheCellsOfMarkersAreSmall) {
+  const Camera camera = Camera::symmetric(1280, 720, 640.0);
+  Board board{"charuco", 7, 5, 0.1, {}, {}, {}};  // cells of 10.7 mm
+  const auto at = [&](double distance_m) {
+    return board_refinement(camera, Rigid3(Eigen::Quaterniond::Identity(), {0.0, 0.0, distance_m}), board);
+  };
+  EXPECT_EQ(at(3.3), 4) << "2.1 px";
+  EXPECT_EQ(at(3.6), 8) << "1.9 px";
+  const Rigid3 aslant(so3_exp({0.0, deg_to_rad(60.0), 0.0}), {0.0, 0.0, 2.5});
+  EXPECT_EQ(at(2.5), 4);
+  EXPECT_EQ(board_refinement(camera, aslant, board), 8) << "1.7 px along the narrow side";
+  board.type = "checkerboard";
+  EXPECT_EQ(at(3.6), 2);
 }
 
 TEST(BoardDefects, AClothHidesItsShareOfTheSheet) {

@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "bent_face.h"
 #include "rigproof/core/error.h"
 #include "rigproof/validate/proof.h"
 #include "synthetic.h"
@@ -48,6 +49,20 @@ TEST_F(ProofOfDepth, ABentBoardIsExpectedBent) {
   const Proof proof = prove_with(faults);
   EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
   for (const CameraProof& camera : proof.cameras) EXPECT_NEAR(camera.depth_rms_mm, 1.0 / std::sqrt(12.0), 0.03);
+}
+
+// A ray that passes by far off would meet the paraboloid again.
+TEST(BentFace, IsBentOnTheBoardAlone) {
+  TrueBoard board;
+  EXPECT_EQ(BentFace(board).z_m(0.1, 0.1), 0.0) << "nothing bends it";
+  for (Eigen::Vector3d corner : board.board.corners()) {
+    corner.z() = bowed_z_m(board.board, 0.002, corner.x());
+    board.printed_corners.push_back(corner);
+  }
+  const BentFace face(board);
+  for (const double x : {-0.1, 0.03, 0.15, 0.4})
+    EXPECT_NEAR(face.z_m(x, 0.1), bowed_z_m(board.board, 0.002, x), 1e-9) << x;
+  EXPECT_LT(std::abs(face.z_m(50.0, -30.0)), 0.002);
 }
 
 // The stated noise at 6 m is 7 cm; data without noise must not hide furniture behind it. A foot within the rounding of

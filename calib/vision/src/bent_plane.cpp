@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <cmath>
 
 namespace rigproof::detection {
 namespace {
@@ -67,18 +68,11 @@ Vector2d LocalPlane::place(const Vector2d& pixel) const {
   return at;
 }
 
-Vector2d BentPlane::curvature(const Vector2d& place) const {
-  constexpr double kStep = 0.5;
-  Vector2d result = Vector2d::Zero(), middle, ahead, behind;
-  if (!map(place, &middle)) return result;
-  for (int axis = 0; axis < 2; ++axis) {
-    if (!map(place + kStep * Vector2d::Unit(axis), &ahead) || !map(place - kStep * Vector2d::Unit(axis), &behind))
-      continue;
-    const Vector2d first = middle - behind, second = ahead - middle;
-    // Of the circle through the three (Menger).
-    result[axis] = 2.0 * cross(first, second) / (first.norm() * second.norm() * (ahead - behind).norm());
-  }
-  return result;
+Vector2d LocalPlane::curvature() const {
+  const auto along = [](const Vector2d& first, const Vector2d& second) {
+    return cross(first, second) / std::pow(first.norm(), 3);
+  };
+  return {along(by_place.col(0), by_xx), along(by_place.col(1), by_yy)};
 }
 
 }  // namespace rigproof::detection

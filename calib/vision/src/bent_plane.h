@@ -16,6 +16,9 @@ struct LocalPlane {
 
   /// From the place to where a pixel lies on the plane; the pixel is given from the place's picture.
   Eigen::Vector2d place(const Eigen::Vector2d& pixel) const;
+  /// Of the lines along the plane's x and y in the picture [1/px], positive where they bend from their direction
+  /// towards what lies clockwise of it, as image axes turn.
+  Eigen::Vector2d curvature() const;
 };
 
 /// A homography and a polynomial of second degree. They leave a hundredth of a square even at a fisheye's border.
@@ -32,10 +35,6 @@ class BentPlane {
 
   /// Absent where the homography has no picture.
   std::optional<LocalPlane> near(const Eigen::Vector2d& place) const;
-
-  /// Of the lines of the plane along its x and its y in the picture [1/px]: from the line's direction towards what lies
-  /// clockwise of it, as image axes turn. Zero where the homography has no picture.
-  Eigen::Vector2d curvature(const Eigen::Vector2d& place) const;
 
  private:
   using Bends = Eigen::Matrix<double, 6, 2>;

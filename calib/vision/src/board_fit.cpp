@@ -175,8 +175,7 @@ std::vector<MeasuredCorner> measure(const Image8& grey, const Board& board, cons
     corner.window.blur_px = how.blur_px;
     corner.window.marker_share = marker_share(board);
     corner.window.dark_cells = how.markers.at(column, row, corner.window.dark_diagonal);
-    if (how.bent) corner.window.curvature = how.bent->curvature(b);
-    if (how.bent && board.type == "charuco") corner.window.board = how.bent->near(b);
+    if (how.bent) corner.window.board = how.bent->near(b);
     corner.window.coarse = how.coarse;
     corner.fit = fit_saddle(grey, corner.window);
     missed += corner.fit.status == SaddleStatus::kFitted ? 0 : 1;
@@ -374,8 +373,8 @@ Matrix2d covariance_of(const Aliasing& aliasing, const MeasuredCorner& corner) {
   return edges_to_corner * variance.asDiagonal() * edges_to_corner.transpose();
 }
 
-// Variance along each axis by the bits of a ChArUco board's markers: the model has markers that are dark all over, and
-// where squares are small the light of their bits reaches the corners' edges through the dark border, by blur.
+// Variance along each axis by the bits of a ChArUco board's markers: where squares are small their light reaches the
+// corners' edges through the dark border, by blur, and the model does not follow all of it.
 double variance_by_bits(const Board& board, const MeasuredCorner& corner) {
   constexpr double kReachPx = 0.08;  // measured on squares of 5 to 8 px
   if (board.type != "charuco") return 0.0;

@@ -161,12 +161,16 @@ bool lies_on_a_plane(const BoardHypothesis& part) {
 /// What of the board was seen, where it was not measured.
 struct BoardPart {
   BoardHypothesis hypothesis;
-  bool on_plane = false;
+  bool on_plane = false, uneven = false;
 
-  explicit BoardPart(const BoardHypothesis& seen) : hypothesis(seen), on_plane(lies_on_a_plane(seen)) {}
+  explicit BoardPart(const BoardHypothesis& seen)
+      : hypothesis(seen), on_plane(lies_on_a_plane(seen)), uneven(lies_unevenly(seen.grid)) {}
 
+  // More corners do, but for flecks beside what is surely a board's.
   bool tells_more_than(const BoardPart& other) const {
-    return std::pair(on_plane, hypothesis.corners) > std::pair(other.on_plane, other.hypothesis.corners);
+    if (on_plane && other.uneven) return true;
+    if (uneven && other.on_plane) return false;
+    return hypothesis.corners > other.hypothesis.corners;
   }
 };
 
@@ -189,7 +193,7 @@ class BoardFinder {
     }
     if (try_parts()) return std::move(fit_.corners);
     // Where corners lie unevenly nothing hides a board: it was never there. Floors and labels chain saddles by chance.
-    if (!best_part_ || lies_unevenly(best_part_->hypothesis.grid)) return BoardNotFound{Finding("board.not_found")};
+    if (!best_part_ || best_part_->uneven) return BoardNotFound{Finding("board.not_found")};
     if (why_not_) return BoardNotFound{*why_not_};
     const Finding reason = reason_for_part(best_part_->hypothesis, grey_, board_);
     // So it is where many of the corners are none when looked at closely.

@@ -71,7 +71,7 @@ void add_outer_products(const Derivatives& derivatives, int columns, Normal* nor
 /// Pixels of a window, and what is expected of their edges.
 struct Evidence {
   std::vector<Pixel> pixels;
-  Vector2d curvature;  ///< see SaddleWindow
+  Vector2d curvature;  ///< of those along x (first) and y
 };
 
 System linearise(const Evidence& evidence, const Parameters& p, double noise_variance) {
@@ -212,6 +212,10 @@ std::optional<std::vector<Pixel>> gather(const Image8& grey, const SaddleWindow&
   return pixels;
 }
 
+Vector2d curvature_in(const SaddleWindow& window) {
+  return window.board ? window.board->curvature() : Vector2d(Vector2d::Zero());
+}
+
 Parameters first_guess(const SaddleWindow& window, const std::vector<Pixel>& pixels) {
   double low = 255.0, high = 0.0;
   for (const Pixel& pixel : pixels) {
@@ -222,7 +226,7 @@ Parameters first_guess(const SaddleWindow& window, const std::vector<Pixel>& pix
   p[kAngle1] = std::atan2(window.square(1, 0), window.square(0, 0));
   p[kAngle2] = std::atan2(window.square(1, 1), window.square(0, 1));
   p[kBlur1] = p[kBlur2] = window.blur_px;
-  p.segment<2>(kCurve1) = window.curvature;
+  p.segment<2>(kCurve1) = curvature_in(window);
   p[kMean] = 0.5 * (low + high);
   // The first edge's normal points to +y of the board, the second one's to -x: at +x +y the product is negative.
   p[kContrast] = 0.5 * (high - low) * (window.dark_diagonal ? 1.0 : -1.0);
@@ -377,7 +381,7 @@ SaddleFit fit_saddle(const Image8& grey, const SaddleWindow& window) {
     return fit;
   }
   const double reach = 0.6 * std::min(window.square.col(0).norm(), window.square.col(1).norm());
-  const Evidence used{std::move(*gathered), window.curvature};
+  const Evidence used{std::move(*gathered), curvature_in(window)};
   Minimum minimum = minimise(used, first_guess(window, used.pixels), kFirstNoiseVariance, reach, kCoarseStep);
   // Before a filter's effect is taken off: what its model does not follow is about as large.
   const double noise_variance = noise_variance_of(minimum.system, used.pixels.size());

@@ -19,16 +19,15 @@ struct SaddleWindow {
   Eigen::Matrix2d square = Eigen::Matrix2d::Identity();
   bool dark_diagonal = true;  ///< the squares at +x +y and -x -y of the corner are dark
   double blur_px = 0.8;       ///< first guess of the edges' blur
-  /// Expected curvature of the edges along x (first) and y [1/px], towards the next one clockwise.
-  Eigen::Vector2d curvature = Eigen::Vector2d::Zero();
-  bool coarse = false;  ///< stop at a few hundredths of a pixel
+  bool coarse = false;        ///< stop at a few hundredths of a pixel
   /// Side of the markers in the middle of the light squares, over the squares'; 0: none. Pixels on them are left out,
   /// and what their blur leaves of the others' light is part of the model.
   double marker_share = 0.0;
   /// Dark (1) and light (0) cells of the markers in the light squares ahead of the corner along x and behind it, rows
   /// along y and columns along x; null: dark all over. Not owned.
   std::array<const Eigen::MatrixXd*, 2> dark_cells{};
-  /// The board around the corner, in squares, for where its markers are; absent: as `square` goes on.
+  /// The board around the corner, in squares: how its edges are expected to bend, and where its markers are. Absent:
+  /// straight on, as `square`.
   std::optional<LocalPlane> board = std::nullopt;
   /// How far the edges along x (first) and y go on between areas as clean as the squares above, beyond the corner and
   /// before it [squares].
