@@ -470,6 +470,9 @@ std::optional<Finding> fault_of(const Board& board, const std::vector<MeasuredCo
   if (fitted > 0 && blur > kMaxBlurShare * smallest) return Finding("board.blurred", {{"edge_px", 2.0 * blur}});
   if (has_markers(board)) {
     if (tells_a_pose(board, corners)) return std::nullopt;
+    // Windows beside markers that leave too few pixels are no sign of something in front of them.
+    if (board.type == "charuco" && 2 * count(corners, SaddleStatus::kTooSmall) > board.corner_count())
+      return Finding("board.markers_too_small", {{"cell_px", marker_cell_px(board, smallest)}});
     return Finding("board.partly_hidden", {{"corners", fitted}, {"of", board.corner_count()}});
   }
   if (count(corners, SaddleStatus::kOutsideImage) > 0 && fitted < board.corner_count()) return Finding("board.cut_off");
@@ -513,6 +516,10 @@ CoarseCorners measure_coarsely(const Image8& grey, const Board& board, Homograph
 Vector2d place_of_corner(const Board& board, int id) {
   if (board.has_tags()) return board.corner(id).head<2>() / (0.5 * board.square_m);
   return Vector2d(id % board.inner_corners_x(), id / board.inner_corners_x());
+}
+
+double marker_cell_px(const Board& board, double square_px) {
+  return square_px * marker_share(board) / (dictionary_of(board).bits + 2.0);
 }
 
 BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement& placement,

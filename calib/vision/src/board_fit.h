@@ -18,6 +18,9 @@ struct BoardFit {
 /// Where a corner lies on its board from corner 0, in squares; on an AprilGrid in mean distances of its corners.
 Eigen::Vector2d place_of_corner(const Board& board, int id);
 
+/// A side of the cells of a ChArUco board's markers, by that of its squares [px].
+double marker_cell_px(const Board& board, double square_px);
+
 /// Fits every corner twice: first in windows from the seeds' homography, then from that of the fitted corners.
 BoardFit fit_board(const Image8& grey, const Board& board, const BoardPlacement& placement,
                    const CheckerboardOptions& options);

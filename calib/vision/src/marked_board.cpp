@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
@@ -109,6 +110,26 @@ bool has_corner_at(const CornerGrid& grid, const Vector2d& pixel) {
                      [&pixel](const auto& corner) { return (corner.second - pixel).norm() < kSameCorner; });
 }
 
+// Mean distance of neighbours along the axis along which it is shorter [px].
+double square_of(const CornerGrid& grid) {
+  std::array<double, 2> sum{}, count{};
+  for (const auto& [at, pixel] : grid.corners)
+    for (const auto& [axis, next] :
+         {std::pair(0, std::pair(at.first + 1, at.second)), {1, {at.first, at.second + 1}}}) {
+      const auto found = grid.corners.find(next);
+      if (found == grid.corners.end()) continue;
+      sum[static_cast<std::size_t>(axis)] += (found->second - pixel).norm();
+      ++count[static_cast<std::size_t>(axis)];
+    }
+  return std::min(sum[0] / std::max(count[0], 1.0), sum[1] / std::max(count[1], 1.0));
+}
+
+/// A grid that does not show the board, or not for sure.
+struct UnreadGrid {
+  CornerGrid grid;
+  double evidence;  ///< of where the board would be likeliest
+};
+
 /// Looks level by level for grids whose markers tell where they lie on the board.
 class MarkedBoardFinder {
  public:
@@ -122,7 +143,7 @@ class MarkedBoardFinder {
       if (is_whole()) break;
     }
     if (!is_whole()) look_closer();
-    if (parts_.empty()) return BoardNotFound{Finding("board.not_found")};
+    if (parts_.empty()) return BoardNotFound{why_unread()};
     BoardFit fit = fit_board(grey_, board_, joined(), options_);
     if (fit.corners.empty()) return BoardNotFound{fit.why_not.value_or(Finding("board.not_found"))};
     return std::move(fit.corners);
@@ -160,9 +181,11 @@ class MarkedBoardFinder {
 
   void read(const std::vector<CornerGrid>& grids) {
     for (std::size_t i = 0; i < std::min(grids.size(), kGridsRead); ++i) {
-      auto part = reader_.read(grey_, grids[i]);
-      if (!part) unread_.push_back(grids[i]);
-      if (part && !may_be_another(*part, grids[i])) parts_.push_back(std::move(*part));
+      auto [part, evidence] = reader_.read(grey_, grids[i]);
+      if (part && !may_be_another(*part, grids[i]))
+        parts_.push_back(std::move(*part));
+      else
+        unread_.push_back({grids[i], evidence});
     }
     std::stable_sort(parts_.begin(), parts_.end(),
                      [](const MarkedPlacement& a, const MarkedPlacement& b) { return a.evidence > b.evidence; });
@@ -172,7 +195,7 @@ class MarkedBoardFinder {
     if (others_.empty())
       for (const Board& other : options_.others) others_.emplace_back(other);
     return std::any_of(others_.begin(), others_.end(), [&](const detection::MarkerReader& other) {
-      return other.most_evidence(grey_, grid) > part.evidence - kAheadOfOthers;
+      return other.read(grey_, grid).most_evidence > part.evidence - kAheadOfOthers;
     });
   }
   // A few markers of another board may lie to each other as on this one: then a larger grid, of which theirs is part,
@@ -180,11 +203,23 @@ class MarkedBoardFinder {
   bool is_refuted(const MarkedPlacement& part) const {
     constexpr std::size_t kShared = 3;
     const auto& seeds = part.placement.seeds;
-    return std::any_of(unread_.begin(), unread_.end(), [&seeds](const CornerGrid& grid) {
+    return std::any_of(unread_.begin(), unread_.end(), [&seeds](const UnreadGrid& unread) {
+      const CornerGrid& grid = unread.grid;
       if (grid.corners.size() <= seeds.size()) return false;
       const auto is_shared = [&grid](const auto& seed) { return has_corner_at(grid, seed.second); };
       return static_cast<std::size_t>(std::count_if(seeds.begin(), seeds.end(), is_shared)) >= kShared;
     });
+  }
+  // Squares that look as the board's would, but have cells too small to be sure of, are no missing board. What chance
+  // shows has evidence of up to 12.
+  Finding why_unread() const {
+    constexpr double kLegible_px = 1.5, kNotByChance = 20.0;
+    for (const auto& [grid, evidence] : unread_) {
+      if (board_.type != "charuco" || evidence < kNotByChance) continue;
+      const double cell_px = detection::marker_cell_px(board_, square_of(grid));
+      if (cell_px < kLegible_px) return Finding("board.markers_too_small", {{"cell_px", cell_px}});
+    }
+    return Finding("board.not_found");
   }
   bool is_whole() const {
     return !parts_.empty() && parts_.front().placement.seeds.size() == static_cast<std::size_t>(board_.corner_count());
@@ -214,7 +249,7 @@ class MarkedBoardFinder {
   detection::MarkerReader reader_;
   std::vector<detection::MarkerReader> others_;  ///< made when a board is found
   std::vector<MarkedPlacement> parts_;           ///< likeliest first
-  std::vector<CornerGrid> unread_;               ///< grids that do not show the board
+  std::vector<UnreadGrid> unread_;
 };
 
 }  // namespace

@@ -149,7 +149,7 @@ std::optional<std::pair<double, Board>> aprilgrid_in(const Image8& grey, const d
   board.squares_y = std::min(kMostColumns, kTags / columns);
   board.square_m = 1.0;
   board.marker_m = tag;
-  const auto read = detection::MarkerReader(board).read(grey, grid);
+  const auto read = detection::MarkerReader(board).read(grey, grid).placement;
   if (!read) return std::nullopt;
   const int highest = read->placement.seeds.front().first / board.inner_corners_x();  // ids run along the rows
   board.squares_y -= highest / 2;

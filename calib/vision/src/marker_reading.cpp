@@ -351,9 +351,11 @@ void MarkerReader::for_each_border(const Image8& grey, const CornerGrid& grid, c
   }
 }
 
-std::optional<MarkedPlacement> MarkerReader::read(const Image8& grey, const CornerGrid& grid) const {
-  std::optional<MarkedPlacement> best;
+MarkerReading MarkerReader::read(const Image8& grey, const CornerGrid& grid) const {
+  MarkerReading reading;
+  std::optional<MarkedPlacement>& best = reading.placement;
   for_each_border(grey, grid, [&](int border, const Seen& seen, const Places& places) {
+    for (const auto& [key, place] : places) reading.most_evidence = std::max(reading.most_evidence, place.evidence);
     const auto whole =
         std::count_if(seen.squares.begin(), seen.squares.end(), [](const auto& one) { return one.whole; });
     const auto place = decide(places, static_cast<int>(whole));
@@ -361,15 +363,7 @@ std::optional<MarkedPlacement> MarkerReader::read(const Image8& grey, const Corn
     best = MarkedPlacement{placement_at(grid, board_, place->first), place->second};
     best->placement.tag_border_bits = border;
   });
-  return best;
-}
-
-double MarkerReader::most_evidence(const Image8& grey, const CornerGrid& grid) const {
-  double most = 0.0;
-  for_each_border(grey, grid, [&](int, const Seen&, const Places& places) {
-    for (const auto& [key, place] : places) most = std::max(most, place.evidence);
-  });
-  return most;
+  return reading;
 }
 
 std::optional<double> tag_share(const CornerGrid& grid) {

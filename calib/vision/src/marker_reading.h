@@ -16,16 +16,20 @@ struct MarkedPlacement {
   double evidence = 0.0;  ///< logarithm of how much likelier these markers are than any picture
 };
 
+/// What a grid's squares tell of a board.
+struct MarkerReading {
+  std::optional<MarkedPlacement> placement;  ///< absent where the markers tell no place, or more than one
+  double most_evidence = 0.0;                ///< of the likeliest place, sure or not
+};
+
 /// Compares what the squares of grids show with all markers of a board, in all four turns: of a ChArUco board the light
 /// squares; of an AprilGrid the larger dark ones, with tags of either border, and turned in their places by any right
 /// angle, as printers of such grids differ in that.
 class MarkerReader {
  public:
   explicit MarkerReader(const Board& board);
-  /// Positions of the grid in pixels of the image. Absent where the markers tell no place, or more than one.
-  std::optional<MarkedPlacement> read(const Image8& grey, const CornerGrid& grid) const;
-  /// What speaks for the likeliest place, sure or not.
-  double most_evidence(const Image8& grey, const CornerGrid& grid) const;
+  /// Positions of the grid in pixels of the image.
+  MarkerReading read(const Image8& grey, const CornerGrid& grid) const;
 
  private:
   template <typename Take>

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "charuco_views.h"
 #include "foreign_picture.h"
 #include "trials.h"
@@ -204,6 +206,21 @@ TEST(Charuco, SmallBoardsOfRealCamerasAreNotTakenForOthersOverTrials) {
   EXPECT_GT(readings.found, count >= kFew ? 5 : -1) << "of " << count;
   EXPECT_EQ(readings.taken, 0);
   EXPECT_EQ(readings.taken_knowingly, 0);
+}
+
+// Their squares are plain to see: "no board", or something in front of it, was no reason.
+TEST(Charuco, WhatIsTooSmallToReadIsNoMissingBoard) {
+  ForeignPicture camera{"camera", {}, true, 0.5, 90};
+  camera.picture.noise_sigma = 1.5;
+  std::map<std::string, int> said;
+  std::uint64_t seed = 0;
+  for (const CharucoView& view : small_views(30, 7)) {
+    const Image8 image = draw_foreign(view.camera, view.board, view.T_camera_board, camera, ++seed);
+    const std::string reason = reason_of(detect_by_markers(image, view.board));
+    ++said[reason.substr(0, reason.find(" ("))];
+  }
+  EXPECT_GT(said["board too small"], 5);
+  EXPECT_EQ(said["board partly hidden"], 0);
 }
 
 // A fisheye bends edges and lets squares grow from one side to the other: without knowing of either, all corners of a
