@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 
 #include "rigproof/core/error.h"
 #include "rigproof/core/folders.h"
@@ -151,16 +152,17 @@ fs::path find_data_file(const std::string& kind, const std::string& name_or_path
   std::error_code ignored;
   if (fs::is_regular_file(name_or_path, ignored)) return name_or_path;
   const fs::path path(name_or_path);
-  if (path.extension() == ".yaml" || path.extension() == ".yml") {
-    if (path.is_absolute() || path.has_parent_path()) {
-      const fs::path stem = fs::path(path).replace_extension();
-      for (const Preset& preset : presets_of(kind))
-        if (preset.name == stem.generic_string()) return preset.file;
-      throw Error(for_message(name_or_path) + ": no such file");
-    }
-    return find_preset(kind, path.stem().string());
+  if (path.extension() != ".yaml" && path.extension() != ".yml") return find_preset(kind, name_or_path);
+  // A preset by the name of its file; whoever names another file is not told of all presets.
+  const std::string name = fs::path(path).replace_extension().generic_string();
+  std::vector<std::string> known;
+  for (const Preset& preset : presets_of(kind)) {
+    if (preset.name == name) return preset.file;
+    known.push_back(preset.name);
   }
-  return find_preset(kind, name_or_path);
+  const std::optional<std::string> nearest = nearest_name(name, known);
+  throw Error(for_message(name_or_path) + ": no such file" +
+              (nearest ? "; did you mean the preset \"" + *nearest + "\"?" : ""));
 }
 
 fs::path find_config_file(const std::string& folder, const std::string& name_or_path) {

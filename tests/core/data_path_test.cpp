@@ -74,7 +74,10 @@ TEST(DataPath, UnknownNamesSayWhatThereIs) {
             "husky_3x_d455");
   EXPECT_EQ(error_text([] { find_data_file("robots", "husky"); }),
             "there is no \"husky\" among the presets of robots; none is known");
-  EXPECT_THAT(error_text([] { find_data_file("rigs", "/none/of/these.yaml"); }), HasSubstr("these.yaml: no such file"));
+  EXPECT_EQ(error_text([] { find_data_file("rigs", "/none/of/these.yaml"); }), "/none/of/these.yaml: no such file");
+  EXPECT_EQ(error_text([] { find_data_file("rigs", "mine.yaml"); }), "mine.yaml: no such file");
+  EXPECT_EQ(error_text([] { find_data_file("rigs", "cart_8.yaml"); }),
+            "cart_8.yaml: no such file; did you mean the preset \"cart_8x\"?");
   EXPECT_THAT(error_text([] { find_data_file("rig", "x"); }), HasSubstr("did you mean \"rigs\"?"));
 }
 
