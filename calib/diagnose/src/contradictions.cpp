@@ -88,15 +88,15 @@ void check_majority(const GroupSums& sums, std::vector<Finding>* findings) {
 
 void check_systematics(const Problem& problem, const State& state, std::vector<Finding>* findings) {
   if (problem.noise.law.model != OdometryModel::kPerIncrement) return;
-  const auto beyond = [&](int part) {
-    const double sigma = problem.priors().sigma(Nuisance::kOdometryFactors, 0, part);
-    return sigma > 0.0 && std::abs(state.nuisances.of(Nuisance::kOdometryFactors)[part]) > kMaxPriorSigmas * sigma;
+  const auto beyond = [&](Nuisance nuisance, int part) {
+    const double sigma = problem.priors().sigma(nuisance, 0, part);
+    return sigma > 0.0 && std::abs(state.nuisances.of(nuisance)[part]) > kMaxPriorSigmas * sigma;
   };
-  if (beyond(0))
+  if (beyond(Nuisance::kOdometryFactors, 0))
     findings->emplace_back("odometry.translation_factor", FindingValues{{"factor", state.odometry_scale()}});
-  if (beyond(1)) findings->emplace_back("odometry.turn_factor", FindingValues{{"factor", state.odometry_yaw_factor()}});
-  constexpr double kMostVeer = 0.03;  // [rad/m] of wheels that differ by 1 % on a track of 0.3 m
-  if (std::abs(state.odometry_veer()) > kMostVeer)
+  if (beyond(Nuisance::kOdometryFactors, 1))
+    findings->emplace_back("odometry.turn_factor", FindingValues{{"factor", state.odometry_yaw_factor()}});
+  if (beyond(Nuisance::kOdometryVeer, 0))
     findings->emplace_back("odometry.veers_far", FindingValues{{"deg_per_m", rad_to_deg(state.odometry_veer())}});
 }
 
