@@ -7,9 +7,6 @@
 
 namespace rigproof::ml {
 
-/// As normal equations hold it; absent where the poses are not determined.
-std::optional<GlobalCovariance> covariance_of(const ArrowSystem& system);
-
 /// By the given levels, with what is left of errors that repeat in every image; absent where the poses are not
 /// determined.
 std::optional<GlobalCovariance> covariance_at(const Preparation& prepared, const Fit& fit, const NoiseLevels& levels);

@@ -111,20 +111,15 @@ Statement state_solution(const Preparation& prepared, const OdometryChoice& choi
   const Problem problem = problem_at(prepared, fit, levels);
   ArrowSystem system = problem.linearise(fit.state, Weighting::kInformation, &cost, &sums);
   Statement stated{levels, std::move(system), std::move(sums), cost, std::nullopt};
-  const std::optional<GlobalCovariance> alone = covariance_of(stated.system);
-  const std::optional<GlobalCovariance> globals =
-      prepared.repeating.errors.any() ? covariance_at(prepared, fit, levels) : alone;
-  if (!globals || !alone) return stated;
-  Eigen::MatrixXd joint = cameras_covariance(prepared, fit, globals->covariance);
-  const Eigen::MatrixXd gate_joint = gate_covariance(prepared, fit, found, globals->covariance);
-  if (choice.other && globals->free_directions.cols() == 0) joint = with_other_model(prepared, choice, joint);
-  std::vector<BudgetLine> budget = budget_of(problem, fit.state, stated.system, alone->covariance);
-  const Eigen::MatrixXd J = chart_of(prepared, fit);
-  add_to_budget("print and lens residual",
-                (J * (globals->covariance - alone->covariance) * J.transpose()).diagonal().cwiseMax(0.0), &budget);
-  budget = whole_budget(std::move(budget), prepared, choice, joint);
-  stated.uncertainty = Uncertainty{*globals, joint, gate_joint, std::move(budget),
-                                   normalised(chart_of(prepared, fit) * globals->free_directions)};
+  const std::optional<SolvedEquations> solved = solve_equations(prepared.repeating, problem, fit.state);
+  if (!solved) return stated;
+  const GlobalCovariance globals = solved->of_globals();
+  Eigen::MatrixXd joint = cameras_covariance(prepared, fit, globals.covariance);
+  const Eigen::MatrixXd gate_joint = gate_covariance(prepared, fit, found, globals.covariance);
+  if (choice.other && globals.free_directions.cols() == 0) joint = with_other_model(prepared, choice, joint);
+  std::vector<BudgetLine> budget = whole_budget(budget_of(problem, fit.state, *solved), prepared, choice, joint);
+  stated.uncertainty = Uncertainty{globals, joint, gate_joint, std::move(budget),
+                                   normalised(chart_of(prepared, fit) * globals.free_directions)};
   return stated;
 }
 

@@ -48,6 +48,30 @@ class BudgetSink : public BlockSink {
   std::array<Eigen::VectorXd, kGroupCount> sums_;
 };
 
+// How the cameras answer to a change of the gradient: a row for each of their values.
+struct Answer {
+  Eigen::MatrixXd to_poses, to_globals, to_repeating;
+};
+
+Answer answer_of(const Problem& problem, const State& state, const SolvedEquations& solved) {
+  const Layout& layout = problem.layout();
+  const Eigen::Index globals = layout.globals(), all = solved.all.covariance.rows();
+  const Eigen::MatrixXd by_all = camera_chart(state, layout) * solved.all.covariance.topRows(globals);
+  return {-by_all * solved.eliminated.pose_response().topRows(all), by_all.leftCols(globals),
+          by_all.rightCols(all - globals)};
+}
+
+// What corners tell of the repeating errors, beside what their blocks hold: C H C of the rest of H, diagonal.
+Eigen::VectorXd corners_with_repeating(const SolvedEquations& solved, const Answer& answer) {
+  const Eigen::Index globals = answer.to_globals.cols(), repeating = answer.to_repeating.cols();
+  const ArrowSystem& H = solved.system;
+  Eigen::MatrixXd own = H.global.bottomRightCorner(repeating, repeating);
+  own.diagonal().array() -= 1.0;  // their priors
+  const Eigen::MatrixXd across = answer.to_globals * H.global.topRightCorner(globals, repeating) +
+                                 answer.to_poses * H.pose_global.rightCols(repeating);
+  return (2.0 * across + answer.to_repeating * own).cwiseProduct(answer.to_repeating).rowwise().sum();
+}
+
 }  // namespace
 
 void add_to_budget(const std::string& source, const Eigen::VectorXd& variances, std::vector<BudgetLine>* budget) {
@@ -60,24 +84,29 @@ void add_to_budget(const std::string& source, const Eigen::VectorXd& variances, 
     found->variances += variances;
 }
 
-std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, const ArrowSystem& system,
-                                  const Eigen::MatrixXd& globals) {
-  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
-  if (!eliminated) return {};
+std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, const SolvedEquations& solved) {
   const Layout& layout = problem.layout();
-  const Eigen::MatrixXd J = camera_chart(state, layout), by_globals = J * globals;
-  BudgetSink sink(J * eliminated->pose_covariance(globals).with_globals.transpose(), by_globals);
+  const Answer answer = answer_of(problem, state, solved);
+  BudgetSink sink(answer.to_poses, answer.to_globals);
   problem.visit_blocks(state, Weighting::kInformation, &sink);
   std::vector<BudgetLine> budget;
-  for (std::size_t g = 0; g < kGroupCount; ++g) add_to_budget(kSources[g], sink.of(static_cast<Group>(g)), &budget);
+  for (std::size_t g = 0; g < kGroupCount; ++g) {
+    const auto group = static_cast<Group>(g);
+    Eigen::VectorXd variances = sink.of(group);
+    if (group == Group::kCorners) variances += corners_with_repeating(solved, answer);
+    add_to_budget(kSources[g], variances, &budget);
+  }
   problem.for_each_prior([&](Nuisance nuisance, int place, const Eigen::MatrixXd& information) {
-    const auto by_prior = by_globals.middleCols(place, information.rows());
+    const auto by_prior = answer.to_globals.middleCols(place, information.rows());
     add_to_budget(row_of(nuisance).source, (by_prior * information).cwiseProduct(by_prior).rowwise().sum(), &budget);
   });
   for (const PlaceError& error : problem.place_errors(state)) {
-    const Eigen::MatrixXd by_place = by_globals.leftCols(layout.globals()) * error.by_globals(layout).transpose();
+    const Eigen::MatrixXd by_place = answer.to_globals * error.by_globals(layout).transpose();
     add_to_budget("places of boards", (by_place * error.information()).cwiseProduct(by_place).rowwise().sum(), &budget);
   }
+  const Eigen::MatrixXd by_fine_fields = camera_chart(state, layout) * solved.by_fine_fields;
+  add_to_budget("print and lens residual",
+                answer.to_repeating.rowwise().squaredNorm() + by_fine_fields.rowwise().squaredNorm(), &budget);
   return budget;
 }
 

@@ -1,6 +1,7 @@
 #include "rigproof/calib/estimate/repeating_covariance.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "repeating_couplings.h"
 
@@ -26,18 +27,27 @@ Eigen::MatrixXd response_to(const Couplings& errors, const EliminatedSystem& eli
 
 }  // namespace
 
-std::optional<GlobalCovariance> covariance_with(const RemovedErrors& removed, const Problem& problem,
-                                                const State& state, const std::function<void(ArrowSystem*)>& add_more) {
+GlobalCovariance SolvedEquations::of_globals() const {
+  const Eigen::Index globals = by_fine_fields.rows();
+  if (globals == all.covariance.rows() && by_fine_fields.cols() == 0) return all;
+  return {all.covariance.topLeftCorner(globals, globals) + by_fine_fields * by_fine_fields.transpose(),
+          all.free_directions.topRows(globals), by_fine_fields.rowwise().squaredNorm()};
+}
+
+std::optional<SolvedEquations> solve_equations(const RemovedErrors& removed, const Problem& problem, const State& state,
+                                               const std::function<void(ArrowSystem*)>& add_more) {
+  const Eigen::Index globals = problem.layout().globals();
+  const bool repeats = removed.errors.any();
   Couplings fine(0, 0, 0);
-  ArrowSystem system = problem.linearise_with(removed, state, Weighting::kInformation, &fine);
+  ArrowSystem system = repeats ? problem.linearise_with(removed, state, Weighting::kInformation, &fine)
+                               : problem.linearise(state, Weighting::kInformation, nullptr, nullptr);
   if (add_more) add_more(&system);
-  const auto eliminated = EliminatedSystem::eliminate(system, 0.0);
+  auto eliminated = EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) return std::nullopt;
   GlobalCovariance all = invert_information(eliminated->schur());
-  const Eigen::Index globals = problem.layout().globals();
-  const Eigen::MatrixXd response = response_to(fine, *eliminated, all.covariance.topRows(globals));
-  return GlobalCovariance{all.covariance.topLeftCorner(globals, globals) + response * response.transpose(),
-                          all.free_directions.topRows(globals), response.rowwise().squaredNorm()};
+  Eigen::MatrixXd by_fine_fields(globals, 0);
+  if (repeats) by_fine_fields = response_to(fine, *eliminated, all.covariance.topRows(globals));
+  return SolvedEquations{std::move(system), std::move(*eliminated), std::move(all), std::move(by_fine_fields)};
 }
 
 std::optional<GroupSums> leverage_of_fine_fields(const RemovedErrors& removed, const Problem& problem,

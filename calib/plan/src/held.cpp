@@ -53,7 +53,11 @@ struct Seen {
     const auto add_kept = [&](ml::ArrowSystem* system) {
       if (kept) kept->add_to(state, system);
     };
-    if (repeating.errors.any()) return ml::covariance_with(repeating, problem, state, add_kept);
+    if (repeating.errors.any()) {
+      const auto solved = ml::solve_equations(repeating, problem, state, add_kept);
+      if (!solved) return std::nullopt;
+      return solved->of_globals();
+    }
     const auto unit = ml::EliminatedSystem::eliminate(linearise(state, ml::Weighting::kUnit), 0.0);
     if (!unit) return std::nullopt;
     ml::GlobalCovariance all = ml::invert_information(unit->schur());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rigproof/calib/estimate/problem.h"
+#include "rigproof/calib/estimate/repeating_covariance.h"
 
 namespace rigproof::ml {
 
@@ -16,12 +17,9 @@ struct BudgetLine {
 };
 
 /// With H = sum H_k over residuals and priors and C = H^-1, the estimate is linear in what was measured and believed,
-/// and C = sum C H_k C: line k is the diagonal of C H_k C, exact but for the linearisation.
-/// @param system the normal equations of the problem at the state, by Weighting::kInformation
-/// @param globals the covariance of the global unknowns
-/// Empty where the robot poses are not determined.
-std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, const ArrowSystem& system,
-                                  const Eigen::MatrixXd& globals);
+/// and C = sum C H_k C: line k is the diagonal of C H_k C, exact but for the linearisation. Errors that repeat in every
+/// image are among the unknowns; their priors, and the fine fields of which the estimate does not know, are one line.
+std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, const SolvedEquations& solved);
 
 /// Adds to the line of that source, or a new line.
 void add_to_budget(const std::string& source, const Eigen::VectorXd& variances, std::vector<BudgetLine>* budget);
