@@ -2,7 +2,7 @@
 // docs/measurements/refusals.md. Exit code 1 where a fault leaves a value wrong by more than five sigmas, and nothing
 // says so.
 //   bench_faults [--data FOLDER] [--faults REGEX] [--rigs husky,cart,single] [--seeds 5] [--healthy 0] [--jobs N]
-//                [--full] [--csv FILE] [--list]
+//                [--full] [--pictures realistic] [--csv FILE] [--list]
 // Drives are rendered into FOLDER, where they stay for the next time; without one into a temporary folder.
 #include <unistd.h>
 
@@ -44,7 +44,7 @@ struct Options {
   std::string data, csv, faults = ".*", rigs = joined(bench::fault_rigs(), ",");
   int seeds = 5, healthy = 0, jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   bool list = false;
-  bench::DriveSize size;
+  bench::DriveKind kind;
 };
 
 std::vector<std::string> listed(const std::string& text) {
@@ -104,8 +104,8 @@ std::vector<Drive> drives_of(const Options& options, const std::vector<Recording
   for (const std::string& rig : listed(options.rigs))
     for (int i = 0; i < options.seeds; ++i) {
       const auto seed = static_cast<std::uint64_t>(i);
-      const fs::path run = bench::drive_of(data, rig, seed, options.size);
-      bench::add_variants(run, rig, seed, options.size, variants);
+      const fs::path run = bench::drive_of(data, rig, seed, options.kind);
+      bench::add_variants(run, rig, seed, options.kind, variants);
       drives.push_back({rig, seed, run, load_recording(run / "recording"), load_truth(RunFolder{run}.truth_file())});
       std::fprintf(stderr, "\r%s-%d  ", rig.c_str(), i);
     }
@@ -310,11 +310,14 @@ int main(int count, char** arguments) {
     add_count(app, "--seeds", options.seeds);
     add_count(app, "--healthy", options.healthy);
     add_count(app, "--jobs", options.jobs);
+    app.add_option("--pictures", options.kind.pictures,
+                   "a run's configuration: plain, or realistic pictures and devices");
     app.add_flag("--full", full, "images of full size, 40 stops");
     app.add_flag("--list", options.list, "only names the faults");
   };
   return bench_main(count, arguments, "What calibration says of recordings that are broken in files", declare, [&] {
-    if (full) options.size = {"-full", 1.0, 40};
+    if (full) options.kind = {"-full", 1.0, 40, options.kind.pictures};
+    if (options.kind.pictures != bench::DriveKind().pictures) options.kind.name += "-" + options.kind.pictures;
     const std::vector<RecordingFault> faults = faults_wanted(options);
     return options.list ? list(faults) : measure(options, faults);
   });

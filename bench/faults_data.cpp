@@ -98,9 +98,9 @@ std::string world_of(std::uint64_t seed) {
   return worlds[seed % 4];
 }
 
-std::string run_text(const fs::path& rig_file, std::uint64_t seed, const DriveSize& size) {
-  return "include: plain.yaml\nscene: " + world_of(seed) + "\nseed: " + std::to_string(seed) + "\nrig: \"" +
-         rig_file.string() + "\"\nimage_scale: " + number_text(size.image_scale) + "\n";
+std::string run_text(const fs::path& rig_file, std::uint64_t seed, const DriveKind& kind) {
+  return "include: " + kind.pictures + "\nscene: " + world_of(seed) + "\nseed: " + std::to_string(seed) + "\nrig: \"" +
+         rig_file.string() + "\"\nimage_scale: " + number_text(kind.image_scale) + "\n";
 }
 
 void generate_run(const std::string& text, const fs::path& folder) {
@@ -133,9 +133,13 @@ std::string list_text(const Truth& truth, const Variant& variant) {
          "\nviewpoints: {planner: list, list_frame: board, order: drawn, list: [" + text + "]}\n";
 }
 
+// What the variant does not change stays as the seed draws it.
 std::string board_text(const Variant& variant) {
-  return "board: {place: scene, defects: {print_scale_x: " + number_text(variant.print_scale_x) +
-         ", bow_mm: " + number_text(variant.bow_mm) + "}}\n";
+  std::vector<std::string> defects;
+  if (variant.print_scale_x != Variant().print_scale_x)
+    defects.push_back("print_scale_x: " + number_text(variant.print_scale_x));
+  if (variant.bow_mm != Variant().bow_mm) defects.push_back("bow_mm: " + number_text(variant.bow_mm));
+  return "board: {place: scene" + (defects.empty() ? "" : ", defects: {" + joined(defects) + "}") + "}\n";
 }
 
 fs::path rig_file_of(const fs::path& run) { return run.string() + ".rig.yaml"; }
@@ -151,17 +155,17 @@ const std::vector<std::string>& fault_rigs() {
   return names;
 }
 
-fs::path drive_of(const fs::path& data, const std::string& rig_name, std::uint64_t seed, const DriveSize& size) {
+fs::path drive_of(const fs::path& data, const std::string& rig_name, std::uint64_t seed, const DriveKind& kind) {
   const FaultRig& rig = rig_named(rig_name);
-  const fs::path run = fs::absolute(data) / (rig_name + "-" + std::to_string(seed) + size.name);
+  const fs::path run = fs::absolute(data) / (rig_name + "-" + std::to_string(seed) + kind.name);
   write_file_atomically_unsynced(rig_file_of(run), rig_text(rig, {}));
-  generate_run(run_text(rig_file_of(run), seed, size) + "poses: " + std::to_string(size.stops + rig.more_stops) +
+  generate_run(run_text(rig_file_of(run), seed, kind) + "poses: " + std::to_string(kind.stops + rig.more_stops) +
                    "\nboard: {place: scene}\n" + rig.run,
                run);
   return run;
 }
 
-void add_variants(const fs::path& run, const std::string& rig_name, std::uint64_t seed, const DriveSize& size,
+void add_variants(const fs::path& run, const std::string& rig_name, std::uint64_t seed, const DriveKind& kind,
                   const std::set<std::string>& names) {
   const FaultRig& rig = rig_named(rig_name);
   const Truth truth = load_truth(RunFolder{run}.truth_file());
@@ -169,7 +173,7 @@ void add_variants(const fs::path& run, const std::string& rig_name, std::uint64_
     if (names.count(variant.name) == 0) continue;
     const fs::path folder = run.string() + "-" + variant.name;
     write_file_atomically_unsynced(rig_file_of(folder), rig_text(rig, variant));
-    generate_run(run_text(rig_file_of(folder), seed, size) + list_text(truth, variant) + board_text(variant), folder);
+    generate_run(run_text(rig_file_of(folder), seed, kind) + list_text(truth, variant) + board_text(variant), folder);
   }
 }
 

@@ -19,8 +19,8 @@
 #include <vector>
 
 #include "bench_main.h"
+#include "nees_pool.h"
 #include "rigproof/calib/methods/registry.h"
-#include "rigproof/core/chi_square.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/files.h"
@@ -149,30 +149,9 @@ void calibrate_all(const Robots& robots) {
   for (const pid_t worker : workers) ::waitpid(worker, nullptr, 0);
 }
 
-struct Pool {
-  double nees = 0.0;
-  int unknowns = 0, runs = 0;
-
-  void add(const Row& row) {
-    nees += row.nees;
-    unknowns += row.unknowns;
-    ++runs;
-  }
-};
-
-// Whether it lies where 99 of 100 true ones do.
-bool print_pool(const std::string& name, const Pool& pool) {
-  if (pool.unknowns == 0) return true;
-  const double low = chi_square_quantile(0.005, pool.unknowns) / pool.unknowns,
-               high = chi_square_quantile(0.995, pool.unknowns) / pool.unknowns, ratio = pool.nees / pool.unknowns;
-  std::printf("%-12s %3d robots, %4d unknowns: NEES over them %.3f (99 %%: %.3f to %.3f)\n", name.c_str(), pool.runs,
-              pool.unknowns, ratio, low, high);
-  return ratio >= low && ratio <= high;
-}
-
 int print(const Robots& robots) {
-  std::map<std::string, Pool> pools;
-  Pool all, unsuspected;
+  std::map<std::string, bench::NeesPool> pools;
+  bench::NeesPool all, unsuspected;
   int beyond = 0;
   for (int i = 0; i < robots.options.robots; ++i) {
     if (!fs::exists(robots.row_file(i))) throw Error(robots.row_file(i).string() + ": the worker has died");
@@ -180,9 +159,9 @@ int print(const Robots& robots) {
     std::printf("%4d  %-8s  NEES %7.2f of %2d  largest z %5.2f %-28s %s  [%s]\n", robots.options.first + i,
                 row.status.c_str(), row.nees, row.unknowns, row.worst_z, row.worst.c_str(), row.summary.c_str(),
                 row.said.c_str());
-    all.add(row);
-    if (row.said.empty()) unsuspected.add(row);
-    pools[row.status].add(row);
+    all.add(row.nees, row.unknowns);
+    if (row.said.empty()) unsuspected.add(row.nees, row.unknowns);
+    pools[row.status].add(row.nees, row.unknowns);
     beyond += row.worst_z > 5.0 && row.said.empty();
   }
   std::printf("\n");
@@ -190,10 +169,10 @@ int print(const Robots& robots) {
     if (pool.unknowns == 0)
       std::printf("%-12s %3d robots\n", status.c_str(), pool.runs);
     else
-      print_pool(status, pool);
+      bench::print_pool(status, pool);
   }
-  print_pool("unsuspected", unsuspected);
-  const bool holds = print_pool("all", all);
+  bench::print_pool("unsuspected", unsuspected);
+  const bool holds = bench::print_pool("all", all);
   std::printf("%d beyond five sigmas without a word\n", beyond);
   return static_cast<int>(holds && beyond == 0 ? ExitCode::kGood : ExitCode::kGateFailed);
 }

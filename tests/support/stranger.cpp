@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "rigproof/calib/estimate/depth_bias.h"
 #include "rigproof/core/conventions.h"
@@ -96,23 +97,16 @@ void draw_cameras(const Worse& worse, RandomStream* random, GeometricConfig* con
 }
 
 // Size, ratio and bow of the true board, and where print puts its corners.
-Eigen::Vector4d draw_board(const Worse& worse, RandomStream* random, GeometricRig* rig) {
-  Board& board = rig->board;
-  board.doubt();
-  const double side = board.square_sigma_relative();
-  Eigen::Vector4d shape;
-  shape << random->normal(0.0, side), random->normal(0.0, 0.2 * side), random->normal(0.0, board.bow_sigma()),
-      random->normal(0.0, board.bow_sigma());
-  for (const Eigen::Vector3d& corner : board.corners()) {
-    const Eigen::Vector3d p = corner - board.centre();
-    const double u = 2.0 * p.x() / (board.square_m * board.squares_x),
-                 v = 2.0 * p.y() / (board.square_m * board.squares_y);
-    rig->print_errors_m.emplace_back((shape[0] + 0.5 * shape[1]) * p.x(), (shape[0] - 0.5 * shape[1]) * p.y(),
-                                     shape[2] * u * u + shape[3] * v * v);
+void draw_board(const Worse& worse, RandomStream* random, Board* board, Stranger* made) {
+  board->doubt();
+  const double side = board->square_sigma_relative();
+  made->board << random->normal(0.0, side), random->normal(0.0, 0.2 * side), random->normal(0.0, board->bow_sigma()),
+      random->normal(0.0, board->bow_sigma());
+  for (int corner = 0; corner < board->corner_count(); ++corner) {
+    made->print.emplace_back();
     for (int axis = 0; axis < 3; ++axis)
-      rig->print_errors_m.back()[axis] += random->normal(0.0, worse.print * board.print_sigma());
+      made->print.back()[axis] = random->normal(0.0, worse.print * board->print_sigma());
   }
-  return shape;
 }
 
 // What no distortion model follows, of each camera.
@@ -147,6 +141,27 @@ void bend_planes(const Stranger& made, std::size_t camera, const Camera& told, s
 
 }  // namespace
 
+Worse of_any_scale(int seed) {
+  Worse drawn;
+  RandomStream random(static_cast<std::uint64_t>(seed), "scale of the lenses' fields");
+  if (seed % 3 != 0) drawn.cells = 8.0 * std::exp2(random.uniform());
+  return drawn;
+}
+
+std::vector<Eigen::Vector3d> print_errors_m(const Board& board, const Eigen::Vector4d& shape,
+                                            const std::vector<Eigen::Vector3d>& print) {
+  std::vector<Eigen::Vector3d> errors;
+  for (const Eigen::Vector3d& corner : board.corners()) {
+    const Eigen::Vector3d p = corner - board.centre();
+    const double u = 2.0 * p.x() / (board.square_m * board.squares_x),
+                 v = 2.0 * p.y() / (board.square_m * board.squares_y);
+    errors.emplace_back((shape[0] + 0.5 * shape[1]) * p.x(), (shape[0] - 0.5 * shape[1]) * p.y(),
+                        shape[2] * u * u + shape[3] * v * v);
+    errors.back() += print[errors.size() - 1];
+  }
+  return errors;
+}
+
 Stranger draw_stranger(int seed, double corner_sigma_px, const Worse& worse) {
   Stranger made;
   GeometricConfig& config = made.config;
@@ -156,9 +171,26 @@ Stranger draw_stranger(int seed, double corner_sigma_px, const Worse& worse) {
   made.told = config.rig;
   RandomStream random(config.seed, "strangers");
   draw_cameras(worse, &random, &config, &made);
-  made.board = draw_board(worse, &random, &config.rig);
+  draw_board(worse, &random, &config.rig.board, &made);
+  config.rig.print_errors_m = print_errors_m(config.rig.board, made.board, made.print);
   made.fields = draw_fields(config, worse, &random);
   return made;
+}
+
+Observations as_told(const Stranger& robot, Observations observations) {
+  observations.board = robot.config.rig.board;
+  for (BoardView& view : observations.board_views)
+    for (CornerObservation& corner : view.corners)
+      corner.pixel += robot.fields[static_cast<std::size_t>(view.camera)](corner.pixel);
+  for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
+    observations.cameras[c].camera = robot.told.cameras[c].camera;
+    observations.cameras[c].intrinsics_sigma = IntrinsicsSigma();
+    observations.cameras[c].depth->noise = robot.config.rig.cameras[c].depth->noise;
+    observations.cameras[c].depth->noise.doubt_place_and_common_scale();
+    bend_planes(robot, c, robot.told.cameras[c].camera, &observations.ground_planes);
+    bend_planes(robot, c, robot.told.cameras[c].camera, &observations.board_planes);
+  }
+  return observations;
 }
 
 GeometricRun drive(const Stranger& robot, std::uint64_t seed, int stops) {
@@ -166,19 +198,7 @@ GeometricRun drive(const Stranger& robot, std::uint64_t seed, int stops) {
   config.seed = seed;
   config.stops = stops;
   GeometricRun run = draw_geometric_run(config);
-  Observations& observations = run.observations;
-  observations.board = config.rig.board;
-  for (BoardView& view : observations.board_views)
-    for (CornerObservation& corner : view.corners)
-      corner.pixel += robot.fields[static_cast<std::size_t>(view.camera)](corner.pixel);
-  for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
-    observations.cameras[c].camera = robot.told.cameras[c].camera;
-    observations.cameras[c].intrinsics_sigma = IntrinsicsSigma();
-    observations.cameras[c].depth->noise = config.rig.cameras[c].depth->noise;
-    observations.cameras[c].depth->noise.doubt_place_and_common_scale();
-    bend_planes(robot, c, robot.told.cameras[c].camera, &observations.ground_planes);
-    bend_planes(robot, c, robot.told.cameras[c].camera, &observations.board_planes);
-  }
+  run.observations = as_told(robot, std::move(run.observations));
   return run;
 }
 

@@ -18,7 +18,6 @@
 #include "rigproof/calib/estimate/repeating_covariance.h"
 #include "rigproof/calib/estimate/solver.h"
 #include "rigproof/core/conventions.h"
-#include "rigproof/core/random.h"
 #include "rigproof/geometric/geometric.h"
 #include "stranger.h"
 #include "trials.h"
@@ -44,15 +43,6 @@ MlOptions told() {
   options.suspension_height_sigma_m = options.suspension_tilt_sigma_rad = 0.0;
   options.estimate_corner_level = options.estimate_plane_level = false;
   return options;
-}
-
-// How fine the field of a lens is nobody states: of three robots one has waves, two have a lattice of 8 to 16 cells
-// across the image.
-Worse of_any_scale(int seed) {
-  Worse drawn;
-  RandomStream random(static_cast<std::uint64_t>(seed), "scale of the lenses' fields");
-  if (seed % 3 != 0) drawn.cells = 8.0 * std::exp2(random.uniform());
-  return drawn;
 }
 
 TEST(MlStrangers, AreSolvedWithinTheStatedUncertaintyOverTrials) {
