@@ -5,7 +5,7 @@
 
 #include "print_result.h"
 #include "rigproof/core/data_path.h"
-#include "rigproof/validate/figures.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/words/sentences.h"
 
 namespace rigproof {

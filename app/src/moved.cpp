@@ -11,8 +11,8 @@
 #include "print_result.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/words/sentences.h"
 
 namespace rigproof {

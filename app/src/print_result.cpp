@@ -10,9 +10,9 @@
 #include "rigproof/calib/plan/main_sources.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/exclusions.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/body_angles.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/words/sentences.h"
 
 namespace rigproof {

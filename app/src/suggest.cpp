@@ -13,12 +13,12 @@
 #include "rigproof/calib/diagnose/ml_settings.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/yaml.h"
 #include "rigproof/study/export/export.h"
 #include "rigproof/study/workflow/workflow.h"
 #include "rigproof/truth/stop_at.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/words/sentences.h"
 
 namespace rigproof {

@@ -1,4 +1,4 @@
-#include "finding_tree.h"
+#include "rigproof/core/finding_tree.h"
 
 #include <algorithm>
 #include <cctype>

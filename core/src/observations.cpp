@@ -4,9 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "finding_tree.h"
 #include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/finding_tree.h"
 #include "rigproof/core/observations_text.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/text.h"

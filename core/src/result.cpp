@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "covariance_triangle.h"
-#include "finding_tree.h"
 #include "lasting_errors.h"
 #include "mcalib_result.h"
 #include "rigproof/core/bag_name.h"
@@ -16,6 +15,7 @@
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/file_schemas.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/finding_tree.h"
 #include "rigproof/core/rig_yaml.h"
 #include "rigproof/core/yaml.h"
 #include "schema_nodes.h"

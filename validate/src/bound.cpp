@@ -6,8 +6,8 @@
 
 #include "rigproof/calib/estimate/information.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/truth/stop_at.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/fields.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof {
 namespace {

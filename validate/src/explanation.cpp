@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "rigproof/validate/figures.h"
+#include "rigproof/core/figures.h"
 
 namespace rigproof {
 namespace {

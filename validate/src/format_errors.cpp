@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/explanation.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/text_table.h"
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "rigproof/core/conventions.h"
-#include "rigproof/validate/figures.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/published.h"
 #include "rigproof/validate/text_table.h"

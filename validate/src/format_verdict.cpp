@@ -3,9 +3,9 @@
 #include <map>
 
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/body_angles.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/statistics.h"
 #include "rigproof/validate/validate.h"

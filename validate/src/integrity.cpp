@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/folders.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "proof_parts.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/validate/body_angles.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof::proof_detail {
 namespace {

@@ -10,9 +10,9 @@
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/median.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof::proof_detail {
 namespace {

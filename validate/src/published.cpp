@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "rigproof/core/figures.h"
 #include "rigproof/validate/body_angles.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof {
 

@@ -1,10 +1,10 @@
 #include <cstdint>
 #include <map>
 
+#include "rigproof/core/figures.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 #include "rigproof/core/version.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/report_files.h"
 

@@ -5,9 +5,9 @@
 #include "inspect_pictures.h"
 #include "page_parts.h"
 #include "rigproof/core/conventions.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
 #include "rigproof/validate/explanation.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/words/sentences.h"
 

@@ -9,10 +9,10 @@
 #include "paper_table3.h"
 #include "paper_why.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/report/figures.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/validate/text_table.h"
 
 namespace rigproof {

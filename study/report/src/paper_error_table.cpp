@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigproof/validate/figures.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/validate/published.h"
 #include "rigproof/words/sentences.h"
 

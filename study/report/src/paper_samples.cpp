@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "rigproof/core/error.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/study/report/paper.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof::paper {
 namespace {

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "paper_error_table.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof::paper {
 namespace {

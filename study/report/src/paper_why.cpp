@@ -7,7 +7,7 @@
 #include "paper_error_table.h"
 #include "paper_samples.h"
 #include "rigproof/calib/methods/registry.h"
-#include "rigproof/validate/figures.h"
+#include "rigproof/core/figures.h"
 
 namespace rigproof::paper {
 namespace {

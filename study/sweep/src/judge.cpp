@@ -7,10 +7,10 @@
 
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/workflow/external.h"
 #include "rigproof/validate/body_angles.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/validate/validate.h"
 #include "work.h"
 

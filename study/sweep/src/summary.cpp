@@ -4,8 +4,8 @@
 #include <tuple>
 
 #include "paired_test.h"
+#include "rigproof/core/figures.h"
 #include "rigproof/study/sweep/rows.h"
-#include "rigproof/validate/figures.h"
 
 namespace rigproof {
 namespace {

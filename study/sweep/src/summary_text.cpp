@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
 #include "rigproof/study/sweep/rows.h"
 #include "rigproof/study/sweep/table_text.h"
-#include "rigproof/validate/figures.h"
 #include "rigproof/validate/text_table.h"
 #include "rigproof/words/sentences.h"
 

@@ -1,4 +1,4 @@
-#include "rigproof/validate/figures.h"
+#include "rigproof/core/figures.h"
 
 #include <gtest/gtest.h>
 
