@@ -138,8 +138,11 @@ Lines validate_keys() {
         {result + ".nees.degrees_of_freedom", "integer", "what it should be on average"},
         {result + ".nees.interval_95?", "numbers", "where 95 of 100 lie"},
         {result + ".nees.cameras.NAME", "number", "of one camera, about 6"},
-        {result + ".convention_suspicion", "anything", "a wrong convention that explains the errors; or null"},
-        {result + ".explanation", "text or null", "why the gate failed"}},
+        {result + ".convention_suspicion", "anything",
+         "a wrong convention that explains the errors, in words (`explanation`) and as a finding (`conventions`), and "
+         "the worst camera's errors as given and corrected; or null"},
+        {result + ".explanation", "text or null", "why the gate failed, for people alone"}},
+       finding_keys(result + ".causes", "the one cause of all that failed, as `explanation` has it in words; or none"),
        below(result + ".checks[]", kCheck),
        finding_keys(result + ".notes", "what could not be checked")});
 }

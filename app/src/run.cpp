@@ -59,7 +59,7 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
     Comparison shown = verdict.comparison;
     if (result.status != ResultStatus::kSolved) shown.reasons.clear();  // print_result() gave them
     terminal.text(format_verdict(verdict.comparison, verdict.gate, budget, words::sentence_of));
-    terminal.text(format_suspicion(verdict.comparison));
+    terminal.text(format_suspicion(verdict.comparison, words::sentence_of));
     terminal.text(format_errors(shown, &verdict.gate, words::sentence_of));
     if (result.status == ResultStatus::kSolved) print_main_sources(terminal, result);
     terminal.text(format_same_run(verdict.comparison, budget, comparisons));

@@ -70,7 +70,7 @@ void add_validation_class(py::module_& module) {
       .def_property_readonly("nees_degrees_of_freedom",
                              [](const Validation& v) { return v.verdict.comparison.nees_degrees_of_freedom; })
       .def_property_readonly(
-          "suspicion", [](const Validation& v) { return format_suspicion(v.verdict.comparison); },
+          "suspicion", [](const Validation& v) { return format_suspicion(v.verdict.comparison, words::sentence_of); },
           "A wrong convention that explains the errors, in a sentence; empty without")
       .def("__str__", [](const Validation& v) {
         return format_validation(v.verdict.comparison, v.verdict.gate, v.budget, v.verdict.comparison.method,

@@ -9,6 +9,7 @@
 #include "rigproof/validate/validate.h"
 #include "synthetic.h"
 #include "trials.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -18,7 +19,8 @@ using namespace testing_support;
 struct Slip {
   const char* name;
   std::function<Rigid3(const Rigid3&)> apply;
-  const char* words;  // that the explanation must hold
+  Finding convention;
+  const char* words;  // that its sentence must hold
 };
 
 Rigid3 with_coefficients(const Rigid3& T, const std::array<int, 4>& order) {
@@ -35,52 +37,59 @@ Rigid3 mirrored(const Rigid3& T, const Eigen::Vector3d& robot, const Eigen::Vect
 std::vector<Slip> all_slips() {
   const auto optical_body = Rigid3(optical_from_body(), Eigen::Vector3d::Zero());
   return {
-      {"inverse", [](const Rigid3& T) { return T.inverse(); }, "only when inverted"},
-      {"body axes", [=](const Rigid3& T) { return T * optical_body; }, "body axes"},
-      {"turned twice", [=](const Rigid3& T) { return T * optical_body.inverse(); }, "once too often"},
-      {"robot optical", [=](const Rigid3& T) { return optical_body * T; }, "robot's axes are optical"},
+      {"inverse", [](const Rigid3& T) { return T.inverse(); }, Finding("convention.inverted"), "only when inverted"},
+      {"body axes", [=](const Rigid3& T) { return T * optical_body; },
+       Finding("convention.camera_axes", {{"frame", "body"}}), "body axes"},
+      {"turned twice", [=](const Rigid3& T) { return T * optical_body.inverse(); }, Finding("convention.optical_twice"),
+       "once too often"},
+      {"robot optical", [=](const Rigid3& T) { return optical_body * T; },
+       Finding("convention.robot_axes", {{"frame", "optical"}}), "robot's axes are optical"},
       {"OpenGL",
        [](const Rigid3& T) {
          return T * Rigid3(Eigen::Quaterniond(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX())), {0.0, 0.0, 0.0});
        },
-       "OpenGL"},
+       Finding("convention.camera_axes", {{"frame", "opengl"}}), "OpenGL"},
       {"north-east-down",
        [](const Rigid3& T) {
          return Rigid3(Eigen::Quaterniond(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX())), {0.0, 0.0, 0.0}) * T;
        },
-       "y right, z down"},
-      {"millimetres", [](const Rigid3& T) { return Rigid3(T.rotation, 1e3 * T.translation); }, "millimetres"},
-      {"centimetres", [](const Rigid3& T) { return Rigid3(T.rotation, 1e2 * T.translation); }, "centimetres"},
-      {"thousandth", [](const Rigid3& T) { return Rigid3(T.rotation, 1e-3 * T.translation); }, "divided by 1000"},
+       Finding("convention.robot_axes", {{"frame", "z_down"}}), "y right, z down"},
+      {"millimetres", [](const Rigid3& T) { return Rigid3(T.rotation, 1e3 * T.translation); },
+       Finding("convention.unit", {{"unit", "millimetres"}}), "millimetres"},
+      {"centimetres", [](const Rigid3& T) { return Rigid3(T.rotation, 1e2 * T.translation); },
+       Finding("convention.unit", {{"unit", "centimetres"}}), "centimetres"},
+      {"thousandth", [](const Rigid3& T) { return Rigid3(T.rotation, 1e-3 * T.translation); },
+       Finding("convention.divided", {{"by", 1000}}), "divided by 1000"},
       {"wxyz",
        [](const Rigid3& T) {
          return with_coefficients(T, {3, 0, 1, 2});  // written w x y z, read as x y z w
        },
-       "w x y z"},
+       Finding("convention.quaternion_order"), "w x y z"},
       {"yzwx",
        [](const Rigid3& T) {
          return with_coefficients(T, {1, 2, 3, 0});
        },
-       "y z w x"},
+       Finding("convention.quaternions_reordered"), "y z w x"},
       {"degrees", [](const Rigid3& T) { return Rigid3(so3_exp(rad_to_deg(1.0) * so3_log(T.rotation)), T.translation); },
-       "in degrees and read as radians"},
+       Finding("convention.degrees_as_radians"), "in degrees and read as radians"},
       {"degrees, roll pitch yaw",
        [](const Rigid3& T) {
          return Rigid3(from_roll_pitch_yaw(rad_to_deg(1.0) * roll_pitch_yaw(T.rotation)), T.translation);
        },
-       "in degrees and read as radians"},
+       Finding("convention.degrees_as_radians"), "in degrees and read as radians"},
       {"radians", [](const Rigid3& T) { return Rigid3(so3_exp(deg_to_rad(1.0) * so3_log(T.rotation)), T.translation); },
-       "in radians and read as degrees"},
+       Finding("convention.radians_as_degrees", {{"angles", "rotation_vector"}}), "in radians and read as degrees"},
       {"mirrored y",
        [](const Rigid3& T) {
          return mirrored(T, {1, -1, 1}, {-1, 1, 1});
        },
-       "mirrored"},
+       Finding("convention.left_handed", {{"robot_axis", "y"}, {"camera_axis", "x"}}), "mirrored"},
       {"translation mirrored",
        [](const Rigid3& T) { return Rigid3(T.rotation, T.translation.cwiseProduct(Eigen::Vector3d(-1, 1, 1))); },
-       "x axis of the translations is mirrored"},
+       Finding("convention.translations_mirrored", {{"axis", "x"}}), "x axis of the translations is mirrored"},
       {"inverse in millimetres",
-       [](const Rigid3& T) { return Rigid3(T.inverse().rotation, 1e3 * T.inverse().translation); }, "millimetres"},
+       [](const Rigid3& T) { return Rigid3(T.inverse().rotation, 1e3 * T.inverse().translation); },
+       Finding("convention.unit", {{"unit", "millimetres"}}).by({Finding("convention.inverted")}), "millimetres"},
   };
 }
 
@@ -101,7 +110,8 @@ TEST(ConventionSuspicion, EverySlipIsNamed) {
       estimate.T_parent_child = slip.apply(estimate.T_parent_child);
     const auto suspicion = compare(result, truth).suspicion;
     ASSERT_TRUE(suspicion) << slip.name;
-    EXPECT_THAT(suspicion->explanation, testing::HasSubstr(slip.words)) << slip.name;
+    EXPECT_EQ(suspicion->convention, slip.convention) << slip.name;
+    EXPECT_THAT(worded(suspicion->convention), testing::HasSubstr(slip.words)) << slip.name;
     // Five of the errors' standard deviations along three axes.
     EXPECT_LT(suspicion->error_if_corrected_m, 0.026) << slip.name;
     EXPECT_LT(suspicion->error_if_corrected_rad, 0.018) << slip.name;
@@ -114,7 +124,10 @@ TEST(ConventionSuspicion, ExchangedNamesAreNamed) {
   std::swap(result.camera_to_robot[0].T_parent_child, result.camera_to_robot[2].T_parent_child);
   const auto suspicion = compare(result, truth).suspicion;
   ASSERT_TRUE(suspicion);
-  EXPECT_THAT(suspicion->explanation, testing::HasSubstr("what it calls left is right"));
+  EXPECT_TRUE(suspicion->convention.is("convention.names_exchanged"));
+  EXPECT_THAT(suspicion->convention.because,
+              testing::ElementsAre(Finding("convention.name", {{"called", "left"}, {"is", "right"}}),
+                                   Finding("convention.name", {{"called", "right"}, {"is", "left"}})));
 }
 
 TEST(ConventionSuspicion, OneCameraAloneIsEnough) {
@@ -136,7 +149,7 @@ TEST(ConventionSuspicion, HonestErrorsOfAnySizeAreNotAccusedOverTrials) {
     RandomStream random(seed, "size");
     const double size = std::pow(10.0, random.uniform(-4.0, 1.0));
     const auto suspicion = compare(noisy_result(truth, seed, size, std::min(1.5, size)), truth).suspicion;
-    EXPECT_FALSE(suspicion) << "seed " << seed << ", size " << size << ": " << suspicion->explanation;
+    EXPECT_FALSE(suspicion) << "seed " << seed << ", size " << size << ": " << worded(suspicion->convention);
   }
 }
 

@@ -5,13 +5,13 @@
 
 #include "rigproof/validate/format.h"
 #include "synthetic.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
 
 using namespace testing_support;
 using testing::HasSubstr;
-using Kind = Explanation::Kind;
 
 Budget tight_budget() {
   Budget budget;
@@ -43,16 +43,21 @@ TEST(Explanation, OneCameraTooHigh) {
   const auto found = explain(
       make_truth(), {vector(0.004, -0.002, 0.0001), vector(0.004, -0.0025, 0.0001), vector(0.004, -0.0024, 0.0062)});
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->kind, Kind::kOneAxis);
-  EXPECT_EQ(found->sentence, "right is 0.62 cm too high");
+  EXPECT_TRUE(found->cause.is("errors.one_axis"));
+  EXPECT_EQ(found->axis, 2);
+  EXPECT_THAT(found->cause.cameras, testing::ElementsAre("right"));
+  EXPECT_NEAR(std::get<double>(found->cause.find("z_cm")->value), 0.62, 1e-9);
+  EXPECT_EQ(worded(found->cause), "right is 0.62 cm too high");
   EXPECT_GT(found->explained, 1U);
 }
 
 TEST(Explanation, AllCamerasShareAShift) {
   const auto found = explain(make_truth(), {vector(0.02, 0, 0), vector(0.021, 0, 0), vector(0.0205, 0, 0)});
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->kind, Kind::kSharedAxis);
-  EXPECT_THAT(found->sentence, HasSubstr("too far forward"));
+  EXPECT_TRUE(found->cause.is("errors.shared_axis"));
+  EXPECT_EQ(found->axis, 0);
+  EXPECT_EQ(*found->cause.find("source"), FindingValue("source", "odometry"));
+  EXPECT_THAT(worded(found->cause), HasSubstr("too far forward"));
 }
 
 // Two centimetres where the data allow two millimetres: no odometry can be that wrong.
@@ -60,24 +65,28 @@ TEST(Explanation, ABiasThatTheDataForbidIsNotBlamedOnOdometry) {
   const Truth truth = make_truth();
   Comparison comparison = compare(
       make_result(truth, {vector(0.02, 0, 0, 0.001), vector(0.021, 0, 0, 0.001), vector(0.022, 0, 0, 0.001)}), truth);
-  EXPECT_EQ(explain_failures(comparison, tight_budget())->sentence,
+  EXPECT_EQ(worded(explain_failures(comparison, tight_budget())->cause),
             "all cameras share this error: they are 2.1 cm too far forward")
       << "what the data allow is not known";
-  EXPECT_THAT(format_errors(comparison), HasSubstr("The cameras share this error. "));
+  EXPECT_THAT(format_errors(comparison, nullptr, words::sentence_of), HasSubstr("The cameras share this error. "));
   comparison.bound = DataBound();
   comparison.bound->camera_to_robot[0] = 0.006;
-  EXPECT_THAT(explain_failures(comparison, tight_budget())->sentence, HasSubstr("share this error (odometry): they"));
+  EXPECT_THAT(worded(explain_failures(comparison, tight_budget())->cause),
+              HasSubstr("share this error (odometry): they"));
   comparison.bound->camera_to_robot[0] = 0.002;
-  EXPECT_EQ(explain_failures(comparison, tight_budget())->sentence,
+  EXPECT_NEAR(std::get<double>(explain_failures(comparison, tight_budget())->cause.find("deviations")->value), 10.5,
+              1e-9);
+  EXPECT_EQ(worded(explain_failures(comparison, tight_budget())->cause),
             "all cameras share this error, far more than the data allow: they are 2.1 cm too far forward");
-  EXPECT_THAT(format_errors(comparison), HasSubstr("The cameras share this error, far more than the data allow. "));
+  EXPECT_THAT(format_errors(comparison, nullptr, words::sentence_of),
+              HasSubstr("The cameras share this error, far more than the data allow. "));
   Result turned = exact_result(truth);
   for (EstimatedTransform& estimate : turned.camera_to_robot)
     estimate.T_parent_child = se3_exp(vector(0.02, 0.03, 0.0, 0.02)) * estimate.T_parent_child;
   Comparison whole = compare(turned, truth);
   whole.bound = DataBound();
   whole.bound->camera_to_robot[5] = 0.004;
-  EXPECT_THAT(explain_failures(whole, tight_budget())->sentence, HasSubstr("far more than the data allow"));
+  EXPECT_THAT(worded(explain_failures(whole, tight_budget())->cause), HasSubstr("far more than the data allow"));
 }
 
 TEST(Explanation, ASharedTiltComesFromTheGround) {
@@ -85,7 +94,7 @@ TEST(Explanation, ASharedTiltComesFromTheGround) {
   tilt[4] = 0.003;
   const auto found = explain(make_truth(), {tilt, tilt, tilt});
   ASSERT_TRUE(found);
-  EXPECT_THAT(found->sentence, testing::AllOf(HasSubstr("(ground)"), HasSubstr("0.17 deg pitched too far down")));
+  EXPECT_THAT(worded(found->cause), testing::AllOf(HasSubstr("(ground)"), HasSubstr("0.17 deg pitched too far down")));
 }
 
 TEST(Explanation, ScaleOfEverything) {
@@ -94,16 +103,16 @@ TEST(Explanation, ScaleOfEverything) {
   for (EstimatedTransform& estimate : result.camera_to_robot) estimate.T_parent_child.translation *= 1.03;
   const auto found = explain_failures(compare(result, truth), tight_budget());
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->kind, Kind::kScale);
-  EXPECT_THAT(found->sentence, HasSubstr("3.0 % too long"));
+  EXPECT_TRUE(found->cause.is("errors.scale"));
+  EXPECT_THAT(worded(found->cause), HasSubstr("3.0 % too long"));
 }
 
 TEST(Explanation, OneCameraWrongInSeveralWays) {
   const auto found = explain(make_truth(), {vector(0, 0, 0), vector(0.02, -0.03, 0.01, 0.01), vector(0, 0, 0)});
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->kind, Kind::kOneCamera);
-  EXPECT_THAT(found->sentence, testing::AllOf(HasSubstr("only center"), HasSubstr("3.0 cm too far right"),
-                                              HasSubstr("0.57 deg turned too far left")));
+  EXPECT_TRUE(found->cause.is("errors.one_camera"));
+  EXPECT_THAT(worded(found->cause), testing::AllOf(HasSubstr("only center"), HasSubstr("3.0 cm too far right"),
+                                                   HasSubstr("0.57 deg turned too far left")));
 }
 
 TEST(Explanation, TheRigTurnedAsOneBody) {
@@ -114,8 +123,9 @@ TEST(Explanation, TheRigTurnedAsOneBody) {
     estimate.T_parent_child = se3_exp(motion) * estimate.T_parent_child;
   const auto found = explain_failures(of_vague_data(compare(result, truth)), tight_budget());
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->kind, Kind::kSharedMotion);
-  EXPECT_THAT(found->sentence, HasSubstr("odometry"));
+  EXPECT_TRUE(found->cause.is("errors.shared_motion"));
+  EXPECT_EQ(*found->cause.find("source"), FindingValue("source", "odometry"));
+  EXPECT_THAT(worded(found->cause), HasSubstr("odometry"));
 }
 
 TEST(Explanation, StatedPairsFollowTheirCamera) {
@@ -128,7 +138,7 @@ TEST(Explanation, StatedPairsFollowTheirCamera) {
   result.camera_to_camera = {pair};
   const auto found = explain_failures(compare(result, truth), tight_budget());
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->sentence, "right is 0.62 cm too high");
+  EXPECT_EQ(worded(found->cause), "right is 0.62 cm too high");
 }
 
 TEST(Explanation, ThereMayBeNone) {

@@ -44,7 +44,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 TEST(Format, ErrorsWithSigmas) {
   const Truth truth = make_truth();
   const Comparison comparison = compare(shared_error_result(truth), truth);
-  EXPECT_EQ(format_errors(comparison),
+  EXPECT_EQ(format_errors(comparison, nullptr, words::sentence_of),
             "error +- stated sigma  tx ty tz [cm]         rx ry rz [deg]\n"
             " left    +.07+-.09  -.14+-.13  +.002+-.003   +.0010+-.0011  +.0002+-.0012  +.017+-.024\n"
             " center  +.07+-.09  -.15+-.13  +.001+-.003   +.0010+-.0011  +.0001+-.0012  +.017+-.024\n"
@@ -62,7 +62,8 @@ TEST(Format, ErrorsWithoutSigmasAndWithAGate) {
   budget.name = "ci.yaml";
   budget.camera_to_robot = in_cm_deg(1, 1, .2, .1, .1, .1);
   budget.camera_to_camera = in_cm_deg(.4, .4, .4, .1, .1, .1);
-  const std::string text = format_validation(comparison, apply_budget(comparison, budget), budget, "theirs.yaml");
+  const std::string text =
+      format_validation(comparison, apply_budget(comparison, budget), budget, "theirs.yaml", words::sentence_of);
   const std::vector<std::string> lines = lines_of(text);
   ASSERT_EQ(lines.size(), 8U) << text;
   EXPECT_EQ(lines[0],
@@ -167,7 +168,7 @@ TEST(Format, SuspicionSaysBothErrors) {
     estimate.T_parent_child = estimate.T_parent_child.inverse();
     estimate.covariance.reset();
   }
-  const std::string text = format_suspicion(compare(result, truth));
+  const std::string text = format_suspicion(compare(result, truth), words::sentence_of);
   EXPECT_THAT(text, testing::StartsWith("CONVENTION  matches the truth only when inverted"));
   EXPECT_THAT(text, HasSubstr("corrected: "));
 }

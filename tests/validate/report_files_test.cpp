@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "rigproof/core/files.h"
+#include "rigproof/words/sentences.h"
 #include "synthetic.h"
 #include "temp_folder.h"
 
@@ -130,12 +131,15 @@ TEST(JUnit, CarriesStableCodes) {
   EXPECT_THAT(note_codes, testing::Each("gate.no_sigma"));
   EXPECT_EQ(note_codes.size(), record.gate.notes.size());
   EXPECT_FALSE(note_codes.empty());
+  EXPECT_NE(
+      to_junit({record_of(truth, failing_result(truth), "ml")}).find("name=\"cause_code\" value=\"errors.one_axis\""),
+      std::string::npos);
 }
 
 TEST(JsonReport, HoldsErrorsExactly) {
   const Truth truth = make_truth();
   const ValidationRecord record = record_of(truth, failing_result(truth), "theirs.yaml");
-  const auto json = nlohmann::json::parse(to_json({record}));
+  const auto json = nlohmann::json::parse(to_json({record}, words::sentence_of));
   EXPECT_FALSE(json["passed"].get<bool>());
   const auto& result = json["results"][0];
   EXPECT_EQ(result["subject"], "theirs.yaml");
@@ -146,8 +150,27 @@ TEST(JsonReport, HoldsErrorsExactly) {
   EXPECT_TRUE(result["camera_to_robot"][1]["sigma_m_rad"].is_null());
   EXPECT_EQ(result["camera_to_robot"][0]["sigma_m_rad"][0].get<double>(), 1e-3);
   EXPECT_EQ(result["explanation"], "center is 1.0 cm too high");
+  EXPECT_EQ(result["causes"][0]["sentence"], result["explanation"]);
+  EXPECT_EQ(result["causes"][0]["code"], "errors.one_axis");
+  EXPECT_EQ(result["causes"][0]["cameras"][0], "center");
+  EXPECT_NEAR(result["causes"][0]["values"]["z_cm"].get<double>(), 1.0, 1e-9);
+  EXPECT_TRUE(result["convention_suspicion"].is_null());
   EXPECT_EQ(result["checks"].size(), record.gate.checks.size());
   EXPECT_TRUE(result["nees"]["all"].is_null());
+}
+
+TEST(JsonReport, NamesAWrongConvention) {
+  const Truth truth = make_truth();
+  Result result = exact_result(truth);
+  for (EstimatedTransform& estimate : result.camera_to_robot)
+    estimate.T_parent_child = estimate.T_parent_child.inverse();
+  const ValidationRecord record = record_of(truth, result, "theirs.yaml");
+  const auto suspicion = nlohmann::json::parse(to_json({record}))["results"][0]["convention_suspicion"];
+  EXPECT_EQ(suspicion["conventions"][0]["code"], "convention.inverted");
+  EXPECT_EQ(suspicion["explanation"], "convention.inverted") << "nobody words it";
+  EXPECT_GT(suspicion["error_rad"].get<double>(), 1.0);
+  EXPECT_NE(to_junit({record}).find("<property name=\"convention_code\" value=\"convention.inverted\"/>"),
+            std::string::npos);
 }
 
 TEST(JsonReport, BadBytesDoNotThrow) {

@@ -55,6 +55,35 @@ TEST(Sentences, CausesThatExplainAsMuchAreOneSentence) {
                           "... Undone, the odometry agrees with the cameras to 1.2 mm and 0.10 deg."));
 }
 
+TEST(Sentences, OffsetsSayWhereTo) {
+  EXPECT_EQ(worded(Finding("errors.one_axis", {{"z_cm", 0.62}}).of("right")), "right is 0.62 cm too high");
+  EXPECT_EQ(worded(Finding("errors.one_axis", {{"yaw_deg", -12.3}}).of("right")),
+            "right is 12 deg turned too far right");
+  EXPECT_EQ(worded(Finding("errors.one_camera", {{"x_cm", -0.0996}, {"pitch_deg", 0.171}}).of("left")),
+            "only left is wrong: 0.10 cm too far back, 0.17 deg pitched too far down");
+  EXPECT_EQ(worded(Finding("errors.one_camera").of("left")), "only left is wrong");
+}
+
+TEST(Sentences, WhatCamerasShareSaysWhereItComesFrom) {
+  EXPECT_EQ(worded(Finding("errors.shared")), "The cameras share this error.");
+  EXPECT_EQ(worded(Finding("errors.shared", {{"source", "odometry and ground"}})),
+            "The cameras share this error (odometry and ground).");
+  EXPECT_EQ(worded(Finding("errors.shared_axis", {{"deviations", 10.5}, {"x_cm", 2.1}})),
+            "all cameras share this error, far more than the data allow: they are 2.1 cm too far forward");
+}
+
+TEST(Sentences, OneSlipComesWithAnother) {
+  EXPECT_EQ(
+      worded(Finding("convention.unit", {{"unit", "millimetres"}}).by({Finding("convention.quaternion_order")})),
+      "the translations are in millimetres, not metres; moreover the quaternions are in the order w x y z, not x y "
+      "z w");
+  const auto name = [](const char* called, const char* is) {
+    return Finding("convention.name", {{"called", called}, {"is", is}});
+  };
+  EXPECT_EQ(worded(Finding("convention.names_exchanged").by({name("left", "right"), name("right", "left")})),
+            "the camera names are exchanged: what it calls left is right, what it calls right is left");
+}
+
 TEST(Sentences, OptionalPartsNeedTheirValues) {
   const Finding unit("depth.unit_of_all", {{"factor", 1000.0}});
   const std::string what =

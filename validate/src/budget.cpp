@@ -8,6 +8,7 @@
 #include "rigproof/core/fields.h"
 #include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
+#include "said.h"
 
 namespace rigproof {
 namespace {
@@ -151,7 +152,7 @@ std::string describe(const Budget& budget) {
 std::string budget_schema() { return schema_of<BudgetFields>("Rigproof budget"); }
 
 std::string Check::message(const Wording& wording) const {
-  if (reason) return wording ? wording(*reason) : reason->code;
+  if (reason) return said(*reason, wording);
   return plain_figure(value) + " " + unit + ", allowed " + plain_figure(limit) + " " + unit;
 }
 

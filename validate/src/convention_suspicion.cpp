@@ -36,45 +36,43 @@ Misfit misfit_of(const Poses& estimates, const Poses& truths) {
 
 // How one convention is undone.
 struct Correction {
-  std::string explanation;
+  Finding convention;
   std::function<Rigid3(const Rigid3&)> undo;
   bool combines = false;  // is also tried together with the others that combine
 };
 
-Correction scaled(double factor, const std::string& explanation) {
-  return {explanation, [factor](const Rigid3& T) { return Rigid3(T.rotation, factor * T.translation); }, true};
+Correction scaled(double factor, const Finding& convention) {
+  return {convention, [factor](const Rigid3& T) { return Rigid3(T.rotation, factor * T.translation); }, true};
 }
 
-Correction turned_child(const Eigen::Quaterniond& rotation, const std::string& explanation) {
-  return {explanation, [rotation](const Rigid3& T) { return Rigid3(T.rotation * rotation, T.translation); }, true};
+Correction turned_child(const Eigen::Quaterniond& rotation, const Finding& convention) {
+  return {convention, [rotation](const Rigid3& T) { return Rigid3(T.rotation * rotation, T.translation); }, true};
 }
 
-Correction turned_parent(const Eigen::Quaterniond& rotation, const std::string& explanation) {
-  return {explanation, [rotation](const Rigid3& T) { return Rigid3(rotation, Eigen::Vector3d::Zero()) * T; }};
+Correction turned_parent(const Eigen::Quaterniond& rotation, const Finding& convention) {
+  return {convention, [rotation](const Rigid3& T) { return Rigid3(rotation, Eigen::Vector3d::Zero()) * T; }};
 }
 
 void add_inversions(std::vector<Correction>* list) {
-  list->push_back(
-      {"matches the truth only when inverted: it gives the robot in the camera, not the camera in the robot",
-       [](const Rigid3& T) { return T.inverse(); }, true});
-  list->push_back({"matches the truth only with the rotations inverted",
+  list->push_back({Finding("convention.inverted"), [](const Rigid3& T) { return T.inverse(); }, true});
+  list->push_back({Finding("convention.rotations_inverted"),
                    [](const Rigid3& T) { return Rigid3(T.rotation.conjugate(), T.translation); }});
-  list->push_back({"matches the truth only with the translations replaced by -R^T t: they are in the camera's axes",
+  list->push_back({Finding("convention.translations_in_camera"),
                    [](const Rigid3& T) { return Rigid3(T.rotation, T.inverse().translation); }});
 }
 
 void add_units(std::vector<Correction>* list) {
-  list->push_back(scaled(1e-3, "the translations are in millimetres, not metres"));
-  list->push_back(scaled(1e-2, "the translations are in centimetres, not metres"));
-  list->push_back(scaled(1e3, "the translations were divided by 1000 once too often"));
-  list->push_back(scaled(1e2, "the translations were divided by 100 once too often"));
-  list->push_back(scaled(0.0254, "the translations are in inches, not metres"));
+  const auto in = [](const char* unit) { return Finding("convention.unit", {{"unit", unit}}); };
+  list->push_back(scaled(1e-3, in("millimetres")));
+  list->push_back(scaled(1e-2, in("centimetres")));
+  for (const double by : {1e3, 1e2}) list->push_back(scaled(by, Finding("convention.divided", {{"by", by}})));
+  list->push_back(scaled(0.0254, in("inches")));
+  const auto angles = [](const char* which) { return Finding("convention.radians_as_degrees", {{"angles", which}}); };
   // A small angle leaves no trace of its axis order, so the rotation vector stands for roll, pitch and yaw as well.
-  list->push_back(
-      {"the rotations were given in radians and read as degrees: all angles are 57.3 times too small",
-       [](const Rigid3& T) { return Rigid3(so3_exp(rad_to_deg(1.0) * so3_log(T.rotation)), T.translation); }});
-  list->push_back({"roll, pitch and yaw were given in radians and read as degrees: all angles are 57.3 times too small",
-                   [](const Rigid3& T) {
+  list->push_back({angles("rotation_vector"), [](const Rigid3& T) {
+                     return Rigid3(so3_exp(rad_to_deg(1.0) * so3_log(T.rotation)), T.translation);
+                   }});
+  list->push_back({angles("roll_pitch_yaw"), [](const Rigid3& T) {
                      return Rigid3(from_roll_pitch_yaw(rad_to_deg(1.0) * roll_pitch_yaw(T.rotation)), T.translation);
                    }});
 }
@@ -83,19 +81,17 @@ void add_axes(std::vector<Correction>* list) {
   const Eigen::Quaterniond optical_body = optical_from_body();
   const Eigen::Quaterniond quarter = rotation_z(0.5 * kPi);
   const Eigen::Quaterniond half_x(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()));
-  list->push_back(
-      turned_child(optical_body.conjugate(),
-                   "the camera's axes are body axes (x forward, z up), not optical axes (z forward, y down)"));
-  list->push_back(turned_child(optical_body, "the turn from optical to body axes was applied once too often"));
-  list->push_back(
-      turned_child(half_x, "the camera's axes are OpenGL's (y up, z backward), not optical (y down, z forward)"));
-  list->push_back(turned_child(rotation_z(kPi), "the camera's axes are turned by 180 degrees about the optical axis"));
-  list->push_back(turned_parent(optical_body.conjugate(),
-                                "the robot's axes are optical (x right, y down, z forward), not x forward, z up"));
-  list->push_back(turned_parent(quarter, "the robot's axes are x right, y forward, not x forward, y left"));
-  list->push_back(turned_parent(quarter.conjugate(), "the robot's axes are x left, y backward, not x forward, y left"));
-  list->push_back(turned_parent(rotation_z(kPi), "the robot's x axis points backward"));
-  list->push_back(turned_parent(half_x, "the robot's axes are x forward, y right, z down, not y left, z up"));
+  const auto camera = [](const char* frame) { return Finding("convention.camera_axes", {{"frame", frame}}); };
+  list->push_back(turned_child(optical_body.conjugate(), camera("body")));
+  list->push_back(turned_child(optical_body, Finding("convention.optical_twice")));
+  list->push_back(turned_child(half_x, camera("opengl")));
+  list->push_back(turned_child(rotation_z(kPi), camera("upside_down")));
+  const auto robot = [](const char* frame) { return Finding("convention.robot_axes", {{"frame", frame}}); };
+  list->push_back(turned_parent(optical_body.conjugate(), robot("optical")));
+  list->push_back(turned_parent(quarter, robot("x_right")));
+  list->push_back(turned_parent(quarter.conjugate(), robot("x_left")));
+  list->push_back(turned_parent(rotation_z(kPi), robot("x_backward")));
+  list->push_back(turned_parent(half_x, robot("z_down")));
 }
 
 void add_mirrors(std::vector<Correction>* list) {
@@ -103,14 +99,13 @@ void add_mirrors(std::vector<Correction>* list) {
     Eigen::Vector3d sign = Eigen::Vector3d::Ones();
     sign[axis] = -1.0;
     const std::string name(1, static_cast<char>('x' + axis));
-    list->push_back({"the " + name + " axis of the translations is mirrored",
+    list->push_back({Finding("convention.translations_mirrored", {{"axis", name}}),
                      [sign](const Rigid3& T) { return Rigid3(T.rotation, T.translation.cwiseProduct(sign)); }});
     for (int camera_axis = 0; camera_axis < 3; ++camera_axis) {
       Eigen::Vector3d camera_sign = Eigen::Vector3d::Ones();
       camera_sign[camera_axis] = -1.0;
       const std::string camera_name(1, static_cast<char>('x' + camera_axis));
-      list->push_back({"the " + name + " axis of the robot and the " + camera_name +
-                           " axis of the camera are mirrored (a left-handed frame)",
+      list->push_back({Finding("convention.left_handed", {{"robot_axis", name}, {"camera_axis", camera_name}}),
                        [sign, camera_sign](const Rigid3& T) {
                          const Eigen::Matrix3d R = sign.asDiagonal() * T.rotation_matrix() * camera_sign.asDiagonal();
                          return Rigid3(Eigen::Quaterniond(R), T.translation.cwiseProduct(sign));
@@ -120,17 +115,16 @@ void add_mirrors(std::vector<Correction>* list) {
 }
 
 void add_quaternion_orders(std::vector<Correction>* list) {
-  list->push_back({"the quaternions are in the order w x y z, not x y z w",
+  list->push_back({Finding("convention.quaternion_order"),
                    [](const Rigid3& T) {
                      const Eigen::Vector4d q = T.rotation.coeffs();  // x y z w as read
                      return Rigid3(Eigen::Quaterniond(q[0], q[1], q[2], q[3]), T.translation);
                    },
                    true});
-  list->push_back(
-      {"the quaternions were turned from x y z w to y z w x: their order was already right", [](const Rigid3& T) {
-         const Eigen::Vector4d q = T.rotation.coeffs();
-         return Rigid3(Eigen::Quaterniond(q[2], q[3], q[0], q[1]), T.translation);
-       }});
+  list->push_back({Finding("convention.quaternions_reordered"), [](const Rigid3& T) {
+                     const Eigen::Vector4d q = T.rotation.coeffs();
+                     return Rigid3(Eigen::Quaterniond(q[2], q[3], q[0], q[1]), T.translation);
+                   }});
 }
 
 const std::vector<Correction>& corrections() {
@@ -147,7 +141,7 @@ const std::vector<Correction>& corrections() {
 }
 
 struct Candidate {
-  std::string explanation;
+  Finding convention;
   Misfit misfit;
 };
 
@@ -169,7 +163,7 @@ void keep_better(const Candidate& candidate, std::optional<Candidate>* best) {
 std::optional<Candidate> best_single(const Poses& estimates, const Poses& truths) {
   std::optional<Candidate> best;
   for (const Correction& correction : corrections())
-    keep_better({correction.explanation, misfit_of(apply(correction.undo, estimates), truths)}, &best);
+    keep_better({correction.convention, misfit_of(apply(correction.undo, estimates), truths)}, &best);
   return best;
 }
 
@@ -180,9 +174,7 @@ std::optional<Candidate> best_pair(const Poses& estimates, const Poses& truths) 
     const Poses once = apply(first.undo, estimates);
     for (const Correction& second : corrections())
       if (second.combines && &second != &first)
-        keep_better(
-            {first.explanation + "; moreover " + second.explanation, misfit_of(apply(second.undo, once), truths)},
-            &best);
+        keep_better({first.convention.by({second.convention}), misfit_of(apply(second.undo, once), truths)}, &best);
   }
   return best;
 }
@@ -206,7 +198,7 @@ std::optional<Candidate> degrees_read_as_radians(const Poses& estimates, const P
     // Beyond half a radian of the spoilt rotation agreement may be chance (one in 150 for a single camera).
     if (misfit.radians > 0.5) continue;
     misfit.radians /= factor;
-    keep_better({"the rotations were given in degrees and read as radians", misfit}, &best);
+    keep_better({Finding("convention.degrees_as_radians"), misfit}, &best);
   }
   return best;
 }
@@ -216,7 +208,7 @@ std::optional<Candidate> permuted_names(const std::vector<TransformError>& error
                                         const Poses& truths) {
   Poses matched;
   std::set<std::size_t> taken;
-  std::string swaps;
+  std::vector<Finding> swaps;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     std::size_t nearest = 0;
     for (std::size_t j = 1; j < truths.size(); ++j)
@@ -225,10 +217,10 @@ std::optional<Candidate> permuted_names(const std::vector<TransformError>& error
     if (!taken.insert(nearest).second) return std::nullopt;
     matched.push_back(truths[nearest]);
     if (nearest != i)
-      swaps += (swaps.empty() ? "" : ", ") + ("what it calls " + errors[i].child + " is " + errors[nearest].child);
+      swaps.push_back(Finding("convention.name", {{"called", errors[i].child}, {"is", errors[nearest].child}}));
   }
   if (swaps.empty()) return std::nullopt;
-  return Candidate{"the camera names are exchanged: " + swaps, misfit_of(estimates, matched)};
+  return Candidate{Finding("convention.names_exchanged").by(swaps), misfit_of(estimates, matched)};
 }
 
 }  // namespace
@@ -249,7 +241,7 @@ std::optional<ConventionSuspicion> find_convention_suspicion(const std::vector<T
     if (const auto candidate = permuted_names(camera_to_robot, estimates, truths)) keep_better(*candidate, &best);
   if (!best || !convincing(best->misfit, now)) best = best_pair(estimates, truths);
   if (!best || !convincing(best->misfit, now)) return std::nullopt;
-  return ConventionSuspicion{best->explanation, now.metres, now.radians, best->misfit.metres, best->misfit.radians};
+  return ConventionSuspicion{best->convention, now.metres, now.radians, best->misfit.metres, best->misfit.radians};
 }
 
 }  // namespace rigproof

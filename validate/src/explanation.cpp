@@ -1,8 +1,8 @@
 #include "rigproof/validate/explanation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include "rigproof/core/figures.h"
 
@@ -53,19 +53,9 @@ struct Failures {
   }
 };
 
-// "0.62 cm too high".
-std::string axis_in_words(int axis, double value) {
-  static constexpr const char* kWords[6][2] = {{"too far back", "too far forward"},
-                                               {"too far right", "too far left"},
-                                               {"too low", "too high"},
-                                               {"rolled too far left", "rolled too far right"},
-                                               {"pitched too far up", "pitched too far down"},
-                                               {"turned too far right", "turned too far left"}};
-  const std::string word = kWords[axis][value > 0.0 ? 1 : 0];
-  // A leading zero here: this is a sentence, not a table.
-  std::string number = short_figure(std::abs(in_unit(value, axis)));
-  if (number[0] == '.') number = "0" + number;
-  return number + (axis < 3 ? " cm " : " deg ") + word;
+FindingValue offset(int axis, double value) {
+  static constexpr std::array<const char*, 6> kNames = {"x_cm", "y_cm", "z_cm", "roll_deg", "pitch_deg", "yaw_deg"};
+  return {kNames[static_cast<std::size_t>(axis)], in_unit(value, axis)};
 }
 
 double mean_error(const Comparison& comparison, int axis) {
@@ -75,24 +65,17 @@ double mean_error(const Comparison& comparison, int axis) {
 }
 
 // What odometry and ground leave open is in the bound; a shared error far beyond it is of the method's own making.
-bool is_beyond_bound(const Comparison& comparison, int axis) {
+std::optional<double> deviations_beyond_bound(const Comparison& comparison, int axis) {
   constexpr double kDeviations = 4.0;
   const std::optional<double>& sigma = comparison.bound->camera_to_robot[static_cast<std::size_t>(axis)];
-  return sigma && std::abs(mean_error(comparison, axis)) > kDeviations * *sigma;
+  const double size = std::abs(mean_error(comparison, axis));
+  return sigma && size > kDeviations * *sigma ? std::optional(size / *sigma) : std::nullopt;
 }
 
 bool failed(const Failures& failures, const std::string& subject, int axis) {
   return std::any_of(failures.gate.checks.begin(), failures.gate.checks.end(), [&](const Check& check) {
     return !check.passed && check.axis == axis && (subject.empty() ? !check.between_cameras : check.subject == subject);
   });
-}
-
-// Those that are finite.
-std::string describe_axes(const Vector6d& error) {
-  std::string text;
-  for (int axis = 0; axis < 6; ++axis)
-    if (std::isfinite(error[axis])) text += (text.empty() ? "" : ", ") + axis_in_words(axis, error[axis]);
-  return text;
 }
 
 std::optional<Explanation> one_axis(const Failures& failures) {
@@ -109,8 +92,8 @@ std::optional<Explanation> one_axis(const Failures& failures) {
           std::abs(failures.camera(i).error[axis]) * (failed(failures, failures.camera(i).name(), axis) ? 1e3 : 1.0);
       if (size <= best_size || !failures.are_cured_by(corrected)) continue;
       best_size = size;
-      best = Explanation{Explanation::Kind::kOneAxis, failures.camera(i).child, axis, failures.camera(i).error[axis],
-                         failures.camera(i).child + " is " + axis_in_words(axis, failures.camera(i).error[axis])};
+      const Finding cause("errors.one_axis", {offset(axis, failures.camera(i).error[axis])});
+      best = Explanation{cause.of(failures.camera(i).child), axis};
     }
   }
   return best;
@@ -123,9 +106,8 @@ std::optional<Explanation> shared_axis(const Failures& failures) {
     Poses corrected = estimates_of(failures.comparison);
     for (Rigid3& T : corrected) T.translation[axis] -= value;
     if (!failures.are_cured_by(corrected)) continue;
-    return Explanation{Explanation::Kind::kSharedAxis, "", axis, value,
-                       "all cameras share this error" + source_of_shared(failures.comparison, {axis}) + ": they are " +
-                           axis_in_words(axis, value)};
+    return Explanation{
+        Finding("errors.shared_axis", source_of_shared(failures.comparison, {axis})).with({offset(axis, value)}), axis};
   }
   return std::nullopt;
 }
@@ -142,9 +124,8 @@ std::optional<Explanation> scale(const Failures& failures) {
   for (Rigid3& T : corrected) T.translation /= factor;
   if (!failures.are_cured_by(corrected)) return std::nullopt;
   const double percent = 100.0 * (factor - 1.0);
-  return Explanation{Explanation::Kind::kScale, "", -1, factor - 1.0,
-                     "all distances are " + short_figure(std::abs(percent)) + " % too " +
-                         (percent > 0.0 ? "long" : "short") + " (board size, odometry scale or unit)"};
+  return Explanation{
+      Finding("errors.scale", {{"off_percent", std::abs(percent)}, {"side", percent > 0.0 ? "long" : "short"}})};
 }
 
 std::optional<Explanation> one_camera(const Failures& failures) {
@@ -153,13 +134,11 @@ std::optional<Explanation> one_camera(const Failures& failures) {
     Poses corrected = estimates_of(failures.comparison);
     corrected[i] = failures.camera(i).T_true;
     if (!failures.are_cured_by(corrected)) continue;
-    Vector6d shown = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());
+    FindingValues off;
     for (int axis = 0; axis < 6; ++axis)
-      if (failed(failures, failures.camera(i).name(), axis)) shown[axis] = failures.camera(i).error[axis];
-    const std::string axes = describe_axes(shown);
-    return Explanation{Explanation::Kind::kOneCamera, failures.camera(i).child, -1,
-                       failures.camera(i).error.head<3>().norm(),
-                       "only " + failures.camera(i).child + " is wrong" + (axes.empty() ? "" : ": " + axes)};
+      if (failed(failures, failures.camera(i).name(), axis))
+        off.push_back(offset(axis, failures.camera(i).error[axis]));
+    return Explanation{Finding("errors.one_camera", off).of(failures.camera(i).child)};
   }
   return std::nullopt;
 }
@@ -173,29 +152,27 @@ std::optional<Explanation> shared_motion(const Failures& failures) {
   Poses corrected = estimates_of(failures.comparison);
   for (Rigid3& T : corrected) T = undo * T;
   if (!failures.are_cured_by(corrected)) return std::nullopt;
-  Vector6d shown = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());
+  FindingValues off;
   std::vector<int> axes;
   for (int axis = 0; axis < 6; ++axis) {
     if (!failed(failures, "", axis)) continue;
-    shown[axis] = mean_error(failures.comparison, axis);
+    off.push_back(offset(axis, mean_error(failures.comparison, axis)));
     axes.push_back(axis);
   }
-  return Explanation{Explanation::Kind::kSharedMotion, "", -1, mean.head<3>().norm(),
-                     "all cameras share this error" + source_of_shared(failures.comparison, axes) + ": they are " +
-                         describe_axes(shown)};
+  return Explanation{Finding("errors.shared_motion", source_of_shared(failures.comparison, axes)).with(off)};
 }
 
 }  // namespace
 
 // What all cameras share comes from the odometry along x, y and about z, and from the ground in the other three.
-std::string source_of_shared(const Comparison& comparison, const std::vector<int>& axes) {
-  if (!comparison.bound) return "";
+FindingValues source_of_shared(const Comparison& comparison, const std::vector<int>& axes) {
+  if (!comparison.bound) return {};
   bool odometry = false, ground = false;
   for (const int axis : axes) {
-    if (is_beyond_bound(comparison, axis)) return ", far more than the data allow";
+    if (const auto deviations = deviations_beyond_bound(comparison, axis)) return {{"deviations", *deviations}};
     (axis == 0 || axis == 1 || axis == 5 ? odometry : ground) = true;
   }
-  return odometry && ground ? " (odometry and ground)" : ground ? " (ground)" : " (odometry)";
+  return {{"source", odometry && ground ? "odometry and ground" : ground ? "ground" : "odometry"}};
 }
 
 std::optional<Explanation> explain_failures(const Comparison& comparison, const Budget& budget) {

@@ -7,6 +7,7 @@
 #include "rigproof/validate/explanation.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/text_table.h"
+#include "said.h"
 
 namespace rigproof {
 namespace {
@@ -117,11 +118,12 @@ bool cameras_share_error(const Comparison& comparison) {
 }
 
 // Along z the cameras can only share what the ground says, otherwise what the odometry says.
-std::string shared_source(const Comparison& comparison) {
+Finding shared_error(const Comparison& comparison) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const TransformError& error : comparison.camera_to_robot) sum += error.error.head<3>();
   const bool is_vertical = std::abs(sum.z()) > sum.head<2>().norm();
-  return source_of_shared(comparison, is_vertical ? std::vector<int>{2} : std::vector<int>{0, 1});
+  return Finding("errors.shared",
+                 source_of_shared(comparison, is_vertical ? std::vector<int>{2} : std::vector<int>{0, 1}));
 }
 
 const TransformError& worst_pair(const Comparison& comparison) {
@@ -130,10 +132,9 @@ const TransformError& worst_pair(const Comparison& comparison) {
                            [](const auto& a, const auto& b) { return a.error.norm() < b.error.norm(); });
 }
 
-std::string between_cameras(const Comparison& comparison) {
+std::string between_cameras(const Comparison& comparison, const Wording& wording) {
   if (comparison.camera_to_camera.empty()) return "";
-  const std::string shared =
-      cameras_share_error(comparison) ? "The cameras share this error" + shared_source(comparison) + ". " : "";
+  const std::string shared = cameras_share_error(comparison) ? said(shared_error(comparison), wording) + " " : "";
   const std::string which =
       comparison.camera_to_camera.size() > 1 && shared.empty() ? " (" + worst_pair(comparison).name() + ")" : "";
   return " " + shared + "Between cameras: worst " + short_figure(100.0 * comparison.worst_between_m()) + " cm, " +
@@ -142,7 +143,7 @@ std::string between_cameras(const Comparison& comparison) {
 
 std::string reasons_of(const Comparison& comparison, const Wording& wording) {
   std::string text;
-  for (const Finding& reason : comparison.reasons) text += " " + (wording ? wording(reason) : reason.code) + "\n";
+  for (const Finding& reason : comparison.reasons) text += " " + said(reason, wording) + "\n";
   return text;
 }
 
@@ -154,7 +155,7 @@ std::string format_errors(const Comparison& comparison, const Gate* gate, const 
   if (comparison.status == ResultStatus::kPartial) text += "PARTIAL\n" + reasons_of(comparison, wording);
   if (!comparison.camera_to_robot.empty()) text += table_of_errors(comparison.camera_to_robot, gate);
   if (!comparison.missing_cameras.empty()) text += " No pose of " + joined(comparison.missing_cameras) + ".\n";
-  return text + between_cameras(comparison);
+  return text + between_cameras(comparison, wording);
 }
 
 }  // namespace rigproof

@@ -9,6 +9,7 @@
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/statistics.h"
 #include "rigproof/validate/validate.h"
+#include "said.h"
 
 namespace rigproof {
 namespace {
@@ -120,16 +121,16 @@ std::string what_failed(const Comparison& comparison, const Gate& gate) {
   return joined(parts, "; ");
 }
 
-std::string explanation_line(const Comparison& comparison, const Budget& budget) {
+std::string explanation_line(const Comparison& comparison, const Budget& budget, const Wording& wording) {
   const std::optional<Explanation> explanation = explain_failures(comparison, budget);
   if (!explanation) return "";
   const std::string count = explanation->explained > 1 ? " explains " + all_of_them(explanation->explained) : "";
-  return "  One cause" + count + ": " + explanation->sentence + ".\n";
+  return "  One cause" + count + ": " + said(explanation->cause, wording) + ".\n";
 }
 
 std::string notes_of(const Gate& gate, const Wording& wording) {
   std::string text;
-  for (const Finding& note : gate.notes) text += "  " + (wording ? wording(note) : note.code) + "\n";
+  for (const Finding& note : gate.notes) text += "  " + said(note, wording) + "\n";
   return text;
 }
 
@@ -160,26 +161,27 @@ std::string format_verdict(const Comparison& comparison, const Gate& gate, const
     return "PASS  " + std::to_string(count) + "/" + std::to_string(count) + " within " + describe(budget) + honesty +
            "\n";
   return "FAIL  " + std::to_string(failures) + "/" + std::to_string(count) +
-         " checks: " + what_failed(comparison, gate) + "\n" + explanation_line(comparison, budget) +
+         " checks: " + what_failed(comparison, gate) + "\n" + explanation_line(comparison, budget, wording) +
          (nees.empty() ? "" : "  " + nees + "\n");
 }
 
 std::string format_same_run(const Comparison& comparison, const Budget& budget,
                             const std::vector<Comparison>& same_run) {
-  const std::optional<Explanation> cause = explain_failures(comparison, budget);
-  if (!cause || cause->kind != Explanation::Kind::kOneAxis) return "";
-  const double factor = cause->axis < 3 ? 100.0 : rad_to_deg(1.0);
-  const std::string unit = cause->axis < 3 ? " cm" : " deg";
+  const std::optional<Explanation> found = explain_failures(comparison, budget);
+  if (!found || !found->cause.is("errors.one_axis")) return "";
+  const double factor = found->axis < 3 ? 100.0 : rad_to_deg(1.0);
+  const std::string unit = found->axis < 3 ? " cm" : " deg";
   std::vector<std::string> others;
   std::optional<std::pair<double, std::string>> least_sigma;
   for (const Comparison& other : same_run) {
     if (other.method == comparison.method) continue;
     for (const TransformError& error : other.camera_to_robot) {
-      if (error.child != cause->camera || !error.observable[static_cast<std::size_t>(cause->axis)]) continue;
-      const double value = factor * error.error[cause->axis];
+      if (error.child != found->cause.cameras.front() || !error.observable[static_cast<std::size_t>(found->axis)])
+        continue;
+      const double value = factor * error.error[found->axis];
       others.push_back(other.method + " " + signed_figure(value, decimals_for(value, 2)));
-      if (!error.z(cause->axis)) continue;
-      const double sigma = factor * (*error.sigma)[cause->axis];
+      if (!error.z(found->axis)) continue;
+      const double sigma = factor * (*error.sigma)[found->axis];
       if (!least_sigma || sigma < least_sigma->first) least_sigma = {sigma, other.method};
     }
   }
@@ -190,13 +192,14 @@ std::string format_same_run(const Comparison& comparison, const Budget& budget,
   return "  " + allowed + "Same run: " + joined(others) + unit + ".\n";
 }
 
-std::string format_suspicion(const Comparison& comparison) {
+std::string format_suspicion(const Comparison& comparison, const Wording& wording) {
   if (!comparison.suspicion) return "";
   const ConventionSuspicion& s = *comparison.suspicion;
   const auto amount = [](double metres, double radians) {
     return short_figure(100.0 * metres) + " cm, " + short_figure(rad_to_deg(radians)) + " deg";
   };
-  return "CONVENTION  " + s.explanation + ".\n  Worst camera as given: " + amount(s.error_now_m, s.error_now_rad) +
+  return "CONVENTION  " + said(s.convention, wording) +
+         ".\n  Worst camera as given: " + amount(s.error_now_m, s.error_now_rad) +
          "; corrected: " + amount(s.error_if_corrected_m, s.error_if_corrected_rad) + ".\n";
 }
 
@@ -208,8 +211,8 @@ std::string format_validation(const Comparison& comparison, const Gate& gate, co
   const std::string verdict = format_verdict(comparison, gate, budget, wording);
   const std::string errors = format_errors(comparison, mark_rows ? &gate : nullptr, wording);
   // The verdict first; where there is nothing to judge, the reason for that.
-  return head + (gate.checks.empty() ? errors + format_suspicion(comparison) + verdict
-                                     : verdict + format_suspicion(comparison) + errors);
+  return head + (gate.checks.empty() ? errors + format_suspicion(comparison, wording) + verdict
+                                     : verdict + format_suspicion(comparison, wording) + errors);
 }
 
 }  // namespace rigproof

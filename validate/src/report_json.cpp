@@ -6,6 +6,7 @@
 #include "rigproof/validate/body_angles.h"
 #include "rigproof/validate/report_files.h"
 #include "rigproof/validate/statistics.h"
+#include "said.h"
 
 namespace rigproof {
 namespace {
@@ -70,10 +71,15 @@ Json nees_of(const Comparison& comparison) {
   return json;
 }
 
-Json suspicion_of(const Comparison& comparison) {
+Json list_of(const std::vector<Finding>& findings, const Wording& wording) {
+  return Json::parse(findings_json(findings, wording));
+}
+
+Json suspicion_of(const Comparison& comparison, const Wording& wording) {
   if (!comparison.suspicion) return nullptr;
   Json json;
-  json["explanation"] = comparison.suspicion->explanation;
+  json["explanation"] = said(comparison.suspicion->convention, wording);
+  json["conventions"] = list_of({comparison.suspicion->convention}, wording);
   json["error_m"] = comparison.suspicion->error_now_m;
   json["error_rad"] = comparison.suspicion->error_now_rad;
   json["error_if_corrected_m"] = comparison.suspicion->error_if_corrected_m;
@@ -88,7 +94,7 @@ Json json_of(const ValidationRecord& record, const Wording& wording) {
   json["subject"] = record.subject;
   json["method"] = comparison.method;
   json["status"] = result_status_name(comparison.status);
-  json["reasons"] = Json::parse(findings_json(comparison.reasons, wording));
+  json["reasons"] = list_of(comparison.reasons, wording);
   json["passed"] = record.gate.passed();
   json["budget"] = {{"name", record.budget.name}, {"limits", describe(record.budget)}};
   json["degrees_of_freedom"] = kDegreeOfFreedomNames;
@@ -96,10 +102,11 @@ Json json_of(const ValidationRecord& record, const Wording& wording) {
   json["camera_to_camera"] = json_of(comparison.camera_to_camera);
   json["missing_cameras"] = comparison.missing_cameras;
   json["nees"] = nees_of(comparison);
-  json["convention_suspicion"] = suspicion_of(comparison);
-  json["explanation"] = explanation ? Json(explanation->sentence) : Json(nullptr);
+  json["convention_suspicion"] = suspicion_of(comparison, wording);
+  json["explanation"] = explanation ? Json(said(explanation->cause, wording)) : Json(nullptr);
+  json["causes"] = explanation ? list_of({explanation->cause}, wording) : Json::array();
   json["checks"] = json_of(record.gate.checks, wording);
-  json["notes"] = Json::parse(findings_json(record.gate.notes, wording));
+  json["notes"] = list_of(record.gate.notes, wording);
   return json;
 }
 

@@ -7,6 +7,7 @@
 #include "rigproof/core/version.h"
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/report_files.h"
+#include "said.h"
 
 namespace rigproof {
 namespace {
@@ -69,8 +70,10 @@ std::string properties_of(const ValidationRecord& record, const Wording& wording
   text += property("budget", record.budget.name);
   text += property("limits", describe(record.budget));
   text += property("uncertainty", format_nees(comparison));
-  if (comparison.suspicion) text += property("convention", comparison.suspicion->explanation);
-  if (const auto cause = explain_failures(comparison, record.budget)) text += property("cause", cause->sentence);
+  if (comparison.suspicion)
+    text += coded_properties("convention_code", "convention", {comparison.suspicion->convention}, wording);
+  if (const auto explanation = explain_failures(comparison, record.budget))
+    text += coded_properties("cause_code", "cause", {explanation->cause}, wording);
   text += coded_properties("code", "reason", comparison.reasons, wording);
   text += coded_properties("note_code", "note", record.gate.notes, wording);
   return text + "    </properties>\n";
@@ -95,7 +98,7 @@ std::string testcase_of(const Check& check, const std::string& classname, const 
 
 std::string nothing_checked(const ValidationRecord& record, const std::string& classname, const Wording& wording) {
   std::string message = "nothing could be checked against the budget";
-  for (const Finding& note : record.gate.notes) message += "; " + (wording ? wording(note) : note.code);
+  for (const Finding& note : record.gate.notes) message += "; " + said(note, wording);
   return testcase(classname, "budget", outcome("failure", message, "budget"));
 }
 

@@ -10,10 +10,12 @@ constexpr const char* kHead =
     "# Findings\n"
     "\n"
     "What Rigproof finds in data or in a solution is data: `reasons` and `notes` of results, `left_out` frames,\n"
-    "`exclusions` of `observations.json`, and the same in `--json` and JUnit. Each has a stable `code`, a `severity`,\n"
-    "and, where they apply, `cameras`, `axes`, `stops`, named `values` (the unit is in the name) and what it rests on\n"
-    "(`because`). The `sentence` beside them is for people: it may be worded anew at any time, and nothing reads it.\n"
-    "Gate on codes.\n"
+    "`exclusions` of `observations.json`, and the same in `--json` and\n"
+    "JUnit. Each has a stable `code`, a `severity`, and, where they apply, `cameras`, `axes`, `stops`, named `values` "
+    "(the\n"
+    "unit is in the name) and what it rests on, or comes with (`because`). The `sentence` beside them is for people: "
+    "it may\n"
+    "be worded anew at any time, and nothing reads it. Gate on codes.\n"
     "\n"
     "This page is made of the table `core/src/findings.def`; a test compares them. In the words below `{name}` is a\n"
     "value, `[[..]]` is said only where its values are there, and what follows `||` differs from frame to frame.\n"
@@ -33,7 +35,7 @@ constexpr Section kSections[] = {
     {Severity::kRefusal, "Refusals: something is not answered."},
     {Severity::kSuspect,
      "Suspicions: the answer stands, with its uncertainty, but what was stated beforehand is hardly right. They stand\n"
-     "among the `notes`; where a gate was asked for, it fails."},
+     "among the `notes`; where a gate was asked for, it fails. `convention` is what `validate` suspects of a result."},
     {Severity::kNote, "Notes: worth knowing."},
     {Severity::kLeftOut, "Frames that are left out; those of `depth: true` keep their image."},
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "rigproof/core/figures.h"
 #include "rigproof/core/text.h"
 #include "rigproof/words/findings_page.h"
 
@@ -27,6 +28,7 @@ std::string digits_words(double value, int digits) {
 
 std::string number_words(double value, std::string_view format) {
   if (!std::isfinite(value)) return "unknown";
+  if (format == "~") return short_figure(value);
   if (!format.empty() && format[0] == '=') return digits_words(value, format[1] - '0');
   return fmt::format(fmt::runtime(format.empty() ? std::string("{:.10g}") : fmt::format("{{:{}}}", format)), value);
 }
@@ -57,6 +59,44 @@ std::string axes_words(const std::vector<std::string>& axes) {
   std::vector<std::string> names;
   for (const std::string& axis : axes) names.push_back(spoken(axis));
   return joined(names);
+}
+
+struct Direction {
+  const char* value;  // with its unit
+  const char* negative;
+  const char* positive;
+};
+constexpr Direction kDirections[] = {{"x_cm", "too far back", "too far forward"},
+                                     {"y_cm", "too far right", "too far left"},
+                                     {"z_cm", "too low", "too high"},
+                                     {"roll_deg", "rolled too far left", "rolled too far right"},
+                                     {"pitch_deg", "pitched too far up", "pitched too far down"},
+                                     {"yaw_deg", "turned too far right", "turned too far left"},
+                                     {"x_px", "to the left", "to the right"},
+                                     {"y_px", "up", "down"}};
+
+std::string amount_words(double size, const std::string& unit) {
+  std::string number = short_figure(size);
+  if (unit == "px") {
+    // Within a tenth of a pixel half a pixel and one pixel are the usual slips of convention.
+    if (std::abs(size - 0.5) < 0.1) return "half a pixel";
+    return std::abs(size - 1.0) < 0.1 ? "one pixel" : number + " px";
+  }
+  // A leading zero here: this is a sentence, not a table.
+  return (number[0] == '.' ? "0" : "") + number + " " + unit;
+}
+
+// "0.62 cm too high, 0.17 deg pitched too far down": of the values that are there.
+std::string offset_words(const Finding& finding, const std::string& separator) {
+  std::vector<std::string> parts;
+  for (const Direction& direction : kDirections) {
+    const FindingValue* value = finding.find(direction.value);
+    const auto* number = value == nullptr ? nullptr : std::get_if<double>(&value->value);
+    if (number == nullptr) continue;
+    parts.push_back(amount_words(std::abs(*number), value->name.substr(value->name.find('_') + 1)) + " " +
+                    (*number > 0.0 ? direction.positive : direction.negative));
+  }
+  return joined(parts, separator);
 }
 
 class Filler {
@@ -99,6 +139,7 @@ class Filler {
   bool is_known(const std::string& name) const {
     if (name == "because") return !finding_.because.empty();
     if (name == "cameras") return !finding_.cameras.empty();
+    if (name == "offset") return !of_finding(name).empty();
     return finding_.find(name) != nullptr;
   }
 
@@ -138,8 +179,17 @@ class Filler {
     if (name == "counts") return counts_words(finding_.because, " ");
     if (name == "listed") return counts_words(finding_.because, ": ");
     if (name == "because" && !finding_.because.empty()) return words_of(finding_.because.front()).whole();
+    if (name == "each") return each_because();
+    if (name == "offset") return offset_words(finding_, ", ");
+    if (name == "shift") return offset_words(finding_, " and ");
     if (name == "uncertain") return uncertain_axes();
     return "?";
+  }
+
+  std::string each_because() const {
+    std::vector<std::string> parts;
+    for (const Finding& reason : finding_.because) parts.push_back(words_of(reason).whole());
+    return joined(parts);
   }
 
   // "x +-1.2 cm (limit 1.0 cm), yaw +-0.60 deg (limit 0.50 deg)".

@@ -142,7 +142,7 @@ PageVerdict verdict_with_truth(const Comparison& comparison, const Budget& budge
   std::vector<std::string> lines = lines_of(format_verdict(comparison, gate, budget, words::sentence_of));
   std::string first = without_first_word(lines.front());
   lines.erase(lines.begin());
-  if (comparison.suspicion) lines.insert(lines.begin(), comparison.suspicion->explanation + ".");
+  if (comparison.suspicion) lines.insert(lines.begin(), words::sentence_of(comparison.suspicion->convention) + ".");
   const std::size_t count = gate.checks.size(), failures = gate.failures();
   if (count == 0) return {"suspect", "NOT JUDGED", first, lines};
   const std::string of_all = std::to_string(failures) + "/" + std::to_string(count) + " checks: ";

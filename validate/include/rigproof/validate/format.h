@@ -33,8 +33,8 @@ std::string format_nees(const Comparison& comparison);
 /// Whether format_nees() says so: NEES of all cameras, or else of one of them, lies above the 95 % interval.
 bool are_sigmas_too_small(const Comparison& comparison);
 
-/// "It matches the truth only when inverted ...": empty without a suspicion.
-std::string format_suspicion(const Comparison& comparison);
+/// "CONVENTION  matches the truth only when inverted ..", with the errors now and then: empty without a suspicion.
+std::string format_suspicion(const Comparison& comparison, const Wording& wording = {});
 
 /// The whole answer: errors, suspicion, verdict. `subject` is what the user named, e.g. "theirs.yaml".
 std::string format_validation(const Comparison& comparison, const Gate& gate, const Budget& budget,

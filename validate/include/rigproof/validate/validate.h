@@ -35,7 +35,7 @@ struct TransformError {
 
 /// A wrong convention that would explain a foreign result.
 struct ConventionSuspicion {
-  std::string explanation;  ///< a sentence: "The transforms are inverted: they map robot to camera coordinates."
+  Finding convention;  ///< convention.inverted, ..; `because` of it is a second one that occurs with it
   double error_now_m = 0.0;
   double error_now_rad = 0.0;
   double error_if_corrected_m = 0.0;    ///< of the worst camera
