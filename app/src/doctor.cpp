@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "json_text.h"
 #include "observing.h"
+#include "print_result.h"
 #include "rigproof/core/data_path.h"
 #include "rigproof/core/error.h"
 #include "rigproof/core/version.h"
@@ -16,6 +17,7 @@
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/integrity.h"
 #include "rigproof/validate/proof.h"
+#include "rigproof/words/sentences.h"
 #include "terminal.h"
 
 namespace rigproof {
@@ -98,15 +100,17 @@ int doctor_of_run(const DoctorArguments& arguments) {
   const IntegrityReport integrity = verify_manifest(run);
   terminal.text(integrity.text());
   const Observations observations = observe_with_progress(input, 0, terminal);
-  const Proof proof = prove_run(run, input, observations);
-  terminal.text(format_proof(proof));
+  const Proof proof = prove_run(run, input, observations, words::sentence_of);
+  terminal.text(format_proof(proof, words::sentence_of));
   const bool good = integrity.intact() && proof.passed;
   if (arguments.common.json) {
     nlohmann::json json = {{"good", good},
                            {"files", integrity.files},
                            {"integrity_problems", nlohmann::json::array()},
-                           {"convention_problems", proof.problems}};
+                           {"convention_problems", nlohmann::json::array()},
+                           {"convention_findings", json_of(proof.problems)}};
     for (const IntegrityProblem& problem : integrity.problems) json["integrity_problems"].push_back(problem.text());
+    for (const Finding& problem : proof.problems) json["convention_problems"].push_back(words::sentence_of(problem));
     std::puts(json_text(json).c_str());
   }
   terminal.line(good ? terminal.colored("GOOD", Color::kGood) : terminal.colored("FAIL", Color::kBad));

@@ -328,10 +328,11 @@ Lines doctor_keys() {
 }
 
 Lines doctor_of_run_keys() {
-  return {{"good", "boolean", "whether all is as it should be"},
-          {"files", "integer", "that were compared with the manifest"},
-          {"integrity_problems", "texts", "files that are not as they were written"},
-          {"convention_problems", "texts", "what contradicts the truth"}};
+  return all_of({{{"good", "boolean", "whether all is as it should be"},
+                  {"files", "integer", "that were compared with the manifest"},
+                  {"integrity_problems", "texts", "files that are not as they were written"},
+                  {"convention_problems", "texts", "what contradicts the truth, for people alone"}},
+                 finding_keys("convention_findings", "the same")});
 }
 
 Lines convert_keys() {

@@ -71,9 +71,9 @@ std::vector<ValidationRecord> solve_and_judge(const RunArguments& arguments, con
 
 void prove_and_say(const RunFolder& run, const Input& input, const Observations& observations,
                    const Terminal& terminal) {
-  const Proof proof = prove_run(run, input, observations);
+  const Proof proof = prove_run(run, input, observations, words::sentence_of);
   if (proof.passed) return;
-  terminal.text(format_proof(proof));
+  terminal.text(format_proof(proof, words::sentence_of));
   throw Error(run.proof_file().string() + ": the run contradicts its own truth; its results mean nothing",
               ExitCode::kGateFailed);
 }

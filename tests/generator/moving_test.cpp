@@ -18,6 +18,7 @@
 #include "rigproof/validate/proof.h"
 #include "scenario.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -318,7 +319,7 @@ TEST(WithoutTrigger, PicturesAgreeWithTheTruthAndSenseMakesNoOthers) {
   std::swap(run.truth.stops, run.truth.cameras[1].stops);
   for (std::size_t i = 0; i < run.truth.stops.size(); ++i)
     std::swap(run.truth.stops[i].stamp_s, run.truth.cameras[1].stops[i].stamp_s);
-  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("without this camera's delay")));
+  EXPECT_THAT(worded(run.proof().problems), Contains(HasSubstr("without this camera's delay")));
 }
 
 TEST(RawDepth, IsRecordedWithItsOwnCameraAndTheTruthTellsIt) {
@@ -397,21 +398,24 @@ TEST(RawDepth, ProofNoticesAWrongTransform) {
   Rigid3& T_color_depth = run.recording.rig.cameras[1].depth->own_camera->T_color_depth;
   const Rigid3 right = T_color_depth;
   T_color_depth = right.inverse();
-  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("center: T_color_depth in rig.yaml is off by .12 m")));
-  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("inverted")));
+  ASSERT_FALSE(run.proof().problems.empty());
+  EXPECT_TRUE(run.proof().problems[0].is("proof.depth_frame"));
+  EXPECT_EQ(*run.proof().problems[0].find("way"), FindingValue("way", "inverted"));
+  EXPECT_THAT(worded(run.proof().problems), Contains(HasSubstr("center: T_color_depth in rig.yaml is off by .12 m")));
+  EXPECT_THAT(worded(run.proof().problems), Contains(HasSubstr("inverted")));
   T_color_depth = Rigid3();
-  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("measured where colour is")));
+  EXPECT_THAT(worded(run.proof().problems), Contains(HasSubstr("measured where colour is")));
   T_color_depth = right * Rigid3(Eigen::Quaterniond::Identity(), {0.0, 0.0002, 0.0});
-  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("off by")));
+  EXPECT_THAT(worded(run.proof().problems), Contains(HasSubstr("off by")));
   T_color_depth = right;
   run.recording.rig.cameras[1].depth->own_camera.reset();
-  EXPECT_THAT(run.proof().problems, Contains(HasSubstr("no depth.T_color_depth")));
+  EXPECT_THAT(worded(run.proof().problems), Contains(HasSubstr("no depth.T_color_depth")));
   // Depth that was not measured where the truth says: the pictures themselves tell.
   SeenRun broken(folder.path() / "run");
   Rigid3& T_true = broken.truth.cameras[1].depth_camera->T_color_depth;
   T_true = Rigid3(Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitX())), {-0.059, 0.0, 0.05});
   broken.recording.rig.cameras[1].depth->own_camera->T_color_depth = T_true;
-  EXPECT_THAT(broken.proof().problems, Contains(HasSubstr("center: depth")));
+  EXPECT_THAT(worded(broken.proof().problems), Contains(HasSubstr("center: depth")));
 }
 
 }  // namespace

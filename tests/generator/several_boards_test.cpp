@@ -148,7 +148,7 @@ TEST(SeveralBoardsOfARun, AsShippedAreWhereTheTruthHasThem) {
   ObserveOptions observing;
   observing.threads = 2;
   const Proof proof = prove(recording, observe(recording, observing), load_truth(run.truth_file()));
-  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  EXPECT_TRUE(proof.passed) << findings_json(proof.problems);
 }
 
 // Drawn coarsely, or with a driver's anisotropic filter, markers of small squares moved the corners of a whole row.
@@ -184,7 +184,7 @@ TEST(SeveralBoardsOfARun, AreInThePicturesWhereTheTruthHasThem) {
   for (const BoardView& view : observations.board_views) ++views[static_cast<std::size_t>(view.board)];
   for (const int seen : views) EXPECT_GE(seen, 2);
   const Proof proof = prove(recording, observations, truth);
-  EXPECT_TRUE(proof.passed) << (proof.problems.empty() ? "" : proof.problems.front());
+  EXPECT_TRUE(proof.passed) << findings_json(proof.problems);
   ASSERT_EQ(proof.cameras.size(), 5U);
   EXPECT_GT(proof.cameras[0].depth_pixels, 1000U);
   EXPECT_LT(proof.cameras[0].depth_rms_sigmas, 1.5) << "on the board";

@@ -8,6 +8,7 @@
 #include "rigproof/validate/proof.h"
 #include "synthetic.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -28,7 +29,7 @@ class ProofOfDepth : public testing::Test {
 
 TEST_F(ProofOfDepth, CleanDataPass) {
   const Proof proof = prove_with({});
-  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(worded(proof.problems));
   for (const CameraProof& camera : proof.cameras) {
     EXPECT_GT(camera.depth_pixels, 1000U) << camera.camera;
     EXPECT_LE(camera.depth_max_mm, 0.5 + 1e-9);  // rounding to millimetres, nothing else
@@ -47,7 +48,7 @@ TEST_F(ProofOfDepth, ABentBoardIsExpectedBent) {
     truth_.printed_corners.push_back(corner);
   }
   const Proof proof = prove_with(faults);
-  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(worded(proof.problems));
   for (const CameraProof& camera : proof.cameras) EXPECT_NEAR(camera.depth_rms_mm, 1.0 / std::sqrt(12.0), 0.03);
 }
 
@@ -71,7 +72,7 @@ TEST_F(ProofOfDepth, FurnitureIsNoDepthErrorAndItsShareIsTold) {
   DepthFaults faults;
   faults.furniture = true;
   const Proof proof = prove_with(faults);
-  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(worded(proof.problems));
   const Proof clean = prove_with({});
   for (std::size_t i = 0; i < proof.cameras.size(); ++i) {
     EXPECT_LT(std::abs(proof.cameras[i].depth_bias_mm), 0.1);
@@ -86,7 +87,7 @@ TEST_F(ProofOfDepth, NoiseAsStatedPasses) {
   DepthFaults faults;
   faults.noise_sigmas = 1.0;
   const Proof proof = prove_with(faults);
-  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(worded(proof.problems));
   for (const CameraProof& camera : proof.cameras) {
     // The largest hundredth is left out, which takes 4 % from a normal distribution; hundreds of pixels give the rest.
     EXPECT_NEAR(camera.depth_rms_sigmas, 0.96, 0.1) << camera.camera;
@@ -112,19 +113,30 @@ TEST_F(ProofOfDepth, RealisedNoiseIsToldAndKept) {
 TEST_F(ProofOfDepth, DistanceAlongTheRayIsNamed) {
   DepthFaults faults;
   faults.along_ray = true;
-  EXPECT_THAT(prove_with(faults).problems, testing::Contains(HasSubstr("distance along the ray, not z")));
+  const std::vector<Finding> problems = prove_with(faults).problems;
+  ASSERT_FALSE(problems.empty());
+  EXPECT_THAT(problems, testing::Each(testing::Field(&Finding::code, "proof.depth_along_ray")));
+  EXPECT_THAT(worded(problems), testing::Contains(HasSubstr("distance along the ray, not z")));
 }
 
 TEST_F(ProofOfDepth, AWrongUnitIsNamed) {
   DepthFaults faults;
   faults.factor = 4.0;  // counts of 0.25 mm read as millimetres
-  EXPECT_THAT(prove_with(faults).problems, testing::Contains(HasSubstr("4.0 times too long: the depth unit is wrong")));
+  const std::vector<Finding> problems = prove_with(faults).problems;
+  ASSERT_FALSE(problems.empty());
+  EXPECT_TRUE(problems[0].is("proof.depth_unit"));
+  EXPECT_EQ(*problems[0].find("times"), FindingValue("times", 4.0));
+  EXPECT_THAT(worded(problems), testing::Contains(HasSubstr("4.0 times too long: the depth unit is wrong")));
 }
 
 TEST_F(ProofOfDepth, AScaleErrorIsNamed) {
   DepthFaults faults;
   faults.factor = 1.03;
-  EXPECT_THAT(prove_with(faults).problems, testing::Contains(HasSubstr("3.0 % too long (depth scale)")));
+  const std::vector<Finding> problems = prove_with(faults).problems;
+  ASSERT_FALSE(problems.empty());
+  EXPECT_TRUE(problems[0].is("proof.depth_scale"));
+  EXPECT_NEAR(std::get<double>(problems[0].find("off_percent")->value), 3.0, 0.05);
+  EXPECT_THAT(worded(problems), testing::Contains(HasSubstr("3.0 % too long (depth scale)")));
 }
 
 TEST_F(ProofOfDepth, TheTrueScaleIsExpected) {
@@ -132,13 +144,16 @@ TEST_F(ProofOfDepth, TheTrueScaleIsExpected) {
   faults.factor = 1.03;
   for (TrueCamera& camera : truth_.cameras) camera.depth_scale = 1.03;
   const Proof proof = prove_with(faults);
-  EXPECT_TRUE(proof.passed) << testing::PrintToString(proof.problems);
+  EXPECT_TRUE(proof.passed) << testing::PrintToString(worded(proof.problems));
 }
 
 TEST_F(ProofOfDepth, MirroredDepthIsNamed) {
   DepthFaults faults;
   faults.mirrored_y = true;
-  EXPECT_THAT(prove_with(faults).problems, testing::Contains(HasSubstr("mirrored top to bottom")));
+  const std::vector<Finding> problems = prove_with(faults).problems;
+  ASSERT_FALSE(problems.empty());
+  EXPECT_EQ(problems[0], Finding("proof.depth_mirrored", {{"flipped", "y"}}).of("left"));
+  EXPECT_THAT(worded(problems), testing::Contains(HasSubstr("mirrored top to bottom")));
 }
 
 TEST_F(ProofOfDepth, UnreadableImagesAreErrors) {

@@ -11,6 +11,7 @@
 #include "rigproof/validate/proof.h"
 #include "synthetic.h"
 #include "temp_folder.h"
+#include "worded.h"
 
 namespace rigproof {
 namespace {
@@ -152,7 +153,9 @@ TEST_F(ProofOfImageNoise, IsNotComparedWhereThereIsNoneOrWhereJpegChangesIt) {
   faults.extension = ".jpg";
   const Proof jpeg = prove_with(faults);
   EXPECT_TRUE(jpeg.cameras[0].image_noise.empty());
-  EXPECT_THAT(jpeg.notes, testing::Contains(HasSubstr("JPEG")));
+  EXPECT_THAT(jpeg.notes,
+              testing::Contains(Finding("proof.image_noise_changed", {{"by", "jpeg"}}).of(jpeg.cameras[0].camera)));
+  EXPECT_THAT(worded(jpeg.notes), testing::Contains(HasSubstr("JPEG")));
   for (TrueCamera& camera : truth_.cameras) camera.sensing.clear();
   EXPECT_TRUE(prove_with({}).cameras[0].image_noise.empty());
 }

@@ -62,6 +62,9 @@ TEST(Sentences, OffsetsSayWhereTo) {
   EXPECT_EQ(worded(Finding("errors.one_camera", {{"x_cm", -0.0996}, {"pitch_deg", 0.171}}).of("left")),
             "only left is wrong: 0.10 cm too far back, 0.17 deg pitched too far down");
   EXPECT_EQ(worded(Finding("errors.one_camera").of("left")), "only left is wrong");
+  const auto shifted = [](const FindingValues& by) { return worded(Finding("proof.corners_shifted", by).of("left")); };
+  EXPECT_EQ(shifted({{"x_px", 0.51}, {"y_px", -0.98}}), "left: corners are half a pixel to the right and one pixel up");
+  EXPECT_EQ(shifted({{"y_px", 0.123}}), "left: corners are .12 px down");
 }
 
 TEST(Sentences, WhatCamerasShareSaysWhereItComesFrom) {
@@ -77,11 +80,24 @@ TEST(Sentences, OneSlipComesWithAnother) {
       worded(Finding("convention.unit", {{"unit", "millimetres"}}).by({Finding("convention.quaternion_order")})),
       "the translations are in millimetres, not metres; moreover the quaternions are in the order w x y z, not x y "
       "z w");
+  EXPECT_EQ(
+      worded(Finding("proof.images_mirrored", {{"flipped", "x"}})
+                 .by({Finding("proof.corners_shifted", {{"x_px", -0.5}, {"y_px", 0.3}})})
+                 .of("left")),
+      "left: the images are mirrored left to right (x axis flipped); moreover corners are half a pixel to the left "
+      "and .30 px down");
   const auto name = [](const char* called, const char* is) {
     return Finding("convention.name", {{"called", called}, {"is", is}});
   };
   EXPECT_EQ(worded(Finding("convention.names_exchanged").by({name("left", "right"), name("right", "left")})),
             "the camera names are exchanged: what it calls left is right, what it calls right is left");
+}
+
+TEST(Sentences, FactorsAreSaidAsInTables) {
+  EXPECT_EQ(worded(Finding("proof.depth_unit", {{"times", 4.0}, {"side", "long"}, {"along", "ray"}})),
+            "depth is the distance along the ray, and 4.0 times too long: the depth unit is wrong by that factor");
+  EXPECT_EQ(worded(Finding("proof.depth_scale", {{"off_percent", 0.872}, {"side", "short"}})),
+            "depth is .87 % too short (depth scale)");
 }
 
 TEST(Sentences, OptionalPartsNeedTheirValues) {

@@ -5,6 +5,7 @@
 #include "rigproof/validate/format.h"
 #include "rigproof/validate/published.h"
 #include "rigproof/validate/text_table.h"
+#include "said.h"
 
 namespace rigproof {
 namespace {
@@ -49,7 +50,7 @@ std::string format_paper(const Comparison& comparison) {
   return text;
 }
 
-std::string format_proof(const Proof& proof) {
+std::string format_proof(const Proof& proof, const Wording& wording) {
   TextTable table({0});
   table.add({"", "views", "corners", "bias u v", "rms u v", "max [px]", "depth pixels", "ground seen", "bias", "rms",
              "max [mm]"});
@@ -69,8 +70,8 @@ std::string format_proof(const Proof& proof) {
     table.add(cells);
   }
   std::string text = table.text({" ", "  "});
-  for (const std::string& problem : proof.problems) text += " PROBLEM  " + problem + "\n";
-  for (const std::string& note : proof.notes) text += " NOTE  " + note + "\n";
+  for (const Finding& problem : proof.problems) text += " PROBLEM  " + said(problem, wording) + "\n";
+  for (const Finding& note : proof.notes) text += " NOTE  " + said(note, wording) + "\n";
   return text + (proof.passed ? "PROVED  detected corners and measured depth agree with the truth\n"
                               : "NOT PROVED  the data contradict the truth\n");
 }

@@ -7,14 +7,15 @@
 #include "rigproof/core/error.h"
 #include "rigproof/core/fields.h"
 #include "rigproof/core/files.h"
+#include "rigproof/core/finding_tree.h"
 
 namespace rigproof {
 namespace {
 
 void append(const proof_detail::Proved& proved, Proof* proof) {
   const CameraProof& camera = proof->cameras.emplace_back(proved.camera);
-  for (const std::string& problem : proved.problems) proof->problems.push_back(camera.camera + ": " + problem);
-  for (const std::string& note : proved.notes) proof->notes.push_back(camera.camera + ": " + note);
+  for (const Finding& problem : proved.problems) proof->problems.push_back(problem.of(camera.camera));
+  for (const Finding& note : proved.notes) proof->notes.push_back(note.of(camera.camera));
 }
 
 void visit_count(FieldVisitor& visitor, const char* key, std::size_t& value, const char* description) {
@@ -70,11 +71,11 @@ void visit_camera_proof(FieldVisitor& visitor, CameraProof& camera) {
   visitor.nested_list("image_noise", camera.image_noise, "noise of images by light", visit_image_noise);
 }
 
-void visit_proof(FieldVisitor& visitor, Proof& proof) {
+void visit_proof(FieldVisitor& visitor, Proof& proof, const Wording& wording) {
   visitor.require("passed", "true or false");
   visitor.field("passed", proof.passed, "whether conventions hold");
-  visitor.field("problems", proof.problems, "what does not agree", false);
-  visitor.field("notes", proof.notes, "what could not be proved", false);
+  visit_findings(visitor, "problems", proof.problems, Severity::kContradiction, wording, "what does not agree");
+  visit_findings(visitor, "notes", proof.notes, Severity::kNote, wording, "what could not be proved");
   visitor.require("cameras", "a list of cameras");
   visitor.nested_list("cameras", proof.cameras, "camera by camera", visit_camera_proof);
 }
@@ -103,20 +104,20 @@ Proof prove(const Recording& recording, const Observations& observations, const 
     corners += proved.camera.corners;
     append(proved, &proof);
   }
-  if (corners == 0) proof.problems.push_back("no corner of the board was seen by any camera: nothing is proved");
+  if (corners == 0) proof.problems.emplace_back("proof.nothing_seen");
   proof.passed = proof.problems.empty();
   return proof;
 }
 
-void save_proof(const Proof& proof, const std::filesystem::path& file) {
+void save_proof(const Proof& proof, const std::filesystem::path& file, const Wording& wording) {
   Proof copy = proof;
-  write_file_atomically(file, write_fields([&copy](FieldVisitor& visitor) { visit_proof(visitor, copy); }));
+  write_file_atomically(file, write_fields([&](FieldVisitor& visitor) { visit_proof(visitor, copy, wording); }));
 }
 
 std::string proof_schema() {
   Proof proof;
   return schema_of_fields("Rigproof proof: truth/proof.yaml",
-                          [&proof](FieldVisitor& visitor) { visit_proof(visitor, proof); }, {1, false});
+                          [&proof](FieldVisitor& visitor) { visit_proof(visitor, proof, {}); }, {1, false});
 }
 
 }  // namespace rigproof

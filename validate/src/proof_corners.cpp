@@ -4,7 +4,6 @@
 
 #include "proof_parts.h"
 #include "rigproof/core/conventions.h"
-#include "rigproof/core/figures.h"
 #include "rigproof/validate/body_angles.h"
 
 namespace rigproof::proof_detail {
@@ -30,7 +29,7 @@ struct Setup {
 };
 
 struct Hypothesis {
-  std::string explanation;
+  Finding slip;
   Setup setup;
 };
 
@@ -145,87 +144,83 @@ Residuals residuals_of(const Subject& subject, const Setup& setup) {
 void add_mirrored_images(const Subject& subject, std::vector<Hypothesis>* list) {
   const Setup stated = as_stated(subject);
   const double right = stated.camera.width_px - 1, bottom = stated.camera.height_px - 1;
-  const auto add = [&](const char* explanation, bool x, bool y) {
+  const auto add = [&](const char* flipped, bool x, bool y) {
     Setup setup = stated;
     setup.seen = [=](const Eigen::Vector2d& p) {
       return Eigen::Vector2d(x ? right - p.x() : p.x(), y ? bottom - p.y() : p.y());
     };
-    list->push_back({explanation, setup});
+    list->push_back({Finding("proof.images_mirrored", {{"flipped", flipped}}), setup});
   };
-  add("the images are mirrored left to right (x axis flipped)", true, false);
-  add("the images are mirrored top to bottom (y axis flipped)", false, true);
-  add("the images are turned by 180 degrees (both axes flipped)", true, true);
+  add("x", true, false);
+  add("y", false, true);
+  add("xy", true, true);
 }
 
 void add_wrong_poses(const Subject& subject, std::vector<Hypothesis>* list) {
   const Setup stated = as_stated(subject);
-  const auto add = [&](const std::string& explanation, const std::function<void(Setup*)>& change) {
+  const auto add = [&](const Finding& slip, const std::function<void(Setup*)>& change) {
     Setup setup = stated;
     change(&setup);
-    list->push_back({explanation, setup});
+    list->push_back({slip, setup});
   };
   const Rigid3 optical_body(optical_from_body(), Eigen::Vector3d::Zero());
-  add("the camera's pose is inverted (robot in camera)",
-      [](Setup* s) { s->T_robot_camera = s->T_robot_camera.inverse(); });
-  add("the camera's pose is that of its body axes (x forward), not of the optical frame",
-      [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body.inverse(); });
-  add("the turn from body to optical axes was applied twice to the camera's pose",
-      [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body; });
-  add("the robot's poses are inverted (world in robot)", [&subject](Setup* s) {
+  const auto camera = [](const char* way) { return Finding("proof.camera_pose", {{"way", way}}); };
+  add(camera("inverted"), [](Setup* s) { s->T_robot_camera = s->T_robot_camera.inverse(); });
+  add(camera("body"), [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body.inverse(); });
+  add(Finding("proof.optical_twice"), [&](Setup* s) { s->T_robot_camera = s->T_robot_camera * optical_body; });
+  add(Finding("proof.robot_poses_inverted"), [&subject](Setup* s) {
     s->T_world_robot = [&subject](std::size_t stop) { return subject.stops[stop].T_world_robot.inverse(); };
   });
-  add("the board's pose is inverted (world in board)",
+  add(Finding("proof.board_pose_inverted"),
       [](Setup* s) { s->T_world_board = [](const TrueBoard& board) { return board.T_world_board.inverse(); }; });
   for (const int shift : {-1, 1})
-    add(std::string("the images are one stop ") + (shift < 0 ? "late" : "early") + " against the poses",
-        [&subject, shift](Setup* s) {
-          const auto last = static_cast<std::ptrdiff_t>(subject.stops.size()) - 1;
-          s->T_world_robot = [&subject, shift, last](std::size_t stop) {
-            const auto moved = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(stop) + shift, 0, last);
-            return subject.stops[static_cast<std::size_t>(moved)].T_world_robot;
-          };
-        });
+    add(Finding("proof.images_one_stop_off", {{"side", shift < 0 ? "late" : "early"}}), [&subject, shift](Setup* s) {
+      const auto last = static_cast<std::ptrdiff_t>(subject.stops.size()) - 1;
+      s->T_world_robot = [&subject, shift, last](std::size_t stop) {
+        const auto moved = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(stop) + shift, 0, last);
+        return subject.stops[static_cast<std::size_t>(moved)].T_world_robot;
+      };
+    });
   if (!subject.truth.cameras[subject.camera].stops.empty())
-    add("the images were taken when those of the other cameras were, without this camera's delay",
-        [&subject](Setup* s) {
-          s->T_world_robot = [&subject](std::size_t stop) { return subject.truth.stops[stop].T_world_robot; };
-        });
+    add(Finding("proof.delay_missing"), [&subject](Setup* s) {
+      s->T_world_robot = [&subject](std::size_t stop) { return subject.truth.stops[stop].T_world_robot; };
+    });
 }
 
 void add_wrong_boards(const Subject& subject, std::vector<Hypothesis>* list) {
-  const auto add = [&](const char* explanation, bool mirror_x, bool mirror_y) {
+  const auto add = [&](const char* flipped, bool mirror_x, bool mirror_y) {
     Setup setup = as_stated(subject);
     setup.board_id = [=](const Board& board, int id) {
       const int nx = board.inner_corners_x(), ny = board.inner_corners_y();
       const int x = id % nx, y = id / nx;
       return (mirror_y ? ny - 1 - y : y) * nx + (mirror_x ? nx - 1 - x : x);
     };
-    list->push_back({explanation, setup});
+    list->push_back({Finding("proof.board_flipped", {{"flipped", flipped}}), setup});
   };
-  add("the board's corners are numbered from the opposite end (turned by 180 degrees)", true, true);
-  add("the board's x axis is flipped", true, false);
-  add("the board's y axis is flipped", false, true);
+  add("xy", true, true);
+  add("x", true, false);
+  add("y", false, true);
 }
 
 void add_wrong_cameras(const Subject& subject, std::vector<Hypothesis>* list) {
   Setup setup = as_stated(subject);
   if (setup.camera.lens != Lens::kPinhole) {
     setup.camera.lens = Lens::kPinhole;
-    list->push_back({"the images show no lens distortion, but the intrinsics have one", setup});
+    list->push_back({Finding("proof.no_distortion"), setup});
   }
   setup = as_stated(subject);
   std::swap(setup.camera.fx_px, setup.camera.fy_px);
-  list->push_back({"fx and fy are exchanged", setup});
+  list->push_back({Finding("proof.intrinsics_exchanged", {{"first", "fx"}, {"second", "fy"}}), setup});
   setup = as_stated(subject);
   std::swap(setup.camera.cx_px, setup.camera.cy_px);
-  list->push_back({"cx and cy are exchanged", setup});
+  list->push_back({Finding("proof.intrinsics_exchanged", {{"first", "cx"}, {"second", "cy"}}), setup});
   for (std::size_t other = 0; other < subject.truth.cameras.size(); ++other) {
     if (other == subject.camera) continue;
     setup = as_stated(subject);
     setup.camera = subject.truth.cameras[other].camera;
     setup.lens_residual = subject.truth.cameras[other].lens_residual;
     setup.T_robot_camera = subject.truth.cameras[other].T_robot_camera;
-    list->push_back({"its images are those of " + subject.truth.cameras[other].name + " (cameras exchanged)", setup});
+    list->push_back({Finding("proof.cameras_exchanged", {{"images_of", subject.truth.cameras[other].name}}), setup});
   }
 }
 
@@ -243,24 +238,15 @@ bool within_limits(const Subject& subject, const Residuals& r) {
          r.rms.maxCoeff() <= subject.rms_limit_px && r.max <= 1.0 + 10.0 * subject.stated_sigma_px;
 }
 
-// "half a pixel to the right and 0.12 px down".
-std::string shift_in_words(const Eigen::Vector2d& bias, double limit) {
-  std::string text;
-  for (int axis = 0; axis < 2; ++axis) {
-    const double size = std::abs(bias[axis]);
-    if (size <= limit) continue;
-    // Within a tenth of a pixel half a pixel and one pixel are the usual slips of convention.
-    const std::string amount = std::abs(size - 0.5) < 0.1   ? "half a pixel"
-                               : std::abs(size - 1.0) < 0.1 ? "one pixel"
-                                                            : short_figure(size) + " px";
-    const char* direction =
-        axis == 0 ? (bias[axis] > 0 ? "to the right" : "to the left") : (bias[axis] > 0 ? "down" : "up");
-    text += (text.empty() ? "" : " and ") + amount + " " + direction;
-  }
-  return text;
+// By how much corners are off, where that is beyond the limit.
+FindingValues shift_of(const Eigen::Vector2d& bias, double limit) {
+  FindingValues shift;
+  for (int axis = 0; axis < 2; ++axis)
+    if (std::abs(bias[axis]) > limit) shift.emplace_back(axis == 0 ? "x_px" : "y_px", bias[axis]);
+  return shift;
 }
 
-std::optional<std::string> explain_focal(const Subject& subject, const Residuals& now) {
+std::optional<Finding> explain_focal(const Subject& subject, const Residuals& now) {
   const Setup setup = as_stated(subject);
   const Eigen::Vector2d centre(setup.camera.cx_px, setup.camera.cy_px);
   double product = 0.0, squares = 0.0;
@@ -276,25 +262,27 @@ std::optional<std::string> explain_focal(const Subject& subject, const Residuals
   scaled.camera.fx_px *= factor;
   scaled.camera.fy_px *= factor;
   if (!within_limits(subject, residuals_of(subject, scaled))) return std::nullopt;
-  return "images are " + short_figure(100.0 * std::abs(factor - 1.0)) + " % too " + (factor > 1.0 ? "large" : "small") +
-         " about the principal point (focal length)";
+  return Finding("proof.focal_length",
+                 {{"off_percent", 100.0 * std::abs(factor - 1.0)}, {"side", factor > 1.0 ? "large" : "small"}});
 }
 
-std::optional<std::string> explain_few_views(const Subject& subject, const Residuals& now) {
+std::optional<Finding> explain_few_views(const Subject& subject, const Residuals& now) {
   std::size_t bad = 0, worst = 0;
   for (std::size_t i = 0; i < now.view_rms.size(); ++i) {
     if (now.view_rms[i] > subject.rms_limit_px) ++bad;
     if (now.view_rms[i] > now.view_rms[worst]) worst = i;
   }
   if (bad == 0 || 4 * bad > now.view_rms.size()) return std::nullopt;
-  return std::to_string(bad) + " of " + std::to_string(now.view_rms.size()) + " views are off, the worst by " +
-         short_figure(now.view_rms[worst]) + " px rms (" + subject.views[worst].file + ")";
+  return Finding("proof.few_views", {{"off", bad},
+                                     {"views", now.view_rms.size()},
+                                     {"worst_px", now.view_rms[worst]},
+                                     {"file", subject.views[worst].file}});
 }
 
-std::string explain(const Subject& subject, const Residuals& now) {
+Finding explain(const Subject& subject, const Residuals& now) {
   const double limit = subject.bias_limit_px;
   if (now.complete && now.spread() <= subject.rms_limit_px && now.bias.cwiseAbs().maxCoeff() > limit)
-    return "corners are " + shift_in_words(now.bias, limit);
+    return Finding("proof.corners_shifted", shift_of(now.bias, limit));
   if (now.complete)
     if (const auto focal = explain_focal(subject, now)) return *focal;
   const Hypothesis* best = nullptr;
@@ -311,13 +299,12 @@ std::string explain(const Subject& subject, const Residuals& now) {
   const bool convincing = best != nullptr && (now.complete ? 10.0 * best_residuals.total_rms() < now.total_rms()
                                                            : best_residuals.total_rms() < 1.0);
   if (convincing) {
-    const std::string shift =
-        best_residuals.spread() <= subject.rms_limit_px ? shift_in_words(best_residuals.bias, limit) : "";
-    return best->explanation + (shift.empty() ? "" : "; moreover corners are " + shift);
+    const FindingValues shift = shift_of(best_residuals.bias, limit);
+    if (best_residuals.spread() > subject.rms_limit_px || shift.empty()) return best->slip;
+    return best->slip.by({Finding("proof.corners_shifted", shift)});
   }
   if (const auto few = explain_few_views(subject, now)) return *few;
-  return "detected and projected corners differ by " + short_figure(now.total_rms()) + " px rms (allowed " +
-         short_figure(subject.rms_limit_px) + "), and no known slip of convention explains it";
+  return Finding("proof.corners_off", {{"rms_px", now.total_rms()}, {"limit_px", subject.rms_limit_px}});
 }
 
 }  // namespace
@@ -329,11 +316,9 @@ Proved prove_corners(const Observations& observations, const Truth& truth, std::
   proved.camera.corners = subject.corners;
   proved.camera.corner_bias_limit_px = subject.bias_limit_px;
   proved.camera.corner_rms_limit_px = subject.rms_limit_px;
-  if (subject.without_stop > 0)
-    proved.problems.push_back(std::to_string(subject.without_stop) +
-                              " views have stamps at which the truth has no stop");
+  if (subject.without_stop > 0) proved.problems.push_back(Finding("proof.stamps", {{"views", subject.without_stop}}));
   if (subject.corners == 0) {
-    proved.notes.push_back("no view of the board to compare");
+    proved.notes.emplace_back("proof.no_view");
     return proved;
   }
   const Residuals now = residuals_of(subject, as_stated(subject));

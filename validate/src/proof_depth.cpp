@@ -10,7 +10,6 @@
 #include "rigproof/calib/vision/image_io.h"
 #include "rigproof/core/conventions.h"
 #include "rigproof/core/error.h"
-#include "rigproof/core/figures.h"
 #include "rigproof/core/files.h"
 #include "rigproof/core/median.h"
 
@@ -41,7 +40,7 @@ struct Frame {
 
 // Expected measurement divided by z, and what was measured; a hypothesis is one such rule.
 struct Hypothesis {
-  std::string explanation;
+  Finding slip;
   std::function<double(const Sample&)> expected;
   std::function<double(const Sample&)> measured;
 };
@@ -228,34 +227,27 @@ std::vector<double> whitened(const std::vector<Sample>& samples, const Hypothesi
 }
 
 Hypothesis as_stated() {
-  return {"", [](const Sample& s) { return s.z; }, [](const Sample& s) { return s.measured; }};
+  return {{}, [](const Sample& s) { return s.z; }, [](const Sample& s) { return s.measured; }};
 }
 
-// "a factor of 1000 too long (millimetres and metres exchanged)".
-std::string factor_in_words(double factor) {
+// Depth is so many times too long, or short: by a wrong scale, a wrong unit, or who knows.
+Finding wrong_factor(double factor) {
   const double size = factor > 1.0 ? factor : 1.0 / factor;
-  const std::string direction = factor > 1.0 ? "too long" : "too short";
-  if (size < 1.5) return short_figure(100.0 * std::abs(factor - 1.0)) + " % " + direction + " (depth scale)";
+  const FindingValue side("side", factor > 1.0 ? "long" : "short");
+  if (size < 1.5) return Finding("proof.depth_scale", {{"off_percent", 100.0 * std::abs(factor - 1.0)}, side});
   for (const double usual : {1000.0, 100.0, 10.0, 4.0, 5.0, 2.0})
-    if (std::abs(size / usual - 1.0) < 0.02)
-      return short_figure(usual) + " times " + direction + ": the depth unit is wrong by that factor";
-  return short_figure(size) + " times " + direction;
+    if (std::abs(size / usual - 1.0) < 0.02) return Finding("proof.depth_unit", {{"times", usual}, side});
+  return Finding("proof.depth_factor", {{"times", size}, side});
 }
 
 std::vector<Hypothesis> hypotheses(const std::vector<Sample>& board) {
-  std::vector<Hypothesis> list;
-  Hypothesis along_ray = as_stated();
-  along_ray.explanation = "depth is the distance along the ray, not z along the optical axis";
-  along_ray.expected = [](const Sample& s) { return s.z * s.ray; };
-  list.push_back(along_ray);
-  Hypothesis mirrored_x = as_stated();
-  mirrored_x.explanation = "depth images are mirrored left to right (x axis flipped)";
-  mirrored_x.measured = [](const Sample& s) { return s.mirrored_x; };
-  list.push_back(mirrored_x);
-  Hypothesis mirrored_y = as_stated();
-  mirrored_y.explanation = "depth images are mirrored top to bottom (y axis flipped)";
-  mirrored_y.measured = [](const Sample& s) { return s.mirrored_y; };
-  list.push_back(mirrored_y);
+  const auto z = [](const Sample& s) { return s.z; };
+  const auto along_ray = [](const Sample& s) { return s.z * s.ray; };
+  const auto mirrored = [](const char* flipped) { return Finding("proof.depth_mirrored", {{"flipped", flipped}}); };
+  std::vector<Hypothesis> list = {
+      {Finding("proof.depth_along_ray"), along_ray, [](const Sample& s) { return s.measured; }},
+      {mirrored("x"), z, [](const Sample& s) { return s.mirrored_x; }},
+      {mirrored("y"), z, [](const Sample& s) { return s.mirrored_y; }}};
   std::vector<double> ratios, ray_ratios;
   for (const Sample& sample : board) {
     if (!(sample.measured > 0.0)) continue;
@@ -265,15 +257,13 @@ std::vector<Hypothesis> hypotheses(const std::vector<Sample>& board) {
   if (ratios.empty()) return list;
   const double factor = median(ratios), ray_factor = median(ray_ratios);
   // Residuals are divided by the factor again, so that every hypothesis is judged by the same sigma.
-  list.push_back({"depth is " + factor_in_words(factor), [](const Sample& s) { return s.z; },
-                  [factor](const Sample& s) { return s.measured / factor; }});
-  list.push_back({"depth is the distance along the ray, and " + factor_in_words(ray_factor),
-                  [](const Sample& s) { return s.z * s.ray; },
+  list.push_back({wrong_factor(factor), z, [factor](const Sample& s) { return s.measured / factor; }});
+  list.push_back({wrong_factor(ray_factor).with({{"along", "ray"}}), along_ray,
                   [ray_factor](const Sample& s) { return s.measured / ray_factor; }});
   return list;
 }
 
-std::string explain(const std::vector<Sample>& board, double rms_now, double max_rms_sigmas) {
+Finding explain(const std::vector<Sample>& board, double rms_now, double max_rms_sigmas) {
   const Hypothesis* best = nullptr;
   double best_rms = 0.0;
   const std::vector<Hypothesis> all = hypotheses(board);
@@ -287,9 +277,8 @@ std::string explain(const std::vector<Sample>& board, double rms_now, double max
     best = &hypothesis;
     best_rms = rms;
   }
-  if (best != nullptr && (best_rms <= max_rms_sigmas || 5.0 * best_rms <= rms_now)) return best->explanation;
-  return "depth on the board is off by " + short_figure(rms_now) + " times the sensor's stated noise (allowed " +
-         short_figure(max_rms_sigmas) + "), and no known slip of convention explains it";
+  if (best != nullptr && (best_rms <= max_rms_sigmas || 5.0 * best_rms <= rms_now)) return best->slip;
+  return Finding("proof.depth_off", {{"times", rms_now}, {"limit", max_rms_sigmas}});
 }
 
 // The ground itself. Near the feet of what stands on it depth differs by less than the stated noise, so the spread that
@@ -365,43 +354,39 @@ void summarise(const Samples& samples, const DepthStream& stream, CameraProof* p
   if (!all.empty()) proof->depth_rms_mm = std::sqrt(squares / static_cast<double>(all.size()));
 }
 
+Finding biased(const char* code, double bias_sigmas) {
+  return Finding(code, {{"times", std::abs(bias_sigmas)}, {"side", bias_sigmas > 0.0 ? "long" : "short"}});
+}
+
 void judge_ground(const std::vector<Sample>& ground, double max_bias_sigmas, Proved* proved) {
   constexpr std::size_t kEnough = 100;
   std::vector<double> residuals;
   for (const Sample& s : ground)
     if (shows_ground(s)) residuals.push_back((s.measured - s.z) / s.sigma);
-  if (residuals.size() < kEnough) return proved->notes.push_back("no depth on the ground to compare");
+  if (residuals.size() < kEnough) return proved->notes.push_back(Finding("proof.no_depth_on_ground"));
   // The median, since what stands on the ground is always nearer.
   const double bias = median(residuals);
-  if (std::abs(bias) > max_bias_sigmas)
-    proved->problems.push_back("depth on the ground is " + short_figure(std::abs(bias)) +
-                               " times the stated noise too " + (bias > 0.0 ? "long" : "short") +
-                               " (height or tilt of the camera, or the ground is not flat)");
+  if (std::abs(bias) > max_bias_sigmas) proved->problems.push_back(biased("proof.ground_biased", bias));
 }
 
-// "0.059 m and 0.3 deg".
-std::string difference_text(const Rigid3& a, const Rigid3& b) {
-  const Vector6d error = transform_error(a, b);
-  return short_figure(error.head<3>().norm()) + " m and " + short_figure(rad_to_deg(error.tail<3>().norm())) + " deg";
-}
-
-// What the recording tells of the depth camera's place against the truth. Empty if it is the same.
-std::string compare_frames(const Subject& subject) {
+// What the recording tells of the depth camera's place against the truth, if it is not the same.
+std::optional<Finding> compare_frames(const Subject& subject) {
   // Quaternions are stored with all digits: anything beyond rounding is another transform.
   constexpr double kSame = 1e-6;
   const auto& told = subject.rig_camera.depth->own_camera;
   const auto& truth = subject.true_camera.depth_camera;
   if (told.has_value() != truth.has_value()) {
-    if (!truth) return {};  // a truth that tells nothing: the recording is taken at its word
-    return "depth is not registered to colour, but rig.yaml has no depth.camera and no depth.T_color_depth";
+    if (!truth) return std::nullopt;  // a truth that tells nothing: the recording is taken at its word
+    return Finding("proof.depth_frame_missing");
   }
-  if (!told || transform_error(told->T_color_depth, truth->T_color_depth).norm() < kSame) return {};
-  const std::string off =
-      "T_color_depth in rig.yaml is off by " + difference_text(told->T_color_depth, truth->T_color_depth);
-  if (transform_error(told->T_color_depth, truth->T_color_depth.inverse()).norm() < kSame)
-    return off + ": it is inverted (colour in depth)";
-  if (transform_error(told->T_color_depth, Rigid3()).norm() < kSame)
-    return off + ": it says that depth is measured where colour is";
+  if (!told) return std::nullopt;
+  const auto off_from = [&](const Rigid3& T) { return transform_error(told->T_color_depth, T); };
+  const Vector6d error = off_from(truth->T_color_depth);
+  if (error.norm() < kSame) return std::nullopt;
+  const Finding off("proof.depth_frame",
+                    {{"off_m", error.head<3>().norm()}, {"off_deg", rad_to_deg(error.tail<3>().norm())}});
+  if (off_from(truth->T_color_depth.inverse()).norm() < kSame) return off.with({{"way", "inverted"}});
+  if (off_from(Rigid3()).norm() < kSame) return off.with({{"way", "identity"}});
   return off;
 }
 
@@ -420,8 +405,7 @@ Proved prove_depth(const Recording& recording, const Observations& observations,
                    std::size_t recorded_camera, std::size_t camera, const ProofOptions& options, Proved proved) {
   const Subject subject = subject_of(recording, truth, recorded_camera, camera, options);
   if (!subject.rig_camera.depth || options.max_depth_frames < 0) return proved;
-  const std::string frames_differ = compare_frames(subject);
-  if (!frames_differ.empty()) proved.problems.push_back(frames_differ);
+  if (const auto frames_differ = compare_frames(subject)) proved.problems.push_back(*frames_differ);
   std::vector<const CameraFrame*> with_depth;
   for (const CameraFrame& frame : recording.frames[recorded_camera])
     if (!frame.depth_file.empty()) with_depth.push_back(&frame);
@@ -439,15 +423,14 @@ Proved prove_depth(const Recording& recording, const Observations& observations,
   const std::vector<double> residuals = whitened(samples.board, as_stated());
   if (proved.camera.depth_frames == 0) return proved;
   if (residuals.empty()) {
-    proved.notes.push_back("no depth on the board to compare");
+    proved.notes.emplace_back("proof.no_depth_on_board");
     return proved;
   }
   const double rms = proved.camera.depth_rms_sigmas = trimmed_rms(residuals), bias = mean_of(residuals);
   if (rms > subject.max_rms_sigmas)
     proved.problems.push_back(explain(samples.board, rms, subject.max_rms_sigmas));
   else if (std::abs(bias) > subject.max_bias_sigmas)
-    proved.problems.push_back("depth on the board is " + short_figure(std::abs(bias)) + " times the stated noise too " +
-                              (bias > 0.0 ? "long" : "short") + " on average");
+    proved.problems.push_back(biased("proof.depth_biased", bias));
   else
     judge_ground(samples.ground, subject.max_bias_sigmas, &proved);
   return proved;

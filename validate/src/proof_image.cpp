@@ -174,12 +174,12 @@ Proved prove_image(const Recording& recording, const Truth& truth, std::size_t r
   // Squares that are all dark or all light: the first board's, where it has no markers.
   if (!simulated || options.max_depth_frames < 0 || frames.empty() || truth.board.type != "checkerboard") return proved;
   if (frames.front().color_file.find(".png") == std::string::npos) {
-    proved.notes.push_back("image noise is not compared: JPEG changes it");
+    proved.notes.push_back(Finding("proof.image_noise_changed", {{"by", "jpeg"}}));
     return proved;
   }
   for (const char* processing : {"demosaicing", "sharpening_amount"}) {
     if (label_of(true_camera, processing) <= 0.0) continue;
-    proved.notes.push_back("image noise is not compared: the camera's processor changes it");
+    proved.notes.push_back(Finding("proof.image_noise_changed", {{"by", "processor"}}));
     return proved;
   }
   const std::vector<TrueStop>& stops = truth.stops_of(camera);

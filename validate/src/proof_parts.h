@@ -14,8 +14,8 @@ namespace rigproof::proof_detail {
 /// What is proved of one camera; each part of the proof adds to what the others found.
 struct Proved {
   CameraProof camera;
-  std::vector<std::string> problems;
-  std::vector<std::string> notes;
+  std::vector<Finding> problems;
+  std::vector<Finding> notes;
 };
 
 /// What the truth says of a sensor; 0 where it says nothing.

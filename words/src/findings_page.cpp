@@ -10,7 +10,7 @@ constexpr const char* kHead =
     "# Findings\n"
     "\n"
     "What Rigproof finds in data or in a solution is data: `reasons` and `notes` of results, `left_out` frames,\n"
-    "`exclusions` of `observations.json`, and the same in `--json` and\n"
+    "`exclusions` of `observations.json`, `problems` and `notes` of `truth/proof.yaml`, and the same in `--json` and\n"
     "JUnit. Each has a stable `code`, a `severity`, and, where they apply, `cameras`, `axes`, `stops`, named `values` "
     "(the\n"
     "unit is in the name) and what it rests on, or comes with (`because`). The `sentence` beside them is for people: "

@@ -59,10 +59,10 @@ Verdict judge(const Result& result, const Truth& truth, const Budget& budget, co
   return verdict;
 }
 
-Proof prove_run(const RunFolder& run, const Input& input, const Observations& observations) {
+Proof prove_run(const RunFolder& run, const Input& input, const Observations& observations, const Wording& wording) {
   const Proof proof = prove(input.recording.value(), observations, load_truth(run.truth_file()));
   try {
-    save_proof(proof, run.proof_file());
+    save_proof(proof, run.proof_file(), wording);
   } catch (const Error&) {
     // A run on a read-only medium can be proved, too.
   }

@@ -44,6 +44,6 @@ std::string format_validation(const Comparison& comparison, const Gate& gate, co
 std::string format_paper(const Comparison& comparison);
 
 /// One row a camera: bias, rms and largest residual of corners and depth; then the problems.
-std::string format_proof(const Proof& proof);
+std::string format_proof(const Proof& proof, const Wording& wording = {});
 
 }  // namespace rigproof

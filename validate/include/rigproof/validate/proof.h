@@ -66,8 +66,8 @@ struct CameraProof {
 struct Proof {
   std::vector<CameraProof> cameras;
   bool passed = false;
-  std::vector<std::string> problems;  ///< in words: "left: corners are half a pixel to the right"
-  std::vector<std::string> notes;     ///< what could not be proved: "right: no view of the board"
+  std::vector<Finding> problems;  ///< what does not agree: proof.corners_shifted of left, ..
+  std::vector<Finding> notes;     ///< what could not be proved: proof.no_view of right, ..
 };
 
 /// Where detected and projected corners, or measured and expected depth, disagree, tries the wrong conventions one by
@@ -75,7 +75,7 @@ struct Proof {
 /// Throws Error if the observations name a camera that the truth does not know, or a depth image cannot be read.
 Proof prove(const Recording& recording, const Observations& observations, const Truth& truth,
             const ProofOptions& options = {});
-void save_proof(const Proof& proof, const std::filesystem::path& file);
+void save_proof(const Proof& proof, const std::filesystem::path& file, const Wording& wording = {});
 /// JSON Schema of truth/proof.yaml.
 std::string proof_schema();
 

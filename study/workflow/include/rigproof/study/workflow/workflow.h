@@ -47,6 +47,6 @@ Verdict judge(const Result& result, const Truth& truth, const Budget& budget, co
 
 /// Proves the conventions of a run from its observations and its truth; writes truth/proof.yaml where it may.
 /// Throws Error if the run has no truth.
-Proof prove_run(const RunFolder& run, const Input& input, const Observations& observations);
+Proof prove_run(const RunFolder& run, const Input& input, const Observations& observations, const Wording& wording);
 
 }  // namespace rigproof
