@@ -66,7 +66,7 @@ double score_of(const Layout& layout, const EliminatedSystem& eliminated, int ca
 // What the fixed field of errors that board planes share makes of a camera's shape: one stretch of the field under many
 // of them looks like a shape. (Each plane's own share of it is in the solution's covariance already, and counts twice.)
 Eigen::MatrixXd shape_by_bias(const Observations& observations, int camera, const Eigen::MatrixXd& covariance) {
-  const std::vector<Eigen::Matrix3d> biases = board_plane_biases(observations);
+  const std::vector<Eigen::Matrix3d> biases = lasting_board_plane_biases(observations);
   if (biases.empty()) return Eigen::MatrixXd::Zero(6, 6);
   std::vector<Eigen::MatrixXd> by_plane;
   for (std::size_t i = 0; i < biases.size(); ++i) {

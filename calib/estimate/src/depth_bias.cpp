@@ -145,25 +145,6 @@ class CameraBias {
     return response_beyond(least, plane, points).over(nodes_.size());
   }
 
-  // What the depth scale that all boards together tell answers to each node's bias, as far as the boards, and not the
-  // stated accuracy of the scale, decide it.
-  Eigen::RowVectorXd of_scale(const PlanesOfCamera& boards, const ViewOfPlane& views) const {
-    Eigen::RowVectorXd response = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(nodes_.size()));
-    double information = 0.0;
-    for (const PlaneObservation* plane : boards) {
-      const auto view = views.find({plane->stop, plane->camera});
-      if (view == views.end()) continue;
-      const Eigen::Vector3d& a = plane->inverse_depth_plane;
-      const double square = a.squaredNorm();
-      const double weight = square * square / a.dot(plane->covariance_per_m2 * a);
-      if (!std::isfinite(weight)) continue;
-      information += weight;
-      add_board(*view->second, a, weight, &response);
-    }
-    const double scale_sigma = camera_.depth->noise.scale_sigma;
-    return response * (scale_sigma * scale_sigma / (1.0 + information * scale_sigma * scale_sigma));
-  }
-
   Eigen::Matrix3d covariance(const Eigen::MatrixXd& response) const {
     Eigen::Matrix3d result = response * view_.correlation(nodes_) * response.transpose();
     result.diagonal().array() += kRidge * result.trace() / 3.0;
@@ -214,20 +195,6 @@ class CameraBias {
     return {{first, (1.0 - u) * (1.0 - v)}, {first + 1, u * (1.0 - v)}, {below, (1.0 - u) * v}, {below + 1, u * v}};
   }
 
-  // Depth measured too short by a share of it makes the scale as much smaller.
-  void add_board(const BoardView& view, const Eigen::Vector3d& plane, double weight,
-                 Eigen::RowVectorXd* response) const {
-    for (const CornerObservation& corner : view.corners) {
-      const std::optional<Eigen::Vector2d> pixel = view_.depth_pixel_of(corner.pixel);
-      const std::optional<Eigen::Vector3d> ray = pixel ? view_.ray_of(*pixel) : std::nullopt;
-      if (!ray || !(plane.dot(*ray) > 0.0)) continue;
-      const double share = view_.sigma(plane.dot(*ray)) / plane.dot(*ray);
-      for (const auto& [node, part] : place_of(*pixel))
-        (*response)[static_cast<Eigen::Index>(node)] -=
-            part * weight * share / static_cast<double>(view.corners.size());
-    }
-  }
-
   const RigCamera& camera_;
   BiasedView view_;
   int columns_ = 0, rows_ = 0;
@@ -253,6 +220,42 @@ BoardResponse response_of_board(const RigCamera& camera, const BiasedView& biase
   }
   return {pixels, response.over(pixels.size())};
 }
+
+// Where the boards of a camera are seen. Errors of a field that n boards at one place share do not average out: as
+// independent ones, n times as large, they leave as much in a mean.
+class SharedPlaces {
+ public:
+  explicit SharedPlaces(const RigCamera& camera) : camera_(camera) {}
+
+  void add(const BoardView& view) {
+    const Eigen::Vector2d bin = bin_of(view);
+    ++count_[{static_cast<int>(bin.x()), static_cast<int>(bin.y())}];
+  }
+  // How many boards have the error of this one, itself among them.
+  double sharing(const BoardView& view) const {
+    const Eigen::Vector2d bin = bin_of(view);
+    double sum = 0.0;
+    for (const auto& [other, count] : count_)
+      sum += count * std::exp(-0.5 * (Eigen::Vector2d(other.first, other.second) - bin).squaredNorm() *
+                              std::pow(1.0 / (kBinsPerCell * kCorrelationCells), 2));
+    return sum;
+  }
+
+ private:
+  static constexpr double kBinsPerCell = 4.0;
+
+  Eigen::Vector2d bin_of(const BoardView& view) const {
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (const CornerObservation& corner : view.corners)
+      middle += corner.pixel / static_cast<double>(view.corners.size());
+    const BiasedView biased(camera_);
+    const double bin_px = biased.cell_px() / kBinsPerCell;
+    return biased.depth_pixel_of(middle).value_or(middle).unaryExpr([=](double x) { return std::floor(x / bin_px); });
+  }
+
+  const RigCamera& camera_;                   // with depth, where boards are added
+  std::map<std::pair<int, int>, int> count_;  // by bin
+};
 
 Eigen::Matrix3d of_board_plane(const RigCamera& camera, const BoardView& view, const PlaneObservation& plane) {
   const BiasedView biased(camera);
@@ -286,12 +289,10 @@ Eigen::Matrix<double, 3, 6> plane_by_depth_shape(const Eigen::Vector3d& measured
   return -by_shape;
 }
 
-std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observations, DepthScaleSource scale) {
+std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observations) {
   const std::size_t cameras = observations.cameras.size();
   if (std::none_of(observations.cameras.begin(), observations.cameras.end(), states_bias)) return {};
   const std::vector<PlanesOfCamera> floors = planes_of_cameras(observations.ground_planes, cameras);
-  const std::vector<PlanesOfCamera> boards = planes_of_cameras(observations.board_planes, cameras);
-  const ViewOfPlane views = views_by_place(observations);
   std::vector<Eigen::Matrix3d> result(cameras, Eigen::Matrix3d::Zero());
   bool any = false;
   for (std::size_t c = 0; c < cameras; ++c) {
@@ -300,10 +301,8 @@ std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observation
     const Eigen::Vector3d floor = median_plane(floors[c]);
     std::vector<double> mean_inverse_depths;
     for (const PlaneObservation* plane : floors[c]) mean_inverse_depths.push_back(mean_inverse_depth(*plane));
-    std::optional<Eigen::MatrixXd> response = bias.of_ground(floor, median(std::move(mean_inverse_depths)));
+    const std::optional<Eigen::MatrixXd> response = bias.of_ground(floor, median(std::move(mean_inverse_depths)));
     if (!response) continue;
-    // A scale that is too large makes the floor that is expected as much too far.
-    if (scale == DepthScaleSource::kBoard) *response += floor * bias.of_scale(boards[c], views);
     result[c] = bias.covariance(*response);
     any = true;
   }
@@ -312,7 +311,7 @@ std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observation
 
 std::vector<double> relative_height_biases(const Observations& observations) {
   std::vector<double> result(observations.cameras.size(), 0.0);
-  const std::vector<Eigen::Matrix3d> biases = ground_plane_biases(observations, DepthScaleSource::kDevice);
+  const std::vector<Eigen::Matrix3d> biases = ground_plane_biases(observations);
   const std::vector<PlanesOfCamera> floors = planes_of_cameras(observations.ground_planes, result.size());
   for (std::size_t c = 0; c < biases.size(); ++c) {
     if (floors[c].empty()) continue;
@@ -332,6 +331,26 @@ std::vector<Eigen::Matrix3d> board_plane_biases(const Observations& observations
     const bool known = states_bias(camera) && view != views.end();
     result.push_back(known ? of_board_plane(camera, *view->second, plane) : Eigen::Matrix3d(Eigen::Matrix3d::Zero()));
   }
+  return result;
+}
+
+std::vector<Eigen::Matrix3d> lasting_board_plane_biases(const Observations& observations) {
+  std::vector<Eigen::Matrix3d> result = board_plane_biases(observations);
+  if (result.empty()) return result;
+  const ViewOfPlane views = views_by_place(observations);
+  std::vector<SharedPlaces> places(observations.cameras.begin(), observations.cameras.end());
+  const auto for_each_view = [&](const auto& act) {
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      const PlaneObservation& plane = observations.board_planes[i];
+      const auto view = views.find({plane.stop, plane.camera});
+      if (view != views.end() && !result[i].isZero(0.0))
+        act(i, *view->second, &places[static_cast<std::size_t>(plane.camera)]);
+    }
+  };
+  for_each_view([](std::size_t, const BoardView& view, SharedPlaces* of_camera) { of_camera->add(view); });
+  for_each_view([&](std::size_t i, const BoardView& view, const SharedPlaces* of_camera) {
+    result[i] *= of_camera->sharing(view);
+  });
   return result;
 }
 

@@ -85,8 +85,11 @@ class LevelUpdater {
       add(levels.corners && !given, Group::kCorners, c, 2,
           scale_above(kMinCorner_px, stated_corner_px(observations, camera)), &noise->corner_scale[c]);
       add(levels.planes, Group::kGround, c, 3, plane_scale(observations.ground_planes), &noise->ground_scale[c]);
-      add(levels.planes, Group::kBoardPlane, c, 3, plane_scale(observations.board_planes),
-          &noise->board_plane_scale[c]);
+      // A fixed error over the view is the same in boards at one place: that they scatter less says nothing of it.
+      const std::optional<DepthStream>& depth = observations.cameras[c].depth;
+      Bounds of_boards = plane_scale(observations.board_planes);
+      if (depth && depth->noise.has_bias()) of_boards.low = std::max(of_boards.low, 1.0);
+      add(levels.planes, Group::kBoardPlane, c, 3, of_boards, &noise->board_plane_scale[c]);
     }
   }
 

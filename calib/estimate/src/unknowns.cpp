@@ -220,7 +220,7 @@ Covariances of_board_shape(const PriorSource& source) {
 Covariances of_ground_offset(const PriorSource& source) {
   std::vector<Eigen::Matrix3d> shared;
   if (source.planes_share_errors) shared = shared_ground_errors(source.observations);
-  shared = sum_of(std::move(shared), ground_plane_biases(source.observations, DepthScaleSource::kBoard));
+  shared = sum_of(std::move(shared), ground_plane_biases(source.observations));
   if (shared.empty()) return for_each_camera(source, Eigen::Matrix3d::Zero());
   return Covariances(shared.begin(), shared.end());
 }

@@ -87,10 +87,11 @@ std::vector<WhitenedView::Corner> whitened_corners(const BoardView& view, const 
 
 Whitened whitened(const Observations& observations) {
   const Delays delays(observations);
-  Whitened all{whitened_views(observations, delays),
-               whitened_planes(observations, observations.ground_planes, {}, delays),
-               whitened_planes(observations, observations.board_planes, board_plane_biases(observations), delays),
-               {}};
+  Whitened all{
+      whitened_views(observations, delays),
+      whitened_planes(observations, observations.ground_planes, {}, delays),
+      whitened_planes(observations, observations.board_planes, lasting_board_plane_biases(observations), delays),
+      {}};
   keep_on_boards(observations, &all.board_planes);
   for (const RigCamera& camera : observations.cameras) all.lenses.emplace_back(camera.camera);
   return all;

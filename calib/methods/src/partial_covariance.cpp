@@ -46,7 +46,7 @@ GroundUncertainty ground_uncertainty(const Observations& observations, int camer
   const std::optional<DepthStream>& depth = observations.cameras[index].depth;
   const double scale = (depth ? depth->noise.scale_sigma : 0.0) * mean_height;
   result.height_variance = kMedianLoss * kMedianLoss * height_sum / (n * n) + scale * scale;
-  const std::vector<Eigen::Matrix3d> biases = ground_plane_biases(observations, DepthScaleSource::kDevice);
+  const std::vector<Eigen::Matrix3d> biases = ground_plane_biases(observations);
   if (biases.empty()) return result;
   const Eigen::Vector3d normal = mean_plane.normalized();
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - normal * normal.transpose();

@@ -76,8 +76,13 @@ class DrawnBias {
   std::array<Wave, 200> waves_;
 };
 
-GeometricRun run_with_bias(std::uint64_t seed, bool told, int stops = 20) {
+GeometricRun run_with_bias(std::uint64_t seed, bool told, int stops = 20, bool at_one_place = false) {
   GeometricConfig config;
+  if (at_one_place) {
+    config.rig.min_distance_m = 1.8;
+    config.rig.max_distance_m = 2.2;
+    config.rig.max_aim_error_rad = 0.05;
+  }
   config.seed = seed;
   config.stops = stops;
   config.lambda = 0.0;
@@ -148,7 +153,7 @@ TEST(DepthBias, UntoldItMakesHeightsSilentlyWrong) {
 TEST(DepthBias, OfFloorsIsWhatDrawnOnesDoOverTrials) {
   const Trials trials(60, 300);
   const GeometricRun run = run_with_bias(1, true);
-  const std::vector<Eigen::Matrix3d> stated = ground_plane_biases(run.observations, DepthScaleSource::kDevice);
+  const std::vector<Eigen::Matrix3d> stated = ground_plane_biases(run.observations);
   ASSERT_EQ(stated.size(), 3U);
   const RigCamera& camera = run.observations.cameras[0];
   const PlaneObservation* floor = nullptr;
@@ -196,6 +201,50 @@ TEST(DepthBias, OfASumOfBoardsIsWhatDrawnOnesDoOverTrials) {
   EXPECT_GT(stated(2, 2), 2.0 * alone(2, 2));
 }
 
+// The part of the field that all boards share does not average out, and they do not scatter by it: a level of the
+// planes' noise below one would believe it away.
+TEST(DepthBias, OfBoardsAtOnePlaceDoesNotAverageOut) {
+  GeometricRun run = run_with_bias(1, true);
+  Observations& observations = run.observations;
+  const auto largest_factor = [&observations] {
+    const std::vector<Eigen::Matrix3d> each = board_plane_biases(observations),
+                                       lasting = lasting_board_plane_biases(observations);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < each.size(); ++i)
+      if (observations.board_planes[i].camera == 0) largest = std::max(largest, lasting[i].trace() / each[i].trace());
+    return largest;
+  };
+  const double spread = largest_factor();
+  int planes = 0;
+  const BoardView* first = nullptr;
+  for (BoardView& view : observations.board_views) {
+    if (view.camera != 0) continue;
+    if (first == nullptr) first = &view;
+    view.corners = first->corners;
+    ++planes;
+  }
+  EXPECT_GT(spread, 1.5);
+  EXPECT_LT(spread, 0.9 * planes);
+  EXPECT_NEAR(largest_factor(), planes, 1e-9);
+}
+
+TEST(DepthBias, IsInTheUncertaintyWhereBoardsStayAtOnePlaceOverTrials) {
+  const Trials trials(6, 30);
+  double mean = 0.0;
+  for (int seed = 0; seed < trials.count(); ++seed) {
+    GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), true, 60, true);
+    for (RigCamera& camera : run.observations.cameras) {
+      camera.intrinsics_sigma = IntrinsicsSigma();
+      camera.intrinsics_sigma.residual_px = 0.0;
+    }
+    const MlEstimate estimate = estimate_maximum_likelihood(run.observations, told_options());
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    for (const double scale : estimate.board_plane_scale) EXPECT_GE(scale, 1.0);
+    mean += nees(estimate, poses_of(run.truth)) / trials.count();
+  }
+  EXPECT_LT(mean, 18.0 + trials.chi_square_tolerance(18));
+}
+
 TEST(DepthBias, IsTakenForNoShapeOverTrials) {
   for (int seed = 0; seed < Trials(10, 40).count(); ++seed) {
     const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), true, 40);
@@ -216,7 +265,7 @@ TEST(DepthBias, IsInTheHeightOfMemrocToo) {
 
 TEST(DepthBias, WithoutOneNothingIsAdded) {
   const GeometricRun run = run_with_bias(1, false);
-  EXPECT_TRUE(ground_plane_biases(run.observations, DepthScaleSource::kBoard).empty());
+  EXPECT_TRUE(ground_plane_biases(run.observations).empty());
   EXPECT_TRUE(board_plane_biases(run.observations).empty());
   EXPECT_THAT(relative_height_biases(run.observations), testing::Each(0.0));
 }

@@ -23,20 +23,21 @@ Eigen::Matrix3d plane_by_depth_offset(const Eigen::Vector3d& measured, double me
 /// @param measured the plane with the error: 1/z = a . ray [1/m]
 Eigen::Matrix<double, 3, 6> plane_by_depth_shape(const Eigen::Vector3d& measured);
 
-/// Source of the depth scale: the device, or depth on the board, whose bias it then inherits.
-enum class DepthScaleSource { kDevice, kBoard };
-
 /// Covariance [1/m^2] of the error that it adds to all ground planes of a camera alike, one a camera: zero if no bias
 /// is stated or no ground was seen; empty if that holds for every camera. The floor is assumed to fill the image below
 /// its horizon, from the sensor's least range to the end implied by the planes' covariances.
-std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observations, DepthScaleSource scale);
+std::vector<Eigen::Matrix3d> ground_plane_biases(const Observations& observations);
 
 /// One sigma of the resulting error of the height above ground, over that height, one a camera; 0 if no bias is stated.
 std::vector<double> relative_height_biases(const Observations& observations);
 
 /// Covariance [1/m^2] of the error that it adds to each board plane, zero if no bias is stated; empty if no camera
-/// states one. The error depends on the place in the image; the part common to all views is in ground_plane_biases().
+/// states one. The error depends on the place in the image.
 std::vector<Eigen::Matrix3d> board_plane_biases(const Observations& observations);
+
+/// The same, so many times larger as boards of the camera are seen at the same place: as errors that are independent,
+/// they leave as much in a mean of many as the one that they share.
+std::vector<Eigen::Matrix3d> lasting_board_plane_biases(const Observations& observations);
 
 /// Covariance of a sum over the board planes of one camera, by the field that they share: neighbours in the image are
 /// off alike. Zero if the camera states no bias.
