@@ -63,20 +63,6 @@ double score_of(const Layout& layout, const EliminatedSystem& eliminated, int ca
   return square_of((inverse * g).tail(6), inverse.bottomRightCorner(6, 6));
 }
 
-// What the fixed field of errors that board planes share makes of a camera's shape: one stretch of the field under many
-// of them looks like a shape. (Each plane's own share of it is in the solution's covariance already, and counts twice.)
-Eigen::MatrixXd shape_by_bias(const Observations& observations, int camera, const Eigen::MatrixXd& covariance) {
-  const std::vector<Eigen::Matrix3d> biases = lasting_board_plane_biases(observations);
-  if (biases.empty()) return Eigen::MatrixXd::Zero(6, 6);
-  std::vector<Eigen::MatrixXd> by_plane;
-  for (std::size_t i = 0; i < biases.size(); ++i) {
-    const PlaneObservation& plane = observations.board_planes[i];
-    const Eigen::Matrix3d weight = (plane.covariance_per_m2 + biases[i]).inverse();
-    by_plane.emplace_back(covariance * plane_by_depth_shape(plane.inverse_depth_plane).transpose() * weight);
-  }
-  return board_bias_of_sum(observations, camera, by_plane);
-}
-
 // The solution with a free shape of the camera's depth: how far that is from none, by all that is uncertain.
 std::optional<Finding> look_again(const Preparation& prepared, const Fit& fit, int camera) {
   Preparation free = prepared;
@@ -89,7 +75,6 @@ std::optional<Finding> look_again(const Preparation& prepared, const Fit& fit, i
   const double no_fault = kNoFault_px / seeing.depth_optics().fx_px;
   const Eigen::MatrixXd told = covariance->covariance.block(at, at, 6, 6);
   const Eigen::MatrixXd expected = told + prepared.priors.covariance(Nuisance::kDepthShape, camera) +
-                                   shape_by_bias(prepared.used, camera, told) +
                                    no_fault * no_fault * Eigen::MatrixXd::Identity(6, 6);
   const double square = square_of(with.state.nuisances.of(Nuisance::kDepthShape, camera), expected);
   if (!(square > kSure)) return std::nullopt;

@@ -201,26 +201,6 @@ class CameraBias {
   std::vector<Eigen::Vector2d> nodes_;
 };
 
-// How a board plane answers to one sigma of bias at each of its corners.
-struct BoardResponse {
-  std::vector<Eigen::Vector2d> pixels;   ///< of the depth sensor
-  std::optional<Eigen::MatrixXd> plane;  ///< 3 x pixels; absent where they do not make a plane
-};
-
-BoardResponse response_of_board(const RigCamera& camera, const BiasedView& biased, const BoardView& view,
-                                const PlaneObservation& plane) {
-  PlaneResponse response(biased, camera.depth->noise, plane.inverse_depth_plane);
-  std::vector<Eigen::Vector2d> pixels;
-  for (const CornerObservation& corner : view.corners) {
-    const std::optional<Eigen::Vector2d> pixel = biased.depth_pixel_of(corner.pixel);
-    const std::optional<Eigen::Vector3d> ray = pixel ? biased.ray_of(*pixel) : std::nullopt;
-    if (!ray || !(plane.inverse_depth_plane.dot(*ray) > 0.0)) continue;
-    response.add({{pixels.size(), 1.0}}, *ray);
-    pixels.push_back(*pixel);
-  }
-  return {pixels, response.over(pixels.size())};
-}
-
 // Where the boards of a camera are seen. Errors of a field that n boards at one place share do not average out: as
 // independent ones, n times as large, they leave as much in a mean.
 class SharedPlaces {
@@ -259,7 +239,16 @@ class SharedPlaces {
 
 Eigen::Matrix3d of_board_plane(const RigCamera& camera, const BoardView& view, const PlaneObservation& plane) {
   const BiasedView biased(camera);
-  const auto [pixels, J] = response_of_board(camera, biased, view, plane);
+  PlaneResponse response(biased, camera.depth->noise, plane.inverse_depth_plane);
+  std::vector<Eigen::Vector2d> pixels;  // of the depth sensor
+  for (const CornerObservation& corner : view.corners) {
+    const std::optional<Eigen::Vector2d> pixel = biased.depth_pixel_of(corner.pixel);
+    const std::optional<Eigen::Vector3d> ray = pixel ? biased.ray_of(*pixel) : std::nullopt;
+    if (!ray || !(plane.inverse_depth_plane.dot(*ray) > 0.0)) continue;
+    response.add({{pixels.size(), 1.0}}, *ray);
+    pixels.push_back(*pixel);
+  }
+  const std::optional<Eigen::MatrixXd> J = response.over(pixels.size());
   if (!J) return Eigen::Matrix3d::Zero();
   return *J * biased.correlation(pixels) * J->transpose();
 }
@@ -352,30 +341,6 @@ std::vector<Eigen::Matrix3d> lasting_board_plane_biases(const Observations& obse
     result[i] *= of_camera->sharing(view);
   });
   return result;
-}
-
-Eigen::MatrixXd board_bias_of_sum(const Observations& observations, int camera,
-                                  const std::vector<Eigen::MatrixXd>& factors) {
-  const RigCamera& seeing = observations.cameras[static_cast<std::size_t>(camera)];
-  const Eigen::Index size = factors.empty() ? 0 : factors.front().rows();
-  if (!states_bias(seeing)) return Eigen::MatrixXd::Zero(size, size);
-  const BiasedView biased(seeing);
-  const ViewOfPlane views = views_by_place(observations);
-  std::vector<Eigen::Vector2d> pixels;
-  std::vector<Eigen::VectorXd> columns;  // of the sum by one sigma at each pixel
-  for (std::size_t i = 0; i < factors.size(); ++i) {
-    const PlaneObservation& plane = observations.board_planes[i];
-    const auto view = views.find({plane.stop, plane.camera});
-    if (plane.camera != camera || view == views.end()) continue;
-    const BoardResponse response = response_of_board(seeing, biased, *view->second, plane);
-    if (!response.plane) continue;
-    const Eigen::MatrixXd by_pixel = factors[i] * *response.plane;
-    for (Eigen::Index k = 0; k < by_pixel.cols(); ++k) columns.emplace_back(by_pixel.col(k));
-    pixels.insert(pixels.end(), response.pixels.begin(), response.pixels.end());
-  }
-  Eigen::MatrixXd by_bias(size, static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) by_bias.col(static_cast<Eigen::Index>(k)) = columns[k];
-  return by_bias * biased.correlation(pixels) * by_bias.transpose();
 }
 
 std::vector<Eigen::Matrix3d> sum_of(std::vector<Eigen::Matrix3d> of_each, const std::vector<Eigen::Matrix3d>& more) {

@@ -183,9 +183,7 @@ TEST(DepthBias, OfASumOfBoardsIsWhatDrawnOnesDoOverTrials) {
   const Trials trials(60, 300);
   const GeometricRun run = run_with_bias(1, true);
   const std::vector<PlaneObservation>& planes = run.observations.board_planes;
-  const std::vector<Eigen::MatrixXd> each(planes.size(), Eigen::Matrix3d::Identity());
-  const Eigen::MatrixXd stated = board_bias_of_sum(run.observations, 0, each);
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero(), alone = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero(), alone = Eigen::Matrix3d::Zero(), stated = Eigen::Matrix3d::Zero();
   for (int i = 0; i < trials.count(); ++i) {
     const DrawnBias bias(run.observations.cameras[0].camera, static_cast<std::uint64_t>(i), 7);
     Eigen::Vector3d error = Eigen::Vector3d::Zero();
@@ -193,12 +191,19 @@ TEST(DepthBias, OfASumOfBoardsIsWhatDrawnOnesDoOverTrials) {
       if (plane.camera == 0) error += bias.on_plane(corners_at(run.observations, plane));
     scatter += error * error.transpose() / trials.count();
   }
-  const std::vector<Eigen::Matrix3d> of_each = board_plane_biases(run.observations);
-  for (std::size_t i = 0; i < planes.size(); ++i)
-    if (planes[i].camera == 0) alone += of_each[i];
-  for (int axis = 0; axis < 3; ++axis)
-    EXPECT_NEAR(scatter(axis, axis) / stated(axis, axis), 1.0, trials.chi_square_tolerance(1)) << "axis " << axis;
-  EXPECT_GT(stated(2, 2), 2.0 * alone(2, 2));
+  const std::vector<Eigen::Matrix3d> of_each = board_plane_biases(run.observations),
+                                     lasting = lasting_board_plane_biases(run.observations);
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    if (planes[i].camera != 0) continue;
+    alone += of_each[i];
+    stated += lasting[i];
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const double of_stated = scatter(axis, axis) / stated(axis, axis);
+    EXPECT_LT(of_stated, 1.0 + trials.chi_square_tolerance(1)) << "axis " << axis;
+    EXPECT_GT(of_stated, 0.25) << "a tilt differs sooner from place to place than what is between: " << axis;
+    EXPECT_GT(scatter(axis, axis), 2.0 * alone(axis, axis)) << "axis " << axis;
+  }
 }
 
 // The part of the field that all boards share does not average out, and they do not scatter by it: a level of the
@@ -247,7 +252,7 @@ TEST(DepthBias, IsInTheUncertaintyWhereBoardsStayAtOnePlaceOverTrials) {
 
 TEST(DepthBias, IsTakenForNoShapeOverTrials) {
   for (int seed = 0; seed < Trials(10, 40).count(); ++seed) {
-    const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), true, 40);
+    const GeometricRun run = run_with_bias(static_cast<std::uint64_t>(seed), true, 40, seed % 2 == 1);
     for (const Finding& note : estimate_maximum_likelihood(run.observations, told_options()).result.notes)
       EXPECT_FALSE(note.is("depth.misplaced")) << seed;
   }

@@ -39,12 +39,6 @@ std::vector<Eigen::Matrix3d> board_plane_biases(const Observations& observations
 /// they leave as much in a mean of many as the one that they share.
 std::vector<Eigen::Matrix3d> lasting_board_plane_biases(const Observations& observations);
 
-/// Covariance of a sum over the board planes of one camera, by the field that they share: neighbours in the image are
-/// off alike. Zero if the camera states no bias.
-/// @param factors one for each of the observations' board planes; those of other cameras do not count
-Eigen::MatrixXd board_bias_of_sum(const Observations& observations, int camera,
-                                  const std::vector<Eigen::MatrixXd>& factors);
-
 /// `of_each` and `more` together; either may be empty.
 std::vector<Eigen::Matrix3d> sum_of(std::vector<Eigen::Matrix3d> of_each, const std::vector<Eigen::Matrix3d>& more);
 
