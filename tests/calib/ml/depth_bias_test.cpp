@@ -179,17 +179,18 @@ std::vector<Eigen::Vector2d> corners_at(const Observations& observations, const 
 }
 
 // A sum over boards all over the image: they share the field, so that the mean of many is not much better than one.
-TEST(DepthBias, OfASumOfBoardsIsWhatDrawnOnesDoOverTrials) {
-  const Trials trials(60, 300);
+// All are drawn everywhere, sanitized, too: it takes a moment, and the lower bound needs them.
+TEST(DepthBias, OfASumOfBoardsIsWhatDrawnOnesDo) {
+  constexpr int kDrawn = 300;
   const GeometricRun run = run_with_bias(1, true);
   const std::vector<PlaneObservation>& planes = run.observations.board_planes;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero(), alone = Eigen::Matrix3d::Zero(), stated = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < trials.count(); ++i) {
+  for (int i = 0; i < kDrawn; ++i) {
     const DrawnBias bias(run.observations.cameras[0].camera, static_cast<std::uint64_t>(i), 7);
     Eigen::Vector3d error = Eigen::Vector3d::Zero();
     for (const PlaneObservation& plane : planes)
       if (plane.camera == 0) error += bias.on_plane(corners_at(run.observations, plane));
-    scatter += error * error.transpose() / trials.count();
+    scatter += error * error.transpose() / kDrawn;
   }
   const std::vector<Eigen::Matrix3d> of_each = board_plane_biases(run.observations),
                                      lasting = lasting_board_plane_biases(run.observations);
@@ -200,7 +201,7 @@ TEST(DepthBias, OfASumOfBoardsIsWhatDrawnOnesDoOverTrials) {
   }
   for (int axis = 0; axis < 3; ++axis) {
     const double of_stated = scatter(axis, axis) / stated(axis, axis);
-    EXPECT_LT(of_stated, 1.0 + trials.chi_square_tolerance(1)) << "axis " << axis;
+    EXPECT_LT(of_stated, 1.0 + 3.0 * std::sqrt(2.0 / kDrawn)) << "axis " << axis;
     EXPECT_GT(of_stated, 0.25) << "a tilt differs sooner from place to place than what is between: " << axis;
     EXPECT_GT(scatter(axis, axis), 2.0 * alone(axis, axis)) << "axis " << axis;
   }
