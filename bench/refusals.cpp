@@ -117,7 +117,8 @@ double chance_of_seeing_half_a_pixel(const GeometricRun& run) {
   noise.priors.focal_relative = ml::kDoubtedFocal;
   noise.priors.principal_point_px = ml::kDoubtedPrincipalPoint_px;
   const auto test =
-      ml::test_lenses(ml::declared_problem(run.observations, noise), stated, ml::state_from(state_of(run.truth)));
+      ml::test_lenses(ml::declared_problem(run.observations, noise), ml::none_removed(run.observations, noise.priors),
+                      stated, ml::state_from(state_of(run.truth)));
   if (!test) return 0.0;
   const Eigen::Vector3d slip(0.0, 0.5, 0.5);
   const double deviations = std::sqrt(slip.dot(test->common_shift.information * slip));

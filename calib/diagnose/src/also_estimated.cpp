@@ -95,7 +95,6 @@ struct Estimated {
   int which;  // camera or board; 0 for the rig
   int part;
   double value, sigma, prior;
-  double unweighed;  // variance: of errors that the estimate does not weigh
 
   const NuisanceRow::Part& about() const { return row_of(nuisance).parts[static_cast<std::size_t>(part)]; }
   // "board_size_percent" of the second board: board_2_size_percent.
@@ -121,9 +120,8 @@ std::vector<Estimated> all_estimated(const Preparation& prepared, const Fit& fit
     for (int i = 0; layout.has(nuisance) && i < row_of(nuisance).size(); ++i) {
       const int unknown = layout.place(nuisance, c) + i;
       const double sigma = std::sqrt(std::max(0.0, globals.covariance(unknown, unknown)));
-      const double unweighed = globals.unweighed.size() > 0 ? globals.unweighed[unknown] : 0.0;
       const double prior = prepared.priors.sigma(nuisance, c, i);
-      if (prior > 0.0) all.push_back({nuisance, c, i, fit.state.nuisances.of(nuisance, c)[i], sigma, prior, unweighed});
+      if (prior > 0.0) all.push_back({nuisance, c, i, fit.state.nuisances.of(nuisance, c)[i], sigma, prior});
     }
   };
   const auto each_row = [](const auto& act) {
@@ -160,12 +158,12 @@ bool is_stated(Nuisance nuisance) { return row_of(nuisance).reported || nuisance
 // Some thirty values are looked at in every run: one in 5,000 healthy runs is suspected.
 constexpr double kSuspect = 4.5;
 
-// An estimate v with sigma s of what was believed to be 0 +- p scatters by sqrt(p^2 - s^2), and by what it does not
-// weigh. Where the data tell little that is little, and says nothing of what was believed.
+// An estimate v with sigma s of what was believed to be 0 +- p scatters by sqrt(p^2 - s^2). Where the data tell little
+// that is little, and says nothing of what was believed.
 void note_strained(const Preparation& prepared, const Estimated& estimated, Result* result) {
-  const double p = estimated.prior, s_square = estimated.sigma * estimated.sigma - estimated.unweighed;
+  const double p = estimated.prior, s_square = estimated.sigma * estimated.sigma;
   if (s_square > std::pow(kNothingNew * p, 2)) return;
-  const double deviations = std::abs(estimated.value) / std::sqrt(p * p - s_square + estimated.unweighed);
+  const double deviations = std::abs(estimated.value) / std::sqrt(p * p - s_square);
   if (deviations < kSuspect) return;
   const double unit = estimated.about().units_per_si;
   Finding finding("prior.strained", {{"quantity", estimated.name()},

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigproof/calib/estimate/repeating_covariance.h"
 #include "rigproof/calib/estimate/solver.h"
 #include "rigproof/core/conventions.h"
 
@@ -23,45 +22,24 @@ constexpr double kMaxPriorSigmas = 3.0;
 constexpr int kOdometryDimensions = 3;  // of a residual
 
 // Weighted squares over their expectation, or 0 where chance explains them.
-// @param by_fields dimensions that are expected besides; all of them may come from one number of a field
-double chi_square(const GroupSum& all, double by_fields) {
+double chi_square(const GroupSum& all) {
   const GroupSum sum = all.without_outliers();
   const double redundancy = sum.redundancy();
   if (redundancy < 3.0) return 0.0;
-  const double expected = redundancy + by_fields;
-  const double variance = 2.0 * redundancy + 4.0 * by_fields + 2.0 * by_fields * by_fields;
-  const double ratio = sum.weighted_square / (cauchy_moments(kOdometryDimensions).weighted_square * expected);
-  return ratio > std::max(kMaxChiSquare, 1.0 + kMaxDeviations * std::sqrt(variance) / expected) ? ratio : 0.0;
+  const double ratio = sum.weighted_square / (cauchy_moments(kOdometryDimensions).weighted_square * redundancy);
+  return ratio > std::max(kMaxChiSquare, 1.0 + kMaxDeviations * std::sqrt(2.0 / redundancy)) ? ratio : 0.0;
 }
 
-// Square of the odometry's residuals over what its declared sigmas expect; 0 where they agree.
-struct DeclaredRatios {
-  double xy = 0.0, yaw = 0.0;
-};
-
-DeclaredRatios declared_ratios(const OdometryNoise& declared, const GroupSums& sums, const GroupSums& by_fields) {
-  const auto ratio = [&](Group group) { return chi_square(sum_of(sums, group), sum_of(by_fields, group).leverage); };
-  return {declared.sigma_xy_m ? ratio(Group::kOdometryXy) : 0.0,
-          declared.sigma_yaw_rad ? ratio(Group::kOdometryYaw) : 0.0};
-}
-
-// Corners that lenses displace bend the poses, and those meet the odometry. To know how much is dear: it is asked where
-// nothing else contradicts.
-std::vector<Finding> check_declared(const Problem& problem, const State& state, const GroupSums& sums,
-                                    const RemovedErrors& removed, bool contradicted) {
-  const OdometryNoise& declared = problem.observations().odometry_noise;
-  DeclaredRatios ratios = declared_ratios(declared, sums, problem.empty_sums());
-  if (!contradicted && (ratios.xy > 0.0 || ratios.yaw > 0.0))
-    if (const auto by_fields = leverage_of_fine_fields(removed, problem, state))
-      ratios = declared_ratios(declared, sums, *by_fields);
+// Square of the odometry's residuals over what its declared sigmas expect.
+std::vector<Finding> check_declared(const OdometryNoise& declared, const GroupSums& sums) {
   std::vector<Finding> findings;
-  if (ratios.xy > 0.0)
+  if (const double ratio = declared.sigma_xy_m ? chi_square(sum_of(sums, Group::kOdometryXy)) : 0.0; ratio > 0.0)
     findings.emplace_back("odometry.translations_contradict",
-                          FindingValues{{"ratio", std::sqrt(ratios.xy)}, {"declared_mm", 1e3 * *declared.sigma_xy_m}});
-  if (ratios.yaw > 0.0)
+                          FindingValues{{"ratio", std::sqrt(ratio)}, {"declared_mm", 1e3 * *declared.sigma_xy_m}});
+  if (const double ratio = declared.sigma_yaw_rad ? chi_square(sum_of(sums, Group::kOdometryYaw)) : 0.0; ratio > 0.0)
     findings.emplace_back(
         "odometry.turns_contradict",
-        FindingValues{{"ratio", std::sqrt(ratios.yaw)}, {"declared_deg", rad_to_deg(*declared.sigma_yaw_rad)}});
+        FindingValues{{"ratio", std::sqrt(ratio)}, {"declared_deg", rad_to_deg(*declared.sigma_yaw_rad)}});
   return findings;
 }
 
@@ -102,8 +80,7 @@ void check_systematics(const Problem& problem, const State& state, std::vector<F
 
 }  // namespace
 
-Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums,
-                                   const RemovedErrors& removed) {
+Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums) {
   Contradictions found;
   for (int c = 0; c < problem.layout().cameras; ++c) {
     const auto camera = static_cast<std::size_t>(c);
@@ -114,12 +91,10 @@ Contradictions find_contradictions(const Problem& problem, const State& state, c
       found.cameras.push_back(Finding("corners.off", {{"off_px", level}, {"limit_px", kMaxCorner_px}})
                                   .of(problem.observations().cameras[camera].name));
   }
-  std::vector<Finding> others;
-  check_levels(problem, &others);
-  check_majority(sums, &others);
-  check_systematics(problem, state, &others);
-  found.odometry = check_declared(problem, state, sums, removed, !others.empty() || !found.cameras.empty());
-  found.odometry.insert(found.odometry.end(), others.begin(), others.end());
+  found.odometry = check_declared(problem.observations().odometry_noise, sums);
+  check_levels(problem, &found.odometry);
+  check_majority(sums, &found.odometry);
+  check_systematics(problem, state, &found.odometry);
   return found;
 }
 

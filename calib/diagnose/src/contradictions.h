@@ -17,8 +17,6 @@ struct Contradictions {
 };
 
 /// @param sums of the solution, with leverage
-/// @param removed errors that were taken out of the corners, and what is known to be left there
-Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums,
-                                   const RemovedErrors& removed);
+Contradictions find_contradictions(const Problem& problem, const State& state, const GroupSums& sums);
 
 }  // namespace rigproof::ml

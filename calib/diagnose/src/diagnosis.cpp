@@ -361,9 +361,11 @@ void add_further(const Explained& explained, Cause* cause) {
   for (const Finding& finding : explained.further) cause->findings.push_back(finding.with({{"joined_by", "and"}}));
 }
 
-// Two shifts that differ by a hundredth of a stop are one cause, and so are a camera and all cameras.
+// Two shifts that differ by a hundredth of a stop are one cause, and so are a camera and all cameras, and images that
+// are mirrored one way or the other.
 bool same_kind(const Fault& a, const Fault& b) {
-  return a.kind == b.kind && (a.kind == FaultKind::kStamps || a.kind == FaultKind::kLens);
+  return (a.kind == b.kind && (a.kind == FaultKind::kStamps || a.kind == FaultKind::kLens)) ||
+         (a.cause.code == b.cause.code && a.cause.cameras == b.cause.cameras && a.kind == FaultKind::kImages);
 }
 
 Cause conclude(Explanations explained, const Trial& as_is) {

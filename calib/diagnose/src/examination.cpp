@@ -37,7 +37,7 @@ bool hangs_upside_down(const Preparation& prepared) {
 
 Contradictions contradictions_of(const Preparation& prepared, const Problem& problem, const State& state,
                                  const std::optional<GroupSums>& sums) {
-  Contradictions found = sums ? find_contradictions(problem, state, *sums, prepared.repeating) : Contradictions();
+  Contradictions found = sums ? find_contradictions(problem, state, *sums) : Contradictions();
   if (hangs_upside_down(prepared)) found.odometry.push_back(Finding("odometry.upside_down"));
   return found;
 }
@@ -121,8 +121,8 @@ std::vector<Finding> contradicting_ground(const Preparation& prepared) {
 }
 
 std::optional<LensTest> lens_test(const Preparation& prepared, const Fit& fit) {
-  return test_lenses(problem_at(prepared, fit, fit.noise, with_doubted_lenses(prepared.priors)), prepared.priors,
-                     fit.state);
+  return test_lenses(problem_at(prepared, fit, fit.noise, with_doubted_lenses(prepared.priors)), prepared.repeating,
+                     prepared.priors, fit.state);
 }
 
 OdometryLaw likely_law(const Preparation& prepared, const Fit& fit, OdometryModel declared) {
@@ -149,7 +149,7 @@ bool is_clean(const Preparation& prepared, const Fit& fit, const Problem& proble
 double unexplained(const Preparation& prepared, const Fit& fit, const Problem& problem) {
   constexpr double kVeryWrong = 1e4;     // whitened square
   constexpr double kUnexplained = 1e15;  // -2 ln
-  const double sum = minus_two_log_likelihood(problem, fit.state);
+  const double sum = minus_two_log_likelihood(problem, fit.state) + prepared.repeating.cost();
   double left_out = static_cast<double>(prepared.rejected_planes);
   for (std::size_t v = 0; v < prepared.used.board_views.size(); ++v)
     if (fit.view_left_out[v]) left_out += static_cast<double>(prepared.used.board_views[v].corners.size());

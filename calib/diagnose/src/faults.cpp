@@ -168,8 +168,11 @@ Finding shifted_stamps(const Observations& observations, double stops) {
 
 bool looks_alike_mirrored(const Board& board) { return board.squares_x % 2 == 1 || board.squares_y % 2 == 1; }
 
+// Left for right, or upside down.
+enum class Mirror { kAlongX, kAlongY };
+
 // A mirrored board looks like one, numbered the other way along a side with an odd number of squares.
-void unmirror(const Board& board, int width_px, BoardView* view) {
+void unmirror(const Board& board, const Camera& camera, Mirror mirror, BoardView* view) {
   const int columns = board.inner_corners_x(), rows = board.inner_corners_y();
   for (CornerObservation& corner : view->corners) {
     int x = corner.id % columns, y = corner.id / columns;
@@ -178,7 +181,10 @@ void unmirror(const Board& board, int width_px, BoardView* view) {
     else
       y = rows - 1 - y;
     corner.id = y * columns + x;
-    corner.pixel.x() = width_px - 1 - corner.pixel.x();
+    if (mirror == Mirror::kAlongX)
+      corner.pixel.x() = camera.width_px - 1 - corner.pixel.x();
+    else
+      corner.pixel.y() = camera.height_px - 1 - corner.pixel.y();
     corner.covariance_px2(0, 1) *= -1.0;
     corner.covariance_px2(1, 0) *= -1.0;
   }
@@ -187,27 +193,33 @@ void unmirror(const Board& board, int width_px, BoardView* view) {
 }
 
 // Rays turn about the middle of the image, not about the principal point.
-void unmirror(const Camera& camera, PlaneObservation* plane) {
-  Eigen::Matrix3d T = Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal();
-  T(2, 0) = (camera.width_px - 1 - 2.0 * camera.cx_px) / camera.fx_px;
+void unmirror(const Camera& camera, Mirror mirror, PlaneObservation* plane) {
+  Eigen::Matrix3d T = Eigen::Matrix3d::Identity();
+  if (mirror == Mirror::kAlongX) {
+    T(0, 0) = -1.0;
+    T(2, 0) = (camera.width_px - 1 - 2.0 * camera.cx_px) / camera.fx_px;
+  } else {
+    T(1, 1) = -1.0;
+    T(2, 1) = (camera.height_px - 1 - 2.0 * camera.cy_px) / camera.fy_px;
+  }
   plane->inverse_depth_plane = T * plane->inverse_depth_plane;
   plane->covariance_per_m2 = T * plane->covariance_per_m2 * T.transpose();
 }
 
-void unmirror(int camera, Observations* observations) {
+void unmirror(int camera, Mirror mirror, Observations* observations) {
   const Camera& optics = observations->cameras[static_cast<std::size_t>(camera)].camera;
   for (BoardView& view : observations->board_views)
-    if (view.camera == camera) unmirror(observations->board_of(view), optics.width_px, &view);
+    if (view.camera == camera) unmirror(observations->board_of(view), optics, mirror, &view);
   for (auto* planes : {&observations->ground_planes, &observations->board_planes})
     for (PlaneObservation& plane : *planes)
-      if (plane.camera == camera) unmirror(optics, &plane);
+      if (plane.camera == camera) unmirror(optics, mirror, &plane);
 }
 
-Fault mirrored_images(const Observations& observations, const std::vector<int>& cameras) {
+Fault mirrored_images(const Observations& observations, const std::vector<int>& cameras, Mirror mirror) {
   Finding cause("images.mirrored");
   for (const int camera : cameras) cause.cameras.push_back(observations.cameras[static_cast<std::size_t>(camera)].name);
-  return {FaultKind::kImages, cause, true, [cameras](Observations* repaired) {
-            for (const int camera : cameras) unmirror(camera, repaired);
+  return {FaultKind::kImages, cause, true, [cameras, mirror](Observations* repaired) {
+            for (const int camera : cameras) unmirror(camera, mirror, repaired);
           }};
 }
 
@@ -259,9 +271,13 @@ std::vector<Fault> image_faults(const Observations& observations) {
       return view.camera != camera || looks_alike_mirrored(observations.board_of(view));
     });
   };
-  if (std::all_of(all.begin(), all.end(), may_be_mirrored)) faults.push_back(mirrored_images(observations, all));
-  for (int c = 0; c < cameras && cameras > 1; ++c)
-    if (may_be_mirrored(c)) faults.push_back(mirrored_images(observations, {c}));
+  for (const Mirror mirror :
+       {Mirror::kAlongX, Mirror::kAlongY}) {  // they differ by where in the image the lens's axis is
+    if (std::all_of(all.begin(), all.end(), may_be_mirrored))
+      faults.push_back(mirrored_images(observations, all, mirror));
+    for (int c = 0; c < cameras && cameras > 1; ++c)
+      if (may_be_mirrored(c)) faults.push_back(mirrored_images(observations, {c}, mirror));
+  }
   for (int a = 0; a < cameras; ++a)
     for (int b = a + 1; b < cameras; ++b)
       if (other_intrinsics(observations.cameras[static_cast<std::size_t>(a)].camera,

@@ -57,6 +57,15 @@ Freedom freedom_of(const Layout& layout, const Priors& stated, const State& stat
   return freedom;
 }
 
+// Normal equations of the first globals, the others following.
+Eigen::MatrixXd of_own(const Eigen::MatrixXd& schur, Eigen::Index own) {
+  const Eigen::Index others = schur.rows() - own;
+  if (others == 0) return schur;
+  const Eigen::LLT<Eigen::MatrixXd> of_others(schur.bottomRightCorner(others, others));
+  return schur.topLeftCorner(own, own) -
+         schur.topRightCorner(own, others) * of_others.solve(schur.bottomLeftCorner(others, own));
+}
+
 // One step from the solution.
 struct Score {
   Eigen::VectorXd value;
@@ -112,15 +121,17 @@ Priors with_doubted_lenses(Priors priors) {
   return priors;
 }
 
-std::optional<LensTest> test_lenses(const Problem& problem, const Priors& stated, const State& state) {
+std::optional<LensTest> test_lenses(const Problem& problem, const RemovedErrors& repeating, const Priors& stated,
+                                    const State& state) {
   const Layout& layout = problem.layout();
   if (!layout.has(Nuisance::kLens)) return std::nullopt;
-  const ArrowSystem system = problem.linearise(state, Weighting::kRobust, nullptr, nullptr);
+  const ArrowSystem system = repeating.errors.any() ? problem.linearise_with(repeating, state, Weighting::kRobust)
+                                                    : problem.linearise(state, Weighting::kRobust, nullptr, nullptr);
   const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
   Eigen::VectorXd pose_step, global_step;
   if (!eliminated || !eliminated->step(&pose_step, &global_step)) return std::nullopt;
-  const Eigen::MatrixXd& schur = eliminated->schur();
-  const Eigen::VectorXd gradient = -schur * global_step;
+  const Eigen::MatrixXd schur = of_own(eliminated->schur(), layout.globals());
+  const Eigen::VectorXd gradient = -schur * global_step.head(layout.globals());
   const auto shared_by = [&](const std::vector<int>& cameras, Eigen::Index size) {
     return estimate_of(step_within(schur, gradient, freedom_of(layout, stated, state, cameras, size)), size);
   };

@@ -44,8 +44,10 @@ inline constexpr double kDoubtedPrincipalPoint_px = 50.0;
 Priors with_doubted_lenses(Priors priors);
 
 /// @param problem with doubted lenses
+/// @param repeating what was taken out of its corners: what is left of it counts as unknown
 /// @param stated the priors of the solution: an estimate is an error beyond them, and its sigma counts theirs
 /// Absent where the data do not determine the rest.
-std::optional<LensTest> test_lenses(const Problem& problem, const Priors& stated, const State& state);
+std::optional<LensTest> test_lenses(const Problem& problem, const RemovedErrors& repeating, const Priors& stated,
+                                    const State& state);
 
 }  // namespace rigproof::ml

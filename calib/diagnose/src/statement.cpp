@@ -110,6 +110,7 @@ Statement state_solution(const Preparation& prepared, const OdometryChoice& choi
   double cost = 0.0;
   const Problem problem = problem_at(prepared, fit, levels);
   ArrowSystem system = problem.linearise(fit.state, Weighting::kInformation, &cost, &sums);
+  cost += prepared.repeating.cost();
   Statement stated{levels, std::move(system), std::move(sums), cost, std::nullopt};
   const std::optional<SolvedEquations> solved = solve_equations(prepared.repeating, problem, fit.state);
   if (!solved) return stated;

@@ -44,6 +44,7 @@ void ArrowSystem::fix_pose_unknown(int pose, int unknown) {
   if (i + 1 < coupling.size()) coupling[i + 1].col(unknown).setZero();
   pose_global.row(6 * pose + unknown).setZero();
   pose_gradient[6 * pose + unknown] = 0.0;
+  for (FieldEquations& field : fields) field.with_poses.row(6 * pose + unknown).setZero();
 }
 
 void ArrowSystem::fix_global_unknown(int unknown) {
@@ -53,10 +54,16 @@ void ArrowSystem::fix_global_unknown(int unknown) {
   ++fixed_unknowns;
   pose_global.col(unknown).setZero();
   global_gradient[unknown] = 0.0;
+  for (FieldEquations& field : fields) field.with_globals.row(unknown).setZero();
 }
 
 std::optional<EliminatedSystem> EliminatedSystem::eliminate(const ArrowSystem& system, double damping) {
   const int n = system.poses(), globals = system.globals();
+  if (!system.fields.empty()) {
+    int numbers = 0;
+    for (const FieldEquations& field : system.fields) numbers += static_cast<int>(field.gradient.size());
+    return 6 * n > numbers ? fields_last(system) : fields_first(system);
+  }
   EliminatedSystem result;
   result.log_determinant_ = -system.fixed_unknowns * std::log(kFixedInformation);  // they are none of the unknowns
   result.inverse_pivot_.resize(static_cast<std::size_t>(n));
@@ -95,13 +102,6 @@ std::optional<EliminatedSystem> EliminatedSystem::eliminate(const ArrowSystem& s
   return result;
 }
 
-void EliminatedSystem::solve_forwards(Eigen::MatrixXd* transposed) const {
-  for (std::size_t k = 1; k < inverse_pivot_.size(); ++k) {
-    const Eigen::Index i = 6 * static_cast<Eigen::Index>(k);
-    transposed->middleCols<6>(i) -= transposed->middleCols<6>(i - 6).lazyProduct(factor_[k].transpose());
-  }
-}
-
 void EliminatedSystem::solve_backwards(Eigen::MatrixXd* transposed) const {
   for (int i = static_cast<int>(inverse_pivot_.size()) - 1; i >= 0; --i) {
     const std::size_t k = static_cast<std::size_t>(i);
@@ -116,8 +116,10 @@ bool EliminatedSystem::step(Eigen::VectorXd* pose_step, Eigen::VectorXd* global_
   if (llt.info() != Eigen::Success) return false;
   *global_step = -llt.solve(schur_gradient_);
   const Eigen::Index globals = schur_.rows();
-  Eigen::MatrixXd transposed = -forward_.row(globals) - global_step->transpose() * forward_.topRows(globals);
-  solve_backwards(&transposed);
+  const bool with_fields = response_.size() > 0;
+  const Eigen::MatrixXd& by = with_fields ? response_ : forward_;
+  Eigen::MatrixXd transposed = -by.row(globals) - global_step->transpose() * by.topRows(globals);
+  if (!with_fields) solve_backwards(&transposed);
   *pose_step = transposed.transpose();
   return global_step->allFinite() && pose_step->allFinite();
 }
@@ -154,28 +156,8 @@ EliminatedSystem::PoseCovariance EliminatedSystem::pose_covariance(const Eigen::
   return covariance;
 }
 
-EliminatedSystem::PoseCovariance EliminatedSystem::answer_to(const PoseRows& with_poses,
-                                                             const Eigen::MatrixXd& by_globals) const {
-  const std::size_t n = inverse_pivot_.size();
-  // P p + U g = e
-  Eigen::MatrixXd R = with_poses.transpose();
-  solve_forwards(&R);
-  R.noalias() -= by_globals.transpose() * forward_.topRows(by_globals.rows());
-  solve_backwards(&R);
-  PoseCovariance squares;
-  squares.diagonal.resize(n);
-  squares.with_previous.resize(n, Matrix6d::Zero());
-  squares.with_globals = R.transpose() * by_globals.transpose();
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto own = R.middleCols<6>(6 * static_cast<Eigen::Index>(i));
-    squares.diagonal[i].noalias() = own.transpose() * own;
-    if (i > 0)
-      squares.with_previous[i].noalias() = own.transpose() * R.middleCols<6>(6 * static_cast<Eigen::Index>(i) - 6);
-  }
-  return squares;
-}
-
 Eigen::MatrixXd EliminatedSystem::pose_response() const {
+  if (response_.size() > 0) return response_;
   Eigen::MatrixXd transposed = forward_;
   solve_backwards(&transposed);
   return transposed;

@@ -51,14 +51,17 @@ class BudgetSink : public BlockSink {
 // How the cameras answer to a change of the gradient: a row for each of their values.
 struct Answer {
   Eigen::MatrixXd to_poses, to_globals, to_repeating;
+  std::vector<Eigen::MatrixXd> to_fields;
 };
 
 Answer answer_of(const Problem& problem, const State& state, const SolvedEquations& solved) {
   const Layout& layout = problem.layout();
   const Eigen::Index globals = layout.globals(), all = solved.all.covariance.rows();
-  const Eigen::MatrixXd by_all = camera_chart(state, layout) * solved.all.covariance.topRows(globals);
-  return {-by_all * solved.eliminated.pose_response().topRows(all), by_all.leftCols(globals),
-          by_all.rightCols(all - globals)};
+  const Eigen::MatrixXd chart = camera_chart(state, layout);
+  const Eigen::MatrixXd by_all = chart * solved.all.covariance.topRows(globals);
+  Answer answer{chart * solved.with_poses, by_all.leftCols(globals), by_all.rightCols(all - globals), {}};
+  for (const Eigen::MatrixXd& field : solved.with_fields) answer.to_fields.push_back(chart * field);
+  return answer;
 }
 
 // What corners tell of the repeating errors, beside what their blocks hold: C H C of the rest of H, diagonal.
@@ -70,6 +73,22 @@ Eigen::VectorXd corners_with_repeating(const SolvedEquations& solved, const Answ
   const Eigen::MatrixXd across = answer.to_globals * H.global.topRightCorner(globals, repeating) +
                                  answer.to_poses * H.pose_global.rightCols(repeating);
   return (2.0 * across + answer.to_repeating * own).cwiseProduct(answer.to_repeating).rowwise().sum();
+}
+
+// The same of the fine fields.
+Eigen::VectorXd corners_with_fields(const SolvedEquations& solved, const Answer& answer) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(answer.to_poses.rows());
+  Eigen::MatrixXd by_globals(answer.to_globals.rows(), answer.to_globals.cols() + answer.to_repeating.cols());
+  by_globals << answer.to_globals, answer.to_repeating;
+  for (std::size_t f = 0; f < answer.to_fields.size(); ++f) {
+    const FieldEquations& field = solved.system.fields[f];
+    const Eigen::MatrixXd& own = answer.to_fields[f];
+    Eigen::MatrixXd by_own = own * field.own.selfadjointView<Eigen::Lower>();
+    by_own -= own;  // their priors
+    const Eigen::MatrixXd across = answer.to_poses * field.with_poses + by_globals * field.with_globals;
+    sum += (2.0 * across + by_own).cwiseProduct(own).rowwise().sum();
+  }
+  return sum;
 }
 
 }  // namespace
@@ -93,7 +112,8 @@ std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, co
   for (std::size_t g = 0; g < kGroupCount; ++g) {
     const auto group = static_cast<Group>(g);
     Eigen::VectorXd variances = sink.of(group);
-    if (group == Group::kCorners) variances += corners_with_repeating(solved, answer);
+    if (group == Group::kCorners)
+      variances += corners_with_repeating(solved, answer) + corners_with_fields(solved, answer);
     add_to_budget(kSources[g], variances, &budget);
   }
   problem.for_each_prior([&](Nuisance nuisance, int place, const Eigen::MatrixXd& information) {
@@ -104,9 +124,9 @@ std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, co
     const Eigen::MatrixXd by_place = answer.to_globals * error.by_globals(layout).transpose();
     add_to_budget("places of boards", (by_place * error.information()).cwiseProduct(by_place).rowwise().sum(), &budget);
   }
-  const Eigen::MatrixXd by_fine_fields = camera_chart(state, layout) * solved.by_fine_fields;
-  add_to_budget("print and lens residual",
-                answer.to_repeating.rowwise().squaredNorm() + by_fine_fields.rowwise().squaredNorm(), &budget);
+  Eigen::VectorXd of_repeating = answer.to_repeating.rowwise().squaredNorm();
+  for (const Eigen::MatrixXd& field : answer.to_fields) of_repeating += field.rowwise().squaredNorm();
+  add_to_budget("print and lens residual", of_repeating, &budget);
   return budget;
 }
 

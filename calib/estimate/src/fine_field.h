@@ -8,6 +8,10 @@
 
 namespace rigproof::ml {
 
+/// Cells of the grids, of which how fine the field is is not known: of eight and sixteen alone, eight made up for
+/// fields of twelve, many times too large.
+inline constexpr std::array<int, 3> kFineGrids = {8, 12, 16};
+
 /// Cubic B-splines over a grid on a camera's image, with independent coefficients along x and along y: as smooth as
 /// what lenses do.
 class FineField {

@@ -202,7 +202,7 @@ FineLevel fine_level(const std::vector<LeftOver>& views, const FineField& fine, 
   }
   constexpr double kStepOfSize = 0.5 * kStep;
   mean /= weights;
-  return {std::sqrt(mean), std::sqrt(likelihood.shown(noise, mean)), best + std::log(kStepOfSize * weights)};
+  return {std::sqrt(mean), std::sqrt(likelihood.shown(noise, mean)), noise, best + std::log(kStepOfSize * weights)};
 }
 
 }  // namespace rigproof::ml

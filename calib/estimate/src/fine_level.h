@@ -18,6 +18,7 @@ struct LeftOver {
 struct FineLevel {
   double sigma_px;      ///< root mean square at the nodes
   double shown_px;      ///< the same by what corners are displaced: nearly the field's, whether the grid fits it or not
+  double noise;         ///< variance of the corners beside it, as a multiple of what is stated
   double log_evidence;  ///< of the grid against no field: likelihood of what is left, averaged over the size's prior
 };
 /// By restricted likelihood: poses of the views and what polynomials follow are projected out. Where the images tell

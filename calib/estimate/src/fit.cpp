@@ -189,6 +189,7 @@ Fit fit_model(const Preparation& prepared, const OdometryLaw& law, int leave_out
     problem.noise.odometry_xy_m = own.odometry_xy_m;
     problem.noise.odometry_yaw_rad = own.odometry_yaw_rad;
   }
+  problem.corners_absorbed = prepared.repeating.absorbed;
   fit.state = other != nullptr ? other->state : prepared.start;
   fix_unseen_cameras(prepared, &problem);
   leave_out_without_pose(prepared, &problem);
@@ -238,6 +239,7 @@ Fit fit_with_step(const Preparation& prepared, const Fit& without, const Step& s
   for (const int body : step.bodies) fit.state.second_poses.push_back(pose_after(prepared, without.state, step, body));
   Problem problem(prepared.used, prepared.priors, without.noise, prepared.whitened);
   problem.add(step);
+  problem.corners_absorbed = prepared.repeating.absorbed;
   fix_unseen_cameras(prepared, &problem);
   leave_out_without_pose(prepared, &problem);
   solve(prepared, kLeaveOutRounds, &problem, &fit);
@@ -261,6 +263,7 @@ Problem problem_at(const Preparation& prepared, const Fit& fit, const NoiseLevel
   Problem problem(prepared.used, priors, levels, prepared.whitened);
   if (!fit.step.bodies.empty()) problem.add(fit.step);
   if (!fit.view_left_out.empty()) problem.view_left_out = fit.view_left_out;
+  problem.corners_absorbed = prepared.repeating.absorbed;
   fix_unseen_cameras(prepared, &problem);
   return problem;
 }

@@ -1,8 +1,10 @@
 #include "image_rows.h"
 
 #include <Eigen/Cholesky>
+#include <utility>
 
 #include "corner_model.h"
+#include "fine_numbers.h"
 #include "rigproof/calib/estimate/noise.h"
 #include "rigproof/calib/estimate/whitened.h"
 
@@ -36,6 +38,7 @@ ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Obser
                   Eigen::MatrixXd::Zero(rows, 6),
                   {},
                   {},
+                  {},
                   {}};
   result.by_others.setZero(rows, kLensColumns + kShapeColumns + static_cast<Eigen::Index>(result.raw.size()));
   const Eigen::Index fields = errors.field(view.camera) >= 0 ? errors.lens_field(view.camera).size() : 0;
@@ -67,12 +70,25 @@ ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Obser
   return result;
 }
 
+void add_fine_rows(const FineNumbers* numbers, ViewRows* view) {
+  if (numbers == nullptr) return;
+  view->by_fine.resize(view->residual.size(), numbers->size());
+  for (std::size_t i = 0; i < view->pixels.size(); ++i)
+    view->by_fine.middleRows<2>(static_cast<Eigen::Index>(2 * i)) =
+        FineNumbers::rows(view->whitening[i], numbers->at(view->pixels[i]));
+}
+
+Weighted weighted_by(const ViewRows& view, Eigen::VectorXd weights) {
+  const Eigen::MatrixXd weighted_pose = view.by_pose.transpose() * weights.asDiagonal();
+  Eigen::MatrixXd to_pose = -(weighted_pose * view.by_pose).ldlt().solve(weighted_pose);
+  return {std::move(weights), std::move(to_pose)};
+}
+
 Weighted weighted(const ViewRows& view, const Eigen::VectorXd& fits, double level) {
   Eigen::VectorXd weights(view.residual.size());
   for (Eigen::Index i = 0; i < weights.size(); i += 2)
     weights.segment<2>(i).setConstant(CauchyLoss().weight(fits.segment<2>(i).squaredNorm() / level) / level);
-  const Eigen::MatrixXd weighted_pose = view.by_pose.transpose() * weights.asDiagonal();
-  return {weights, -(weighted_pose * view.by_pose).ldlt().solve(weighted_pose)};
+  return weighted_by(view, std::move(weights));
 }
 
 }  // namespace rigproof::ml

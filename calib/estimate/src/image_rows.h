@@ -23,8 +23,11 @@ struct ViewRows {
   /// Where corners should be by the view's pose [px]: columns taken at the seen ones would hold their noise.
   std::vector<Eigen::Vector2d> pixels;
   std::vector<Eigen::Matrix2d> whitening;
+  Eigen::MatrixXd by_fine;  ///< numbers of the fine field; none until add_fine_rows()
 };
 
+/// @param numbers null: none
+void add_fine_rows(const FineNumbers* numbers, ViewRows* view);
 ViewRows rows_of(const ViewPose& pose, const RemovedErrors& removed, const Observations& observations);
 
 /// Rows of a view by how well they fit, and what the view's pose makes of them.
@@ -32,6 +35,7 @@ struct Weighted {
   Eigen::VectorXd weights;  ///< of each row
   Eigen::MatrixXd to_pose;  ///< the step of the pose that fits a residual best is this times the residual; 6 x rows
 };
+Weighted weighted_by(const ViewRows& view, Eigen::VectorXd weights);
 /// @param fits how the rows fit so far
 /// @param level square of what corners scatter by, as a multiple of what is stated
 Weighted weighted(const ViewRows& view, const Eigen::VectorXd& fits, double level);

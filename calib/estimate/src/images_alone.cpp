@@ -8,7 +8,9 @@
 
 #include "fine_field.h"
 #include "fine_level.h"
+#include "fine_numbers.h"
 #include "image_rows.h"
+#include "rigproof/calib/estimate/arrow_system.h"
 #include "rigproof/core/chi_square.h"
 #include "rigproof/core/median.h"
 
@@ -18,23 +20,32 @@ namespace {
 // Of the views that tell the errors: evenly chosen, since more tell little more.
 constexpr std::size_t kMostViews = 240;
 
+// Of each view.
+using Weights = std::vector<Weighted>;
+
+struct Solution {
+  Eigen::LLT<Eigen::MatrixXd> llt;     // of lenses, shapes and the errors' unknowns
+  Eigen::VectorXd value;               // of the same
+  std::vector<FieldEquations> fields;  // of each camera, without poses
+  std::vector<Eigen::VectorXd> fine;   // of each camera
+};
+
+// Of the errors' unknowns, as the images leave them.
 struct Estimate {
-  Eigen::VectorXd value;        // of the errors' unknowns
-  Eigen::MatrixXd covariance;   // as the images leave it
-  Eigen::MatrixXd by_gradient;  // what gradients by all unknowns, as large as they are taken for, make of the value
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;
 };
 
-// By lenses, shape and repeating errors, from which the poses of the views are eliminated.
-struct NormalEquations {
-  Eigen::LLT<Eigen::MatrixXd> llt;
-  Eigen::VectorXd solution;
-};
-
-// The unknowns: five of each lens, four of each board, the repeating errors. Poses of views are eliminated.
+// The unknowns: five of each lens, four of each board, the repeating errors, and numbers of fine fields. Poses of views
+// are eliminated.
 class ImagesAlone {
  public:
-  ImagesAlone(const RepeatingErrors& errors, const Priors& priors)
-      : errors_(errors), cameras_(priors.count(Nuisance::kLens)), boards_(priors.count(Nuisance::kBoardShape)) {
+  // @param fine of each camera
+  ImagesAlone(const RepeatingErrors& errors, const Priors& priors, std::vector<RemovedErrors::Fine> fine)
+      : errors_(errors),
+        cameras_(priors.count(Nuisance::kLens)),
+        boards_(priors.count(Nuisance::kBoardShape)),
+        fine_(std::move(fine)) {
     prior_ = Eigen::VectorXd::Ones(before_errors() + errors.size());
     constexpr double kBelieved = 1e12;  // information, where nothing is left open
     const auto information = [](double variance) { return variance > 0.0 ? 1.0 / variance : kBelieved; };
@@ -46,49 +57,83 @@ class ImagesAlone {
         prior_[shape_of(b) + i] = information(priors.covariance(Nuisance::kBoardShape, b)(i, i));
   }
 
-  // One round more: equations by the weights of how the corners fit so far, and their solution. The residuals become
-  // those after it.
-  NormalEquations solve(const std::vector<ViewRows>& views, std::vector<Eigen::VectorXd>* residuals) const {
+  // The residuals become those after the solution.
+  Solution solve(const std::vector<ViewRows>& views, const Weights& weights,
+                 std::vector<Eigen::VectorXd>* residuals) const {
     const int raw = raw_size();
     Eigen::MatrixXd N = Eigen::MatrixXd::Zero(raw, raw);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(raw);
-    const std::vector<double> levels = squares_of_levels(views, *residuals);
-    std::vector<Eigen::MatrixXd> to_pose;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      const Weighted by = weighted(views[v], (*residuals)[v], levels[static_cast<std::size_t>(views[v].camera)]);
-      add(views[v], by, &N, &g);
-      to_pose.push_back(by.to_pose);
-    }
+    for (std::size_t v = 0; v < views.size(); ++v) add(views[v], weights[v], &N, &g);
     const Eigen::MatrixXd half = by_unknowns(N.selfadjointView<Eigen::Lower>().toDenseMatrix());
     Eigen::MatrixXd H = by_unknowns(half.transpose());
     H.diagonal() += prior_;
-    NormalEquations normal{Eigen::LLT<Eigen::MatrixXd>(H), {}};
-    normal.solution = -normal.llt.solve(by_unknowns(g));
+    Eigen::VectorXd gradient = by_unknowns(g);
+    Solution solution;
+    for (int c = 0; c < static_cast<int>(fine_.size()); ++c) {
+      solution.fields.push_back(field_of(views, weights, c));
+      const FieldEquations& field = solution.fields.back();
+      if (field.gradient.size() == 0) continue;
+      const Eigen::LLT<Eigen::MatrixXd> own(field.own);
+      const Eigen::MatrixXd by_root = own.matrixL().solve(field.with_globals.transpose());
+      H.selfadjointView<Eigen::Lower>().rankUpdate(by_root.transpose(), -1.0);
+      gradient -= by_root.transpose() * own.matrixL().solve(field.gradient);
+    }
+    solution.llt.compute(H);
+    solution.value = -solution.llt.solve(gradient);
+    for (const FieldEquations& field : solution.fields)
+      solution.fine.push_back(field.gradient.size() > 0 ? field.step(Eigen::VectorXd(0), solution.value)
+                                                        : Eigen::VectorXd(0));
     Eigen::VectorXd of_raw(raw);
     const Eigen::Index first = raw - errors_.raw_size();
-    of_raw << normal.solution.head(first), errors_.raw_by_unknowns() * normal.solution.tail(errors_.size());
-    for (std::size_t v = 0; v < views.size(); ++v) (*residuals)[v] = left_over(views[v], to_pose[v], of_raw);
-    return normal;
+    of_raw << solution.value.head(first), errors_.raw_by_unknowns() * solution.value.tail(errors_.size());
+    for (std::size_t v = 0; v < views.size(); ++v)
+      (*residuals)[v] = left_over(views[v], weights[v].to_pose, of_raw, solution.fine);
+    return solution;
   }
 
-  Estimate estimate_of(const NormalEquations& normal) const {
+  Estimate estimate_of(const Solution& solution) const {
     const Eigen::Index size = errors_.size();
-    Eigen::MatrixXd last = Eigen::MatrixXd::Zero(normal.solution.size(), size);
-    last.bottomRows(size).setIdentity();
-    const Eigen::MatrixXd by_gradient = normal.llt.solve(last).transpose();
-    return {normal.solution.tail(size), by_gradient.rightCols(size), by_gradient};
+    return {solution.value.tail(size), covariance_of(solution).bottomRightCorner(size, size)};
   }
 
-  // What a fine field of a camera makes of an estimate that does not know of it: a column for each of its coefficients.
-  Eigen::MatrixXd response_to_fine(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
-                                   int camera, const FineField& fine, const Estimate& estimate, double level) const {
-    Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(raw_size(), fine.size());
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      if (views[v].camera != camera) continue;
-      const Eigen::MatrixXd by_field = gradients_by_fine(views[v], weighted(views[v], residuals[v], level), fine);
-      for (Eigen::Index j = 0; j < by_field.rows(); ++j) gradients.row(place(views[v], j)) += by_field.row(j);
+  // Of each camera: dimensions of its corners that the errors absorb.
+  std::vector<double> absorbed_by(const Solution& solution, const std::vector<ViewRows>& views) const {
+    const Eigen::MatrixXd all = covariance_of(solution);
+    std::vector<double> absorbed(static_cast<std::size_t>(cameras_), 0.0);
+    for (const RepeatingErrors::Group& group : errors_.groups()) {
+      const double dimensions = group.size - all.diagonal().segment(before_errors() + group.first, group.size).sum();
+      if (group.camera >= 0) {
+        absorbed[static_cast<std::size_t>(group.camera)] += dimensions;
+        continue;
+      }
+      double rows = 0.0;
+      for (const ViewRows& view : views)
+        if (view.board == group.board) rows += static_cast<double>(view.residual.size());
+      for (const ViewRows& view : views)
+        if (view.board == group.board)
+          absorbed[static_cast<std::size_t>(view.camera)] +=
+              dimensions * static_cast<double>(view.residual.size()) / rows;
     }
-    return estimate.by_gradient * by_unknowns(gradients);
+    for (std::size_t c = 0; c < solution.fields.size(); ++c) {
+      const FieldEquations& field = solution.fields[c];
+      const Eigen::Index size = field.gradient.size();
+      if (size == 0) continue;
+      const Eigen::LLT<Eigen::MatrixXd> own(field.own);
+      const Eigen::MatrixXd followed = own.solve(field.with_globals.transpose());
+      absorbed[c] += static_cast<double>(size) - own.solve(Eigen::MatrixXd::Identity(size, size)).trace() -
+                     (followed * all).cwiseProduct(followed).sum();
+    }
+    return absorbed;
+  }
+
+  // By how the corners fit so far.
+  // @param levels of each camera: square of what its corners scatter by, as a multiple of what is stated
+  static Weights weights_by(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
+                            const std::vector<double>& levels) {
+    Weights all;
+    for (std::size_t v = 0; v < views.size(); ++v)
+      all.push_back(weighted(views[v], residuals[v], levels[static_cast<std::size_t>(views[v].camera)]));
+    return all;
   }
 
   // Of each camera: square of what its corners scatter by, as a multiple of what is stated.
@@ -109,6 +154,10 @@ class ImagesAlone {
   int shape_of(int board) const { return kLensColumns * cameras_ + kShapeColumns * board; }
   int before_errors() const { return shape_of(boards_); }
   int raw_size() const { return before_errors() + errors_.raw_size(); }
+
+  static Eigen::MatrixXd covariance_of(const Solution& solution) {
+    return solution.llt.solve(Eigen::MatrixXd::Identity(solution.value.size(), solution.value.size()));
+  }
 
   // Of rows by lenses, shape and raw errors: those by the unknowns.
   Eigen::MatrixXd by_unknowns(const Eigen::MatrixXd& by_raw) const {
@@ -139,55 +188,70 @@ class ImagesAlone {
     }
   }
 
-  // By lens, shape and raw errors of a view (rows) and the coefficients of its camera's fine field.
-  static Eigen::MatrixXd gradients_by_fine(const ViewRows& view, const Weighted& by, const FineField& field) {
-    const Eigen::MatrixXd free = view.by_others + view.by_pose * (by.to_pose * view.by_others);
-    const Eigen::MatrixXd weighted = free.transpose() * by.weights.asDiagonal();
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(free.cols(), field.size());
-    for (std::size_t i = 0; i < view.pixels.size(); ++i) {
-      const Eigen::MatrixX2d of_pixel = weighted.middleCols<2>(static_cast<Eigen::Index>(2 * i)) * view.whitening[i];
-      for (const FineField::Share& share : field.at(view.pixels[i]))
-        all.middleCols<2>(2 * share.node) += share.weight * of_pixel;
+  // With lenses, shapes and the errors' unknowns for globals; no poses.
+  FieldEquations field_of(const std::vector<ViewRows>& views, const Weights& weights, int camera) const {
+    const std::shared_ptr<const FineNumbers>& numbers = fine_[static_cast<std::size_t>(camera)].numbers;
+    const Eigen::Index globals = before_errors() + errors_.size();
+    FieldEquations field(0, static_cast<int>(globals), numbers ? numbers->size() : 0);
+    if (!numbers) return field;
+    Eigen::MatrixXd with_raw = Eigen::MatrixXd::Zero(raw_size(), numbers->size());
+    std::size_t corners = 0;
+    for (const ViewRows& view : views) corners += view.camera == camera ? view.pixels.size() : 0;
+    FineSquares squares(*numbers, corners);
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      const ViewRows& view = views[v];
+      if (view.camera != camera) continue;
+      const Weighted& by = weights[v];
+      for (std::size_t i = 0; i < view.pixels.size(); ++i)
+        squares.add(view.pixels[i], numbers->at(view.pixels[i]),
+                    by.weights[static_cast<Eigen::Index>(2 * i)] * (view.whitening[i].transpose() * view.whitening[i]));
+      // What the view's pose follows is not there.
+      const Eigen::MatrixXd weighted = by.weights.asDiagonal() * view.by_fine;
+      const Eigen::MatrixXd others = weighted.transpose() * view.by_others, poses = weighted.transpose() * view.by_pose;
+      const Eigen::MatrixXd left = others + poses * (by.to_pose * view.by_others);
+      for (Eigen::Index j = 0; j < left.cols(); ++j) with_raw.row(place(view, j)) += left.col(j).transpose();
+      field.own.noalias() += poses * (by.to_pose * view.by_fine);
+      field.gradient += weighted.transpose() * view.residual + poses * (by.to_pose * view.residual);
     }
-    return all;
+    field.own += squares.sum();
+    field.with_globals = by_unknowns(with_raw);
+    return field;
   }
 
-  Eigen::VectorXd left_over(const ViewRows& view, const Eigen::MatrixXd& to_pose, const Eigen::VectorXd& raw) const {
+  Eigen::VectorXd left_over(const ViewRows& view, const Eigen::MatrixXd& to_pose, const Eigen::VectorXd& raw,
+                            const std::vector<Eigen::VectorXd>& fine) const {
     Eigen::VectorXd others(view.by_others.cols());
     for (Eigen::Index j = 0; j < others.size(); ++j) others[j] = raw[place(view, j)];
-    const Eigen::VectorXd moved = view.residual + view.by_others * others;
+    Eigen::VectorXd moved = view.residual + view.by_others * others;
+    const auto camera = static_cast<std::size_t>(view.camera);
+    if (camera < fine.size() && fine[camera].size() > 0) moved += view.by_fine * fine[camera];
     return moved + view.by_pose * (to_pose * moved);
   }
 
   const RepeatingErrors& errors_;
   int cameras_, boards_;
+  std::vector<RemovedErrors::Fine> fine_;
   Eigen::VectorXd prior_;  // information
 };
 
-// Estimates of numbers of unit variance scatter by 1 less what the data leave, and by what else is known to bend them.
-// How many times larger the numbers are, where chance does not explain the estimates; 1 where it does.
+// Estimates of numbers of unit variance scatter by 1 less what the data leave. How many times larger the numbers are,
+// where chance does not explain the estimates; 1 where it does.
 // @param chance that so much is chance
-// @param bent covariance of all estimates by what bends them; null: nothing does
-double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, double chance,
-                   const Eigen::MatrixXd* bent) {
+double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, double chance) {
   const Eigen::Index first = group.first, size = group.size;
-  Eigen::MatrixXd told = Eigen::MatrixXd::Identity(size, size) - estimate.covariance.block(first, first, size, size);
-  const double of_own = told.trace();
-  if (bent != nullptr) told += bent->block(first, first, size, size);
+  const Eigen::MatrixXd told =
+      Eigen::MatrixXd::Identity(size, size) - estimate.covariance.block(first, first, size, size);
   const double expected = told.trace(), squares = estimate.value.segment(first, size).squaredNorm();
-  if (!(of_own > 0.0) || squares <= expected) return 1.0;
+  if (!(expected > 0.0) || squares <= expected) return 1.0;
   const double degrees = expected * expected / told.squaredNorm();
-  if (chi_square_tail(degrees * squares / expected, degrees) > chance) return 1.0;
-  return std::sqrt((squares - expected + of_own) / of_own);
+  return chi_square_tail(degrees * squares / expected, degrees) > chance ? 1.0 : std::sqrt(squares / expected);
 }
 
-// The polynomials also make up for the fine fields, which the estimate does not weigh: for that they are taken for
-// larger, too.
 bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
   constexpr double kChance = 1e-6, kSettled = 1.05, kMost = 50.0;
   bool changed = false;
   for (const RepeatingErrors::Group& group : errors->groups()) {
-    const double factor = std::min(enlargement(estimate, group, kChance, nullptr), kMost / group.level);
+    const double factor = std::min(enlargement(estimate, group, kChance), kMost / group.level);
     if (factor < kSettled) continue;
     errors->enlarge(group, factor);
     changed = true;
@@ -197,22 +261,21 @@ bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
 
 // How fine the field of a lens is nobody states. Before any data the grids and none at all are alike.
 RemovedErrors::Fine fine_field(const std::vector<LeftOver>& views, const LensField& smooth, double prior_px) {
-  // Of two alone, splines of eight cells made up for fields of twelve: many times too large.
-  constexpr std::array<int, 3> kGrids = {8, 12, 16};
   constexpr double kUnlikely = 0.01;  // is left out
-  std::array<FineLevel, kGrids.size()> levels{};
+  std::array<FineLevel, kFineGrids.size()> levels{};
+  RemovedErrors::Fine fine;
   double most = 0.0;  // of the logarithms: that of none
-  for (std::size_t i = 0; i < kGrids.size(); ++i) {
-    levels[i] = fine_level(views, FineField(smooth.camera(), kGrids[i]), smooth, prior_px / FineField::kRms);
+  for (std::size_t i = 0; i < kFineGrids.size(); ++i) {
+    levels[i] = fine_level(views, FineField(smooth.camera(), kFineGrids[i]), smooth, prior_px / FineField::kRms);
+    if (i == 0 || levels[i].log_evidence >= most) fine.noise = levels[i].noise;
     most = std::max(most, levels[i].log_evidence);
   }
   double sum = std::exp(-most);
   for (const FineLevel& level : levels) sum += std::exp(level.log_evidence - most);
-  RemovedErrors::Fine fine;
-  for (std::size_t i = 0; i < kGrids.size(); ++i) {
+  for (std::size_t i = 0; i < kFineGrids.size(); ++i) {
     const double share = std::exp(levels[i].log_evidence - most) / sum;
     if (!(share >= kUnlikely)) continue;  // nor one that is no number
-    fine.grids.push_back({kGrids[i], levels[i].sigma_px, share});
+    fine.grids.push_back({kFineGrids[i], levels[i].sigma_px, share});
     fine.rms_px = std::hypot(fine.rms_px, FineField::kRms * fine.grids.back().counted_px());
     fine.shown_px = std::hypot(fine.shown_px, FineField::kRms * std::sqrt(share) * levels[i].shown_px);
   }
@@ -230,9 +293,9 @@ Eigen::VectorXd weights_of_used(const Eigen::VectorXd& residual, double level) {
 }
 
 std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
-                                             const std::vector<Eigen::VectorXd>& residuals, const ImagesAlone& problem,
-                                             const Observations& observations, const RepeatingErrors& errors) {
-  const std::vector<double> levels = problem.squares_of_levels(views, residuals);
+                                             const std::vector<Eigen::VectorXd>& residuals,
+                                             const std::vector<double>& levels, const Observations& observations,
+                                             const RepeatingErrors& errors) {
   std::vector<RemovedErrors::Fine> fine;
   for (std::size_t c = 0; c < observations.cameras.size(); ++c) {
     const int camera = static_cast<int>(c);
@@ -247,64 +310,80 @@ std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
   return fine;
 }
 
-// Polynomials follow what they can of fields that bend within a board, and are large for it, though the field is not
-// larger than stated. What the fields that are counted make of the estimate, none for larger than it is stated to be.
-Eigen::MatrixXd bent_by_fine(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
-                             const ImagesAlone& problem, const Observations& observations, const RemovedErrors& removed,
-                             const Estimate& estimate) {
-  Eigen::MatrixXd bent = Eigen::MatrixXd::Zero(estimate.value.size(), estimate.value.size());
-  const std::vector<double> levels = problem.squares_of_levels(views, residuals);
-  for (std::size_t c = 0; c < removed.fine.size(); ++c) {
-    const double stated_px = observations.cameras[c].intrinsics_sigma.residual_px / FineField::kRms;
-    for (const RemovedErrors::Fine::Grid& grid : removed.fine[c].grids) {
-      const int camera = static_cast<int>(c);
-      const FineField field(removed.errors.lens_field(camera).camera(), grid.cells);
-      const Eigen::MatrixXd by_field = problem.response_to_fine(views, residuals, camera, field, estimate, levels[c]);
-      const double counted_px = std::min(grid.sigma_px, stated_px);
-      bent += (grid.share * counted_px * counted_px) * by_field * by_field.transpose();
-    }
-  }
-  return bent;
-}
-
 // Of each group: how many times larger it is than stated (RemovedErrors::beyond_stated).
-std::vector<double> beyond_stated(const std::vector<ViewRows>& views, const std::vector<Eigen::VectorXd>& residuals,
-                                  const ImagesAlone& problem, const Observations& observations,
-                                  const RemovedErrors& removed, const Estimate& estimate) {
+std::vector<double> beyond_stated(const RepeatingErrors& errors, const Estimate& estimate) {
   // A rig has as many groups as cameras, and its boards: chance is named in one healthy rig of three cameras of 2,500.
   // A rarer one hides fields that are six times as large as stated.
   constexpr double kChance = 1e-4;
   std::vector<double> beyond;
-  std::optional<Eigen::MatrixXd> bent;  // dear, and rarely asked for
-  for (const RepeatingErrors::Group& group : removed.errors.groups()) {
-    beyond.push_back(enlargement(estimate, group, kChance, nullptr));
-    if (beyond.back() == 1.0) continue;
-    if (!bent) bent = bent_by_fine(views, residuals, problem, observations, removed, estimate);
-    beyond.back() = enlargement(estimate, group, kChance, &*bent);
-  }
+  for (const RepeatingErrors::Group& group : errors.groups()) beyond.push_back(enlargement(estimate, group, kChance));
   return beyond;
+}
+
+// Evenly chosen.
+std::vector<ViewRows> rows_of_some(const std::vector<ViewPose>& views, const RemovedErrors& removed,
+                                   const Observations& observations) {
+  std::vector<ViewRows> rows;
+  const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
+  std::map<std::pair<int, int>, std::size_t> seen;  // by camera and board, since they take turns among the views
+  for (const ViewPose& view : views)
+    if (seen[{view.camera, view.board}]++ % step == 0) rows.push_back(rows_of(view, removed, observations));
+  return rows;
+}
+
+// Residuals still hold the fine fields: beside the noise alone they would all pass for outliers.
+Weights weights_beside_fields(const std::vector<ViewRows>& rows, const std::vector<Eigen::VectorXd>& residuals,
+                              const std::vector<double>& levels, const std::vector<RemovedErrors::Fine>& fine) {
+  Weights weights;
+  for (std::size_t v = 0; v < rows.size(); ++v) {
+    const auto camera = static_cast<std::size_t>(rows[v].camera);
+    const double noise = fine[camera].grids.empty() ? levels[camera] : fine[camera].noise;
+    weights.push_back(weighted_by(rows[v], weights_of_used(residuals[v], levels[camera]) / noise));
+  }
+  return weights;
+}
+
+// The fine fields become unknowns of the rows, and the levels those beside them.
+void take_numbers(const Observations& observations, std::vector<ViewRows>* rows, std::vector<double>* levels,
+                  RemovedErrors* removed) {
+  for (std::size_t c = 0; c < removed->fine.size(); ++c) {
+    RemovedErrors::Fine& fine = removed->fine[c];
+    fine.numbers = numbers_for(observations, static_cast<int>(c), fine.grids, fine.noise);
+    if (fine.numbers) (*levels)[c] = fine.noise;
+  }
+  for (ViewRows& view : *rows) add_fine_rows(removed->fine[static_cast<std::size_t>(view.camera)].numbers.get(), &view);
 }
 
 }  // namespace
 
 void estimate_repeating(const Observations& observations, const std::vector<ViewPose>& views, const Priors& priors,
-                        RemovedErrors* removed) {
+                        const RemovedErrors* known, RemovedErrors* removed) {
   constexpr int kRounds = 3, kMostRounds = 5;  // weights and levels settle soon
-  std::vector<ViewRows> rows;
-  const std::size_t step = (views.size() + kMostViews - 1) / kMostViews;
-  std::map<std::pair<int, int>, std::size_t> seen;  // by camera and board, since they take turns among the views
-  for (const ViewPose& view : views)
-    if (seen[{view.camera, view.board}]++ % step == 0) rows.push_back(rows_of(view, *removed, observations));
+  if (known != nullptr) removed->errors = known->errors;
+  std::vector<ViewRows> rows = rows_of_some(views, *removed, observations);
   std::vector<Eigen::VectorXd> residuals;
   for (const ViewRows& view : rows) residuals.push_back(view.residual);
-  const ImagesAlone problem(removed->errors, priors);
-  for (int round = 1; round < kRounds; ++round) problem.solve(rows, &residuals);
-  const auto next_estimate = [&] { return problem.estimate_of(problem.solve(rows, &residuals)); };
-  Estimate estimate = next_estimate();
-  removed->fine = fine_fields(rows, residuals, problem, observations, removed->errors);
-  removed->beyond_stated = beyond_stated(rows, residuals, problem, observations, *removed, estimate);
-  for (int round = 0; round < kMostRounds && enlarge(estimate, &removed->errors); ++round) estimate = next_estimate();
+  const ImagesAlone smooth(removed->errors, priors, {});
+  for (int round = 0; round < kRounds; ++round)
+    smooth.solve(rows, ImagesAlone::weights_by(rows, residuals, smooth.squares_of_levels(rows, residuals)), &residuals);
+  std::vector<double> levels = smooth.squares_of_levels(rows, residuals);
+  removed->fine = known != nullptr ? known->fine : fine_fields(rows, residuals, levels, observations, removed->errors);
+  const Weights weights = weights_beside_fields(rows, residuals, levels, removed->fine);
+  take_numbers(observations, &rows, &levels, removed);
+  const ImagesAlone whole(removed->errors, priors, removed->fine);
+  Solution solution = whole.solve(rows, weights, &residuals);
+  const auto solve_again = [&] {
+    solution = whole.solve(rows, ImagesAlone::weights_by(rows, residuals, levels), &residuals);
+    return whole.estimate_of(solution);
+  };
+  for (int round = 2; round < kRounds; ++round) solve_again();
+  Estimate estimate = solve_again();
+  removed->beyond_stated = known != nullptr ? known->beyond_stated : beyond_stated(removed->errors, estimate);
+  for (int round = 0; known == nullptr && round < kMostRounds && enlarge(estimate, &removed->errors); ++round)
+    estimate = solve_again();
   removed->value = estimate.value;
+  for (std::size_t c = 0; c < removed->fine.size(); ++c) removed->fine[c].value = solution.fine[c];
+  removed->absorbed = whole.absorbed_by(solution, rows);
 }
 
 }  // namespace rigproof::ml

@@ -32,7 +32,8 @@ InformationBound cramer_rao_bound(const Observations& observations, const Calibr
                                   const CalibrationNoise& noise) {
   const ml::State state = to_state(observations, values);
   const ml::Problem problem = ml::declared_problem(observations, noise);
-  const ml::RemovedErrors repeating = ml::none_removed(observations, noise.priors);
+  ml::RemovedErrors repeating = ml::none_removed(observations, noise.priors);
+  ml::add_stated_fine_fields(observations, &repeating);
   const ml::ArrowSystem system = repeating.errors.any()
                                      ? problem.linearise_with(repeating, state, ml::Weighting::kUnit)
                                      : problem.linearise(state, ml::Weighting::kUnit, nullptr, nullptr);
@@ -40,8 +41,7 @@ InformationBound cramer_rao_bound(const Observations& observations, const Calibr
   if (!eliminated) throw Error("bound: the information of the robot poses is not positive definite");
   const ml::GlobalCovariance all = ml::invert_information(eliminated->schur());
   const Eigen::Index count = problem.layout().globals();
-  const ml::GlobalCovariance globals{
-      all.covariance.topLeftCorner(count, count), all.free_directions.topRows(count), {}};
+  const ml::GlobalCovariance globals{all.covariance.topLeftCorner(count, count), all.free_directions.topRows(count)};
   const Eigen::MatrixXd J = ml::camera_chart(state, problem.layout());
 
   InformationBound bound;

@@ -230,9 +230,8 @@ ArrowSystem Problem::linearise(const State& state, Weighting weighting, double* 
   return linearised(state, weighting, {}, cost, sums);
 }
 
-ArrowSystem Problem::linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting,
-                                    Couplings* fine) const {
-  return linearised(state, weighting, {&removed, fine, nullptr}, nullptr, nullptr);
+ArrowSystem Problem::linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting) const {
+  return linearised(state, weighting, {&removed, nullptr}, nullptr, nullptr);
 }
 
 ArrowSystem Problem::linearised(const State& state, Weighting weighting, const Besides& besides, double* cost,
@@ -246,11 +245,10 @@ ArrowSystem Problem::linearised(const State& state, Weighting weighting, const B
   system.global = system.global.selfadjointView<Eigen::Lower>().toDenseMatrix();
   if (removed != nullptr) {
     const Evaluation here = at(state, weighting);
-    RepeatingCouplings couplings(*removed, layout_.poses, layout_.globals(), besides.fine != nullptr);
+    RepeatingCouplings couplings(*removed, layout_.poses, layout_.globals());
     for (std::size_t v = 0; v < whitened_->views.size(); ++v)
       if (!view_left_out[v]) couplings.add(here, v, whitened_->views[v]);
     couplings.add_to(&system);
-    if (besides.fine != nullptr) *besides.fine = couplings.of_fine_fields();
   }
   add_priors(state, &system, &total);
   fix_unknowns(&system);
@@ -262,6 +260,8 @@ void Problem::add_leverage(const State& state, const EliminatedSystem::PoseCovar
                            const Eigen::MatrixXd& globals, GroupSums* sums) const {
   LeverageSink sink(poses, globals, sums);
   visit_blocks(state, Weighting::kInformation, &sink);
+  for (std::size_t c = 0; c < corners_absorbed.size(); ++c)
+    sum_of(*sums, Group::kCorners, static_cast<int>(c)).leverage += corners_absorbed[c];
 }
 
 std::optional<GroupSums> Problem::sums_with_leverage(const State& state, const std::vector<int>& splits,
@@ -270,7 +270,7 @@ std::optional<GroupSums> Problem::sums_with_leverage(const State& state, const s
   std::optional<StepScan> scan;
   if (scores != nullptr) scan.emplace(layout_, splits);
   const ArrowSystem system =
-      linearised(state, Weighting::kInformation, {nullptr, nullptr, scan ? &*scan : nullptr}, nullptr, &sums);
+      linearised(state, Weighting::kInformation, {nullptr, scan ? &*scan : nullptr}, nullptr, &sums);
   const std::optional<EliminatedSystem> eliminated = EliminatedSystem::eliminate(system, 0.0);
   if (!eliminated) return std::nullopt;
   const Eigen::MatrixXd covariance = invert_information(eliminated->schur()).covariance;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "corner_model.h"
 
@@ -22,17 +23,20 @@ struct RepeatingCouplings::Rows {
         by_globals(Eigen::MatrixXd::Zero(2 * corners, kWithoutMotion + (moves ? kReadout + kMotion : 0))),
         by_offset(Eigen::MatrixXd::Zero(2 * corners, 3)),
         by_field(Eigen::MatrixXd::Zero(2 * corners, fields)),
+        by_motion(Eigen::MatrixXd::Zero(2 * corners, 0)),
         roots(static_cast<std::size_t>(corners), Eigen::Matrix2d::Zero()) {}
   Eigen::VectorXd residual;
   Eigen::MatrixXd by_globals, by_offset, by_field;
-  Eigen::MatrixXd field_of_rest;       // by_field without what the error of the motion explains
-  std::vector<Eigen::Matrix2d> roots;  // whitening, weighted
+  Eigen::MatrixXd by_motion, motion_covariance;  // of the motion's error; only where it moves
+  Eigen::MatrixXd field_of_rest;                 // by_field without what the error of the motion explains
+  std::vector<Eigen::Matrix2d> roots;            // whitening, weighted
 
   // What the error of the motion explains tells nothing. Of the corners' own offsets that is too little to count.
   void take_out(const RowMotion& motion) {
     if (!motion.moves()) return;
-    const Eigen::MatrixXd by_motion = by_globals.rightCols<kMotion>();
-    const Eigen::MatrixXd by_error = motion.covariance(by_motion.transpose() * by_motion) * by_motion.transpose();
+    by_motion = by_globals.rightCols<kMotion>();
+    motion_covariance = motion.covariance(by_motion.transpose() * by_motion);
+    const Eigen::MatrixXd by_error = motion_covariance * by_motion.transpose();
     field_of_rest = by_field - by_motion * (by_error * by_field);
     by_globals -= by_motion * (by_error * by_globals);
   }
@@ -81,8 +85,12 @@ RepeatingCouplings::Rows RepeatingCouplings::rows_of(const Evaluation& at, const
   return rows;
 }
 
-void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
-                    const Eigen::MatrixXd& by_globals) {
+namespace {
+
+// Errors of corners enter with the poses and the globals that their view depends on.
+// @param place of the first error @param by_globals by the view's twist, its lens, the board's shape and its motion
+void couple(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen, int place,
+            const Eigen::MatrixXd& by_globals, PoseRows* with_poses, Eigen::MatrixXd* with_globals) {
   const auto size = static_cast<int>(by_globals.cols());
   const auto by_twist = by_globals.topRows<kTwist>();
   for (std::size_t p = 0; p < static_cast<std::size_t>(seen.count); ++p) {
@@ -93,53 +101,41 @@ void Couplings::add(const Evaluation& at, const WhitenedView& view, const BoardI
       if (seen.motion.moves())
         coupling.noalias() += part.motion.leftCols(segment.size).transpose() * by_globals.bottomRows<kMotion>();
     };
-    if (segment.pose < 0) {
-      add_to(with_globals.block(segment.offset, place, segment.size, size));
-    } else {
-      add_to(with_poses.block(6 * segment.pose + segment.offset, place, segment.size, size));
-      add_range(segment.pose, {place, place + size});
-    }
+    if (segment.pose < 0)
+      add_to(with_globals->block(segment.offset, place, segment.size, size));
+    else
+      add_to(with_poses->block(6 * segment.pose + segment.offset, place, segment.size, size));
   }
   if (at.layout.has(Nuisance::kLens))
-    with_globals.block(at.layout.place(Nuisance::kLens, view.camera), place, kLens, size) +=
+    with_globals->block(at.layout.place(Nuisance::kLens, view.camera), place, kLens, size) +=
         by_globals.middleRows<kLens>(kTwist);
   if (at.layout.has(Nuisance::kBoardShape))
-    with_globals.block(at.layout.place(Nuisance::kBoardShape, view.board), place, kShape, size) +=
+    with_globals->block(at.layout.place(Nuisance::kBoardShape, view.board), place, kShape, size) +=
         by_globals.middleRows<kShape>(kTwist + kLens);
   if (at.layout.has(Nuisance::kReadout) && seen.motion.moves())
-    with_globals.row(at.layout.place(Nuisance::kReadout, view.camera)).segment(place, size) +=
+    with_globals->row(at.layout.place(Nuisance::kReadout, view.camera)).segment(place, size) +=
         by_globals.row(kWithoutMotion);
 }
 
-void Couplings::add_range(int pose, Range range) {
-  std::vector<Range>& ranges = of_pose[static_cast<std::size_t>(pose)];
-  for (std::size_t i = ranges.size(); i-- > 0;) {
-    const Range& other = ranges[i];
-    if (other.end < range.first || other.first > range.end) continue;
-    range = {std::min(range.first, other.first), std::max(range.end, other.end)};
-    ranges.erase(ranges.begin() + static_cast<std::ptrdiff_t>(i));
-  }
-  ranges.push_back(range);
-}
+}  // namespace
 
-RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, int globals, bool with_fine)
+RepeatingCouplings::RepeatingCouplings(const RemovedErrors& removed, int poses, int globals)
     : removed_(removed),
       errors_(removed.errors),
-      raw_(poses, globals, errors_.raw_size()),
+      raw_with_poses_(PoseRows::Zero(6 * poses, errors_.raw_size())),
+      raw_with_globals_(Eigen::MatrixXd::Zero(globals, errors_.raw_size())),
       own_(Eigen::MatrixXd::Zero(errors_.raw_size(), errors_.raw_size())),
-      gradient_(Eigen::VectorXd::Zero(errors_.raw_size())),
-      fine_(0, 0, 0) {
-  int size = 0;
-  for (std::size_t c = 0; with_fine && c < removed.fine.size(); ++c) {
-    std::vector<GridColumns>& grids = fine_grids_.emplace_back();
-    for (const RemovedErrors::Fine::Grid& grid : removed.fine[c].grids) {
-      grids.push_back(
-          {FineField(errors_.lens_field(static_cast<int>(c)).camera(), grid.cells), size, grid.counted_px()});
-      size += grids.back().field.size();
-    }
+      gradient_(Eigen::VectorXd::Zero(errors_.raw_size())) {
+  Eigen::Index rows = 0;
+  for (const Eigen::MatrixXd& field : removed.fields) rows += field.rows();
+  const std::size_t corners = static_cast<std::size_t>(rows) / (2 * std::max<std::size_t>(1, removed.fine.size()));
+  for (const RemovedErrors::Fine& fine : removed.fine) {
+    fine_.emplace_back();
+    if (fine.numbers)
+      fine_.back().emplace(Fine{fine.numbers.get(), FineSquares(*fine.numbers, corners),
+                                FieldEquations(poses, globals, fine.numbers->size()),
+                                Eigen::MatrixXd::Zero(errors_.raw_size(), fine.numbers->size())});
   }
-  fine_ = Couplings(poses, globals, size);
-  raw_with_fine_ = Eigen::MatrixXd::Zero(errors_.raw_size(), size);
 }
 
 void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const WhitenedView& view) {
@@ -148,14 +144,13 @@ void RepeatingCouplings::add(const Evaluation& at, std::size_t index, const Whit
   const int field = errors_.field(view.camera);
   const Eigen::Index fields = field >= 0 ? rows.by_field.cols() : 0;
   if (fields > 0) {
-    raw_.add(at, view, seen, field, rows.by_globals.transpose() * rows.by_field);
+    couple(at, view, seen, field, rows.by_globals.transpose() * rows.by_field, &raw_with_poses_, &raw_with_globals_);
     own_.block(field, field, fields, fields).noalias() += rows.by_field.transpose() * rows.field_left();
     gradient_.segment(field, fields).noalias() += rows.by_field.transpose() * rows.residual;
   }
   if (errors_.print(view.board, 0) >= 0) add_print(at, view, seen, rows);
-  if (!fine_grids_.empty())
-    for (const GridColumns& grid : fine_grids_[static_cast<std::size_t>(view.camera)])
-      add_fine(at, view, seen, rows, grid);
+  if (const auto camera = static_cast<std::size_t>(view.camera); camera < fine_.size())
+    if (fine_[camera]) add_fine(at, view, seen, rows, &*fine_[camera]);
 }
 
 // Offsets of all corners lie one after the other: a view is added once.
@@ -175,53 +170,55 @@ void RepeatingCouplings::add_print(const Evaluation& at, const WhitenedView& vie
       own_.block(print, field, 3, rows.by_field.cols()) +=
           by_offset.transpose().lazyProduct(rows.field_left().middleRows<2>(row));
   }
-  raw_.add(at, view, seen, first, by_globals);
+  couple(at, view, seen, first, by_globals, &raw_with_poses_, &raw_with_globals_);
 }
 
-// Corners share nodes: summed over the corners first, a view is added once.
+// Summed over the corners first, a view is added once.
 void RepeatingCouplings::add_fine(const Evaluation& at, const WhitenedView& view, const BoardInCamera& seen,
-                                  const Rows& rows, const GridColumns& grid) {
+                                  const Rows& rows, Fine* fine) const {
+  const FineNumbers& numbers = *fine->numbers;
   const int field = errors_.field(view.camera);
-  Eigen::MatrixXd by_globals = Eigen::MatrixXd::Zero(rows.by_globals.cols(), grid.field.size());
-  int first = grid.field.nodes(), last = -1;
+  Eigen::MatrixXd whitened(rows.residual.size(), numbers.size());
   for (std::size_t i = 0; i < view.corners.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(2 * i);
-    const int print = errors_.print(view.board, view.corners[i].id);
-    const Eigen::Matrix2d by_pixel = grid.sigma_px * rows.roots[i];
-    const Eigen::MatrixX2d globals_by_pixel = rows.by_globals.middleRows<2>(row).transpose().lazyProduct(by_pixel);
-    const Eigen::Matrix<double, 3, 2> offset_by_pixel = rows.by_offset.middleRows<2>(row).transpose() * by_pixel;
-    const Eigen::MatrixX2d field_by_pixel = rows.field_left().middleRows<2>(row).transpose().lazyProduct(by_pixel);
-    for (const FineField::Share& share : grid.field.at(view.corners[i].pixel)) {
-      const int place = grid.first + 2 * share.node;
-      by_globals.middleCols<2>(2 * share.node) += share.weight * globals_by_pixel;
-      if (print >= 0) raw_with_fine_.block<3, 2>(print, place) += share.weight * offset_by_pixel;
-      if (field >= 0) raw_with_fine_.block(field, place, field_by_pixel.rows(), 2) += share.weight * field_by_pixel;
-      first = std::min(first, share.node);
-      last = std::max(last, share.node);
-    }
+    const Eigen::Matrix2d& root = rows.roots[i];
+    const Eigen::VectorXd by_number = numbers.at(view.corners[i].pixel);
+    whitened.middleRows<2>(row) = FineNumbers::rows(root, by_number);
+    fine->squares.add(view.corners[i].pixel, by_number, root.transpose() * root);
+    if (const int print = errors_.print(view.board, view.corners[i].id); print >= 0)
+      fine->with_raw.middleRows<3>(print).noalias() +=
+          rows.by_offset.middleRows<2>(row).transpose() * whitened.middleRows<2>(row);
   }
-  if (last >= first)
-    fine_.add(at, view, seen, grid.first + 2 * first, by_globals.middleCols(2 * first, 2 * (last - first + 1)));
+  FieldEquations& equations = fine->equations;
+  equations.gradient.noalias() += whitened.transpose() * rows.residual;
+  if (field >= 0)
+    fine->with_raw.middleRows(field, rows.by_field.cols()).noalias() += rows.field_left().transpose() * whitened;
+  if (rows.by_motion.cols() > 0) {
+    const Eigen::MatrixXd by_motion = rows.by_motion.transpose() * whitened;
+    equations.own.noalias() -= by_motion.transpose() * rows.motion_covariance * by_motion;
+  }
+  couple(at, view, seen, 0, rows.by_globals.transpose() * whitened, &equations.with_poses, &equations.with_globals);
 }
 
-void RepeatingCouplings::add_to(ArrowSystem* system) const {
+void RepeatingCouplings::add_to(ArrowSystem* system) {
   const Eigen::MatrixXd& M = errors_.raw_by_unknowns();
-  const Eigen::Index first = raw_.with_globals.rows(), size = M.cols();
-  system->pose_global.rightCols(size) = raw_.with_poses * M;
-  system->global.topRightCorner(first, size) = raw_.with_globals * M;
+  const Eigen::Index first = raw_with_globals_.rows(), size = M.cols();
+  system->pose_global.rightCols(size) = raw_with_poses_ * M;
+  system->global.topRightCorner(first, size) = raw_with_globals_ * M;
   system->global.bottomLeftCorner(size, first) = system->global.topRightCorner(first, size).transpose();
   // Offsets come first: between them and fields only one of the two blocks was filled.
   const Eigen::MatrixXd own = own_.selfadjointView<Eigen::Upper>();
   system->global.bottomRightCorner(size, size) = M.transpose() * own * M;
   system->global.diagonal().tail(size).array() += 1.0;
   system->global_gradient.tail(size) = M.transpose() * gradient_ + removed_.value;
-}
-
-Couplings RepeatingCouplings::of_fine_fields() const {
-  Couplings all = fine_;
-  all.with_globals.conservativeResize(fine_.with_globals.rows() + errors_.size(), Eigen::NoChange);
-  all.with_globals.bottomRows(errors_.size()) = errors_.by_unknowns(raw_with_fine_);
-  return all;
+  for (std::size_t c = 0; c < fine_.size(); ++c) {
+    if (!fine_[c]) continue;
+    FieldEquations& field = system->fields.emplace_back(std::move(fine_[c]->equations));
+    field.own += fine_[c]->squares.sum();
+    field.with_globals.conservativeResize(first + size, Eigen::NoChange);
+    field.with_globals.bottomRows(size) = errors_.by_unknowns(fine_[c]->with_raw);
+    field.gradient += removed_.fine[c].value;
+  }
 }
 
 }  // namespace rigproof::ml

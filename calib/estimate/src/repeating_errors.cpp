@@ -1,8 +1,9 @@
 #include "rigproof/calib/estimate/repeating_errors.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "fine_field.h"
+#include "fine_numbers.h"
 
 namespace rigproof::ml {
 namespace {
@@ -101,8 +102,14 @@ void RepeatingErrors::enlarge(const Group& group, double factor) {
     if (own.first == group.first) own.level *= factor;
 }
 
+double RemovedErrors::cost() const {
+  double sum = value.squaredNorm();
+  for (const Fine& of_camera : fine) sum += of_camera.value.squaredNorm();
+  return sum;
+}
+
 RemovedErrors none_removed(const Observations& observations, const PriorSigmas& priors) {
-  RemovedErrors removed{RepeatingErrors(observations, priors), {}, {}, {}, {}};
+  RemovedErrors removed{RepeatingErrors(observations, priors), {}, {}, {}, {}, {}};
   removed.value = Eigen::VectorXd::Zero(removed.errors.size());
   for (std::size_t v = 0; removed.errors.any() && v < observations.board_views.size(); ++v) {
     const BoardView& view = observations.board_views[v];
@@ -116,12 +123,49 @@ RemovedErrors none_removed(const Observations& observations, const PriorSigmas& 
   return removed;
 }
 
+void add_stated_fine_fields(const Observations& observations, RemovedErrors* removed) {
+  // Before any data all grids and none are alike; root mean square of the prior of the size (fine_level).
+  constexpr double kShare = 1.0 / (kFineGrids.size() + 1), kOfStated = 1.168;
+  removed->fine.resize(observations.cameras.size());
+  for (std::size_t c = 0; c < removed->fine.size(); ++c) {
+    if (!removed->errors.any() || removed->errors.field(static_cast<int>(c)) < 0) continue;
+    const double sigma_px = kOfStated * observations.cameras[c].intrinsics_sigma.residual_px / FineField::kRms;
+    std::vector<RemovedErrors::Fine::Grid> grids;
+    for (const int cells : kFineGrids) grids.push_back({cells, sigma_px, kShare});
+    describe_by(grids, static_cast<int>(c), observations, removed);
+  }
+}
+
+void describe_by(const std::vector<RemovedErrors::Fine::Grid>& grids, int camera, const Observations& observations,
+                 RemovedErrors* removed) {
+  constexpr double kTellsNothing = 1e-9;  // of the largest
+  RemovedErrors::Fine& fine = removed->fine[static_cast<std::size_t>(camera)];
+  const RemovedErrors::Fine before = fine;
+  fine.grids = grids;
+  fine.numbers = numbers_for(observations, camera, grids, fine.noise);
+  fine.value = Eigen::VectorXd::Zero(fine.numbers ? fine.numbers->size() : 0);
+  if (!before.numbers || !fine.numbers) return;
+  const Eigen::Index n = fine.numbers->along_x();
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n), right = Eigen::MatrixXd::Zero(n, 2);
+  for (const BoardView& view : observations.board_views)
+    for (const CornerObservation& corner : view.corners) {
+      if (view.camera != camera) continue;
+      const Eigen::VectorXd by_number = fine.numbers->at(corner.pixel);
+      H += by_number * by_number.transpose();
+      right += by_number * before.numbers->displacement(corner.pixel, before.value).transpose();
+    }
+  H.diagonal().array() += kTellsNothing * H.diagonal().maxCoeff();
+  const Eigen::MatrixXd numbers = H.ldlt().solve(right);
+  fine.value << numbers.col(0), numbers.col(1);
+}
+
 void remove_repeating(const RemovedErrors& removed, const std::vector<ViewPose>& views, Observations* observations) {
   const RepeatingErrors& errors = removed.errors;
   const Eigen::VectorXd raw = errors.raw_by_unknowns() * removed.value;
   for (const ViewPose& pose : views) {
     BoardView& view = observations->board_views[static_cast<std::size_t>(pose.view)];
-    const Camera& lens = observations->cameras[static_cast<std::size_t>(view.camera)].camera;
+    const auto camera = static_cast<std::size_t>(view.camera);
+    const Camera& lens = observations->cameras[camera].camera;
     for (std::size_t i = 0; i < view.corners.size(); ++i) {
       CornerObservation& corner = view.corners[i];
       Eigen::Vector2d pixel, shift = Eigen::Vector2d::Zero();
@@ -131,6 +175,8 @@ void remove_repeating(const RemovedErrors& removed, const std::vector<ViewPose>&
         const Eigen::MatrixXd& by_field = removed.fields[static_cast<std::size_t>(pose.view)];
         shift = by_field.middleRows<2>(2 * static_cast<Eigen::Index>(i)) * raw.segment(field, by_field.cols());
       }
+      if (camera < removed.fine.size() && removed.fine[camera].numbers)
+        shift += removed.fine[camera].numbers->displacement(corner.pixel, removed.fine[camera].value);
       if (const int print = errors.print(view.board, corner.id);
           print >= 0 && lens.project(pose.T_camera_board * place, &pixel, &by_point))
         shift += by_point * (pose.T_camera_board.rotation * raw.segment<3>(print));

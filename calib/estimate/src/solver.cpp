@@ -30,11 +30,17 @@ constexpr Bounds kScale = {0.05, 200.0};
 constexpr Bounds kDisplacement = {1.0, 1e4};
 // No sensor resolves less, whatever is stated; beyond it, equations that also hold odometry lose that in rounding.
 constexpr double kMinCorner_px = 1e-3;
+constexpr double kMaxCorner_px = 10.0;    // of sharp corners that contradict all else, two hundred times are no pixel
 constexpr double kMinPlane_per_m = 2e-5;  // a hundredth of a millimetre at 0.7 m
 
 // The scale of corners or planes, bounded so that their level does not fall below what no sensor resolves.
 Bounds scale_above(double floor, double stated) {
   return {stated > 0.0 ? std::max(kScale.low, floor / stated) : kScale.low, kScale.high};
+}
+
+Bounds scale_of_corners(double stated_px) {
+  const Bounds bounds = scale_above(kMinCorner_px, stated_px);
+  return {bounds.low, stated_px > 0.0 ? std::max(bounds.high, kMaxCorner_px / stated_px) : bounds.high};
 }
 
 // Root mean square of the stated sigmas of a camera's planes [1/m].
@@ -82,8 +88,8 @@ class LevelUpdater {
         return scale_above(kMinPlane_per_m, stated_plane_per_m(planes, camera));
       };
       const bool given = c < levels.corners_given.size() && levels.corners_given[c];
-      add(levels.corners && !given, Group::kCorners, c, 2,
-          scale_above(kMinCorner_px, stated_corner_px(observations, camera)), &noise->corner_scale[c]);
+      add(levels.corners && !given, Group::kCorners, c, 2, scale_of_corners(stated_corner_px(observations, camera)),
+          &noise->corner_scale[c]);
       add(levels.planes, Group::kGround, c, 3, plane_scale(observations.ground_planes), &noise->ground_scale[c]);
       // A fixed error over the view is the same in boards at one place: that they scatter less says nothing of it.
       const std::optional<DepthStream>& depth = observations.cameras[c].depth;

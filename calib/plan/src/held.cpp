@@ -80,15 +80,17 @@ ml::RemovedErrors of_views(const Observations& used, const CalibrationNoise& noi
 // As the earlier drive saw them, where it doubted the lens: few images hardly tell.
 void take_fine_fields(const LastingErrors& lasting, const Observations& used, ml::RemovedErrors* repeating) {
   for (std::size_t c = 0; c < repeating->fine.size(); ++c) {
+    if (repeating->errors.field(static_cast<int>(c)) < 0) continue;  // its lens is believed now
     const std::string& camera = used.cameras[c].name;
     const bool doubted =
         std::any_of(lasting.unknowns.begin(), lasting.unknowns.end(), [&](const LastingErrors::Unknown& unknown) {
           return unknown.of.camera == camera && unknown.name == ml::row_of(ml::Nuisance::kLens).parts.front().name;
         });
     if (!doubted) continue;
-    repeating->fine[c].grids.clear();
+    std::vector<ml::RemovedErrors::Fine::Grid> grids;
     for (const LastingErrors::FineGrid& grid : lasting.fine_fields)
-      if (grid.camera == camera) repeating->fine[c].grids.push_back({grid.cells, grid.sigma_px, grid.share});
+      if (grid.camera == camera) grids.push_back({grid.cells, grid.sigma_px, grid.share});
+    ml::describe_by(grids, static_cast<int>(c), used, repeating);
   }
 }
 

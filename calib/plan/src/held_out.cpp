@@ -1,6 +1,8 @@
 // Images that are left out and predicted by the others.
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "rigproof/calib/diagnose/ml.h"
 #include "rigproof/calib/geometry/trajectory_alignment.h"
@@ -43,6 +45,12 @@ Observations with_levels(Observations observations, const MlEstimate& estimate) 
   for (PlaneObservation& plane : observations.board_planes)
     plane.covariance_per_m2 *= squared(estimate.board_plane_scale, plane.camera);
   return observations;
+}
+
+// As it was found, beside corners that are stated to be as noisy as they are.
+std::shared_ptr<const ml::RemovedErrors> beside_levels(ml::RemovedErrors repeating) {
+  for (ml::RemovedErrors::Fine& fine : repeating.fine) fine.noise = 1.0;
+  return std::make_shared<const ml::RemovedErrors>(std::move(repeating));
 }
 
 struct Fold {
@@ -90,6 +98,7 @@ std::optional<HeldOut> predict_held_out(const Observations& observations, int fo
   options.metre_as_turn_rad = estimate.noise.law.metre_as_turn_rad;
   options.start = estimate.state;
   options.estimate_corner_level = options.estimate_plane_level = false;
+  if (estimate.repeating) options.repeating = beside_levels(*estimate.repeating);
   options.suspension_height_sigma_m = estimate.noise.suspension_height_m;
   options.suspension_tilt_sigma_rad = estimate.noise.suspension_tilt_rad;
   options.displacement_scale = estimate.displacement_scale;

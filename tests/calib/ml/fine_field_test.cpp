@@ -79,7 +79,7 @@ class Drawn {
   void add_view(const Eigen::VectorXd& nodes, double noise_px, RandomStream* random) {
     const int columns = std::min(8, corners_ - 1);  // never all in a line
     const Eigen::Vector2d corner(random->uniform(0.0, 900.0), random->uniform(0.0, 450.0));
-    ViewRows rows{0, 0, {}, Eigen::VectorXd(2 * corners_), Eigen::MatrixXd::Zero(2 * corners_, 6), {}, {}, {}};
+    ViewRows rows{0, 0, {}, Eigen::VectorXd(2 * corners_), Eigen::MatrixXd::Zero(2 * corners_, 6), {}, {}, {}, {}};
     for (int i = 0; i < corners_; ++i) {
       const Eigen::Vector2d place = 50.0 * Eigen::Vector2d(i % columns, i / columns);
       rows.pixels.emplace_back(corner + place);

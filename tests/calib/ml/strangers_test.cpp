@@ -108,8 +108,6 @@ TEST(MlStrangers, ShiftsOfDepthImagesThatAreBelievedToBeNoneShowOverTrials) {
 
 // Detectors see far finer than lenses and prints are made: what repeats in every image is not averaged away.
 TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
-  // Polynomials follow most of waves, and finer fields that might be there are counted all the same.
-  constexpr double kCaution = 0.85;
   constexpr int kBelievedOneIn = 6;  // robots is also solved as one without such errors
   double mean = 0.0, level = 0.0;
   std::vector<double> believed;
@@ -130,37 +128,43 @@ TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
     const MlEstimate exact = estimate_maximum_likelihood(without, options);
     believed.push_back(exact.result.joint_covariance ? nees(exact, poses_of(made.run.truth)) : 0.0);
   }
-  EXPECT_NEAR(mean, kCaution * kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
+  EXPECT_NEAR(mean, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
   EXPECT_EQ(suspicions, 0);
   EXPECT_LT(level, 0.03);  // of .01 px, and waves that polynomials do not follow
   EXPECT_GT(std::accumulate(believed.begin(), believed.end(), 0.0),
             3.0 * kUnknowns * static_cast<double>(believed.size()));
 }
 
-// What polynomials and splines of a few grids make up for, of a field between them, is no contradiction. Where most of
-// it lies beside the boards its size is hardly known, and a pose may be too uncertain for it.
-TEST(MlStrangers, WithSharpCornersFieldsOfAnyScaleAreNotSuspectedOverTrials) {
+// What polynomials and splines of a few grids make up for, of a field between them, is rarely taken for a
+// contradiction: of 320 robots with corners of .01 px in five, with coarser ones in none. Where most of it lies beside
+// the boards its size is hardly known, and a pose may be too uncertain for it.
+TEST(MlStrangers, WithSharpCornersFieldsOfAnyScaleAreRarelySuspectedOverTrials) {
   double sum = 0.0;
-  int solved = 0;
+  int solved = 0, suspected = 0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     const Driven made = stranger(seed, seed % 2 == 0 ? 0.05 : 0.01, of_any_scale(seed));
     MlOptions options = told();
     options.estimate_corner_level = true;
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
     for (const Finding& reason : estimate.result.reasons) EXPECT_EQ(reason.code, "pose.too_uncertain") << seed;
-    for (const Finding& note : estimate.result.notes) EXPECT_NE(note.severity, Severity::kSuspect) << seed << note.code;
+    for (const Finding& note : estimate.result.notes) {
+      if (note.severity != Severity::kSuspect) continue;
+      EXPECT_EQ(seed % 2, 1) << note.code;
+      ++suspected;
+    }
     if (estimate.result.status != ResultStatus::kSolved) continue;
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
     sum += nees(estimate, poses_of(made.run.truth));
     ++solved;
   }
+  EXPECT_LE(30 * suspected, kTrials.count());
   EXPECT_GE(20 * solved, 19 * kTrials.count());
   EXPECT_NEAR(sum / solved, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
 }
 
-// Fields bend the poses, and those meet the odometry: its squares are larger by what is expected of them.
-TEST(MlStrangers, WithSharpCornersFieldsExplainWhatOdometryContradictsOverTrials) {
-  double squares = 0.0, redundancy = 0.0, by_fields = 0.0;
+// Fields bend the poses, and those meet the odometry: taken out, they leave it as it is stated.
+TEST(MlStrangers, WithSharpCornersFieldsDoNotContradictTheOdometryOverTrials) {
+  double squares = 0.0, redundancy = 0.0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     Worse worse;
     worse.cells = 16.0;
@@ -169,19 +173,13 @@ TEST(MlStrangers, WithSharpCornersFieldsExplainWhatOdometryContradictsOverTrials
     options.estimate_corner_level = true;
     const ml::Preparation prepared = ml::prepare(made.run.observations, options);
     const ml::Fit fit = ml::fit_model(prepared, {OdometryModel::kPerIncrement, false});
-    const ml::Problem problem = ml::problem_at(prepared, fit, fit.noise);
-    const auto sums = problem.sums_with_leverage(fit.state);
-    const auto fields = ml::leverage_of_fine_fields(prepared.repeating, problem, fit.state);
-    ASSERT_TRUE(sums && fields) << seed;
+    const auto sums = ml::problem_at(prepared, fit, fit.noise).sums_with_leverage(fit.state);
+    ASSERT_TRUE(sums) << seed;
     const ml::GroupSum& odometry = sum_of(*sums, ml::Group::kOdometryXy);
     squares += odometry.weighted_square / ml::cauchy_moments(3).weighted_square;
     redundancy += odometry.redundancy();
-    by_fields += sum_of(*fields, ml::Group::kOdometryXy).leverage;
   }
-  // Fields of which boards show little are counted for a little larger than they are.
-  EXPECT_GT(squares, 1.4 * redundancy);
-  EXPECT_LT(squares, 1.1 * (redundancy + by_fields));
-  EXPECT_GT(squares, 0.65 * (redundancy + by_fields));
+  EXPECT_NEAR(squares / redundancy, 1.0, 3.0 * std::sqrt(2.0 / redundancy));
 }
 
 TEST(MlStrangers, BelievedToTheLastDigitTheirErrorsShow) {
@@ -219,7 +217,7 @@ std::vector<std::string> strained(const Worse& worse, int seed = 3) {
 }
 
 // Polynomials that large may also be what they make of a finer field that is no larger than stated.
-TEST(MlStrangers, AFieldSixTimesAsLargeIsNamedAsOftenAsNotOverTrials) {
+TEST(MlStrangers, AFieldSixTimesAsLargeIsNamedTwiceAsOftenAsNotOverTrials) {
   const Trials trials(6, 12);
   int named = 0;
   for (int seed = 0; seed < trials.count(); ++seed) {
@@ -227,13 +225,13 @@ TEST(MlStrangers, AFieldSixTimesAsLargeIsNamedAsOftenAsNotOverTrials) {
     const std::vector<std::string> found = strained({6.0, 1.0, 0.0}, seed);
     named += std::count(found.begin(), found.end(), "lens_residual_px of " + camera) > 0;
   }
-  EXPECT_GE(2 * named, trials.count());
+  EXPECT_GE(3 * named, 2 * trials.count());
 }
 
 TEST(MlStrangers, WhatIsFurtherOffThanStatedIsNamed) {
   const std::string camera = stranger(3).run.observations.cameras[1].name;
   EXPECT_THAT(strained({}), testing::IsEmpty());
-  EXPECT_THAT(strained({6.0, 1.0, 0.0}), testing::Contains(testing::HasSubstr(" of " + camera)));
+  EXPECT_THAT(strained({6.0, 1.0, 0.0}, 2), testing::Contains("lens_residual_px of " + camera));
   EXPECT_THAT(strained({15.0, 1.0, 0.0}), testing::Contains("lens_residual_px of " + camera));
   EXPECT_THAT(strained({1.0, 6.0, 0.0}), testing::Contains("print_mm"));
   EXPECT_THAT(strained({1.0, 1.0, 0.04}), testing::Contains("depth_offset_mm of " + camera));

@@ -12,7 +12,23 @@ namespace rigproof::ml {
 /// Six rows a pose, a column for each global; the rows of one unknown lie together.
 using PoseRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// H = [P U; U' C] with P block tridiagonal (6x6 blocks), and the gradient g.
+/// Many unknowns that the images of one camera tell and nothing else does: the numbers of its fine field.
+struct FieldEquations {
+  FieldEquations(int poses, int globals, int numbers);
+
+  Eigen::MatrixXd own;           ///< with their priors; below the diagonal
+  PoseRows with_poses;           ///< 6 poses x numbers
+  Eigen::MatrixXd with_globals;  ///< globals x numbers
+  Eigen::VectorXd gradient;
+
+  /// Their step, by those of poses and globals.
+  Eigen::VectorXd step(const Eigen::VectorXd& pose_step, const Eigen::VectorXd& global_step) const;
+  /// Rows of the inverse of all equations: their columns, by those of poses and globals.
+  Eigen::MatrixXd columns_of_inverse(const Eigen::MatrixXd& of_poses, const Eigen::MatrixXd& of_globals) const;
+};
+
+/// H = [P U; U' C] with P block tridiagonal (6x6 blocks), and the gradient g. Fields, if there are any, couple with
+/// both.
 struct ArrowSystem {
   ArrowSystem(int poses, int globals);
 
@@ -22,6 +38,7 @@ struct ArrowSystem {
   Eigen::MatrixXd global;           ///< C
   Eigen::VectorXd pose_gradient;    ///< 6 poses
   Eigen::VectorXd global_gradient;  ///< globals
+  std::vector<FieldEquations> fields;
 
   int poses() const { return static_cast<int>(diagonal.size()); }
   int globals() const { return static_cast<int>(global.rows()); }
@@ -31,18 +48,20 @@ struct ArrowSystem {
   void fix_global_unknown(int unknown);
 };
 
-/// H after eliminating the poses: linear in their number.
+/// H after eliminating the poses: linear in their number. Fields are eliminated, too.
 class EliminatedSystem {
  public:
-  /// @param damping the diagonal is multiplied by 1 + damping. Absent if P is not positive definite.
+  /// @param damping the diagonal is multiplied by 1 + damping; 0 where there are fields. Absent if P is not positive
+  /// definite.
   static std::optional<EliminatedSystem> eliminate(const ArrowSystem& system, double damping);
 
   /// C - U' P^-1 U.
   const Eigen::MatrixXd& schur() const { return schur_; }
   /// The gradient of the globals, the poses following.
   const Eigen::VectorXd& schur_gradient() const { return schur_gradient_; }
-  /// Step -H^-1 g; false if the Schur complement is not positive definite.
+  /// Step -H^-1 g of poses and globals; false if the Schur complement is not positive definite.
   bool step(Eigen::VectorXd* pose_step, Eigen::VectorXd* global_step) const;
+  /// Without fields, as what follows.
   double log_determinant_of_poses() const { return log_determinant_; }
   /// log det of the Schur complement; not a number if it is not positive definite.
   double log_determinant_of_globals() const;
@@ -54,25 +73,24 @@ class EliminatedSystem {
     PoseRows with_globals;                ///< 6 poses x globals
   };
   PoseCovariance pose_covariance(const Eigen::MatrixXd& global_covariance) const;
-  /// The same blocks of R R', where a right side e (a column) couples to the poses by with_poses and moves the globals
-  /// by by_globals: R is how all unknowns answer to it.
-  PoseCovariance answer_to(const PoseRows& with_poses, const Eigen::MatrixXd& by_globals) const;
-
-  /// (P^-1 [U g])': a row for each global, then one of the gradient; six columns a pose.
-  Eigen::MatrixXd pose_response() const;
   /// With six columns B that couple to the poses, six rows B_i each: for every pose k the sum of B_i' (P^-1)_ij B_j
   /// over all i, j >= k. Linear in the number of poses.
   std::vector<Matrix6d> squares_from_each_pose(const std::vector<Matrix6d>& B) const;
 
+  /// (P^-1 [U g])', with fields after these have followed: a row for each global, then one of the gradient; six
+  /// columns a pose.
+  Eigen::MatrixXd pose_response() const;
+
  private:
-  // L^-1: forwards through the chain. Six columns a pose.
-  void solve_forwards(Eigen::MatrixXd* transposed) const;
+  static std::optional<EliminatedSystem> fields_first(const ArrowSystem& system);
+  static std::optional<EliminatedSystem> fields_last(const ArrowSystem& system);
   // D^-1 y, then backwards through the chain: the rest of P^-1 after the elimination's L^-1. Six columns a pose.
   void solve_backwards(Eigen::MatrixXd* transposed) const;
 
   std::vector<Matrix6d> inverse_pivot_;  // D_i^-1 of P = L D L'
   std::vector<Matrix6d> factor_;         // L(i, i - 1)
   Eigen::MatrixXd forward_;              // (L^-1 [U g])'
+  Eigen::MatrixXd response_;             // pose_response(); only with fields
   Eigen::MatrixXd schur_;
   Eigen::VectorXd schur_gradient_;
   double log_determinant_ = 0.0;
@@ -83,8 +101,6 @@ struct GlobalCovariance {
   Eigen::MatrixXd covariance;
   /// Directions (columns) of the globals that the data leave free, in units of the globals.
   Eigen::MatrixXd free_directions;
-  /// Of the variances: the share of errors that the estimate does not weigh. Empty: it weighs all.
-  Eigen::VectorXd unweighed;
 };
 GlobalCovariance invert_information(const Eigen::MatrixXd& schur);
 

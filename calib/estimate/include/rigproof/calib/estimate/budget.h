@@ -18,7 +18,7 @@ struct BudgetLine {
 
 /// With H = sum H_k over residuals and priors and C = H^-1, the estimate is linear in what was measured and believed,
 /// and C = sum C H_k C: line k is the diagonal of C H_k C, exact but for the linearisation. Errors that repeat in every
-/// image are among the unknowns; their priors, and the fine fields of which the estimate does not know, are one line.
+/// image are among the unknowns; their priors are one line.
 std::vector<BudgetLine> budget_of(const Problem& problem, const State& state, const SolvedEquations& solved);
 
 /// Adds to the line of that source, or a new line.

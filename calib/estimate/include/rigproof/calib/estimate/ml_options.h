@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include "rigproof/calib/estimate/information.h"
@@ -17,6 +18,10 @@ struct PosteriorLimits {
   /// Of tx ty tz rx ry rz.
   std::array<double, 6> each() const { return {xy_m, xy_m, z_m, tilt_rad, tilt_rad, yaw_rad}; }
 };
+namespace ml {
+struct RemovedErrors;
+}
+
 struct MlOptions {
   /// Standard deviations of the suspension's slack about the plane; absent: estimated.
   std::optional<double> suspension_height_sigma_m;
@@ -35,6 +40,9 @@ struct MlOptions {
   PosteriorLimits limits;
   /// Where to start instead of the closed-form guess.
   std::optional<CalibrationState> start;
+  /// How large errors that repeat in every image are, if more images of the same cameras and boards tell it; null:
+  /// estimated.
+  std::shared_ptr<const ml::RemovedErrors> repeating;
   /// Steps below this fraction of a standard deviation (squared) end the iteration.
   double tolerance = 1e-8;
 };

@@ -35,8 +35,6 @@ struct ViewPull {
   int corners = 0;
 };
 
-struct Couplings;
-
 /// Whitened observations with the noise levels that may change between solutions.
 class Problem {
  public:
@@ -54,11 +52,10 @@ class Problem {
 
   /// Normal equations at the state, with cost and sums where wanted.
   ArrowSystem linearise(const State& state, Weighting weighting, double* cost, GroupSums* sums) const;
-  /// The same with the repeating errors as further globals, after all others.
-  /// @param fine if wanted: how what no polynomial follows of the lenses enters
-  ArrowSystem linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting,
-                             Couplings* fine = nullptr) const;
-  /// Dimensions of each group that the estimate absorbs: its leverage.
+  /// The same with the repeating errors as further globals, after all others, and fine fields.
+  ArrowSystem linearise_with(const RemovedErrors& removed, const State& state, Weighting weighting) const;
+  /// Dimensions of each group that the estimate absorbs, and of corners those that errors taken out of them did: its
+  /// leverage.
   void add_leverage(const State& state, const EliminatedSystem::PoseCovariance& poses, const Eigen::MatrixXd& globals,
                     GroupSums* sums) const;
   /// Sums of all groups with leverage, weighted by the information that the loss keeps; absent if the poses are not
@@ -85,14 +82,15 @@ class Problem {
   std::vector<bool> view_left_out;
   /// Cameras that saw nothing stay where they are.
   std::vector<bool> camera_fixed;
+  /// Of each camera: dimensions that errors that were taken out of its corners absorbed (RemovedErrors). Empty: none.
+  std::vector<double> corners_absorbed;
 
   GroupSums empty_sums() const;
 
  private:
   struct Besides {
     const RemovedErrors* removed = nullptr;  // further globals
-    Couplings* fine = nullptr;
-    BlockSink* also = nullptr;  // is shown every block
+    BlockSink* also = nullptr;               // is shown every block
   };
   ArrowSystem linearised(const State& state, Weighting weighting, const Besides& besides, double* cost,
                          GroupSums* sums) const;

@@ -10,17 +10,16 @@
 namespace rigproof::ml {
 
 /// The normal equations of a problem with errors that repeat in every image, solved, by the information that the loss
-/// keeps. What is left of the repeating errors counts as unknown: they are the last globals, each of unit variance
-/// before any data.
+/// keeps. What is left of the repeating errors counts as unknown: they are the last globals and the fields, each of
+/// unit variance before any data.
 struct SolvedEquations {
   ArrowSystem system;
-  EliminatedSystem eliminated;
   GlobalCovariance all;
-  /// What no polynomial follows of the lenses, of which the solution does not know: what it makes of the problem's own
-  /// globals, a column for each error of unit variance.
-  Eigen::MatrixXd by_fine_fields;
+  /// Rows of the inverse of the problem's own globals: the columns of poses, and of each field.
+  Eigen::MatrixXd with_poses;
+  std::vector<Eigen::MatrixXd> with_fields;
 
-  /// Of the problem's own globals, with what the fine fields make of them.
+  /// Of the problem's own globals.
   GlobalCovariance of_globals() const;
 };
 
@@ -29,11 +28,5 @@ struct SolvedEquations {
 /// @param add_more if given, adds what else is known of the globals to the normal equations
 std::optional<SolvedEquations> solve_equations(const RemovedErrors& removed, const Problem& problem, const State& state,
                                                const std::function<void(ArrowSystem*)>& add_more = {});
-
-/// Of each group: how much larger its squares are for what no polynomial follows of the lenses, in dimensions, since
-/// the solution does not know of it; absent where the poses are not determined. Of groups that those displacements
-/// themselves are part of (corners) it tells nothing.
-std::optional<GroupSums> leverage_of_fine_fields(const RemovedErrors& removed, const Problem& problem,
-                                                 const State& state);
 
 }  // namespace rigproof::ml

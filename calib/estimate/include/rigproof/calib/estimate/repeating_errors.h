@@ -1,11 +1,12 @@
 // Errors that repeat in every image and that no lens or board of few parameters follows: where each corner was
-// printed, and a smooth field over each camera's image. They are estimated from the images alone, where the board may
-// lie anywhere, and taken out of the corners before anything else; what the data leave of them counts as unknowns of
-// the whole problem.
+// printed, and two fields over each camera's image, a smooth one and a fine one. They are estimated from the images
+// alone, where the board may lie anywhere, and taken out of the corners before anything else; what the data leave of
+// them counts as unknowns of the whole problem.
 #pragma once
 
 #include <Eigen/Core>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include "rigproof/core/observations.h"
 
 namespace rigproof::ml {
+
+class FineNumbers;
 
 class RepeatingErrors {
  public:
@@ -73,7 +76,7 @@ struct RemovedErrors {
   /// Of each board view: displacement of its corners, two rows each, by the coefficients of its camera's field.
   std::vector<Eigen::MatrixXd> fields;
   Eigen::VectorXd value;  ///< of the errors' unknowns
-  /// Of each camera: what no polynomial follows. It stays in the corners.
+  /// Of each camera: what no polynomial follows.
   struct Fine {
     struct Grid {
       int cells;
@@ -84,19 +87,31 @@ struct RemovedErrors {
     std::vector<Grid> grids;  ///< none where the lens is believed, no view tells, or no field at all is likelier by far
     double rms_px = 0.0;      ///< of all of them together, over the image
     double shown_px = 0.0;    ///< the same by what corners are displaced: nearly the field's, fits a grid or not
+    double noise = 1.0;       ///< variance of the corners beside the field, as a multiple of what is stated
+    std::shared_ptr<const FineNumbers> numbers;  ///< by which it is an unknown; null: it is none
+    Eigen::VectorXd value;                       ///< of these
   };
   std::vector<Fine> fine;
+  std::vector<double> absorbed;  ///< of each camera: dimensions of its corners that all these errors absorb
+  /// What the errors' priors add to the cost.
+  double cost() const;
   /// Of each group: how many times larger it is than stated, where neither chance explains it nor a finer field that is
   /// not larger than stated; else 1.
   std::vector<double> beyond_stated;
 };
 /// Nothing taken out yet.
 RemovedErrors none_removed(const Observations& observations, const PriorSigmas& priors);
+/// Fine fields of all lenses that are not believed, as large as they are stated to be.
+void add_stated_fine_fields(const Observations& observations, RemovedErrors* removed);
 
 /// From the images alone: every view's pose, the lenses and the board's shape are estimated with them. What is larger
 /// than stated beyond what chance explains is taken for as large as it is.
+/// @param known how large all of them are, of more images of the same cameras and boards; null: it is estimated
 void estimate_repeating(const Observations& observations, const std::vector<ViewPose>& views, const Priors& priors,
-                        RemovedErrors* removed);
+                        const RemovedErrors* known, RemovedErrors* removed);
+/// Describes what was taken out of a camera's corners by a fine field on other grids.
+void describe_by(const std::vector<RemovedErrors::Fine::Grid>& grids, int camera, const Observations& observations,
+                 RemovedErrors* removed);
 /// Takes the estimate out of the corners of all views that have a pose.
 void remove_repeating(const RemovedErrors& removed, const std::vector<ViewPose>& views, Observations* observations);
 
