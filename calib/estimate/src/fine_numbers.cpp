@@ -92,14 +92,15 @@ void FineSquares::add(const Eigen::Vector2d& pixel, const Eigen::VectorXd& by_nu
     corners_.push_back({by_number, information});
     return;
   }
-  numbers_->for_each_node(pixel, [&](int i, double i_px) {
-    numbers_->for_each_node(pixel, [&](int j, double j_px) {
-      const double both = i_px * j_px;
-      xx_(j, i) += both * information(0, 0);
-      xy_(j, i) += both * information(0, 1);
-      yy_(j, i) += both * information(1, 1);
-    });
-  });
+  near_.clear();
+  numbers_->for_each_node(pixel, [this](int node, double px) { near_.emplace_back(node, px); });
+  for (std::size_t i = 0; i < near_.size(); ++i)  // nodes come by rising number
+    for (std::size_t j = i; j < near_.size(); ++j) {
+      const double both = near_[i].second * near_[j].second;
+      xx_(near_[j].first, near_[i].first) += both * information(0, 0);
+      xy_(near_[j].first, near_[i].first) += both * information(0, 1);
+      yy_(near_[j].first, near_[i].first) += both * information(1, 1);
+    }
 }
 
 Eigen::MatrixXd FineSquares::sum() const { return by_nodes_ ? sum_of_nodes() : sum_of_corners(); }
@@ -126,7 +127,8 @@ Eigen::MatrixXd FineSquares::sum_of_corners() const {
 Eigen::MatrixXd FineSquares::sum_of_nodes() const {
   const Eigen::MatrixXd& M = numbers_->by_nodes_;
   const Eigen::Index n = M.rows();
-  const auto reduced = [&](const Eigen::MatrixXd& by_nodes) -> Eigen::MatrixXd {
+  const auto reduced = [&](const Eigen::MatrixXd& below_diagonal) -> Eigen::MatrixXd {
+    const Eigen::MatrixXd by_nodes = below_diagonal.selfadjointView<Eigen::Lower>();
     Eigen::MatrixXd half = Eigen::MatrixXd::Zero(n, by_nodes.cols());
     for (Eigen::Index j = 0; j < by_nodes.cols(); ++j)
       for (Eigen::Index i = 0; i < by_nodes.rows(); ++i)  // nodes far from each other have nothing in common

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "fine_field.h"
@@ -74,7 +75,8 @@ class FineSquares {
   const FineNumbers* numbers_;
   bool by_nodes_;
   std::vector<Corner> corners_;
-  Eigen::MatrixXd xx_, xy_, yy_;  // by nodes
+  std::vector<std::pair<int, double>> near_;  // nodes of the pixel at hand, and their displacements
+  Eigen::MatrixXd xx_, xy_, yy_;              // by nodes; below the diagonal
 };
 
 }  // namespace rigproof::ml
