@@ -136,7 +136,7 @@ TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
 }
 
 // What polynomials and splines of a few grids make up for, of a field between them, is rarely taken for a
-// contradiction: of 320 robots with corners of .01 px in five, with coarser ones in none. Where most of it lies beside
+// contradiction: of 160 robots with corners of .01 px in five, with coarser ones in none. Where most of it lies beside
 // the boards its size is hardly known, and a pose may be too uncertain for it.
 TEST(MlStrangers, WithSharpCornersFieldsOfAnyScaleAreRarelySuspectedOverTrials) {
   double sum = 0.0;
