@@ -91,9 +91,26 @@ class ImagesAlone {
     return solution;
   }
 
+  // By how the corners fit so far, at the given levels.
+  Solution solve_again(const std::vector<ViewRows>& views, const std::vector<double>& levels,
+                       std::vector<Eigen::VectorXd>* residuals) const {
+    return solve(views, weights_by(views, *residuals, levels), residuals);
+  }
+
   Estimate estimate_of(const Solution& solution) const {
     const Eigen::Index size = errors_.size();
     return {solution.value.tail(size), covariance_of(solution).bottomRightCorner(size, size)};
+  }
+
+  // Covariance of the errors' estimates by fine fields that are no unknowns of the solution.
+  Eigen::MatrixXd bent(const Solution& solution, const std::vector<ViewRows>& views, const Weights& weights) const {
+    const Eigen::MatrixXd by_gradient = covariance_of(solution).bottomRows(errors_.size());
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(errors_.size(), errors_.size());
+    for (int c = 0; c < static_cast<int>(fine_.size()); ++c) {
+      const Eigen::MatrixXd by_field = by_gradient * field_of(views, weights, c).with_globals;
+      sum += by_field * by_field.transpose();
+    }
+    return sum;
   }
 
   // Of each camera: dimensions of its corners that the errors absorb.
@@ -234,24 +251,28 @@ class ImagesAlone {
   Eigen::VectorXd prior_;  // information
 };
 
-// Estimates of numbers of unit variance scatter by 1 less what the data leave. How many times larger the numbers are,
-// where chance does not explain the estimates; 1 where it does.
+// Estimates of numbers of unit variance scatter by 1 less what the data leave, and by what else is known to bend them.
+// How many times larger the numbers are, where chance does not explain the estimates; 1 where it does.
 // @param chance that so much is chance
-double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, double chance) {
+// @param bent covariance of all estimates by what bends them; null: nothing does
+double enlargement(const Estimate& estimate, const RepeatingErrors::Group& group, double chance,
+                   const Eigen::MatrixXd* bent) {
   const Eigen::Index first = group.first, size = group.size;
-  const Eigen::MatrixXd told =
-      Eigen::MatrixXd::Identity(size, size) - estimate.covariance.block(first, first, size, size);
+  Eigen::MatrixXd told = Eigen::MatrixXd::Identity(size, size) - estimate.covariance.block(first, first, size, size);
+  const double of_own = told.trace();
+  if (bent != nullptr) told += bent->block(first, first, size, size);
   const double expected = told.trace(), squares = estimate.value.segment(first, size).squaredNorm();
-  if (!(expected > 0.0) || squares <= expected) return 1.0;
+  if (!(of_own > 0.0) || squares <= expected) return 1.0;
   const double degrees = expected * expected / told.squaredNorm();
-  return chi_square_tail(degrees * squares / expected, degrees) > chance ? 1.0 : std::sqrt(squares / expected);
+  if (chi_square_tail(degrees * squares / expected, degrees) > chance) return 1.0;
+  return std::sqrt((squares - expected + of_own) / of_own);
 }
 
 bool enlarge(const Estimate& estimate, RepeatingErrors* errors) {
   constexpr double kChance = 1e-6, kSettled = 1.05, kMost = 50.0;
   bool changed = false;
   for (const RepeatingErrors::Group& group : errors->groups()) {
-    const double factor = std::min(enlargement(estimate, group, kChance), kMost / group.level);
+    const double factor = std::min(enlargement(estimate, group, kChance, nullptr), kMost / group.level);
     if (factor < kSettled) continue;
     errors->enlarge(group, factor);
     changed = true;
@@ -310,13 +331,45 @@ std::vector<RemovedErrors::Fine> fine_fields(const std::vector<ViewRows>& views,
   return fine;
 }
 
+// What was seen of views, as the polynomials and the print alone explain it.
+struct Seen {
+  const Observations& observations;
+  const Priors& priors;
+  std::vector<ViewRows> rows;
+  std::vector<Eigen::VectorXd> residuals;
+  std::vector<double> levels;
+};
+
+// Polynomials follow what they can of fields that bend within a board, and are large for it, though the field is not
+// larger than stated. What the fine fields make of the estimate, none counted for larger than it is stated to be.
+Eigen::MatrixXd bent_by_fine(Seen seen, const RepeatingErrors& errors, std::vector<RemovedErrors::Fine> fine,
+                             const Solution& smooth) {
+  for (std::size_t c = 0; c < fine.size(); ++c) {
+    const RigCamera& camera = seen.observations.cameras[c];
+    for (RemovedErrors::Fine::Grid& grid : fine[c].grids)
+      grid.sigma_px = std::min(grid.sigma_px, camera.intrinsics_sigma.residual_px / FineField::kRms);
+    fine[c].numbers = numbers_for(seen.observations, static_cast<int>(c), fine[c].grids, fine[c].noise);
+  }
+  for (ViewRows& view : seen.rows) add_fine_rows(fine[static_cast<std::size_t>(view.camera)].numbers.get(), &view);
+  return ImagesAlone(errors, seen.priors, fine)
+      .bent(smooth, seen.rows, ImagesAlone::weights_by(seen.rows, seen.residuals, seen.levels));
+}
+
 // Of each group: how many times larger it is than stated (RemovedErrors::beyond_stated).
-std::vector<double> beyond_stated(const RepeatingErrors& errors, const Estimate& estimate) {
+std::vector<double> beyond_stated(const Seen& seen, const RepeatingErrors& errors,
+                                  const std::vector<RemovedErrors::Fine>& fine, const Solution& smooth,
+                                  const Estimate& estimate) {
   // A rig has as many groups as cameras, and its boards: chance is named in one healthy rig of three cameras of 2,500.
   // A rarer one hides fields that are six times as large as stated.
   constexpr double kChance = 1e-4;
   std::vector<double> beyond;
-  for (const RepeatingErrors::Group& group : errors.groups()) beyond.push_back(enlargement(estimate, group, kChance));
+  std::optional<Eigen::MatrixXd> bent;  // dear, and rarely asked for
+  for (const RepeatingErrors::Group& group : errors.groups()) {
+    beyond.push_back(enlargement(estimate, group, kChance, nullptr));
+    if (beyond.back() == 1.0) continue;
+    if (!bent) bent = bent_by_fine(seen, errors, fine, smooth);
+    beyond.back() = enlargement(estimate, group, kChance, &*bent);
+  }
   return beyond;
 }
 
@@ -360,30 +413,33 @@ void estimate_repeating(const Observations& observations, const std::vector<View
                         const RemovedErrors* known, RemovedErrors* removed) {
   constexpr int kRounds = 3, kMostRounds = 5;  // weights and levels settle soon
   if (known != nullptr) removed->errors = known->errors;
-  std::vector<ViewRows> rows = rows_of_some(views, *removed, observations);
-  std::vector<Eigen::VectorXd> residuals;
-  for (const ViewRows& view : rows) residuals.push_back(view.residual);
-  const ImagesAlone smooth(removed->errors, priors, {});
-  for (int round = 0; round < kRounds; ++round)
-    smooth.solve(rows, ImagesAlone::weights_by(rows, residuals, smooth.squares_of_levels(rows, residuals)), &residuals);
-  std::vector<double> levels = smooth.squares_of_levels(rows, residuals);
-  removed->fine = known != nullptr ? known->fine : fine_fields(rows, residuals, levels, observations, removed->errors);
-  const Weights weights = weights_beside_fields(rows, residuals, levels, removed->fine);
-  take_numbers(observations, &rows, &levels, removed);
+  Seen seen{observations, priors, rows_of_some(views, *removed, observations), {}, {}};
+  for (const ViewRows& view : seen.rows) seen.residuals.push_back(view.residual);
+  const ImagesAlone polynomials(removed->errors, priors, {});
+  Solution smooth;
+  for (int round = 0; round < kRounds; ++round) {
+    seen.levels = polynomials.squares_of_levels(seen.rows, seen.residuals);
+    smooth =
+        polynomials.solve(seen.rows, ImagesAlone::weights_by(seen.rows, seen.residuals, seen.levels), &seen.residuals);
+  }
+  seen.levels = polynomials.squares_of_levels(seen.rows, seen.residuals);
+  removed->fine = known != nullptr ? known->fine
+                                   : fine_fields(seen.rows, seen.residuals, seen.levels, observations, removed->errors);
+  removed->beyond_stated =
+      known != nullptr ? known->beyond_stated
+                       : beyond_stated(seen, removed->errors, removed->fine, smooth, polynomials.estimate_of(smooth));
+  const Weights weights = weights_beside_fields(seen.rows, seen.residuals, seen.levels, removed->fine);
+  take_numbers(observations, &seen.rows, &seen.levels, removed);
   const ImagesAlone whole(removed->errors, priors, removed->fine);
-  Solution solution = whole.solve(rows, weights, &residuals);
-  const auto solve_again = [&] {
-    solution = whole.solve(rows, ImagesAlone::weights_by(rows, residuals, levels), &residuals);
-    return whole.estimate_of(solution);
-  };
-  for (int round = 2; round < kRounds; ++round) solve_again();
-  Estimate estimate = solve_again();
-  removed->beyond_stated = known != nullptr ? known->beyond_stated : beyond_stated(removed->errors, estimate);
-  for (int round = 0; known == nullptr && round < kMostRounds && enlarge(estimate, &removed->errors); ++round)
-    estimate = solve_again();
-  removed->value = estimate.value;
+  Solution solution = whole.solve(seen.rows, weights, &seen.residuals);
+  for (int round = 1; round < kRounds; ++round) solution = whole.solve_again(seen.rows, seen.levels, &seen.residuals);
+  for (int round = 0; known == nullptr && round < kMostRounds; ++round) {
+    if (!enlarge(whole.estimate_of(solution), &removed->errors)) break;
+    solution = whole.solve_again(seen.rows, seen.levels, &seen.residuals);
+  }
+  removed->value = whole.estimate_of(solution).value;
   for (std::size_t c = 0; c < removed->fine.size(); ++c) removed->fine[c].value = solution.fine[c];
-  removed->absorbed = whole.absorbed_by(solution, rows);
+  removed->absorbed = whole.absorbed_by(solution, seen.rows);
 }
 
 }  // namespace rigproof::ml

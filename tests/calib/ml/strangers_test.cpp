@@ -135,29 +135,23 @@ TEST(MlStrangers, WithSharpCornersWhatRepeatsInEveryImageIsCountedOverTrials) {
             3.0 * kUnknowns * static_cast<double>(believed.size()));
 }
 
-// What polynomials and splines of a few grids make up for, of a field between them, is rarely taken for a
-// contradiction: of 160 robots with corners of .01 px in five, with coarser ones in none. Where most of it lies beside
-// the boards its size is hardly known, and a pose may be too uncertain for it.
-TEST(MlStrangers, WithSharpCornersFieldsOfAnyScaleAreRarelySuspectedOverTrials) {
+// What polynomials and splines of a few grids make up for, of a field between them, is no contradiction. Where most of
+// it lies beside the boards its size is hardly known, and a pose may be too uncertain for it.
+TEST(MlStrangers, WithSharpCornersFieldsOfAnyScaleAreNotSuspectedOverTrials) {
   double sum = 0.0;
-  int solved = 0, suspected = 0;
+  int solved = 0;
   for (int seed = 0; seed < kTrials.count(); ++seed) {
     const Driven made = stranger(seed, seed % 2 == 0 ? 0.05 : 0.01, of_any_scale(seed));
     MlOptions options = told();
     options.estimate_corner_level = true;
     const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, options);
     for (const Finding& reason : estimate.result.reasons) EXPECT_EQ(reason.code, "pose.too_uncertain") << seed;
-    for (const Finding& note : estimate.result.notes) {
-      if (note.severity != Severity::kSuspect) continue;
-      EXPECT_EQ(seed % 2, 1) << note.code;
-      ++suspected;
-    }
+    for (const Finding& note : estimate.result.notes) EXPECT_NE(note.severity, Severity::kSuspect) << seed << note.code;
     if (estimate.result.status != ResultStatus::kSolved) continue;
     ASSERT_TRUE(estimate.result.joint_covariance) << seed;
     sum += nees(estimate, poses_of(made.run.truth));
     ++solved;
   }
-  EXPECT_LE(30 * suspected, kTrials.count());
   EXPECT_GE(20 * solved, 19 * kTrials.count());
   EXPECT_NEAR(sum / solved, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
 }
@@ -231,7 +225,7 @@ TEST(MlStrangers, AFieldSixTimesAsLargeIsNamedTwiceAsOftenAsNotOverTrials) {
 TEST(MlStrangers, WhatIsFurtherOffThanStatedIsNamed) {
   const std::string camera = stranger(3).run.observations.cameras[1].name;
   EXPECT_THAT(strained({}), testing::IsEmpty());
-  EXPECT_THAT(strained({6.0, 1.0, 0.0}, 2), testing::Contains("lens_residual_px of " + camera));
+  EXPECT_THAT(strained({6.0, 1.0, 0.0}), testing::Contains("lens_residual_px of " + camera));
   EXPECT_THAT(strained({15.0, 1.0, 0.0}), testing::Contains("lens_residual_px of " + camera));
   EXPECT_THAT(strained({1.0, 6.0, 0.0}), testing::Contains("print_mm"));
   EXPECT_THAT(strained({1.0, 1.0, 0.04}), testing::Contains("depth_offset_mm of " + camera));
