@@ -10,8 +10,8 @@ namespace rigproof::ml {
 namespace {
 
 // A row for each pixel: what independent numbers of unit variance at the nodes of all grids displace it by.
-Eigen::MatrixXd by_nodes(const Camera& camera, const std::vector<RemovedErrors::Fine::Grid>& grids,
-                         const std::vector<Eigen::Vector2d>& pixels) {
+Eigen::MatrixXd displacements_by_nodes(const Camera& camera, const std::vector<RemovedErrors::Fine::Grid>& grids,
+                                       const std::vector<Eigen::Vector2d>& pixels) {
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(pixels.size()), 0);
   for (const RemovedErrors::Fine::Grid& grid : grids) {
     const FineField field(camera, grid.cells);
@@ -26,27 +26,27 @@ Eigen::MatrixXd by_nodes(const Camera& camera, const std::vector<RemovedErrors::
 }
 
 // Corners that lie close together, for one of them.
-struct Group {
+struct CloseCorners {
   Eigen::Vector2d pixel;
   double weight;
 };
 
-std::vector<Group> corners_of(const Observations& observations, int camera, double noise) {
+std::vector<CloseCorners> corners_of(const Observations& observations, int camera, double noise) {
   constexpr double kAcross = 48.0;  // a third of the finest grid's cells
   const Camera& lens = observations.cameras[static_cast<std::size_t>(camera)].camera;
   const double cell_px = std::max(lens.width_px, lens.height_px) / kAcross;
-  std::map<std::pair<int, int>, Group> groups;
+  std::map<std::pair<int, int>, CloseCorners> groups;
   for (const BoardView& view : observations.board_views) {
     if (view.camera != camera) continue;
     for (const CornerObservation& corner : view.corners) {
       const double variance = 0.5 * noise * corner.covariance_px2.trace();
-      if (!(variance > 0.0) || !std::isfinite(variance)) continue;
+      if (!(variance > 0.0) || !std::isfinite(variance) || !lens.contains(corner.pixel)) continue;
       const std::pair<int, int> cell(static_cast<int>(std::floor(corner.pixel.x() / cell_px)),
                                      static_cast<int>(std::floor(corner.pixel.y() / cell_px)));
-      groups.emplace(cell, Group{corner.pixel, 0.0}).first->second.weight += 1.0 / variance;
+      groups.emplace(cell, CloseCorners{corner.pixel, 0.0}).first->second.weight += 1.0 / variance;
     }
   }
-  std::vector<Group> all;
+  std::vector<CloseCorners> all;
   for (const auto& [cell, group] : groups) all.push_back(group);
   return all;
 }
@@ -59,7 +59,7 @@ FineNumbers::FineNumbers(const Camera& camera, const std::vector<RemovedErrors::
     grids_.push_back({FineField(camera, grid.cells), nodes_, grid.counted_px()});
     nodes_ += grids_.back().field.nodes();
   }
-  by_nodes_ = by_nodes(camera, grids, places);
+  by_nodes_ = displacements_by_nodes(camera, grids, places);
   const Eigen::MatrixXd covariance = by_nodes_ * by_nodes_.transpose();
   Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solveInPlace(by_nodes_);
 }
@@ -82,13 +82,13 @@ Eigen::Vector2d FineNumbers::displacement(const Eigen::Vector2d& pixel, const Ei
 }
 
 FineSquares::FineSquares(const FineNumbers& numbers, std::size_t corners)
-    : numbers_(&numbers), by_nodes_(corners > 2 * static_cast<std::size_t>(numbers.nodes_)) {
-  if (by_nodes_) xx_ = xy_ = yy_ = Eigen::MatrixXd::Zero(numbers.nodes_, numbers.nodes_);
+    : numbers_(&numbers), sums_nodes_(corners > 2 * static_cast<std::size_t>(numbers.nodes_)) {
+  if (sums_nodes_) xx_ = xy_ = yy_ = Eigen::MatrixXd::Zero(numbers.nodes_, numbers.nodes_);
 }
 
 void FineSquares::add(const Eigen::Vector2d& pixel, const Eigen::VectorXd& by_number,
                       const Eigen::Matrix2d& information) {
-  if (!by_nodes_) {
+  if (!sums_nodes_) {
     corners_.push_back({by_number, information});
     return;
   }
@@ -103,7 +103,7 @@ void FineSquares::add(const Eigen::Vector2d& pixel, const Eigen::VectorXd& by_nu
     }
 }
 
-Eigen::MatrixXd FineSquares::sum() const { return by_nodes_ ? sum_of_nodes() : sum_of_corners(); }
+Eigen::MatrixXd FineSquares::sum() const { return sums_nodes_ ? sum_of_nodes() : sum_of_corners(); }
 
 Eigen::MatrixXd FineSquares::sum_of_corners() const {
   const Eigen::Index n = numbers_->along_x(), corners = static_cast<Eigen::Index>(corners_.size());
@@ -150,7 +150,7 @@ std::vector<Eigen::Vector2d> places_among_corners(const Observations& observatio
                                                   const std::vector<RemovedErrors::Fine::Grid>& grids, double noise) {
   constexpr double kLeftOut = 1.0;
   constexpr double kRounding = 1e-9;  // of a pixel's variance
-  const std::vector<Group> groups = corners_of(observations, camera, noise);
+  const std::vector<CloseCorners> groups = corners_of(observations, camera, noise);
   std::vector<Eigen::Vector2d> candidates, places;
   Eigen::VectorXd weight(static_cast<Eigen::Index>(groups.size()));
   for (std::size_t i = 0; i < groups.size(); ++i) {
@@ -158,7 +158,7 @@ std::vector<Eigen::Vector2d> places_among_corners(const Observations& observatio
     weight[static_cast<Eigen::Index>(i)] = groups[i].weight;
   }
   const Eigen::MatrixXd rows =
-      by_nodes(observations.cameras[static_cast<std::size_t>(camera)].camera, grids, candidates);
+      displacements_by_nodes(observations.cameras[static_cast<std::size_t>(camera)].camera, grids, candidates);
   const Eigen::VectorXd variance = rows.rowwise().squaredNorm();
   Eigen::VectorXd left = variance;
   Eigen::MatrixXd factor(rows.rows(), std::min(rows.rows(), rows.cols()));

@@ -73,7 +73,7 @@ class FineSquares {
   Eigen::MatrixXd sum_of_nodes() const;
 
   const FineNumbers* numbers_;
-  bool by_nodes_;
+  bool sums_nodes_;
   std::vector<Corner> corners_;
   std::vector<std::pair<int, double>> near_;  // nodes of the pixel at hand, and their displacements
   Eigen::MatrixXd xx_, xy_, yy_;              // by nodes; below the diagonal

@@ -53,7 +53,7 @@ std::vector<Shaking> shaking_of_cameras(const Problem& problem, const State& sta
 
 namespace {
 
-// What no polynomial follows of a lens moves a view as a whole, too, and is counted with already.
+// What no polynomial follows of a lens moves a view as a whole, too, where corners tell little of it.
 double unexplained_px(const Preparation& prepared, std::size_t camera) {
   constexpr double kTimes = 2.0, kLeast_px = 0.02;
   const std::vector<RemovedErrors::Fine>& fine = prepared.repeating.fine;

@@ -156,6 +156,31 @@ TEST(MlStrangers, WithSharpCornersFieldsOfAnyScaleAreNotSuspectedOverTrials) {
   EXPECT_NEAR(sum / solved, kUnknowns, kTrials.chi_square_tolerance(kUnknowns));
 }
 
+// What lenses have beside their models counts in the bound as much as in the answer: errors are as large as it allows.
+TEST(MlStrangers, TheBoundIsReachedWithFieldsOfAnyScaleOverTrials) {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(kUnknowns), allowed = squares, stated = squares;
+  for (int seed = 0; seed < kTrials.count(); ++seed) {
+    const Driven made = stranger(seed, 0.05, of_any_scale(seed));
+    const MlEstimate estimate = estimate_maximum_likelihood(made.run.observations, told());
+    ASSERT_TRUE(estimate.result.joint_covariance) << seed;
+    const InformationBound bound =
+        cramer_rao_bound(made.run.observations, state_of(made.run.truth), noise_of(made.run.truth));
+    for (int c = 0; c < kUnknowns / 6; ++c) {
+      const auto camera = static_cast<std::size_t>(c);
+      squares.segment<6>(6 * c) +=
+          transform_error(estimate.state.T_robot_camera[camera], made.run.truth.cameras[camera].T_robot_camera)
+              .cwiseAbs2();
+    }
+    allowed += bound.joint.diagonal();
+    stated += estimate.result.joint_covariance->diagonal();
+  }
+  for (int i = 0; i < kUnknowns; ++i) {
+    EXPECT_LT(std::sqrt(stated[i] / allowed[i]), 1.15) << i;
+    EXPECT_GT(std::sqrt(stated[i] / allowed[i]), 0.85) << i;
+  }
+  EXPECT_NEAR(squares.cwiseQuotient(allowed).mean(), 1.0, kTrials.chi_square_tolerance(kUnknowns) / kUnknowns);
+}
+
 // Fields bend the poses, and those meet the odometry: taken out, they leave it as it is stated.
 TEST(MlStrangers, WithSharpCornersFieldsDoNotContradictTheOdometryOverTrials) {
   double squares = 0.0, redundancy = 0.0;

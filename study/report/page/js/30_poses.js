@@ -133,7 +133,7 @@ function posesSection(data, result) {
     cards.push(card);
   }
   const lead = determinedInWords(result) + (data.has_truth
-    ? "Angles of a pose are roll, pitch and yaw of the camera's body axes; errors are along and about the parent's axes. The bound is the least standard deviation that any unbiased method can have with these data, if it knew what no polynomial follows of the lenses."
+    ? "Angles of a pose are roll, pitch and yaw of the camera's body axes; errors are along and about the parent's axes. The bound is the least standard deviation that any unbiased method can have with these data and what is stated of lenses, board and depth; a method that finds them better than stated may be a little below it."
     : "Angles of a pose are roll, pitch and yaw of the camera's body axes; sigmas are standard deviations that the method states.");
   return section("poses", "Poses", lead, ...cards);
 }

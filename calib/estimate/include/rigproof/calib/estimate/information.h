@@ -48,7 +48,8 @@ struct InformationBound {
 
 /// Inverse information at the given state: no unbiased estimator has a smaller covariance. Measured values are not
 /// used, only the covariances of the corners and planes that were seen. Depth scales have the priors of
-/// DepthNoise::scale_sigma. Throws Error if the state does not fit the observations.
+/// DepthNoise::scale_sigma; lenses and prints that are not believed have their fields as large as is stated. Throws
+/// Error if the state does not fit the observations.
 InformationBound cramer_rao_bound(const Observations& observations, const CalibrationState& state,
                                   const CalibrationNoise& noise);
 
